@@ -1,0 +1,71 @@
+!> Numbers and words as text for messages and tables.
+module text
+   use, intrinsic :: iso_fortran_env, only: int64
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: to_text, to_lower
+
+   !> A number or logical as short text without surrounding blanks.
+   interface to_text
+      module procedure :: integer_to_text
+      module procedure :: long_to_text
+      module procedure :: real_to_text
+   end interface to_text
+
+contains
+
+   !> An integer in as few characters as it needs.
+   pure function integer_to_text(value) result(string)
+      integer, intent(in) :: value
+      character(:), allocatable :: string
+
+      string = long_to_text(int(value, int64))
+   end function integer_to_text
+
+   !> A 64-bit integer in as few characters as it needs.
+   pure function long_to_text(value) result(string)
+      integer(int64), intent(in) :: value
+      character(:), allocatable :: string
+      character(len=24) :: buffer
+
+      write (buffer, '(i0)') value
+      string = trim(buffer)
+   end function long_to_text
+
+   !> A real with `digits` significant digits (default 6, at most 17): fixed point for 1e-3 <= |value| < 1e6, else scientific.
+   pure function real_to_text(value, digits) result(string)
+      real(wp), intent(in) :: value
+      integer, intent(in), optional :: digits
+      character(:), allocatable :: string
+      character(len=40) :: buffer
+      character(len=16) :: form
+      integer :: shown, decimals
+
+      shown = 6
+      if (present(digits)) shown = min(max(digits, 1), 17)
+      if (abs(value) >= 1.0e-3_wp .and. abs(value) < 1.0e6_wp) then
+         decimals = max(shown - 1 - floor(log10(abs(value))), 0)
+         write (form, '(a,i0,a)') '(f40.', decimals, ')'
+      else
+         write (form, '(a,i0,a)') '(es40.', shown - 1, ')'
+      end if
+      write (buffer, form) value
+      string = trim(adjustl(buffer))
+   end function real_to_text
+
+   !> `string` with A-Z in lower case.
+   pure function to_lower(string) result(lower)
+      character(*), intent(in) :: string
+      character(len(string)) :: lower
+      integer :: i, code
+
+      do i = 1, len(string)
+         code = iachar(string(i:i))
+         if (code >= iachar('A') .and. code <= iachar('Z')) code = code + 32
+         lower(i:i) = achar(code)
+      end do
+   end function to_lower
+
+end module text
