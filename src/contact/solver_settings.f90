@@ -1,0 +1,66 @@
+!> What a caller may choose about the numerical solution: domain, time steps, method.
+!>
+!> Plain records without behaviour. A value of zero (or below) means "chosen by the program"; words are lower case.
+module solver_settings
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: domain_t, time_settings_t, solver_settings_t
+
+   !> Length of the words below.
+   integer, parameter, public :: word_length = 24
+
+   !> The computational domain, x_inlet <= X <= x_outlet, in half-widths.
+   type :: domain_t
+      !> Inlet [half-widths], below -1; used only with `has_inlet`.
+      real(wp) :: x_inlet = 0.0_wp
+      !> Outlet [half-widths], above the end of the contact; used only with `has_outlet`.
+      real(wp) :: x_outlet = 0.0_wp
+      !> False: the program chooses the inlet from the regime.
+      logical :: has_inlet = .false.
+      !> False: the program chooses the outlet from the regime.
+      logical :: has_outlet = .false.
+      !> Grid intervals on the finest grid, a power of two; 0: chosen by the program.
+      integer :: intervals = 0
+   end type domain_t
+
+   !> Steady or in time, and the steps. Time is dimensionless, T = t u_s/(2 b).
+   type :: time_settings_t
+      !> True: a transient from the smooth steady solution at T = 0.
+      logical :: is_transient = .false.
+      !> End of the transient [-].
+      real(wp) :: end_time = 0.0_wp
+      !> Time step [-]; zero: dX of the grid.
+      real(wp) :: time_step = 0.0_wp
+      !> 'backward_euler'.
+      character(len=word_length) :: scheme = 'backward_euler'
+   end type time_settings_t
+
+   !> The method of solution and its numbers.
+   type :: solver_settings_t
+      !> 'auto', 'fas_block_jacobi', 'block_jacobi' (one level) or 'newton_dense'.
+      character(len=word_length) :: method = 'auto'
+      !> 'auto', 'block_jacobi', 'gauss_seidel', 'line' or 'hybrid'.
+      character(len=word_length) :: smoother = 'auto'
+      !> First guess: 'fmg' (full multigrid) or 'hertz' (Hertz pressure on the finest grid).
+      character(len=word_length) :: start = 'fmg'
+      !> Bound on the residuals of equations.md, section 1 [-]; zero: 1e-8 steady, 1e-6 in time steps.
+      real(wp) :: tolerance = 0.0_wp
+      !> Largest number of cycles for one solution (of each time step); zero: automatic.
+      integer :: max_cycles = 0
+      !> Grid levels, the finest counted; zero: automatic.
+      integer :: levels = 0
+      !> Smoothing sweeps before the coarse-grid correction; zero: automatic.
+      integer :: pre_sweeps = 0
+      !> Smoothing sweeps after the coarse-grid correction; zero: automatic.
+      integer :: post_sweeps = 0
+      !> Sweeps on the coarsest level where it is not solved exactly; zero: automatic.
+      integer :: coarse_sweeps = 0
+      !> Under-relaxation of the smoother, 0 < relaxation <= 1 [-]; zero: automatic.
+      real(wp) :: relaxation = 0.0_wp
+      !> Under-relaxation of the force balance [-]; zero: automatic.
+      real(wp) :: load_relaxation = 0.0_wp
+   end type solver_settings_t
+
+end module solver_settings
