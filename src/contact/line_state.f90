@@ -1,0 +1,33 @@
+!> The fields of a lubricated line contact at one time, as the solver hands them out.
+module line_state
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: line_state_t
+
+   !> Dimensionless fields on the nodes of the finest grid, each (nx).
+   type :: line_state_t
+      !> X = x/b, uniform, rising.
+      real(wp), allocatable :: x(:)
+      !> P = p/p_h, never negative.
+      real(wp), allocatable :: pressure(:)
+      !> H = h R/b^2.
+      real(wp), allocatable :: film_thickness(:)
+      !> mu/mu_0.
+      real(wp), allocatable :: viscosity(:)
+      !> rho/rho_0.
+      real(wp), allocatable :: density(:)
+      !> Eyring slip factor S; 1 for a Newtonian fluid.
+      real(wp), allocatable :: slip_factor(:)
+      !> Psi_1 = psi_1 R/b^2: height of surface 1, positive out of the material (towards the gap).
+      real(wp), allocatable :: roughness_1(:)
+      !> Psi_2 likewise for surface 2.
+      real(wp), allocatable :: roughness_2(:)
+      !> H0 of (2.58).
+      real(wp) :: rigid_displacement = 0.0_wp
+      !> T = t u_s/(2 b).
+      real(wp) :: time = 0.0_wp
+   end type line_state_t
+
+end module line_state

@@ -1,0 +1,79 @@
+!> How a solver tells its progress and hands over time steps without knowing who listens.
+module observer
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_state, only: line_state_t
+   implicit none (type, external)
+   private
+
+   public :: observer_t, silent_observer_t
+
+   !> Somebody who listens to a solver.
+   type, abstract :: observer_t
+      !> Set by the observer: the solver ends after this cycle or step, as not converged (a full disk, a signal).
+      logical :: wants_stop = .false.
+   contains
+      !> After each cycle of a steady solve.
+      procedure(on_cycle_interface), deferred :: on_cycle
+      !> After each time step, and once at T = 0 with step = 0.
+      procedure(on_step_interface), deferred :: on_step
+   end type observer_t
+
+   !> An observer that ignores everything, for tests and comparisons.
+   type, extends(observer_t) :: silent_observer_t
+   contains
+      procedure :: on_cycle => ignore_cycle
+      procedure :: on_step => ignore_step
+   end type silent_observer_t
+
+   abstract interface
+
+      !> `cycle` counts from 1; `residual` and `load_error` are those after it [-].
+      subroutine on_cycle_interface(self, cycle, residual, load_error)
+         import :: observer_t, wp
+         implicit none (type, external)
+         class(observer_t), intent(inout) :: self
+         integer, intent(in) :: cycle
+         real(wp), intent(in) :: residual
+         real(wp), intent(in) :: load_error
+      end subroutine on_cycle_interface
+
+      !> Time step `step` of `steps` is done (0 = the start) and left `state`; `report` as far as it is known.
+      subroutine on_step_interface(self, step, steps, state, report)
+         import :: line_state_t, observer_t, report_t
+         implicit none (type, external)
+         class(observer_t), intent(inout) :: self
+         integer, intent(in) :: step
+         integer, intent(in) :: steps
+         type(line_state_t), intent(in) :: state
+         type(report_t), intent(in) :: report
+      end subroutine on_step_interface
+
+   end interface
+
+contains
+
+   !> Does nothing.
+   subroutine ignore_cycle(self, cycle, residual, load_error)
+      class(silent_observer_t), intent(inout) :: self
+      integer, intent(in) :: cycle
+      real(wp), intent(in) :: residual
+      real(wp), intent(in) :: load_error
+
+      associate (unused_self => self, unused_cycle => cycle, unused_residual => residual, unused_load_error => load_error)
+      end associate
+   end subroutine ignore_cycle
+
+   !> Does nothing.
+   subroutine ignore_step(self, step, steps, state, report)
+      class(silent_observer_t), intent(inout) :: self
+      integer, intent(in) :: step
+      integer, intent(in) :: steps
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(in) :: report
+
+      associate (unused_self => self, unused_step => step, unused_steps => steps, unused_state => state, unused_report => report)
+      end associate
+   end subroutine ignore_step
+
+end module observer

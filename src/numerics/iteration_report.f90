@@ -1,0 +1,118 @@
+!> What an iterative solver says about its run: whether and why it ended, its history and its cost.
+!>
+!> Not converging is a result with a reason, not an error: the report says it, the file keeps it.
+module iteration_report
+   use, intrinsic :: iso_fortran_env, only: int64
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: report_t
+
+   !> Number of phases whose wall time is kept apart.
+   integer, parameter, public :: phase_count = 5
+   !> Index of a phase in `report_t%phase_seconds`: reading and checking the input.
+   integer, parameter, public :: phase_input = 1
+   !> Kernels, levels, plans and storage.
+   integer, parameter, public :: phase_setup = 2
+   !> The steady solution (also the one that a transient starts from).
+   integer, parameter, public :: phase_steady = 3
+   !> The time steps without what the output takes.
+   integer, parameter, public :: phase_transient = 4
+   !> Writing results.
+   integer, parameter, public :: phase_output = 5
+   !> Names of the phases, in the order of their index.
+   character(len=*), parameter, public :: phase_names(phase_count) = &
+      [character(len=9) :: 'input', 'setup', 'steady', 'transient', 'output']
+
+   !> Outcome, history and cost of one solve.
+   type :: report_t
+      !> Residual and load error are below `tolerance_effective` (of the last solve, and of every time step).
+      logical :: converged = .false.
+      !> Why the solver ended; 'converged', or what stood in the way.
+      character(:), allocatable :: reason
+      !> Method that was used, 'auto' resolved.
+      character(:), allocatable :: method
+      !> Cycles (or iterations) on the finest level, time steps included.
+      integer :: cycles = 0
+      !> Grid levels, the finest counted.
+      integer :: levels = 0
+      !> Time steps done.
+      integer :: steps = 0
+      !> Last residual: max |r|/lambda over P > 0 and of max(r, 0)/lambda where P = 0 [-].
+      real(wp) :: residual = huge(1.0_wp)
+      !> Last |dX sum P - pi/2| [-].
+      real(wp) :: load_error = huge(1.0_wp)
+      !> max(tolerance, 5 x round-off floor of the residual) [-].
+      real(wp) :: tolerance_effective = 0.0_wp
+      !> Pairs of forward and backward transforms.
+      integer(int64) :: fft_pairs = 0_int64
+      !> Sweeps, each weighted by its share of the nodes of the finest level [-].
+      real(wp) :: work_units = 0.0_wp
+      !> Wall time of the whole solve [s].
+      real(wp) :: wall_seconds = 0.0_wp
+      !> Wall time by phase [s], see `phase_names`.
+      real(wp) :: phase_seconds(phase_count) = 0.0_wp
+      !> Entries of the history in use; the two arrays below may be longer.
+      integer :: history_size = 0
+      real(wp), allocatable, private :: residuals(:)
+      real(wp), allocatable, private :: load_errors(:)
+   contains
+      !> Appends one cycle to the history and counts it.
+      procedure :: add
+      !> Residual after each cycle (history_size) [-].
+      procedure :: residual_history
+      !> Load error after each cycle (history_size) [-].
+      procedure :: load_error_history
+   end type report_t
+
+contains
+
+   !> Appends one cycle: `residual` and `load_error` [-] become the last ones, `cycles` grows by one. Storage doubles when full.
+   pure subroutine add(self, residual, load_error)
+      class(report_t), intent(inout) :: self
+      real(wp), intent(in) :: residual
+      real(wp), intent(in) :: load_error
+
+      if (.not. allocated(self%residuals)) allocate (self%residuals(32), self%load_errors(32))
+      if (self%history_size == size(self%residuals)) then
+         call double(self%residuals)
+         call double(self%load_errors)
+      end if
+      self%history_size = self%history_size + 1
+      self%residuals(self%history_size) = residual
+      self%load_errors(self%history_size) = load_error
+      self%residual = residual
+      self%load_error = load_error
+      self%cycles = self%cycles + 1
+   end subroutine add
+
+   !> The residual after each cycle (history_size) [-].
+   pure function residual_history(self) result(history)
+      class(report_t), intent(in) :: self
+      real(wp), allocatable :: history(:)
+
+      allocate (history(self%history_size))
+      if (self%history_size > 0) history = self%residuals(:self%history_size)
+   end function residual_history
+
+   !> The load error after each cycle (history_size) [-].
+   pure function load_error_history(self) result(history)
+      class(report_t), intent(in) :: self
+      real(wp), allocatable :: history(:)
+
+      allocate (history(self%history_size))
+      if (self%history_size > 0) history = self%load_errors(:self%history_size)
+   end function load_error_history
+
+   !> Twice the storage, contents kept.
+   pure subroutine double(array)
+      real(wp), allocatable, intent(inout) :: array(:)
+      real(wp), allocatable :: longer(:)
+
+      allocate (longer(2*size(array)))
+      longer(:size(array)) = array
+      call move_alloc(longer, array)
+   end subroutine double
+
+end module iteration_report
