@@ -1,0 +1,24 @@
+!> Which program this is: name, version and the commit it was built from.
+module build_info
+   implicit none (type, external)
+   private
+
+   public :: git_commit
+
+   !> Name of the program.
+   character(*), parameter, public :: program_name = 'asperity'
+   !> Version of the program; a test keeps it equal to the one in fpm.toml and CITATION.cff.
+   character(*), parameter, public :: program_version = '0.1.0'
+
+contains
+
+   !> The commit that the program was built from, with `-dirty` if files had changed since; 'unknown' without git.
+   !>
+   !> The included line is `include/git_commit.inc`, or the one that `make` writes to build/info/, which is found first.
+   pure function git_commit() result(commit)
+      character(:), allocatable :: commit
+
+      include 'git_commit.inc'
+   end function git_commit
+
+end module build_info

@@ -1,0 +1,441 @@
+#!/usr/bin/env python3
+"""Translate pFUnit test files (.pf) for the small stand-in of tools/funit_lite.f90.
+
+    pf2f90.py OUTPUT_FOLDER FILE.pf [FILE.pf ...]
+
+Writes one NAME.f90 per NAME.pf (the test module and the module that runs it), funit.f90 (the assertions) and
+pf_suites.f90 (the list of suites). Only the subset of pFUnit that the tests of this project use is accepted: everything
+else, and everything that the real pFUnit drops or ignores silently, is refused as `file:line: reason`, exit status 1.
+"""
+
+import pathlib
+import re
+import sys
+from dataclasses import dataclass, field
+
+from funit_overloads import funit_module
+
+MAX_NAME = 44  # longest test name that the real pFUnit takes
+MAX_LINE = 120
+
+# Assertions of the subset: name -> (least, most) number of arguments, message included.
+ASSERTIONS = {
+    "assertequal": (2, 4),
+    "assertnotequal": (2, 4),
+    "assertlessthan": (2, 4),
+    "assertlessthanorequal": (2, 4),
+    "assertgreaterthan": (2, 4),
+    "assertgreaterthanorequal": (2, 4),
+    "assertrelativelyequal": (3, 4),
+    "asserttrue": (1, 2),
+    "assertfalse": (1, 2),
+    "assertall": (1, 2),
+    "assertany": (1, 2),
+    "assertnone": (1, 2),
+    "assertnotall": (1, 2),
+    "assertisnan": (1, 2),
+    "assertisfinite": (1, 2),
+    "assertsameshape": (2, 3),
+    "assertfail": (1, 1),
+}
+KEYWORDS = {"expected", "actual", "found", "lhs", "rhs", "condition", "conditions", "x", "tolerance", "message"}
+
+
+class Refused(Exception):
+    """A line that the subset does not contain."""
+
+
+@dataclass
+class Test:
+    """One @test: its procedure, line, argument if any, and what is asked of it."""
+
+    name: str
+    line: int
+    argument: str
+    disabled: bool = False
+    cases: str = ""
+
+
+@dataclass
+class Suite:
+    """What one .pf file declares."""
+
+    name: str
+    tests: list = field(default_factory=list)
+    before: str = ""
+    after: str = ""
+    case_type: str = ""
+    case_is_parameterized: bool = False
+    case_options: dict = field(default_factory=dict)
+    parameter_type: str = ""
+    parameter_options: dict = field(default_factory=dict)
+    has_private: bool = False
+
+
+def code_only(line):
+    """The line with comments removed and characters inside strings replaced by a dot."""
+    out, quote = [], ""
+    for char in line:
+        if quote:
+            out.append(char if char == quote else ".")
+            if char == quote:
+                quote = ""
+        elif char in "'\"":
+            quote = char
+            out.append(char)
+        elif char == "!":
+            break
+        else:
+            out.append(char)
+    return "".join(out)
+
+
+def split_arguments(text):
+    """The arguments of `(a, b, c)`, split at the commas of the outer level."""
+    inner = text.strip()
+    if not inner:
+        return []
+    code = code_only(inner)
+    if not (code.startswith("(") and code.endswith(")")) or len(code) != len(inner):
+        raise Refused("an annotation must be alone on one line: nothing may follow its closing parenthesis")
+    depth, start, arguments = 0, 1, []
+    for i, char in enumerate(code):
+        if char in "([{":
+            depth += 1
+        elif char in ")]}":
+            depth -= 1
+            if depth == 0 and i != len(code) - 1:
+                raise Refused("an annotation must be alone on one line: nothing may follow its closing parenthesis")
+        elif char == "," and depth == 1:
+            arguments.append(inner[start:i].strip())
+            start = i + 1
+    if depth != 0:
+        raise Refused("parentheses of the annotation do not balance on this line (no continuation is possible)")
+    arguments.append(inner[start:-1].strip())
+    return [] if arguments == [""] else arguments
+
+
+def options_of(arguments, allowed, annotation):
+    """The keyword arguments of an annotation as a dictionary, names in lower case."""
+    options = {}
+    for argument in arguments:
+        match = re.fullmatch(r"(\w+)\s*=\s*(.+)", argument)
+        if not match or match[1].lower() not in allowed:
+            known = ", ".join(sorted(allowed)) or "none"
+            raise Refused(f"@{annotation} does not take '{argument}' here (known: {known})")
+        options[match[1].lower()] = match[2].strip()
+    return options
+
+
+def fold(line):
+    """The statement broken into lines that a compiler accepts (an ampersand on both sides may split anything)."""
+    pieces = []
+    while len(line) > MAX_LINE:
+        pieces.append(line[:MAX_LINE] + "&")
+        line = "&" + line[MAX_LINE:]
+    return [*pieces, line]
+
+
+def expand_assertion(name, text, file_name, number):
+    """The Fortran lines for one assertion."""
+    least, most = ASSERTIONS[name.lower()]
+    arguments = split_arguments(text)
+    if not least <= len(arguments) <= most:
+        raise Refused(f"@{name} takes {least} to {most} arguments, found {len(arguments)}")
+    for argument in arguments:
+        match = re.match(r"(\w+)\s*=(?!=)", argument)
+        if match and match[1].lower() not in KEYWORDS:
+            raise Refused(f"@{name}: keyword '{match[1]}' is not in the subset")
+    location = f"location=SourceLocation('{file_name}', {number})"
+    call = f"call {name}({', '.join([*arguments, location])})"
+    return [*fold(call), "if (anyExceptions()) return"]
+
+
+class Translator:
+    """Reads one .pf file line by line; `pending` holds an annotation that waits for the statement it belongs to."""
+
+    def __init__(self, path):
+        self.path = path
+        self.suite = Suite(path.stem)
+        self.output = []
+        self.pending = ""
+        self.pending_options = {}
+        self.is_disabled = False
+        self.has_module = False
+
+    def translate(self):
+        """Translate the whole file; raises Refused with file:line."""
+        number = 0
+        try:
+            for number, line in enumerate(self.path.read_text(encoding="utf-8").splitlines(), 1):
+                self.take_line(line, number)
+            if self.pending:
+                raise Refused(f"@{self.pending} at the end of the file has nothing that it belongs to")
+            self.check_suite()
+        except Refused as reason:
+            raise Refused(f"{self.path}:{number}: {reason}") from None
+        return self.suite
+
+    def take_line(self, line, number):
+        """Translate one line."""
+        code = code_only(line)
+        match = re.fullmatch(r"\s*@\s*(\w+)\s*(.*?)\s*", line)
+        if line.startswith("#"):
+            raise Refused("preprocessor lines are not in the subset")
+        if match:
+            self.output += self.annotation(match[1], match[2], number)
+            return
+        if "@" in code:
+            raise Refused("an annotation must be alone on its line, nothing before it")
+        if self.pending:
+            self.belongs(line, number)
+        self.check_module(code)
+        if re.fullmatch(r"\s*private\s*", code, re.I):
+            self.suite.has_private = True
+        self.output.append(line)
+
+    def check_module(self, code):
+        """The file must hold the module of its own name."""
+        match = re.fullmatch(r"\s*module\s+(\w+)\s*", code, re.I)
+        if match and match[1].lower() != "procedure":
+            if match[1].lower() != self.suite.name.lower():
+                raise Refused(f"the module must be called {self.suite.name}, found {match[1]}")
+            if self.has_module:
+                raise Refused("one module per file")
+            self.has_module = True
+
+    def annotation(self, name, text, number):
+        """Handle `@name text`; returns the lines that replace it."""
+        if "&" in code_only(text) or ";" in code_only(text) or len(code_only(text)) != len(text):
+            raise Refused("an annotation must be alone on one line: no '&', ';' or trailing comment")
+        lower = name.lower()
+        if self.pending and not (self.pending == "test" and lower == "disable"):
+            raise Refused(f"@{self.pending} must be followed by the statement it belongs to, found @{name}")
+        if lower in ASSERTIONS:
+            return expand_assertion(name, text, self.path.name, number)
+        allowed = {
+            "test": {"cases"},
+            "before": set(),
+            "after": set(),
+            "testcase": {"constructor", "testparameters"},
+            "testparameter": {"constructor"},
+        }
+        if lower == "disable":
+            if self.pending != "test" or text:
+                raise Refused("@disable stands alone between @test and its subroutine")
+            self.is_disabled = True
+        elif lower in allowed:
+            self.pending_options = options_of(split_arguments(text), allowed[lower], name)
+            self.pending = lower
+        else:
+            raise Refused(f"@{name} is not in the subset of pFUnit that this project uses")
+        return []
+
+    def belongs(self, line, number):
+        """The statement right after an annotation."""
+        if self.pending in {"test", "before", "after"}:
+            match = re.fullmatch(r"\s*subroutine\s+(\w+)\s*(?:\(\s*(\w*)\s*\))?\s*", line, re.I)
+            if not match:
+                raise Refused(f"the line after @{self.pending} must be `subroutine name(...)` without prefix, bind or comment")
+            self.add_procedure(match[1], match[2] or "", number)
+        else:
+            match = re.fullmatch(r"\s*type\s*,\s*extends\s*\(\s*(\w+)\s*\)\s*::\s*(\w+)\s*", line, re.I)
+            if not match:
+                raise Refused(f"the line after @{self.pending} must be `type, extends(...) :: name` without comment")
+            self.add_type(match[1].lower(), match[2])
+        self.pending = ""
+        self.is_disabled = False
+
+    def add_procedure(self, name, argument, number):
+        """A test or a fixture procedure."""
+        if len(name) > MAX_NAME:
+            raise Refused(f"the name {name} has {len(name)} characters, at most {MAX_NAME} are possible")
+        suite = self.suite
+        if self.pending == "test":
+            if name.lower() in {test.name.lower() for test in suite.tests}:
+                raise Refused(f"two tests are called {name}")
+            suite.tests.append(Test(name, number, argument, self.is_disabled, self.pending_options.get("cases", "")))
+            return
+        if getattr(suite, self.pending):
+            raise Refused(f"two procedures are marked @{self.pending}")
+        if argument:
+            raise Refused(f"a procedure marked @{self.pending} takes no argument")
+        setattr(suite, self.pending, name)
+
+    def add_type(self, parent, name):
+        """A test-case or test-parameter type."""
+        suite = self.suite
+        if self.pending == "testcase":
+            if suite.case_type:
+                raise Refused("one @testCase type per file")
+            if parent not in {"testcase", "parameterizedtestcase"}:
+                raise Refused("a @testCase type extends TestCase or ParameterizedTestCase")
+            suite.case_type, suite.case_options = name, self.pending_options
+            suite.case_is_parameterized = parent == "parameterizedtestcase"
+        else:
+            if suite.parameter_type:
+                raise Refused("one @testParameter type per file")
+            if parent != "abstracttestparameter":
+                raise Refused("a @testParameter type extends AbstractTestParameter")
+            suite.parameter_type, suite.parameter_options = name, self.pending_options
+
+    def check_suite(self):
+        """What can only be judged at the end of the file."""
+        suite = self.suite
+        if not self.has_module:
+            raise Refused(f"no module {suite.name} in this file")
+        if not suite.tests:
+            raise Refused("no @test in this file")
+        if suite.case_type and (suite.before or suite.after):
+            raise Refused("@before and @after do nothing beside @testCase: bind setUp and tearDown instead")
+        for test in suite.tests:
+            if bool(test.argument) != bool(suite.case_type):
+                wanted = "one argument of the @testCase type" if suite.case_type else "no argument (there is no @testCase)"
+                raise Refused(f"test {test.name} (line {test.line}) must take {wanted}")
+            if test.cases and not suite.case_is_parameterized:
+                raise Refused(f"test {test.name} (line {test.line}): cases= needs a ParameterizedTestCase")
+            if suite.case_is_parameterized and not (test.cases or "testparameters" in suite.case_options):
+                raise Refused(f"test {test.name} (line {test.line}) has no parameters: neither testParameters= nor cases=")
+        if suite.case_is_parameterized:
+            if not suite.parameter_type:
+                raise Refused("a ParameterizedTestCase needs a @testParameter type")
+            if "constructor" not in suite.case_options:
+                raise Refused("a ParameterizedTestCase needs @testCase(constructor=...)")
+        elif "testparameters" in suite.case_options:
+            raise Refused("testParameters= needs a type that extends ParameterizedTestCase")
+
+
+def plain_test(suite, test):
+    """Lines that run one test without parameters."""
+    full_name = f"{suite.name}_suite.{test.name}"
+    if test.disabled:
+        return [f"call pf_runner%disable('{full_name}')"]
+    lines = [f"if (pf_runner%starts('{full_name}')) then"]
+    if suite.case_type:
+        lines += ["block", f"type({suite.case_type}) :: pf_case"]
+        if "constructor" in suite.case_options:
+            lines.append(f"pf_case = {suite.case_options['constructor']}()")
+        lines += case_calls(test) + ["end block"]
+    else:
+        lines += [f"call {suite.before}()"] if suite.before else []
+        lines += ["if (.not. anyExceptions()) then", f"call {test.name}()"]
+        lines += [f"call {suite.after}()"] if suite.after else []
+        lines.append("end if")
+    return [*lines, "call pf_runner%ends()", "end if"]
+
+
+def case_calls(test):
+    """Set up, run, tear down one test case."""
+    return [
+        "call pf_case%setUp()",
+        "if (.not. anyExceptions()) then",
+        f"call {test.name}(pf_case)",
+        "call pf_case%tearDown()",
+        "end if",
+    ]
+
+
+def parameterized_test(suite, test):
+    """Lines that run one test for each of its parameters."""
+    full_name = f"{suite.name}_suite.{test.name}"
+    if test.disabled:
+        return [f"call pf_runner%disable('{full_name}')"]
+    if test.cases:
+        maker = suite.parameter_options.get("constructor", suite.parameter_type)
+        fill = ["block", "integer :: pf_j", "integer, allocatable :: pf_numbers(:)", f"pf_numbers = {test.cases}"]
+        fill += ["allocate (pf_parameters(size(pf_numbers)))", "do pf_j = 1, size(pf_numbers)"]
+        fill += [f"pf_parameters(pf_j) = {maker}(pf_numbers(pf_j))", "end do", "end block"]
+    else:
+        values = re.sub(r"^\{(.*)\}$", r"\1", suite.case_options["testparameters"])
+        fill = [f"allocate (pf_parameters, source={values})"]
+    return [
+        "block",
+        f"type({suite.parameter_type}), allocatable :: pf_parameters(:)",
+        "integer :: pf_i",
+        *fill,
+        f"call pf_runner%expects('{full_name}', size(pf_parameters))",
+        "do pf_i = 1, size(pf_parameters)",
+        f"if (pf_runner%starts('{full_name}[' // pf_parameters(pf_i)%toString() // ']')) then",
+        "block",
+        f"type({suite.case_type}) :: pf_case",
+        f"pf_case = {suite.case_options['constructor']}(pf_parameters(pf_i))",
+        *case_calls(test),
+        "end block",
+        "call pf_runner%ends()",
+        "end if",
+        "end do",
+        "end block",
+    ]
+
+
+def suite_module(suite):
+    """The module that runs the tests of one file, one procedure per test."""
+    make = parameterized_test if suite.case_is_parameterized else plain_test
+    lines = [f"module {suite.name}_suite", "use funit, only: anyExceptions, pf_runner_t", f"use {suite.name}"]
+    lines += ["implicit none (type, external)", "private", f"public :: run_{suite.name}", "contains"]
+    lines += [f"subroutine run_{suite.name}(pf_runner)", "type(pf_runner_t), intent(inout) :: pf_runner"]
+    lines += [f"call pf_{i}(pf_runner)" for i, _ in enumerate(suite.tests, 1)]
+    lines += [f"end subroutine run_{suite.name}"]
+    for i, test in enumerate(suite.tests, 1):
+        lines += [f"subroutine pf_{i}(pf_runner)", "type(pf_runner_t), intent(inout) :: pf_runner"]
+        lines += [*make(suite, test), f"end subroutine pf_{i}"]
+    lines.append(f"end module {suite.name}_suite")
+    return [piece for line in lines for piece in fold(line)]
+
+
+def list_module(suites):
+    """The module that runs all suites."""
+    lines = ["module pf_suites", "use funit, only: pf_runner_t"]
+    lines += [f"use {s.name}_suite, only: run_{s.name}" for s in suites]
+    lines += ["implicit none (type, external)", "private", "public :: run_suites", "contains", "subroutine run_suites()"]
+    lines += ["type(pf_runner_t) :: runner", "call runner%begin()"]
+    lines += [f"call run_{s.name}(runner)" for s in suites]
+    lines += ["call runner%finish()", "end subroutine run_suites", "end module pf_suites"]
+    return lines
+
+
+def write_if_changed(path, lines):
+    """Write the file only where its text changes, so that nothing is compiled for nothing."""
+    text = "\n".join(lines) + "\n"
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
+
+
+def main(arguments):
+    """Translate all files, or none."""
+    if len(arguments) < 2:
+        sys.stderr.write(__doc__)
+        return 1
+    folder = pathlib.Path(arguments[0])
+    translators = [Translator(pathlib.Path(name)) for name in sorted(arguments[1:])]
+    refused, stems = [], set()
+    for translator in translators:
+        try:
+            if translator.path.stem in stems:
+                raise Refused(f"{translator.path}:1: two test files have this name")
+            stems.add(translator.path.stem)
+            translator.translate()
+        except Refused as reason:
+            refused.append(str(reason))
+    if refused:
+        sys.stderr.write("\n".join(refused) + "\n")
+        return 1
+    folder.mkdir(parents=True, exist_ok=True)
+    header = "! Generated by tools/pf2f90.py: do not edit."
+    written = {"funit_lite.f90", "funit.f90", "pf_suites.f90"}
+    runtime = pathlib.Path(__file__).with_name("funit_lite.f90").read_text(encoding="utf-8").splitlines()
+    write_if_changed(folder / "funit_lite.f90", runtime)
+    write_if_changed(folder / "funit.f90", [header, *funit_module()])
+    for translator in translators:
+        written.add(f"{translator.suite.name}.f90")
+        lines = [header, *translator.output, *suite_module(translator.suite)]
+        write_if_changed(folder / f"{translator.suite.name}.f90", lines)
+    write_if_changed(folder / "pf_suites.f90", [header, *list_module([t.suite for t in translators])])
+    for stale in folder.glob("*.f90"):
+        if stale.name not in written:
+            stale.unlink()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,25 @@
+#!/bin/sh
+# Before fpm: tools that must be there, the right HDF5 for pkg-config, the git commit for the program.
+set -eu
+
+for tool in fpm gfortran pkg-config; do
+  if ! command -v "$tool" > /dev/null; then
+    echo "$tool is missing: run ./bootstrap build" >&2
+    exit 1
+  fi
+done
+
+# A machine with the MPI build of HDF5 too may call that one hdf5.pc; it does not link with a serial program.
+if folder=$(pkg-config --variable=pcfiledir hdf5-serial 2> /dev/null) && [ -n "$folder" ]; then
+  mkdir -p .pc
+  ln -sf "$folder/hdf5-serial.pc" .pc/hdf5.pc
+fi
+
+# The file is only touched when the commit changes; fpm does not watch included files, so its note of build_info goes too.
+commit=$(git describe --always --dirty --abbrev=12 --exclude '*' 2> /dev/null || echo unknown)
+line="commit = '$commit'"
+if [ "$(cat build/info/git_commit.inc 2> /dev/null)" != "$line" ]; then
+  mkdir -p build/info
+  echo "$line" > build/info/git_commit.inc
+  rm -f build/gfortran_*/*/src_base_build_info.f90.o.digest
+fi
