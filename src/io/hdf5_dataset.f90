@@ -1,0 +1,175 @@
+!> Labelled datasets of an HDF5 file: reals of rank 0 to 2, integers of rank 0 and 1, strings.
+!>
+!> Shapes are as Fortran sees them; h5py shows them reversed. Strings have a fixed length and are UTF-8.
+module hdf5_dataset
+   use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: iso_fortran_env, only: int64
+   use hdf5, only: h5dclose_f, h5dcreate_f, h5dwrite_f, h5p_dataset_create_f, h5pclose_f, h5pcreate_f, h5pset_obj_track_times_f, &
+      h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, hid_t, hsize_t
+   use hdf5_attribute, only: attach_real, attach_string, close_type, new_string_type
+   use hdf5_file, only: hdf5_file_t
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: label_t, new_label, write_dataset, write_label
+
+   !> What a stored value is. value * si_scale = value in si_units.
+   type :: label_t
+      character(:), allocatable :: long_name
+      !> Unit after multiplication by `si_scale`; '1' for a number without unit.
+      character(:), allocatable :: si_units
+      real(wp) :: si_scale = 1.0_wp
+   end type label_t
+
+   !> Stores a labelled dataset; groups above it are made as needed.
+   interface write_dataset
+      module procedure :: write_real
+      module procedure :: write_real_vector
+      module procedure :: write_real_matrix
+      module procedure :: write_integer
+      module procedure :: write_integer_vector
+      module procedure :: write_string
+   end interface write_dataset
+
+contains
+
+   !> A label; `si_scale` defaults to 1.
+   pure function new_label(long_name, si_units, si_scale) result(label)
+      character(*), intent(in) :: long_name
+      character(*), intent(in) :: si_units
+      real(wp), intent(in), optional :: si_scale
+      type(label_t) :: label
+
+      label%long_name = long_name
+      label%si_units = si_units
+      if (present(si_scale)) label%si_scale = si_scale
+   end function new_label
+
+   !> A real number.
+   subroutine write_real(file, path, value, label)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      real(wp), intent(in), target :: value
+      type(label_t), intent(in) :: label
+
+      call store(file, path, file%real_type, [integer ::], c_loc(value), label)
+   end subroutine write_real
+
+   !> Real numbers (n).
+   subroutine write_real_vector(file, path, value, label)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      real(wp), intent(in), contiguous, target :: value(:)
+      type(label_t), intent(in) :: label
+
+      call store(file, path, file%real_type, shape(value), address_of(value, size(value)), label)
+   end subroutine write_real_vector
+
+   !> Real numbers (nx, ny).
+   subroutine write_real_matrix(file, path, value, label)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      real(wp), intent(in), contiguous, target :: value(:, :)
+      type(label_t), intent(in) :: label
+
+      call store(file, path, file%real_type, shape(value), address_of(value, size(value)), label)
+   end subroutine write_real_matrix
+
+   !> An integer of 64 bits.
+   subroutine write_integer(file, path, value, label)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      integer(int64), intent(in), target :: value
+      type(label_t), intent(in) :: label
+
+      call store(file, path, file%integer_type, [integer ::], c_loc(value), label)
+   end subroutine write_integer
+
+   !> Integers of 64 bits (n).
+   subroutine write_integer_vector(file, path, value, label)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      integer(int64), intent(in) :: value(:)
+      type(label_t), intent(in) :: label
+      integer(int64), target :: copy(max(size(value), 1))
+
+      copy(:size(value)) = value
+      call store(file, path, file%integer_type, shape(value), c_loc(copy), label)
+   end subroutine write_integer_vector
+
+   !> A string of fixed length, UTF-8; an empty one becomes one null character.
+   subroutine write_string(file, path, value, label)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      character(*), intent(in) :: value
+      type(label_t), intent(in) :: label
+      character(kind=c_char, len=max(len(value), 1)), target :: copy
+      integer(hid_t) :: string_type
+
+      copy = value
+      if (len(value) == 0) copy = c_null_char
+      call new_string_type(file, len(copy), string_type)
+      call store(file, path, string_type, [integer ::], c_loc(copy), label)
+      call close_type(file, string_type)
+   end subroutine write_string
+
+   !> Attaches `label` to an open dataset of `file`.
+   subroutine write_label(file, dataset, label)
+      class(hdf5_file_t), intent(inout) :: file
+      integer(hid_t), intent(in) :: dataset
+      type(label_t), intent(in) :: label
+
+      call attach_string(file, dataset, 'long_name', label%long_name)
+      call attach_string(file, dataset, 'si_units', label%si_units)
+      call attach_real(file, dataset, 'si_scale', label%si_scale)
+   end subroutine write_label
+
+   !> Creates, writes, labels and closes a dataset; no extents = one value.
+   subroutine store(file, path, type_id, extents, values, label)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      integer(hid_t), intent(in) :: type_id
+      integer, intent(in) :: extents(:)
+      type(c_ptr), intent(in) :: values
+      type(label_t), intent(in) :: label
+      integer(hid_t) :: space, dataset, creation
+      integer :: status
+
+      if (allocated(file%failure)) return
+      if (size(extents) == 0) then
+         call h5screate_f(h5s_scalar_f, space, status)
+      else
+         call h5screate_simple_f(size(extents), int(extents, hsize_t), space, status)
+      end if
+      call file%check(status, path)
+      call h5pcreate_f(h5p_dataset_create_f, creation, status)
+      call file%check(status, path)
+      if (allocated(file%failure)) return
+      call h5pset_obj_track_times_f(creation, .false., status)
+      call file%check(status, path)
+      call h5dcreate_f(file%id, path, type_id, space, dataset, status, dcpl_id=creation, lcpl_id=file%link_creation)
+      call file%check(status, path)
+      if (allocated(file%failure)) return
+      if (product(extents) > 0) call h5dwrite_f(dataset, type_id, values, status)
+      call file%check(status, path)
+      call write_label(file, dataset, label)
+      call h5dclose_f(dataset, status)
+      call file%check(status, path)
+      call h5pclose_f(creation, status)
+      call file%check(status, path)
+      call h5sclose_f(space, status)
+      call file%check(status, path)
+   end subroutine store
+
+   !> Where `n` numbers lie; none have no address.
+   function address_of(values, n) result(address)
+      real(wp), intent(in), target :: values(*)
+      integer, intent(in) :: n
+      type(c_ptr) :: address
+
+      address = c_null_ptr
+      if (n > 0) address = c_loc(values(1))
+   end function address_of
+
+end module hdf5_dataset

@@ -1,0 +1,134 @@
+!> An HDF5 file being written: open, groups, flush, close. Attributes are in `hdf5_attribute`, datasets in `hdf5_dataset`,
+!> series that grow row by row in `hdf5_series`.
+!>
+!> Every return code is checked. The first failure stays in `file%failure` (with HDF5's reason and the name of the file); what
+!> follows it does nothing, so a writer checks once, at `close`. No object carries a time stamp: equal contents make equal files.
+module hdf5_file
+   use, intrinsic :: iso_fortran_env, only: int64
+   use errors, only: error_t, fail, output_error
+   use hdf5, only: h5dont_atexit_f, h5eset_auto_f, h5f_acc_trunc_f, h5f_close_strong_f, h5f_scope_global_f, h5fclose_f, &
+      h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5kind_to_type, h5_integer_kind, h5_real_kind, h5open_f, &
+      h5p_file_access_f, h5p_link_create_f, h5pclose_f, h5pcreate_f, h5pset_create_inter_group_f, h5pset_fclose_degree_f, hid_t
+   use hdf5_reason, only: last_hdf5_reason
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: create_hdf5_file, hdf5_file_t
+
+   !> An open file for writing.
+   type :: hdf5_file_t
+      !> Name of the file as given.
+      character(:), allocatable :: path
+      !> The first thing that went wrong; allocated = nothing is written any more.
+      type(error_t), allocatable :: failure
+      !> HDF5 identifiers, for the hdf5_* modules only: the file, and properties of new links (groups above are made as well).
+      integer(hid_t) :: id = -1_hid_t
+      integer(hid_t) :: link_creation = -1_hid_t
+      !> HDF5 types of real(wp) and integer(int64).
+      integer(hid_t) :: real_type = -1_hid_t
+      integer(hid_t) :: integer_type = -1_hid_t
+      logical, private :: is_open = .false.
+   contains
+      !> Makes a group, and those above it.
+      procedure :: create_group
+      !> Hands everything to the operating system.
+      procedure :: flush => flush_file
+      !> Closes the file; `error` is the first failure of its whole life.
+      procedure :: close => close_file
+      !> Keeps the first failure.
+      procedure :: check
+   end type hdf5_file_t
+
+contains
+
+   !> Creates `path`, replacing an older file of that name.
+   subroutine create_hdf5_file(file, path, error)
+      type(hdf5_file_t), intent(out) :: file
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+      integer(hid_t) :: access
+      integer :: status
+
+      file%path = path
+      call h5dont_atexit_f(status)       ! says "failed" from the second call on, which is as good
+      call h5open_f(status)
+      call file%check(status, 'starting the HDF5 library')
+      call h5eset_auto_f(0, status)
+      call file%check(status, 'silencing the HDF5 library')
+      if (.not. allocated(file%failure)) then
+         file%real_type = h5kind_to_type(wp, h5_real_kind)
+         file%integer_type = h5kind_to_type(int64, h5_integer_kind)
+         call h5pcreate_f(h5p_file_access_f, access, status)
+         call file%check(status, 'access properties')
+         call h5pset_fclose_degree_f(access, h5f_close_strong_f, status)
+         call file%check(status, 'access properties')
+         call h5pcreate_f(h5p_link_create_f, file%link_creation, status)
+         call file%check(status, 'link properties')
+         call h5pset_create_inter_group_f(file%link_creation, 1, status)
+         call file%check(status, 'link properties')
+         call h5fcreate_f(path, h5f_acc_trunc_f, file%id, status, access_prp=access)
+         call file%check(status, 'creating the file')
+         file%is_open = .not. allocated(file%failure)
+         call h5pclose_f(access, status)
+         call file%check(status, 'access properties')
+      end if
+      if (allocated(file%failure)) error = file%failure
+   end subroutine create_hdf5_file
+
+   !> Keeps the first failure: `status` < 0 while `doing`.
+   subroutine check(self, status, doing)
+      class(hdf5_file_t), intent(inout) :: self
+      integer, intent(in) :: status
+      character(*), intent(in) :: doing
+      character(:), allocatable :: reason
+
+      if (status >= 0 .or. allocated(self%failure)) return
+      reason = last_hdf5_reason()
+      if (len(reason) > 0) reason = ': '//reason
+      call fail(self%failure, output_error, 'cannot write '//self%path//' ('//doing//')'//reason)
+   end subroutine check
+
+   !> Makes a group and those above it.
+   subroutine create_group(self, path)
+      class(hdf5_file_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      integer(hid_t) :: group
+      integer :: status
+
+      if (allocated(self%failure)) return
+      call h5gcreate_f(self%id, path, group, status, lcpl_id=self%link_creation)
+      call self%check(status, path)
+      if (allocated(self%failure)) return
+      call h5gclose_f(group, status)
+      call self%check(status, path)
+   end subroutine create_group
+
+   !> Hands everything written so far to the operating system.
+   subroutine flush_file(self)
+      class(hdf5_file_t), intent(inout) :: self
+      integer :: status
+
+      if (allocated(self%failure) .or. .not. self%is_open) return
+      call h5fflush_f(self%id, h5f_scope_global_f, status)
+      call self%check(status, 'writing to the disk')
+   end subroutine flush_file
+
+   !> Closes the file and all that is open in it; `error` is the first failure of its whole life. Closing twice does nothing.
+   subroutine close_file(self, error)
+      class(hdf5_file_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+      integer :: status
+
+      call self%flush()
+      if (self%is_open) then
+         self%is_open = .false.
+         call h5pclose_f(self%link_creation, status)
+         call self%check(status, 'link properties')
+         call h5fclose_f(self%id, status)
+         call self%check(status, 'closing the file')
+      end if
+      if (allocated(self%failure)) error = self%failure
+   end subroutine close_file
+
+end module hdf5_file
