@@ -1,0 +1,153 @@
+!> Slip factor S of the Reynolds-Eyring equation, as ln S with its derivatives.
+!>
+!> Effective viscosity mu/S: S >= 1, and S -> 1 (Newtonian) for an infinite Eyring stress. S itself passes 1e308 near
+!> |Sigma| = 717, hence the logarithm.
+module eyring
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: slip_factor, ln_slip_factor, slip_factors, ln_slip_factors
+
+   !> A value of ln B that stands for B = 0 (equal surface speeds): far below any ln B that can change S [-].
+   real(wp), parameter, public :: ln_b_of_no_sliding = -1.0e4_wp
+
+   !> Up to this |Sigma| the power series are used [-]. Nine terms are cut off below 1e-17 there, and the closed form
+   !> above it loses no digit by cancellation (at 0.5 it would lose one).
+   real(wp), parameter, public :: series_limit = 1.0_wp
+
+   !> Larger |Sigma| and |ln B| count as this large, so that no power of them overflows [-].
+   real(wp), parameter :: largest_argument = 1.0e60_wp
+
+   !> Where ln(B exp(-|Sigma|)) lies outside these two bounds, the 1 or the other term under the root vanishes [-].
+   real(wp), parameter :: lowest_exponent = -300.0_wp, highest_exponent = 100.0_wp
+
+   !> Taylor coefficients of 3 (x cosh x - sinh x)/x^3 = sum c_m x^(2m), c_m = 6 (m + 1)/(2m + 3)!, m = 0 ... 8.
+   real(wp), parameter :: c(0:8) = [ &
+                          1.0_wp, 1.0_wp/10.0_wp, 1.0_wp/280.0_wp, 1.0_wp/15120.0_wp, 1.0_wp/1330560.0_wp, &
+                          1.0_wp/172972800.0_wp, 1.0_wp/31135104000.0_wp, 1.0_wp/7410154752000.0_wp, &
+                          1.0_wp/2252687044608000.0_wp]
+
+   !> Taylor coefficients of sinh(x)/x = sum s_m x^(2m), s_m = 1/(2m + 1)!, m = 0 ... 8.
+   real(wp), parameter :: s(0:8) = [ &
+                          1.0_wp, 1.0_wp/6.0_wp, 1.0_wp/120.0_wp, 1.0_wp/5040.0_wp, 1.0_wp/362880.0_wp, &
+                          1.0_wp/39916800.0_wp, 1.0_wp/6227020800.0_wp, 1.0_wp/1307674368000.0_wp, &
+                          1.0_wp/355687428096000.0_wp]
+
+   !> Coefficients of the derivatives of both by x, divided by x: 2 m c_m and 2 m s_m, m = 1 ... 8, and a zero.
+   real(wp), parameter :: dc(0:8) = 2.0_wp*[c(1), 2.0_wp*c(2), 3.0_wp*c(3), 4.0_wp*c(4), 5.0_wp*c(5), 6.0_wp*c(6), &
+                                            7.0_wp*c(7), 8.0_wp*c(8), 0.0_wp]
+   real(wp), parameter :: ds(0:8) = 2.0_wp*[s(1), 2.0_wp*s(2), 3.0_wp*s(3), 4.0_wp*s(4), 5.0_wp*s(5), 6.0_wp*s(6), &
+                                            7.0_wp*s(7), 8.0_wp*s(8), 0.0_wp]
+
+contains
+
+   !> ln S with its derivatives by Sigma and by ln B.
+   !>
+   !> S = 3 (Sigma cosh Sigma - sinh Sigma)/Sigma^3 sqrt(1 + B^2 Sigma^2/sinh^2 Sigma), (A.5); (2.19) prints the same
+   !> with a wrong sign of the numerator. K. L. Johnson and J. L. Tevaarwerk, Proc. R. Soc. Lond. A 356, 1977, 215;
+   !> T. F. Conry, S. Wang and C. Cusano, J. Tribol. 109, 1987, 648.
+   !>
+   !> `sigma` = h/(2 tau_0) dp/dx [-]; `ln_b` = ln B, B = mu |u2 - u1|/(tau_0 h) [-] (`ln_b_of_no_sliding` for B = 0).
+   !> Every finite argument is valid (beyond 1e60 in size it counts as 1e60). `ln_s` >= 0 and `dln_s_dln_b` (0 ... 1)
+   !> are even in sigma, `dln_s_dsigma` is odd. In loops use `slip_factors`, which is vectorised.
+   pure elemental subroutine slip_factor(sigma, ln_b, ln_s, dln_s_dsigma, dln_s_dln_b)
+      real(wp), intent(in) :: sigma, ln_b
+      real(wp), intent(out) :: ln_s, dln_s_dsigma, dln_s_dln_b
+      real(wp) :: value(1), slope_sigma(1), slope_b(1)
+
+      call slip_factors([sigma], [ln_b], value, slope_sigma, slope_b)
+      ln_s = value(1)
+      dln_s_dsigma = slope_sigma(1)
+      dln_s_dln_b = slope_b(1)
+   end subroutine slip_factor
+
+   !> ln S alone: the value of `slip_factor`, to round-off.
+   pure elemental function ln_slip_factor(sigma, ln_b) result(ln_s)
+      real(wp), intent(in) :: sigma, ln_b
+      real(wp) :: ln_s, value(1)
+
+      call ln_slip_factors([sigma], [ln_b], value)
+      ln_s = value(1)
+   end function ln_slip_factor
+
+   !> `slip_factor` on arrays (n) in one loop that the compiler vectorises.
+   pure subroutine slip_factors(sigma, ln_b, ln_s, dln_s_dsigma, dln_s_dln_b)
+      real(wp), intent(in), contiguous :: sigma(:), ln_b(:)
+      real(wp), intent(out), contiguous :: ln_s(:), dln_s_dsigma(:), dln_s_dln_b(:)
+      real(wp) :: shift, shear, ratio, dln_shear, dln_ratio, weight
+      integer :: i
+
+      do i = 1, size(sigma)
+         call shear_functions(sigma(i), shift, shear, ratio, dln_shear, dln_ratio)
+         call join(shift, shear, ratio, ln_b(i), ln_s(i), weight)
+         dln_s_dsigma(i) = sign(1.0_wp, sigma(i))*(dln_shear + weight*dln_ratio)
+         dln_s_dln_b(i) = weight
+      end do
+   end subroutine slip_factors
+
+   !> `ln_slip_factor` on arrays (n) in one loop that the compiler vectorises.
+   pure subroutine ln_slip_factors(sigma, ln_b, ln_s)
+      real(wp), intent(in), contiguous :: sigma(:), ln_b(:)
+      real(wp), intent(out), contiguous :: ln_s(:)
+      real(wp) :: shift, shear, ratio, unused, unused_too
+      integer :: i
+
+      do i = 1, size(sigma)
+         call shear_functions(sigma(i), shift, shear, ratio, unused, unused_too)
+         call join(shift, shear, ratio, ln_b(i), ln_s(i), unused)
+      end do
+   end subroutine ln_slip_factors
+
+   !> ln S = shift + ln( shear sqrt(1 + t^2) ), t = B ratio exp(-shift), and its derivative by ln B, t^2/(1 + t^2).
+   pure elemental subroutine join(shift, shear, ratio, ln_b, ln_s, weight)
+      real(wp), intent(in) :: shift, shear, ratio, ln_b
+      real(wp), intent(out) :: ln_s, weight
+      real(wp) :: exponent, bounded, t
+
+      exponent = max(-largest_argument, min(ln_b, largest_argument)) - shift
+      bounded = max(lowest_exponent, min(exponent, highest_exponent))
+      t = ratio*exp(bounded)
+      ln_s = shift + 0.5_wp*log(shear*shear*(1.0_wp + t*t)) + max(exponent - highest_exponent, 0.0_wp)
+      weight = t*t/(1.0_wp + t*t)
+   end subroutine join
+
+   !> The two functions of x = |Sigma| in S without their factors exp(+-x): 3 (x cosh x - sinh x)/x^3 =
+   !> exp(shift) shear and x/sinh x = exp(-shift) ratio, and the derivatives of their logarithms by x.
+   !>
+   !> Both forms, series and closed, are evaluated at an argument that is safe for them, and the right one is picked by
+   !> a weight of 0 or 1: of `merge` gfortran makes a branch round a division, which it cannot vectorise.
+   pure elemental subroutine shear_functions(sigma, shift, shear, ratio, dln_shear, dln_ratio)
+      real(wp), intent(in) :: sigma
+      real(wp), intent(out) :: shift, shear, ratio, dln_shear, dln_ratio
+      real(wp) :: x, y, small, large, is_small, is_large, inverse, decay, difference, series, sinh_part
+
+      x = min(abs(sigma), largest_argument)
+      is_large = 0.5_wp + sign(0.5_wp, x - series_limit)
+      is_small = 1.0_wp - is_large
+      small = min(x, series_limit)
+      large = max(x, series_limit)
+      y = small*small
+      inverse = 1.0_wp/large
+      decay = exp(-min(2.0_wp*large, highest_exponent))
+      difference = (1.0_wp - inverse) + (1.0_wp + inverse)*decay
+      series = polynomial(c, y)
+
+      shift = is_large*x
+      shear = is_small*series + is_large*(1.5_wp*difference*inverse*inverse)
+      sinh_part = 1.0_wp/(is_small*polynomial(s, y) + is_large*(1.0_wp - decay))
+      ratio = (is_small + 2.0_wp*is_large*x)*sinh_part
+      dln_shear = (is_small*small*polynomial(dc, y) + is_large*((1.0_wp - decay) - 3.0_wp*inverse*difference)) &
+                  /(is_small*series + is_large*difference)
+      dln_ratio = is_large*inverse - (is_small*small*polynomial(ds, y) + is_large*(1.0_wp + decay))*sinh_part
+   end subroutine shear_functions
+
+   !> a_0 + a_1 y + ... + a_8 y^8.
+   pure function polynomial(a, y) result(value)
+      real(wp), intent(in) :: a(0:8), y
+      real(wp) :: value
+
+      value = a(0) + y*(a(1) + y*(a(2) + y*(a(3) + y*(a(4) + y*(a(5) + y*(a(6) + y*(a(7) + y*a(8))))))))
+   end function polynomial
+
+end module eyring

@@ -1,0 +1,121 @@
+!> The lubricant in SI, and the same in dimensionless form with its laws evaluated on arrays of nodes.
+module lubricant
+   use density, only: dowson_higginson_densities, dowson_higginson_density_values
+   use kinds, only: wp
+   use viscosity, only: roelands_viscosities, roelands_ln_viscosities
+   implicit none (type, external)
+   private
+
+   public :: fluid_viscosity, fluid_ln_viscosity, fluid_density, fluid_density_value
+
+   !> Viscosity laws: mu = mu_0; Barus; Roelands (module viscosity).
+   integer, parameter, public :: viscosity_constant = 0, viscosity_barus = 1, viscosity_roelands = 2
+   !> Density laws: rho = rho_0; Dowson and Higginson (module density).
+   integer, parameter, public :: density_constant = 0, density_dowson_higginson = 1
+
+   !> The lubricant as the user describes it.
+   type, public :: lubricant_t
+      !> Ambient viscosity mu_0 [Pa s] > 0.
+      real(wp) :: viscosity
+      !> One of `viscosity_constant`, `viscosity_barus`, `viscosity_roelands`.
+      integer :: viscosity_law
+      !> alpha [1/Pa] >= 0; Barus and Roelands.
+      real(wp) :: pressure_viscosity
+      !> P0 [Pa] > 0; Roelands, agrees with alpha and z by (2.27).
+      real(wp) :: roelands_p0
+      !> z [-] > 0; Roelands.
+      real(wp) :: roelands_z
+      !> One of `density_constant`, `density_dowson_higginson`.
+      integer :: density_law
+      !> True for the Reynolds-Eyring equation, false for a Newtonian lubricant.
+      logical :: is_eyring
+      !> tau_0 [Pa] > 0; Eyring.
+      real(wp) :: eyring_stress
+   end type lubricant_t
+
+   !> The lubricant as the dimensionless equations see it; made by `scaled_fluid` of module scaling.
+   type, public :: fluid_t
+      !> As in `lubricant_t`.
+      integer :: viscosity_law, density_law
+      !> alpha p_h [-] >= 0, (2.56).
+      real(wp) :: alpha_bar
+      !> P0/p_h [-] > 0; Roelands.
+      real(wp) :: p0
+      !> z [-] > 0; Roelands.
+      real(wp) :: z
+      !> C1/p_h [-] > 0; Dowson and Higginson.
+      real(wp) :: c1
+      !> True if the slip factor of module eyring applies.
+      logical :: is_eyring
+      !> Sigma = sigma_scale H dP/dX: b p_h/(2 R tau_0) [-], from (2.12) and (2.51).
+      real(wp) :: sigma_scale
+      !> ln B = ln_b_scale + ln(mu/mu_0) - ln H: ln( mu_0 |u2 - u1| R/(tau_0 b^2) ) [-], from (2.14) and (2.51).
+      real(wp) :: ln_b_scale
+   end type fluid_t
+
+contains
+
+   !> ln(mu/mu_0) and its derivative by P at the pressures `p` (n) >= 0 [-].
+   pure subroutine fluid_viscosity(fluid, p, ln_mu, dln_mu)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in), contiguous :: p(:)
+      real(wp), intent(out), contiguous :: ln_mu(:), dln_mu(:)
+
+      select case (fluid%viscosity_law)
+      case (viscosity_roelands)
+         call roelands_viscosities(p, fluid%alpha_bar, fluid%p0, fluid%z, ln_mu, dln_mu)
+      case (viscosity_barus)
+         ln_mu = fluid%alpha_bar*p
+         dln_mu = fluid%alpha_bar
+      case default
+         ln_mu = 0.0_wp
+         dln_mu = 0.0_wp
+      end select
+   end subroutine fluid_viscosity
+
+   !> ln(mu/mu_0) alone, the same value as from `fluid_viscosity`.
+   pure subroutine fluid_ln_viscosity(fluid, p, ln_mu)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in), contiguous :: p(:)
+      real(wp), intent(out), contiguous :: ln_mu(:)
+
+      select case (fluid%viscosity_law)
+      case (viscosity_roelands)
+         call roelands_ln_viscosities(p, fluid%alpha_bar, fluid%p0, fluid%z, ln_mu)
+      case (viscosity_barus)
+         ln_mu = fluid%alpha_bar*p
+      case default
+         ln_mu = 0.0_wp
+      end select
+   end subroutine fluid_ln_viscosity
+
+   !> rho/rho_0 and its derivative by P at the pressures `p` (n) >= 0 [-].
+   pure subroutine fluid_density(fluid, p, rho, drho)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in), contiguous :: p(:)
+      real(wp), intent(out), contiguous :: rho(:), drho(:)
+
+      select case (fluid%density_law)
+      case (density_dowson_higginson)
+         call dowson_higginson_densities(p, fluid%c1, rho, drho)
+      case default
+         rho = 1.0_wp
+         drho = 0.0_wp
+      end select
+   end subroutine fluid_density
+
+   !> rho/rho_0 alone, the same value as from `fluid_density`.
+   pure subroutine fluid_density_value(fluid, p, rho)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in), contiguous :: p(:)
+      real(wp), intent(out), contiguous :: rho(:)
+
+      select case (fluid%density_law)
+      case (density_dowson_higginson)
+         call dowson_higginson_density_values(p, fluid%c1, rho)
+      case default
+         rho = 1.0_wp
+      end select
+   end subroutine fluid_density_value
+
+end module lubricant

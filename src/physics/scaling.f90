@@ -1,0 +1,142 @@
+!> Reference values that turn the equations dimensionless: the only place where SI and dimensionless meet.
+module scaling
+   use bodies, only: bodies_t
+   use density, only: dowson_higginson_c1
+   use eyring, only: ln_b_of_no_sliding
+   use hertz, only: line_half_width, line_peak_pressure
+   use kinds, only: wp
+   use lubricant, only: lubricant_t, fluid_t, viscosity_constant, viscosity_roelands, density_constant, &
+                        density_dowson_higginson
+   use moes, only: moes_m_sum_from_mean, moes_m_sum_from_lambda, moes_m_mean_from_sum, lambda_from_moes_sum, &
+                   alpha_bar_from_moes, moes_l_from_alpha_bar
+   implicit none (type, external)
+   private
+
+   public :: new_scaling, new_moes_scaling, scaled_fluid
+
+   !> Scales of (2.51, 2.52) and dimensionless groups of (2.53 - 2.56). Where `is_dimensional` is false (input by Moes'
+   !> numbers) only lambda, alpha_bar, moes_m and moes_l mean anything, and hertz_pressure if alpha is known; the rest is 0.
+   type, public :: scaling_t
+      !> b [m], unit of x.
+      real(wp) :: half_width
+      !> p_h [Pa], unit of pressure.
+      real(wp) :: hertz_pressure
+      !> R [m] and E' [Pa] as in `bodies_t`.
+      real(wp) :: reduced_radius, reduced_modulus
+      !> w [N/m].
+      real(wp) :: load_per_length
+      !> b^2/R [m], unit of film thickness and of surface heights.
+      real(wp) :: film
+      !> 2 b/u_s [s], unit of time.
+      real(wp) :: time
+      !> mu_0 [Pa s], unit of viscosity.
+      real(wp) :: viscosity
+      !> u_s = u1 + u2 [m/s].
+      real(wp) :: speed_sum
+      !> Speed parameter [-] of (2.57).
+      real(wp) :: lambda
+      !> alpha p_h [-], (2.56); 0 for constant viscosity.
+      real(wp) :: alpha_bar
+      !> Moes' M and L [-] of (2.53, 2.54), mean speed.
+      real(wp) :: moes_m, moes_l
+      !> True if the SI scales are known.
+      logical :: is_dimensional
+   end type scaling_t
+
+contains
+
+   !> Scaling of a contact given in SI.
+   !>
+   !> lambda = 6 u_s R^2 mu_0/(p_h b^3), the left form of (2.55); the right one lacks a factor 1/8 in print
+   !> (3 pi^2 mu_0 u_s R E'/(8 w^2)). `load_per_length` w [N/m] > 0; ranges of `bodies` and `lubricant` as in their types.
+   pure subroutine new_scaling(scaling, bodies, lubricant, load_per_length)
+      type(scaling_t), intent(out) :: scaling
+      type(bodies_t), intent(in) :: bodies
+      type(lubricant_t), intent(in) :: lubricant
+      real(wp), intent(in) :: load_per_length
+
+      scaling%is_dimensional = .true.
+      scaling%reduced_radius = bodies%reduced_radius
+      scaling%reduced_modulus = bodies%reduced_modulus
+      scaling%load_per_length = load_per_length
+      scaling%half_width = line_half_width(load_per_length, bodies%reduced_radius, bodies%reduced_modulus)
+      scaling%hertz_pressure = line_peak_pressure(load_per_length, bodies%reduced_radius, bodies%reduced_modulus)
+      scaling%film = scaling%half_width**2/bodies%reduced_radius
+      scaling%speed_sum = bodies%speed_1 + bodies%speed_2
+      scaling%time = 2.0_wp*scaling%half_width/scaling%speed_sum
+      scaling%viscosity = lubricant%viscosity
+      scaling%lambda = 6.0_wp*scaling%speed_sum*bodies%reduced_radius**2*lubricant%viscosity &
+                       /(scaling%hertz_pressure*scaling%half_width**3)
+      scaling%alpha_bar = 0.0_wp
+      if (lubricant%viscosity_law /= viscosity_constant) then
+         scaling%alpha_bar = lubricant%pressure_viscosity*scaling%hertz_pressure
+      end if
+      scaling%moes_m = moes_m_mean_from_sum(moes_m_sum_from_lambda(scaling%lambda))
+      scaling%moes_l = moes_l_from_alpha_bar(scaling%alpha_bar, scaling%moes_m)
+   end subroutine new_scaling
+
+   !> Scaling of a smooth Newtonian contact given by Moes' numbers of (2.53, 2.54), mean speed; no SI scale is known
+   !> but p_h = alpha_bar/alpha, for laws that need it.
+   !>
+   !> `moes_m_mean` > 0; `moes_l_mean` >= 0, 0 = constant viscosity. Of `lubricant` only the laws, alpha, P0 and z are used.
+   pure subroutine new_moes_scaling(scaling, moes_m_mean, moes_l_mean, lubricant)
+      type(scaling_t), intent(out) :: scaling
+      real(wp), intent(in) :: moes_m_mean, moes_l_mean
+      type(lubricant_t), intent(in) :: lubricant
+
+      scaling%is_dimensional = .false.
+      scaling%half_width = 0.0_wp
+      scaling%reduced_radius = 0.0_wp
+      scaling%reduced_modulus = 0.0_wp
+      scaling%load_per_length = 0.0_wp
+      scaling%film = 0.0_wp
+      scaling%time = 0.0_wp
+      scaling%viscosity = 0.0_wp
+      scaling%speed_sum = 0.0_wp
+      scaling%moes_m = moes_m_mean
+      scaling%moes_l = moes_l_mean
+      scaling%lambda = lambda_from_moes_sum(moes_m_sum_from_mean(moes_m_mean))
+      scaling%alpha_bar = alpha_bar_from_moes(moes_m_mean, moes_l_mean)
+      scaling%hertz_pressure = 0.0_wp
+      if (lubricant%pressure_viscosity > 0.0_wp) then
+         scaling%hertz_pressure = scaling%alpha_bar/lubricant%pressure_viscosity
+      end if
+   end subroutine new_moes_scaling
+
+   !> The lubricant in dimensionless form.
+   !>
+   !> An unknown or vanishing Hertz pressure (Moes input with L = 0) makes viscosity and density constant: the limit of
+   !> their laws. Eyring needs a scaling from SI; otherwise the fluid is Newtonian. Parameters that a law does not use
+   !> are 1, so that no NaN is carried about.
+   pure function scaled_fluid(scaling, lubricant, bodies) result(fluid)
+      type(scaling_t), intent(in) :: scaling
+      type(lubricant_t), intent(in) :: lubricant
+      type(bodies_t), intent(in) :: bodies
+      type(fluid_t) :: fluid
+      real(wp) :: sliding
+
+      fluid%viscosity_law = lubricant%viscosity_law
+      if (scaling%alpha_bar <= 0.0_wp) fluid%viscosity_law = viscosity_constant
+      fluid%density_law = lubricant%density_law
+      if (scaling%hertz_pressure <= 0.0_wp) fluid%density_law = density_constant
+      fluid%alpha_bar = scaling%alpha_bar
+      fluid%p0 = 1.0_wp
+      fluid%z = 1.0_wp
+      if (fluid%viscosity_law == viscosity_roelands) then
+         fluid%p0 = lubricant%roelands_p0/scaling%hertz_pressure
+         fluid%z = lubricant%roelands_z
+      end if
+      fluid%c1 = 1.0_wp
+      if (fluid%density_law == density_dowson_higginson) fluid%c1 = dowson_higginson_c1/scaling%hertz_pressure
+      fluid%is_eyring = lubricant%is_eyring .and. scaling%is_dimensional
+      fluid%sigma_scale = 0.0_wp
+      fluid%ln_b_scale = ln_b_of_no_sliding
+      if (fluid%is_eyring) then
+         fluid%sigma_scale = scaling%half_width*scaling%hertz_pressure &
+                             /(2.0_wp*scaling%reduced_radius*lubricant%eyring_stress)
+         sliding = scaling%viscosity*abs(bodies%speed_2 - bodies%speed_1)/(lubricant%eyring_stress*scaling%film)
+         if (sliding > 0.0_wp) fluid%ln_b_scale = log(sliding)
+      end if
+   end function scaled_fluid
+
+end module scaling

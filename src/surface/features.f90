@@ -1,0 +1,88 @@
+!> Surfaces with features that are known as formulas and travel with the surface.
+module features
+   use constants, only: pi
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: surface_height
+
+   !> The ridge (amplitude > 0) or dent (< 0) of (5.4).
+   integer, parameter, public :: feature_ridge = 1
+   !> A cos(2 pi (x - xc)/Lambda), without end.
+   integer, parameter, public :: feature_sinusoid = 2
+
+   !> Beyond this many squared wavelengths from its centre a ridge has vanished (10^-200).
+   real(wp), parameter :: ridge_reach = 20.0_wp
+
+   !> One feature; lengths in any unit as long as it is the same in position, wavelength and x.
+   type, public :: feature_t
+      !> `feature_ridge` or `feature_sinusoid`.
+      integer :: kind
+      !> Height A at the centre, in the unit of the heights.
+      real(wp) :: amplitude
+      !> Lambda > 0.
+      real(wp) :: wavelength
+      !> Centre at time 0.
+      real(wp) :: position
+   end type feature_t
+
+   !> A surface: the sum of its features; none (size 0 or not allocated) = smooth. In contact/ it is dimensionless: heights in
+   !> b^2/R, lengths in b, speed 2 u_i/u_s per unit of T.
+   type, public :: rough_surface_t
+      type(feature_t), allocatable :: features(:)
+      !> Speed at which the features move in x.
+      real(wp) :: speed
+   end type rough_surface_t
+
+contains
+
+   !> Height psi of the surface at `x` (n) and `time`, positive out of the material: a ridge closes the gap.
+   !>
+   !> Enters the film thickness with a minus, H = ... - Psi_1 - Psi_2; (2.24) and (2.58) print a plus, against (2.72), (A.27)
+   !> and the text of chapter 6.
+   pure function surface_height(surface, x, time) result(psi)
+      type(rough_surface_t), intent(in) :: surface
+      real(wp), intent(in) :: x(:), time
+      real(wp) :: psi(size(x))
+      integer :: i
+
+      psi = 0.0_wp
+      if (.not. allocated(surface%features)) return
+      do i = 1, size(surface%features)
+         associate (feature => surface%features(i))
+            psi = psi + feature_height(feature, x - (feature%position + surface%speed*time))
+         end associate
+      end do
+   end function surface_height
+
+   !> Height of one feature at the `distance` from its present centre.
+   pure elemental function feature_height(feature, distance) result(height)
+      type(feature_t), intent(in) :: feature
+      real(wp), intent(in) :: distance
+      real(wp) :: height
+      real(wp) :: waves
+
+      waves = distance/feature%wavelength
+      select case (feature%kind)
+      case (feature_ridge)
+         height = ridge(feature%amplitude, waves)
+      case (feature_sinusoid)
+         height = feature%amplitude*cos(2.0_wp*pi*waves)
+      case default
+         height = 0.0_wp
+      end select
+   end function feature_height
+
+   !> Ridge of (5.4), (A.9):  A 10^(-10 s^2) cos(2 pi s) at `waves` s = (x - xc)/Lambda from its centre [-].
+   !>
+   !> C. H. Venner and A. A. Lubrecht, J. Tribol. 116, 1994, 186. `amplitude` A > 0 ridge, < 0 dent.
+   pure elemental function ridge(amplitude, waves) result(height)
+      real(wp), intent(in) :: amplitude, waves
+      real(wp) :: height
+
+      height = 0.0_wp
+      if (abs(waves) < sqrt(ridge_reach)) height = amplitude*10.0_wp**(-10.0_wp*waves**2)*cos(2.0_wp*pi*waves)
+   end function ridge
+
+end module features

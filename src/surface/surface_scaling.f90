@@ -1,0 +1,27 @@
+!> Surfaces from SI to the dimensionless form of the lubricated contact.
+module surface_scaling
+   use features, only: rough_surface_t
+   use kinds, only: wp
+   use scaling, only: scaling_t
+   implicit none (type, external)
+   private
+
+   public :: scaled_surface
+
+contains
+
+   !> `surface` with amplitude [m] over b^2/R, wavelength [m] over b, speed u_i [m/s] as 2 u_i/u_s per unit of
+   !> T = t u_s/(2 b), (2.51); position is in half-widths from the start. `scaling` must be dimensional.
+   pure function scaled_surface(surface, scaling) result(scaled)
+      type(rough_surface_t), intent(in) :: surface
+      type(scaling_t), intent(in) :: scaling
+      type(rough_surface_t) :: scaled
+
+      allocate (scaled%features(0))
+      if (allocated(surface%features)) scaled%features = surface%features
+      scaled%features%amplitude = scaled%features%amplitude/scaling%film
+      scaled%features%wavelength = scaled%features%wavelength/scaling%half_width
+      scaled%speed = 2.0_wp*surface%speed/scaling%speed_sum
+   end function scaled_surface
+
+end module surface_scaling
