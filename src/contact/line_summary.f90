@@ -1,0 +1,179 @@
+!> The figures of a lubricated line contact that everybody asks for first: smallest and central film, largest pressure, exit.
+!>
+!> Dimensionless (H, P, X, T). Where a figure cannot be known it is NaN, never a number that looks like an answer.
+module line_summary
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use kinds, only: wp
+   use line_state, only: line_state_t
+   implicit none (type, external)
+   private
+
+   public :: figure_t, keep_extremes, line_summary_t, summary_of
+   public :: central_value, exit_position, node_minimum, parabola_minimum, peak_value
+
+   !> One figure, when it was reached and how far off it may be.
+   type :: figure_t
+      real(wp) :: value
+      !> T at which it was reached; 0 in steady state.
+      real(wp) :: time
+      !> Estimated discretisation error of `value`; NaN = not estimated.
+      real(wp) :: error_estimate
+   end type figure_t
+
+   !> Figures of one time, or the extremes over several.
+   type :: line_summary_t
+      !> Smallest H, by the parabola through three nodes.
+      type(figure_t) :: h_min
+      !> Smallest H of a node.
+      type(figure_t) :: h_min_node
+      !> H at X = 0; over several times the smallest.
+      type(figure_t) :: h_central
+      !> Largest P of a node.
+      type(figure_t) :: p_max
+      !> X of the last node with P > 0; over several times the largest.
+      type(figure_t) :: x_cavitation
+   end type line_summary_t
+
+contains
+
+   !> The figures of one state.
+   pure function summary_of(state) result(summary)
+      type(line_state_t), intent(in) :: state
+      type(line_summary_t) :: summary
+
+      associate (x => state%x, p => state%pressure, h => state%film_thickness, time => state%time)
+         summary%h_min = new_figure(parabola_minimum(h), time)
+         summary%h_min_node = new_figure(node_minimum(h), time)
+         summary%h_central = new_figure(central_value(x, h), time)
+         summary%p_max = new_figure(peak_value(p), time)
+         summary%x_cavitation = new_figure(exit_position(x, p), time)
+      end associate
+   end function summary_of
+
+   !> Widens `summary` by the figures of another time: smallest films, largest pressure and exit.
+   pure subroutine keep_extremes(summary, other)
+      type(line_summary_t), intent(inout) :: summary
+      type(line_summary_t), intent(in) :: other
+
+      call keep_smaller(summary%h_min, other%h_min)
+      call keep_smaller(summary%h_min_node, other%h_min_node)
+      call keep_smaller(summary%h_central, other%h_central)
+      call keep_larger(summary%p_max, other%p_max)
+      call keep_larger(summary%x_cavitation, other%x_cavitation)
+   end subroutine keep_extremes
+
+   !> Smallest value of a curve on a uniform grid: vertex of the parabola through the smallest node and its neighbours, the node
+   !> itself at an end; NaN if a value is not finite. h (nx).
+   pure function parabola_minimum(h) result(h_min)
+      real(wp), intent(in) :: h(:)
+      real(wp) :: h_min
+      real(wp) :: slope, curvature
+      integer :: i
+
+      h_min = node_minimum(h)
+      if (.not. ieee_is_finite(h_min)) return
+      i = minloc(h, dim=1)
+      if (i == 1 .or. i == size(h)) return
+      slope = 0.5_wp*(h(i + 1) - h(i - 1))
+      curvature = h(i + 1) - 2.0_wp*h(i) + h(i - 1)
+      if (curvature > 0.0_wp) h_min = h(i) - 0.5_wp*slope**2/curvature
+   end function parabola_minimum
+
+   !> Smallest nodal value; NaN if a value is not finite. h (nx).
+   pure function node_minimum(h) result(h_min)
+      real(wp), intent(in) :: h(:)
+      real(wp) :: h_min
+
+      h_min = not_known()
+      if (size(h) > 0 .and. all(ieee_is_finite(h))) h_min = minval(h)
+   end function node_minimum
+
+   !> Largest nodal value; NaN if a value is not finite. p (nx).
+   pure function peak_value(p) result(p_max)
+      real(wp), intent(in) :: p(:)
+      real(wp) :: p_max
+
+      p_max = not_known()
+      if (size(p) > 0 .and. all(ieee_is_finite(p))) p_max = maxval(p)
+   end function peak_value
+
+   !> Value at X = 0, linear between the nodes of a rising grid; NaN if the grid does not reach it. x, h (nx).
+   pure function central_value(x, h) result(h_central)
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(in) :: h(:)
+      real(wp) :: h_central
+      integer :: i
+
+      h_central = not_known()
+      i = count(x <= 0.0_wp)
+      if (i == 0) return
+      if (x(i) >= 0.0_wp) then
+         h_central = h(i)
+      else if (i < size(x)) then
+         h_central = h(i) - x(i)*(h(i + 1) - h(i))/(x(i + 1) - x(i))
+      end if
+      if (.not. ieee_is_finite(h_central)) h_central = not_known()
+   end function central_value
+
+   !> X of the last node with P > 0; NaN if there is none or a value is not finite. x, p (nx).
+   pure function exit_position(x, p) result(position)
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(in) :: p(:)
+      real(wp) :: position
+      integer :: i
+
+      position = not_known()
+      if (.not. all(ieee_is_finite(p))) return
+      do i = size(p), 1, -1
+         if (p(i) > 0.0_wp) then
+            position = x(i)
+            return
+         end if
+      end do
+   end function exit_position
+
+   !> A figure without an estimate of its error.
+   pure function new_figure(value, time) result(figure)
+      real(wp), intent(in) :: value
+      real(wp), intent(in) :: time
+      type(figure_t) :: figure
+
+      figure%value = value
+      figure%time = time
+      figure%error_estimate = not_known()
+   end function new_figure
+
+   !> Takes `other` if it is smaller, or not known.
+   pure subroutine keep_smaller(figure, other)
+      type(figure_t), intent(inout) :: figure
+      type(figure_t), intent(in) :: other
+
+      if (.not. ieee_is_finite(figure%value)) return
+      if (.not. ieee_is_finite(other%value)) then
+         figure = other
+      else if (other%value < figure%value) then
+         figure = other
+      end if
+   end subroutine keep_smaller
+
+   !> Takes `other` if it is larger, or not known.
+   pure subroutine keep_larger(figure, other)
+      type(figure_t), intent(inout) :: figure
+      type(figure_t), intent(in) :: other
+
+      if (.not. ieee_is_finite(figure%value)) return
+      if (.not. ieee_is_finite(other%value)) then
+         figure = other
+      else if (other%value > figure%value) then
+         figure = other
+      end if
+   end subroutine keep_larger
+
+   !> A quiet NaN.
+   pure function not_known() result(value)
+      real(wp) :: value
+
+      value = ieee_value(0.0_wp, ieee_quiet_nan)
+   end function not_known
+
+end module line_summary
