@@ -45,7 +45,7 @@ module solver_settings
       character(len=word_length) :: smoother = 'auto'
       !> First guess: 'fmg' (full multigrid) or 'hertz' (Hertz pressure on the finest grid).
       character(len=word_length) :: start = 'fmg'
-      !> Bound on the residuals of equations.md, section 1 [-]; zero: 1e-8 steady, 1e-6 in time steps.
+      !> Bound on the residuals and the load error [-]; zero: 1e-8 steady, 1e-6 in time steps.
       real(wp) :: tolerance = 0.0_wp
       !> Largest number of cycles for one solution (of each time step); zero: automatic.
       integer :: max_cycles = 0

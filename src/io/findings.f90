@@ -1,0 +1,113 @@
+!> What is wrong with an input file, collected so that one report tells everything.
+module findings
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: findings_t, quoted
+
+   !> One finding: the line of the file and what is found and expected there.
+   type :: finding_t
+      integer :: line = 0
+      character(:), allocatable :: message
+   end type finding_t
+
+   !> A growing list of findings; empty means that the input is good.
+   type :: findings_t
+      private
+      type(finding_t), allocatable :: items(:)
+      integer, public :: count = 0
+   contains
+      procedure, public :: add => add_finding
+      procedure, public :: report => findings_report
+   end type findings_t
+
+   !> Findings shown at most in one report: a broken file is not answered by thousands of lines.
+   integer, parameter :: most_shown = 50
+   !> Findings kept at most; later ones are only counted.
+   integer, parameter :: most_kept = 1000
+   !> Characters of the user's text that a message repeats at most.
+   integer, parameter :: most_quoted = 48
+
+contains
+
+   !> Appends a finding: `line` [-] of the file, group and key (either may be empty) and the message.
+   subroutine add_finding(self, line, group, key, message)
+      class(findings_t), intent(inout) :: self
+      integer, intent(in) :: line
+      character(*), intent(in) :: group, key, message
+      type(finding_t), allocatable :: grown(:)
+      character(:), allocatable :: place
+
+      if (.not. allocated(self%items)) allocate (self%items(16))
+      self%count = self%count + 1
+      if (self%count > most_kept) return
+      if (self%count > size(self%items)) then
+         allocate (grown(2*size(self%items)))
+         grown(:size(self%items)) = self%items
+         call move_alloc(grown, self%items)
+      end if
+      place = ''
+      if (len_trim(group) > 0) place = '&' // trim(group)
+      if (len_trim(key) > 0) place = place // ' ' // trim(key)
+      if (len(place) > 0) place = place // ': '
+      self%items(self%count)%line = line
+      self%items(self%count)%message = place // message
+   end subroutine add_finding
+
+   !> All findings in the order of their lines, one a line: `file:line: &group key: found ..., expected ... [unit]`.
+   function findings_report(self, file) result(report)
+      class(findings_t), intent(in) :: self
+      character(*), intent(in) :: file
+      character(:), allocatable :: report
+      integer, allocatable :: order(:)
+      integer :: i, j, current
+
+      allocate (order(min(self%count, most_kept)))
+      do i = 1, size(order)
+         current = order(i)
+         j = i - 1
+         do while (j >= 1)
+            if (self%items(order(j))%line <= self%items(current)%line) exit
+            order(j + 1) = order(j)
+            j = j - 1
+         end do
+         order(j + 1) = current
+      end do
+      report = ''
+      do i = 1, min(self%count, most_shown)
+         if (i > 1) report = report // new_line('a')
+         report = report // file // ':'
+         if (self%items(order(i))%line > 0) report = report // to_text(self%items(order(i))%line) // ':'
+         report = report // ' ' // self%items(order(i))%message
+      end do
+      if (self%count > most_shown) report = report // new_line('a') // file // ': ... and ' &
+         // to_text(self%count - most_shown) // ' more findings'
+   end function findings_report
+
+   !> The user's text for a message: shortened, without control characters; 'nothing' for an empty one.
+   pure function quoted(string) result(shown)
+      character(*), intent(in) :: string
+      character(:), allocatable :: shown
+      integer :: i, last
+
+      last = len_trim(string)
+      if (last == 0) then
+         shown = 'nothing'
+         return
+      end if
+      if (last <= most_quoted) then
+         shown = string(:last)
+      else
+         last = most_quoted
+         do while (last > 1 .and. iand(iachar(string(last + 1:last + 1)), 192) == 128)
+            last = last - 1
+         end do
+         shown = string(:last) // '...'
+      end if
+      do i = 1, len(shown)
+         if (iachar(shown(i:i)) < 32 .or. iachar(shown(i:i)) == 127) shown(i:i) = '?'
+      end do
+   end function quoted
+
+end module findings

@@ -1,0 +1,302 @@
+!> The one table of what a namelist may contain: groups, keys, types, units, defaults, ranges, words, meanings.
+!>
+!> It serves the reader, its messages, `--template`, `--keys` and the page docs/input.md; defaults exist nowhere else.
+module input_keys
+   implicit none (type, external)
+   private
+
+   public :: find_key, find_group, later_meaning, expected_value, has_word, word_list
+
+   !> Kinds of values.
+   integer, parameter, public :: real_kind = 1, integer_kind = 2, logical_kind = 3, word_kind = 4, text_kind = 5, &
+      reals_kind = 6, words_kind = 7
+   !> Defaults that are no value: must be given; chosen by the program; only with certain other keys.
+   character(*), parameter, public :: is_required = 'required', is_chosen = 'chosen', is_optional = '-'
+
+   !> One group.
+   type, public :: group_row_t
+      character(len=12) :: group
+      !> 'yes', 'no' or 'later' (known, but not built yet).
+      character(len=8) :: needed
+      character(len=100) :: meaning
+   end type group_row_t
+
+   !> One key.
+   type, public :: key_row_t
+      character(len=12) :: group
+      character(len=20) :: key
+      !> One of the kinds above.
+      integer :: kind
+      !> SI unit; '-' for a pure number, 'half-widths' for X; empty for words and texts.
+      character(len=12) :: unit
+      !> Default as namelist text, or one of the three words above.
+      character(len=32) :: default
+      !> Range as a comma-separated list of comparisons, each of which must hold.
+      character(len=40) :: range
+      !> Words that are built, separated by blanks.
+      character(len=80) :: words
+      !> Words that are known but not built yet, separated by blanks.
+      character(len=40) :: later_words
+      character(len=100) :: meaning
+   end type key_row_t
+
+   !> A key that is known but not built yet.
+   type, public :: later_row_t
+      character(len=12) :: group
+      character(len=20) :: key
+      character(len=40) :: meaning
+   end type later_row_t
+
+   type(group_row_t), parameter, public :: group_rows(*) = [ &
+      group_row_t('case', 'yes', 'what is computed and where the result goes'), &
+      group_row_t('bodies', 'yes', 'geometry, elasticity and speeds of the two bodies (not with &moes)'), &
+      group_row_t('load', 'yes', 'the load (not with &moes)'), &
+      group_row_t('moes', 'no', 'dimensionless smooth Newtonian studies: replaces bodies, load and viscosity'), &
+      group_row_t('lubricant', 'yes', 'the oil'), &
+      group_row_t('surface_1', 'no', 'roughness of surface 1, moving at speed_1; heights count positive out of the material'), &
+      group_row_t('surface_2', 'no', 'roughness of surface 2, moving at speed_2; heights count positive out of the material'), &
+      group_row_t('domain', 'no', 'the computed stretch of the contact and its grid'), &
+      group_row_t('time', 'no', 'steady, or a transient from the smooth steady solution; T = t (u1+u2)/(2 half-width)'), &
+      group_row_t('solver', 'no', 'method and accuracy of the numerical solution'), &
+      group_row_t('output', 'no', 'what is stored of a transient'), &
+      group_row_t('accuracy', 'later', 'target accuracy from which the program chooses grid and time step')]
+
+   type(key_row_t), parameter :: case_rows(*) = [ &
+      key_row_t('case', 'title', text_kind, '', "''", '', '', '', 'free text, stored in the result'), &
+      key_row_t('case', 'problem', word_kind, '', is_required, '', 'ehl_line', 'dry_line dry_area', &
+      'the problem: ehl_line is the lubricated line contact'), &
+      key_row_t('case', 'output', text_kind, '', is_chosen, '', '', '', &
+      'result file, relative to the namelist; chosen: name of the namelist + .h5, in the current folder'), &
+      key_row_t('case', 'model', word_kind, '', "'full'", '', 'full', 'auto', 'full: every ingredient of the model')]
+
+   type(key_row_t), parameter :: bodies_rows(*) = [ &
+      key_row_t('bodies', 'radius_1', real_kind, 'm', is_optional, '/= 0, >= -1e12, <= 1e12', '', '', &
+      'radius of body 1, negative if concave; radius_1 and radius_2, or reduced_radius'), &
+      key_row_t('bodies', 'radius_2', real_kind, 'm', is_optional, '/= 0, >= -1e12, <= 1e12', '', '', &
+      'radius of body 2, negative if concave'), &
+      key_row_t('bodies', 'reduced_radius', real_kind, 'm', is_optional, '>= 1e-9, <= 1e9', '', '', &
+      'R of 1/R = 1/R1 + 1/R2'), &
+      key_row_t('bodies', 'youngs_modulus_1', real_kind, 'Pa', is_optional, '>= 1e3, <= 1e15', '', '', &
+      'of body 1; both moduli and Poisson ratios, or reduced_modulus'), &
+      key_row_t('bodies', 'youngs_modulus_2', real_kind, 'Pa', is_optional, '>= 1e3, <= 1e15', '', '', 'of body 2'), &
+      key_row_t('bodies', 'poisson_ratio_1', real_kind, '-', is_optional, '>= 0, <= 0.5', '', '', 'of body 1'), &
+      key_row_t('bodies', 'poisson_ratio_2', real_kind, '-', is_optional, '>= 0, <= 0.5', '', '', 'of body 2'), &
+      key_row_t('bodies', 'reduced_modulus', real_kind, 'Pa', is_optional, '>= 1e3, <= 1e15', '', '', &
+      "E' of 2/E' = (1-nu1^2)/E1 + (1-nu2^2)/E2"), &
+      key_row_t('bodies', 'speed_1', real_kind, 'm/s', is_required, '>= -1e4, <= 1e4', '', '', &
+      'surface speed u1 of body 1; the oil flows towards +x: u1 + u2 > 0'), &
+      key_row_t('bodies', 'speed_2', real_kind, 'm/s', is_required, '>= -1e4, <= 1e4', '', '', &
+      'surface speed u2 of body 2')]
+
+   type(key_row_t), parameter :: load_rows(*) = [ &
+      key_row_t('load', 'load_per_length', real_kind, 'N/m', is_optional, '>= 1e-6, <= 1e12', '', '', &
+      'load w per length of the line; this or hertz_pressure'), &
+      key_row_t('load', 'hertz_pressure', real_kind, 'Pa', is_optional, '>= 1, <= 1e13', '', '', &
+      'greatest Hertzian pressure p_h of the same load'), &
+      key_row_t('moes', 'moes_m', real_kind, '-', is_required, '>= 1e-3, <= 1e6', '', '', &
+      'load number M'), &
+      key_row_t('moes', 'moes_l', real_kind, '-', is_required, '>= 0, <= 1000', '', '', &
+      'material number L; 0: constant viscosity'), &
+      key_row_t('moes', 'velocity', word_kind, '', is_required, '', 'mean sum', '', &
+      'velocity in M and L: mean is (u1+u2)/2, sum is u1+u2 (Venner and Lubrecht)')]
+
+   type(key_row_t), parameter :: lubricant_rows(*) = [ &
+      key_row_t('lubricant', 'viscosity', real_kind, 'Pa s', is_optional, '>= 1e-9, <= 1e6', '', '', &
+      'viscosity mu_0 at ambient pressure; required without &moes'), &
+      key_row_t('lubricant', 'viscosity_law', word_kind, '', "'roelands'", '', 'roelands barus constant', '', &
+      'rise of viscosity with pressure'), &
+      key_row_t('lubricant', 'pressure_viscosity', real_kind, '1/Pa', is_optional, '>= 1e-12, <= 1e-6', '', '', &
+      'alpha; Barus needs it; Roelands needs two of alpha, z, P0; with &moes: 2.2e-8'), &
+      key_row_t('lubricant', 'roelands_z', real_kind, '-', is_optional, '>= 0.01, <= 2', '', '', &
+      'exponent z of Roelands; with &moes: 0.668'), &
+      key_row_t('lubricant', 'roelands_p0', real_kind, 'Pa', is_optional, '>= 1e6, <= 1e11', '', '', &
+      'reference pressure P0 of Roelands, about 1.96e8; with &moes: 1.96e8'), &
+      key_row_t('lubricant', 'density_law', word_kind, '', "'dowson_higginson'", '', 'dowson_higginson constant', '', &
+      'rise of density with pressure'), &
+      key_row_t('lubricant', 'rheology', word_kind, '', "'newtonian'", '', 'newtonian eyring', '', &
+      'flow law of the oil'), &
+      key_row_t('lubricant', 'eyring_stress', real_kind, 'Pa', is_optional, '>= 1e3, <= 1e15', '', '', &
+      'tau_0 of the Eyring law; required with rheology = ''eyring''')]
+
+   type(key_row_t), parameter :: surface_rows(*) = [ &
+      key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid', 'file synthetic parabola', &
+      'feature: ridge or dent (5.4); sinusoid: A cos(2 pi (x-xc)/Lambda); one word, or one for each element'), &
+      key_row_t('surface_1', 'amplitude', reals_kind, 'm', is_optional, '>= -1, <= 1', '', '', &
+      'height A of each element; a ridge is positive, a dent negative'), &
+      key_row_t('surface_1', 'wavelength', reals_kind, 'm', is_optional, '>= 1e-12, <= 1e3', '', '', &
+      'wavelength Lambda of each element'), &
+      key_row_t('surface_1', 'position', reals_kind, 'half-widths', '0.0', '>= -1e6, <= 1e6', '', '', &
+      'centre xc of each element at time 0'), &
+      key_row_t('surface_2', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid', 'file synthetic parabola', &
+      'as in &surface_1'), &
+      key_row_t('surface_2', 'amplitude', reals_kind, 'm', is_optional, '>= -1, <= 1', '', '', 'as in &surface_1'), &
+      key_row_t('surface_2', 'wavelength', reals_kind, 'm', is_optional, '>= 1e-12, <= 1e3', '', '', 'as in &surface_1'), &
+      key_row_t('surface_2', 'position', reals_kind, 'half-widths', '0.0', '>= -1e6, <= 1e6', '', '', 'as in &surface_1')]
+
+   type(key_row_t), parameter :: numeric_rows(*) = [ &
+      key_row_t('domain', 'x_inlet', real_kind, 'half-widths', is_chosen, '>= -1000, < -1', '', '', &
+      'start of the domain; the contact is -1 to 1'), &
+      key_row_t('domain', 'x_outlet', real_kind, 'half-widths', is_chosen, '> 1, <= 1000', '', '', 'end of the domain'), &
+      key_row_t('domain', 'intervals', integer_kind, '-', is_chosen, '>= 8, <= 16777216, a power of two', '', '', &
+      'grid intervals, 2^k'), &
+      key_row_t('time', 'transient', logical_kind, '', '.false.', '', '', '', 'transient or steady'), &
+      key_row_t('time', 'end_time', real_kind, '-', is_optional, '> 0, <= 1e6', '', '', &
+      'end of the transient, T; required with transient = .true.'), &
+      key_row_t('time', 'time_step', real_kind, '-', is_chosen, '>= 1e-9, <= 1e3', '', '', &
+      'time step in T; chosen: the grid spacing dX'), &
+      key_row_t('time', 'scheme', word_kind, '', "'backward_euler'", '', 'backward_euler', 'bdf2', &
+      'time discretisation'), &
+      key_row_t('solver', 'method', word_kind, '', "'auto'", '', 'auto fas_block_jacobi block_jacobi newton_dense', &
+      'newton_krylov', 'auto: the best that is built; newton_dense: exact reference for small grids'), &
+      key_row_t('solver', 'smoother', word_kind, '', "'auto'", '', 'auto block_jacobi gauss_seidel line hybrid', '', &
+      'smoother of the multigrid cycle'), &
+      key_row_t('solver', 'start', word_kind, '', "'fmg'", '', 'fmg hertz', '', &
+      'first guess: full multigrid, or the Hertz pressure on the finest grid'), &
+      key_row_t('solver', 'tolerance', real_kind, '-', is_chosen, '>= 1e-15, <= 1e-2', '', '', &
+      'bound on the dimensionless residuals and the load; chosen: 1e-8, in time steps 1e-6'), &
+      key_row_t('solver', 'max_cycles', integer_kind, '-', is_chosen, '>= 1, <= 10000000', '', '', &
+      'most cycles (newton_dense: iterations) for one solution; chosen: by the method'), &
+      key_row_t('solver', 'levels', integer_kind, '-', is_chosen, '>= 1, <= 22', '', '', &
+      'grid levels, the finest counted'), &
+      key_row_t('solver', 'pre_sweeps', integer_kind, '-', is_chosen, '>= 1, <= 1000', '', '', &
+      'smoothing sweeps before the coarse grid'), &
+      key_row_t('solver', 'post_sweeps', integer_kind, '-', is_chosen, '>= 1, <= 1000', '', '', &
+      'smoothing sweeps after the coarse grid'), &
+      key_row_t('solver', 'coarse_sweeps', integer_kind, '-', is_chosen, '>= 1, <= 100000', '', '', &
+      'sweeps on the coarsest grid'), &
+      key_row_t('solver', 'relaxation', real_kind, '-', is_chosen, '>= 1e-6, < 2', '', '', &
+      'relaxation factor of the smoother'), &
+      key_row_t('solver', 'load_relaxation', real_kind, '-', is_chosen, '>= 1e-6, < 2', '', '', &
+      'relaxation factor of the force balance'), &
+      key_row_t('output', 'profile_stride', integer_kind, '-', '1', '>= 1, <= 1000000000', '', '', &
+      'every how many time steps profiles are stored (transient)'), &
+      key_row_t('output', 'fields', words_kind, '', "'pressure', 'film_thickness'", '', &
+      'pressure film_thickness', '', 'the profiles that are stored (transient)')]
+
+   !> Every key that is built, in the order of the manual.
+   type(key_row_t), parameter, public :: key_rows(*) = [case_rows, bodies_rows, load_rows, lubricant_rows, surface_rows, &
+      numeric_rows]
+
+   !> Keys that are known but not built yet; those of the surfaces hold for both.
+   type(later_row_t), parameter, public :: later_rows(*) = [ &
+      later_row_t('bodies', 'hardness', 'dry contacts'), &
+      later_row_t('load', 'load', 'areal contacts'), &
+      later_row_t('load', 'mean_pressure', 'dry contacts'), &
+      later_row_t('load', 'separation', 'dry contacts'), &
+      later_row_t('load', 'loading', 'dry contacts'), &
+      later_row_t('surface_1', 'file', 'measured roughness'), &
+      later_row_t('surface_1', 'dataset', 'measured roughness'), &
+      later_row_t('surface_1', 'harmonics', 'measured roughness'), &
+      later_row_t('surface_1', 'entry_length', 'smooth entry of roughness'), &
+      later_row_t('surface_1', 'seed', 'synthetic roughness'), &
+      later_row_t('surface_1', 'hurst', 'synthetic roughness'), &
+      later_row_t('surface_1', 'rms_height', 'synthetic roughness'), &
+      later_row_t('surface_1', 'wavelength_long', 'synthetic roughness'), &
+      later_row_t('surface_1', 'wavelength_rolloff', 'synthetic roughness'), &
+      later_row_t('surface_1', 'wavelength_short', 'synthetic roughness'), &
+      later_row_t('surface_1', 'skewness', 'synthetic roughness'), &
+      later_row_t('surface_1', 'kurtosis', 'synthetic roughness'), &
+      later_row_t('domain', 'length', 'dry contacts'), &
+      later_row_t('domain', 'length_x', 'areal contacts'), &
+      later_row_t('domain', 'length_y', 'areal contacts'), &
+      later_row_t('domain', 'intervals_x', 'areal contacts'), &
+      later_row_t('domain', 'intervals_y', 'areal contacts'), &
+      later_row_t('domain', 'periodic', 'dry contacts'), &
+      later_row_t('domain', 'kernel', 'dry contacts'), &
+      later_row_t('solver', 'film_floor', 'film breakdown'), &
+      later_row_t('solver', 'on_film_breakdown', 'film breakdown'), &
+      later_row_t('accuracy', 'target', 'grid and time step chosen by accuracy'), &
+      later_row_t('output', 'film_thresholds', 'film statistics'), &
+      later_row_t('output', 'checkpoint_interval', 'checkpoints'), &
+      later_row_t('output', 'adequacy', 'lean models')]
+
+contains
+
+   !> Row of a key in `key_rows`; 0: not there.
+   pure function find_key(group, key) result(row)
+      character(*), intent(in) :: group, key
+      integer :: row
+
+      do row = size(key_rows), 1, -1
+         if (key_rows(row)%group == group .and. key_rows(row)%key == key) return
+      end do
+   end function find_key
+
+   !> Row of a group in `group_rows`; 0: not there.
+   pure function find_group(group) result(row)
+      character(*), intent(in) :: group
+      integer :: row
+
+      do row = size(group_rows), 1, -1
+         if (group_rows(row)%group == group) return
+      end do
+   end function find_group
+
+   !> What a key that is not built yet belongs to; empty: not such a key.
+   pure function later_meaning(group, key) result(meaning)
+      character(*), intent(in) :: group, key
+      character(:), allocatable :: meaning
+      integer :: row
+
+      meaning = ''
+      do row = 1, size(later_rows)
+         if (later_rows(row)%key /= key) cycle
+         if (later_rows(row)%group == group .or. (later_rows(row)%group == 'surface_1' .and. group == 'surface_2')) &
+            meaning = trim(later_rows(row)%meaning)
+      end do
+   end function later_meaning
+
+   !> What a key expects, for messages and tables: "a real number > 0 [m]".
+   pure function expected_value(row) result(expected)
+      type(key_row_t), intent(in) :: row
+      character(:), allocatable :: expected
+
+      select case (row%kind)
+      case (real_kind)
+         expected = 'a real number'
+      case (integer_kind)
+         expected = 'an integer'
+      case (logical_kind)
+         expected = '.true. or .false.'
+      case (reals_kind)
+         expected = 'real numbers'
+      case (text_kind)
+         expected = 'a quoted text'
+      case default
+         expected = word_list(row%words)
+         if (row%kind == words_kind) expected = 'a list of ' // expected
+      end select
+      if (len_trim(row%range) > 0) expected = expected // ' ' // trim(row%range)
+      if (len_trim(row%unit) > 0) expected = expected // ' [' // trim(row%unit) // ']'
+   end function expected_value
+
+   !> Blank-separated words as 'a', 'b' or 'c'.
+   pure function word_list(words) result(list)
+      character(*), intent(in) :: words
+      character(:), allocatable :: list
+      character(:), allocatable :: rest
+      integer :: blank
+
+      list = ''
+      rest = trim(words)
+      do while (len(rest) > 0)
+         blank = index(rest // ' ', ' ')
+         if (len(list) > 0 .and. blank > len(rest)) then
+            list = list // ' or '
+         else if (len(list) > 0) then
+            list = list // ', '
+         end if
+         list = list // '''' // rest(:blank - 1) // ''''
+         rest = rest(min(blank + 1, len(rest) + 1):)
+      end do
+   end function word_list
+
+   !> True if `word` is one of the blank-separated `words`.
+   pure function has_word(words, word)
+      character(*), intent(in) :: words, word
+      logical :: has_word
+
+      has_word = len(word) > 0 .and. index(word, ' ') == 0 .and. index(' ' // words // ' ', ' ' // word // ' ') > 0
+   end function has_word
+
+end module input_keys

@@ -1,0 +1,60 @@
+!> Ranges of the key table, "> 0, <= 0.5" or "a power of two", as a test.
+module key_range
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: is_in_range
+
+contains
+
+   !> True if `value` fulfils every comparison of the comma-separated `range`; true for an empty range.
+   pure function is_in_range(value, range) result(inside)
+      real(wp), intent(in) :: value
+      character(*), intent(in) :: range
+      logical :: inside
+      integer :: start, length
+
+      inside = .true.
+      start = 1
+      do while (start <= len_trim(range) .and. inside)
+         length = index(range(start:), ',') - 1
+         if (length < 0) length = len_trim(range(start:))
+         inside = holds(value, trim(adjustl(range(start:start + length - 1))))
+         start = start + length + 1
+      end do
+   end function is_in_range
+
+   !> One comparison: "> 0", ">= 0", "< 1", "<= 1", "/= 0" or "a power of two".
+   pure function holds(value, comparison)
+      real(wp), intent(in) :: value
+      character(*), intent(in) :: comparison
+      logical :: holds
+      real(wp) :: bound
+      integer :: blank, status
+
+      blank = index(comparison, ' ')
+      holds = .false.
+      if (comparison == 'a power of two') then
+         if (value >= 1.0_wp .and. value < 1.0e9_wp) holds = popcnt(nint(value)) == 1
+         return
+      end if
+      read (comparison(blank + 1:), *, iostat=status) bound
+      if (status /= 0) return
+      select case (comparison(:blank - 1))
+      case ('>')
+         holds = value > bound
+      case ('>=')
+         holds = value >= bound
+      case ('<')
+         holds = value < bound
+      case ('<=')
+         holds = value <= bound
+      case ('/=')
+         holds = value < bound .or. value > bound
+      case default
+         holds = .false.
+      end select
+   end function holds
+
+end module key_range

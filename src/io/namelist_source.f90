@@ -1,0 +1,146 @@
+!> The text of a namelist file as its parser sees it: comments taken out, strings marked, lines counted.
+module namelist_source
+   use findings, only: findings_t, quoted
+   implicit none (type, external)
+   private
+
+   public :: source_t, new_source, next_equals, key_start, name_end, count_lines
+
+   !> The characters of the file as the parser sees them.
+   type :: source_t
+      !> Comments, line ends and tabs outside strings replaced by blanks.
+      character(:), allocatable :: text
+      !> True inside a string, its quotes included.
+      logical, allocatable :: in_string(:)
+      !> Line of each character.
+      integer, allocatable :: line(:)
+   end type source_t
+
+   character(*), parameter :: line_feed = achar(10)
+   !> Tab, form feed, carriage return.
+   character(*), parameter :: blanks = achar(9) // achar(12) // achar(13)
+   character(*), parameter :: byte_order_mark = char(239) // char(187) // char(191)
+   character(*), parameter :: name_characters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_'
+
+contains
+
+   !> Takes out comments and line ends, marks strings and counts lines. Finding: a string that is not closed on its line.
+   subroutine new_source(source, content, findings)
+      type(source_t), intent(out) :: source
+      character(*), intent(in) :: content
+      type(findings_t), intent(inout) :: findings
+      integer :: i, opened, line
+      character(len=1) :: mark
+      logical :: in_comment
+
+      source%text = content // line_feed
+      allocate (source%in_string(len(source%text)), source%line(len(source%text)))
+      source%in_string = .false.
+      mark = ' '
+      in_comment = .false.
+      line = 1
+      opened = 1
+      if (index(content, byte_order_mark) == 1) source%text(1:3) = ' '
+      do i = 1, len(source%text)
+         source%line(i) = line
+         associate (byte => source%text(i:i))
+            if (byte == line_feed) then
+               if (mark /= ' ') then
+                  call findings%add(line, '', '', 'found the string ' // quoted(source%text(opened:i - 1)) &
+                     // ', expected its closing ' // mark // ' on the same line')
+                  source%in_string(i) = .true.
+               end if
+               byte = mark
+               mark = ' '
+               in_comment = .false.
+               line = line + 1
+            else if (mark /= ' ') then
+               source%in_string(i) = .true.
+               if (byte == mark) mark = ' '
+            else if (in_comment .or. index(blanks, byte) > 0) then
+               byte = ' '
+            else if (byte == '!') then
+               in_comment = .true.
+               byte = ' '
+            else if (byte == '''' .or. byte == '"') then
+               mark = byte
+               opened = i
+               source%in_string(i) = .true.
+            end if
+         end associate
+      end do
+   end subroutine new_source
+
+   !> Position of the next `=` outside strings from `first` on; last + 1: none.
+   pure function next_equals(source, first, last) result(position)
+      type(source_t), intent(in) :: source
+      integer, intent(in) :: first, last
+      integer :: position
+
+      do position = first, last
+         if (source%text(position:position) == '=' .and. .not. source%in_string(position)) return
+      end do
+      position = last + 1
+   end function next_equals
+
+   !> First character of the key (with its subscript) that stands before the `=` at `sign`, not before `first`.
+   pure function key_start(text, first, sign) result(start)
+      character(*), intent(in) :: text
+      integer, intent(in) :: first, sign
+      integer :: start
+      integer :: i, bracket
+
+      i = skip_blanks(text, first, sign - 1)
+      if (i >= first) then
+         if (text(i:i) == ')') then
+            bracket = index(text(first:i), '(', back=.true.)
+            if (bracket > 0) i = skip_blanks(text, first, first + bracket - 2)
+         end if
+      end if
+      start = i + 1
+      do while (start > first)
+         if (verify(text(start - 1:start - 1), name_characters // '%') > 0) exit
+         start = start - 1
+      end do
+      if (start > i) start = sign
+   end function key_start
+
+   !> Last position at or before `last` that is not blank; first - 1: all blank.
+   pure function skip_blanks(text, first, last) result(position)
+      character(*), intent(in) :: text
+      integer, intent(in) :: first, last
+      integer :: position
+
+      position = last
+      do while (position >= first)
+         if (text(position:position) /= ' ') return
+         position = position - 1
+      end do
+   end function skip_blanks
+
+   !> Last character of the name that starts at `first`; first - 1: no name there.
+   pure function name_end(text, first) result(last)
+      character(*), intent(in) :: text
+      integer, intent(in) :: first
+      integer :: last
+
+      last = first - 1
+      do while (last < len(text))
+         if (verify(text(last + 1:last + 1), name_characters) > 0) return
+         last = last + 1
+      end do
+   end function name_end
+
+   !> Number of line feeds in `string`.
+   pure function count_lines(string) result(lines)
+      character(*), intent(in) :: string
+      integer :: lines
+      integer :: i
+
+      lines = 0
+      do i = 1, len(string)
+         if (string(i:i) == line_feed) lines = lines + 1
+      end do
+   end function count_lines
+
+end module namelist_source

@@ -1,0 +1,303 @@
+!> Cuts the text of a namelist file into entries, each with its group, key and line.
+!>
+!> Only the form is judged here: which keys exist and what their values mean is the business of `input_keys` and
+!> `case_input`. Accepted is standard namelist syntax: groups `&name ... /` (or `&end`), comments after `!`, several
+!> entries a line, values over several lines, blanks, tabs, CR LF line ends, a byte order mark. A string closes on its line.
+module namelist_text
+   use findings, only: findings_t, quoted
+   use namelist_source, only: source_t, new_source, next_equals, key_start, name_end, count_lines
+   use text, only: to_lower, to_text
+   use text_file, only: find_bad_byte
+   implicit none (type, external)
+   private
+
+   public :: entry_t, group_t, namelist_text_t, split_namelist
+
+   !> One `key = values` of a group.
+   type :: entry_t
+      !> Lower-case names; `key` without its subscript.
+      character(:), allocatable :: group, key
+      !> The values as written, comments taken out, line ends turned into blanks.
+      character(:), allocatable :: values
+      !> Line of the key.
+      integer :: line = 0
+      !> Element at which the values start: 1, or the n of `key(n) = ...`.
+      integer :: first = 1
+      !> True if a subscript is written.
+      logical :: has_subscript = .false.
+   end type entry_t
+
+   !> One group.
+   type :: group_t
+      character(:), allocatable :: name
+      integer :: line = 0
+   end type group_t
+
+   !> A namelist file in pieces.
+   type :: namelist_text_t
+      type(group_t), allocatable :: groups(:)
+      type(entry_t), allocatable :: entries(:)
+      integer :: group_count = 0
+      integer :: entry_count = 0
+      !> Number of lines of the file.
+      integer :: lines = 0
+   end type namelist_text_t
+
+   !> Most entries and groups of one file: a broken file must not keep the program busy.
+   integer, parameter :: most_entries = 5000, most_groups = 100
+
+
+
+contains
+
+   !> Splits `content` into groups and entries. Findings: bytes that are no text, unclosed strings and groups, repeated
+   !> groups and keys, text outside groups, text that is not `key = value`. A repeated group or key is not an entry.
+   subroutine split_namelist(content, pieces, findings)
+      character(*), intent(in) :: content
+      type(namelist_text_t), intent(out) :: pieces
+      type(findings_t), intent(inout) :: findings
+      type(source_t) :: source
+      integer :: bad, position
+
+      allocate (pieces%groups(0), pieces%entries(0))
+      bad = find_bad_byte(content)
+      if (bad > 0) then
+         call findings%add(1 + count_lines(content(:bad - 1)), '', '', 'found the byte ' // hexadecimal(content(bad:bad)) &
+            // ', expected a text file in UTF-8')
+         return
+      end if
+      call new_source(source, content, findings)
+      pieces%lines = 1 + count_lines(content)
+      position = 1
+      do while (position <= len(source%text))
+         call read_outside(source, position, findings)
+         if (position <= len(source%text)) call read_group(source, position, pieces, findings)
+         if (pieces%group_count < most_groups .and. pieces%entry_count < most_entries) cycle
+         call findings%add(source%line(min(position, len(source%text))), '', '', 'found more than ' // to_text(most_groups) &
+            // ' groups or ' // to_text(most_entries) // ' entries, expected a namelist of a few dozen')
+         exit
+      end do
+   end subroutine split_namelist
+
+   !> Moves `position` to the next `&`. Finding, once a line: text that is in no group.
+   subroutine read_outside(source, position, findings)
+      type(source_t), intent(in) :: source
+      integer, intent(inout) :: position
+      type(findings_t), intent(inout) :: findings
+      integer :: last
+
+      do while (position <= len(source%text))
+         if (source%text(position:position) == '&' .and. .not. source%in_string(position)) return
+         if (source%text(position:position) /= ' ') then
+            last = position
+            do while (last < len(source%text))
+               if (source%line(last + 1) /= source%line(position)) exit
+               if (source%text(last + 1:last + 1) == '&' .and. .not. source%in_string(last + 1)) exit
+               last = last + 1
+            end do
+            call findings%add(source%line(position), '', '', 'found ' // quoted(source%text(position:last)) &
+               // ' outside a group, expected &group ... /')
+            position = last
+         end if
+         position = position + 1
+      end do
+   end subroutine read_outside
+
+   !> Reads one group; `position` is at its `&` and ends behind its `/`. Findings: no name, repeated, not closed.
+   subroutine read_group(source, position, pieces, findings)
+      type(source_t), intent(in) :: source
+      integer, intent(inout) :: position
+      type(namelist_text_t), intent(inout) :: pieces
+      type(findings_t), intent(inout) :: findings
+      character(:), allocatable :: name
+      integer :: line, first, last, earlier
+
+      line = source%line(position)
+      first = position + 1
+      last = name_end(source%text, first)
+      name = to_lower(source%text(first:last))
+      position = last + 1
+      if (name == '') then
+         call findings%add(line, '', '', 'found & without a name, expected &group')
+      else if (name == 'end') then
+         call findings%add(line, '', '', 'found &end outside a group, expected &group')
+         return
+      end if
+      call find_group_end(source, position, last, name, line, findings)
+      earlier = group_line(pieces, name)
+      if (earlier > 0) then
+         call findings%add(line, name, '', 'found the group a second time, expected it once (line ' // to_text(earlier) // ')')
+      else if (name /= '') then
+         call add_group(pieces, name, line)
+         call split_group(source, position, last, name, pieces, findings)
+      end if
+      position = last + 1
+      if (position > len(source%text)) return
+      if (source%text(position:position) == '/') then
+         position = position + 1
+      else if (to_lower(source%text(position:min(position + 3, len(source%text)))) == '&end') then
+         position = position + 4
+      end if
+   end subroutine read_group
+
+   !> Finds `last`, the last character inside the group: before its `/`, `&end`, the next `&` or the end of the file.
+   !> Finding: the group is not closed.
+   subroutine find_group_end(source, first, last, name, line, findings)
+      type(source_t), intent(in) :: source
+      integer, intent(in) :: first, line
+      integer, intent(out) :: last
+      character(*), intent(in) :: name
+      type(findings_t), intent(inout) :: findings
+      integer :: i
+
+      last = len(source%text)
+      do i = first, len(source%text)
+         if (source%in_string(i)) cycle
+         if (source%text(i:i) == '/' .or. source%text(i:i) == '&') then
+            last = i - 1
+            if (source%text(i:i) == '/') return
+            if (to_lower(source%text(i:min(i + 3, len(source%text)))) == '&end' &
+               .and. name_end(source%text, i + 1) == i + 3) return
+            exit
+         end if
+      end do
+      call findings%add(line, name, '', 'found no end of the group, expected a closing /')
+   end subroutine find_group_end
+
+   !> Cuts source(first:last), the inside of a group, at its `=` signs into entries.
+   subroutine split_group(source, first, last, group, pieces, findings)
+      type(source_t), intent(in) :: source
+      integer, intent(in) :: first, last
+      character(*), intent(in) :: group
+      type(namelist_text_t), intent(inout) :: pieces
+      type(findings_t), intent(inout) :: findings
+      integer :: sign, next_sign, key_at, next_key
+
+      sign = next_equals(source, first, last)
+      key_at = last + 1
+      if (sign <= last) key_at = key_start(source%text, first, sign)
+      if (verify(source%text(first:key_at - 1), ' ,') > 0) call findings%add( &
+         source%line(first - 1 + verify(source%text(first:key_at - 1), ' ,')), group, '', 'found ' &
+         // quoted(trim(adjustl(source%text(first:key_at - 1)))) // ', expected key = value')
+      do while (sign <= last .and. pieces%entry_count < most_entries)
+         next_sign = next_equals(source, sign + 1, last)
+         next_key = last + 1
+         if (next_sign <= last) next_key = key_start(source%text, sign + 1, next_sign)
+         call add_entry(source, [key_at, sign, next_key], group, pieces, findings)
+         sign = next_sign
+         key_at = next_key
+      end do
+   end subroutine split_group
+
+   !> Adds the entry with its key from place(1), its `=` at place(2) and its values up to place(3) - 1.
+   !> Findings: no key, a subscript that is not one positive number, a repeated key.
+   subroutine add_entry(source, place, group, pieces, findings)
+      type(source_t), intent(in) :: source
+      integer, intent(in) :: place(3)
+      character(*), intent(in) :: group
+      type(namelist_text_t), intent(inout) :: pieces
+      type(findings_t), intent(inout) :: findings
+      type(entry_t) :: entry
+      integer :: bracket, status
+      character(:), allocatable :: name, subscript
+
+      entry%group = group
+      name = trim(source%text(place(1):place(2) - 1))
+      entry%line = source%line(min(place(1) + verify(source%text(place(1):place(2)), ' ') - 1, place(2)))
+      entry%values = trim(adjustl(source%text(place(2) + 1:place(3) - 1)))
+      bracket = index(name, '(')
+      if (bracket > 0) then
+         subscript = name(bracket + 1:len(name) - 1)
+         name = trim(name(:bracket - 1))
+         entry%has_subscript = .true.
+         status = 1
+         if (verify(trim(adjustl(subscript)), '0123456789') == 0 .and. len_trim(subscript) < 8) &
+            read (subscript, *, iostat=status) entry%first
+         if (status /= 0 .or. entry%first < 1) then
+            call findings%add(entry%line, group, to_lower(name), 'found the subscript (' // quoted(subscript) &
+               // '), expected one number, as in ' // to_lower(name) // '(2) = ...')
+            return
+         end if
+      end if
+      entry%key = to_lower(name)
+      if (entry%key == '') then
+         call findings%add(entry%line, group, '', 'found = without a key, expected key = value')
+      else if (repeated_line(pieces, entry) > 0) then
+         call findings%add(entry%line, group, entry%key, 'found the key a second time, expected it once (line ' &
+            // to_text(repeated_line(pieces, entry)) // ')')
+      else
+         call append_entry(pieces, entry)
+      end if
+   end subroutine add_entry
+
+   !> Line of an earlier entry with the same key and start as `entry`; 0: there is none.
+   pure function repeated_line(pieces, entry) result(line)
+      type(namelist_text_t), intent(in) :: pieces
+      type(entry_t), intent(in) :: entry
+      integer :: line
+      integer :: i
+
+      line = 0
+      do i = pieces%entry_count, 1, -1
+         if (pieces%entries(i)%group /= entry%group) exit
+         if (pieces%entries(i)%key == entry%key .and. pieces%entries(i)%first == entry%first) then
+            line = pieces%entries(i)%line
+            return
+         end if
+      end do
+   end function repeated_line
+
+   !> Appends an entry; the list doubles when it is full.
+   subroutine append_entry(pieces, entry)
+      type(namelist_text_t), intent(inout) :: pieces
+      type(entry_t), intent(in) :: entry
+      type(entry_t), allocatable :: grown(:)
+
+      if (pieces%entry_count == size(pieces%entries)) then
+         allocate (grown(2*pieces%entry_count + 16))
+         grown(:pieces%entry_count) = pieces%entries(:pieces%entry_count)
+         call move_alloc(grown, pieces%entries)
+      end if
+      pieces%entry_count = pieces%entry_count + 1
+      pieces%entries(pieces%entry_count) = entry
+   end subroutine append_entry
+
+   !> Appends a group; the list doubles when it is full.
+   subroutine add_group(pieces, name, line)
+      type(namelist_text_t), intent(inout) :: pieces
+      character(*), intent(in) :: name
+      integer, intent(in) :: line
+      type(group_t), allocatable :: grown(:)
+
+      if (pieces%group_count == size(pieces%groups)) then
+         allocate (grown(2*pieces%group_count + 16))
+         grown(:pieces%group_count) = pieces%groups(:pieces%group_count)
+         call move_alloc(grown, pieces%groups)
+      end if
+      pieces%group_count = pieces%group_count + 1
+      pieces%groups(pieces%group_count)%name = name
+      pieces%groups(pieces%group_count)%line = line
+   end subroutine add_group
+
+   !> Line of the group `name`; 0: not in the file.
+   pure function group_line(pieces, name) result(line)
+      type(namelist_text_t), intent(in) :: pieces
+      character(*), intent(in) :: name
+      integer :: line
+      integer :: i
+
+      line = 0
+      do i = 1, pieces%group_count
+         if (pieces%groups(i)%name == name) line = pieces%groups(i)%line
+      end do
+   end function group_line
+
+   !> A byte as 0xNN.
+   pure function hexadecimal(byte) result(string)
+      character(len=1), intent(in) :: byte
+      character(len=4) :: string
+
+      write (string, '(a,z2.2)') '0x', iachar(byte)
+   end function hexadecimal
+
+end module namelist_text
