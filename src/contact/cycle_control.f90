@@ -1,0 +1,107 @@
+!> Repeats cycles until the residuals of the original problem are below their bounds, or says why they are not.
+module cycle_control
+   use fas_cycle, only: cycle_from
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_hierarchy, only: count_work, line_hierarchy_t
+   use observer, only: observer_t
+   use reynolds_line, only: measure_residual, residual_t
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: cycle_limits_t, iterate, effective_tolerance
+
+   !> When to stop.
+   type :: cycle_limits_t
+      !> Bound on the residuals of equations.md, section 1.
+      real(wp) :: tolerance = 1.0e-8_wp
+      !> Cycles at most.
+      integer :: max_cycles = 60
+      !> Stagnation: the smallest residual has not fallen by a third within this many cycles.
+      integer :: patience = 12
+   end type cycle_limits_t
+
+   !> The bound on the Reynolds residual is at least this many times its round-off floor.
+   real(wp), parameter :: floor_factor = 5.0_wp
+   !> Residuals that grew by this factor over the first one diverge.
+   real(wp), parameter :: divergence_factor = 1.0e6_wp
+
+contains
+
+   !> max(tolerance, 5 x round-off floor).
+   pure function effective_tolerance(tolerance, residual) result(bound)
+      real(wp), intent(in) :: tolerance
+      type(residual_t), intent(in) :: residual
+      real(wp) :: bound
+
+      bound = max(tolerance, floor_factor*residual%floor)
+   end function effective_tolerance
+
+   !> Cycles on the finest level. The report gets every cycle, `converged` and `reason`; `observer`, if there, is told each.
+   subroutine iterate(hierarchy, contact, limits, report, watcher)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      type(cycle_limits_t), intent(in) :: limits
+      type(report_t), intent(inout) :: report
+      class(observer_t), intent(inout), optional :: watcher
+      type(residual_t) :: residual
+      real(wp) :: first_residual, best, checkpoint
+      integer :: cycle, last_progress
+
+      report%converged = .false.
+      first_residual = huge(1.0_wp)
+      best = huge(1.0_wp)
+      checkpoint = huge(1.0_wp)
+      last_progress = 0
+      do cycle = 1, limits%max_cycles
+         call cycle_from(hierarchy, contact, hierarchy%finest)
+         call measure_residual(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, residual)
+         call count_work(hierarchy, hierarchy%finest, 1)
+         call report%add(residual%reynolds, residual%load)
+         report%tolerance_effective = effective_tolerance(limits%tolerance, residual)
+         if (present(watcher)) call watcher%on_cycle(cycle, residual%reynolds, residual%load)
+         if (cycle == 1) first_residual = max(residual%reynolds, residual%load)
+         report%converged = residual%film_is_open .and. residual%reynolds <= report%tolerance_effective &
+            .and. residual%load <= limits%tolerance
+         if (report%converged) exit
+         best = min(best, max(residual%reynolds, residual%load))
+         if (best < 0.7_wp*checkpoint) then
+            checkpoint = best
+            last_progress = cycle
+         end if
+         report%reason = obstacle(cycle, last_progress)
+         if (present(watcher)) then
+            if (watcher%wants_stop) report%reason = "stopped from outside"
+         end if
+         if (len(report%reason) > 0) return
+      end do
+      report%reason = "converged"
+      if (.not. report%converged) report%reason = "cycle limit: "//to_text(limits%max_cycles)// &
+         " cycles left the residual at "//to_text(max(residual%reynolds, residual%load), 2)
+
+   contains
+
+      !> Why going on is of no use; empty if it is.
+      function obstacle(cycle, last_progress) result(reason)
+         integer, intent(in) :: cycle, last_progress
+         character(:), allocatable :: reason
+
+         reason = ""
+         if (.not. (abs(hierarchy%rigid_displacement) < huge(1.0_wp))) then
+            reason = "divergence: the rigid displacement is not a number"
+         else if (cycle - last_progress < limits%patience) then
+            return
+         else if (.not. residual%film_is_open) then
+            reason = "film closed: the film of the pressure is negative and stays so for "//to_text(limits%patience)//" cycles"
+         else if (max(residual%reynolds, residual%load) > divergence_factor*first_residual) then
+            reason = "divergence: the residual has grown to "//to_text(residual%reynolds, 2)
+         else
+            reason = "stagnation: "//to_text(limits%patience)//" cycles left the residual at "//to_text(best, 2)
+         end if
+      end function obstacle
+
+   end subroutine iterate
+
+end module cycle_control

@@ -1,0 +1,54 @@
+!> Domain and grid from the regime, where the user leaves them open.
+!>
+!> With S = sqrt(2 H_c) and H_c from the Moes fit, an inlet at X = -(1 + c S), c^2 = 9.5^2 + 42^2 r^3, r = rigid film over
+!> fit, leaves h_min starved by 1e-3 or less (measured over M 0.01-2000; 0.3-1.05e-3 in 29 runs).
+module domain_choice
+   use kinds, only: wp
+   use line_contact, only: film_estimate, line_contact_t
+   use moes, only: rigid_film
+   implicit none (type, external)
+   private
+
+   public :: choose_domain, intervals_for
+
+   !> Spacing that gives 1 % in the central film: dX <= 0.045 sqrt(H_c).
+   real(wp), parameter, public :: accurate_spacing = 0.045_wp
+   !> Largest spacing with a positive discrete film: dX <= 0.3 sqrt(H_c), about.
+   real(wp), parameter, public :: coarsest_spacing = 0.3_wp
+   integer, parameter :: fewest_intervals = 256, most_intervals = 2**20
+
+contains
+
+   !> Fills what `contact%domain` leaves open: inlet, outlet, intervals.
+   pure subroutine choose_domain(contact)
+      type(line_contact_t), intent(inout) :: contact
+      real(wp) :: film, reach, share
+
+      film = film_estimate(contact)
+      share = rigid_film(contact%moes_m_sum)/film
+      reach = sqrt(9.5_wp**2 + 42.0_wp**2*share**3)
+      associate (domain => contact%domain)
+         if (.not. domain%has_inlet) domain%x_inlet = -(1 + reach*sqrt(2*film))
+         if (.not. domain%has_outlet) domain%x_outlet = max(1.5_wp, 1 + 0.5_wp*sqrt(2*film))
+         domain%has_inlet = .true.
+         domain%has_outlet = .true.
+         if (domain%intervals <= 0) &
+            domain%intervals = min(max(intervals_for(contact, accurate_spacing), fewest_intervals), most_intervals)
+      end associate
+   end subroutine choose_domain
+
+   !> Smallest 2^k with dX <= factor sqrt(H_c), on the contact's domain.
+   pure function intervals_for(contact, factor) result(intervals)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: factor
+      integer :: intervals
+      real(wp) :: wanted
+
+      wanted = (contact%domain%x_outlet - contact%domain%x_inlet)/(factor*sqrt(film_estimate(contact)))
+      intervals = 2
+      do while (intervals < wanted .and. intervals < 2**28)
+         intervals = 2*intervals
+      end do
+   end function intervals_for
+
+end module domain_choice

@@ -1,0 +1,77 @@
+!> The lubricated line contact from its data to its fields: the page to read beside chapter 2 of the thesis.
+module ehl_line_solver
+   use, intrinsic :: iso_fortran_env, only: int64
+   use domain_choice, only: choose_domain
+   use ehl_line_steady, only: solve_steady
+   use ehl_line_transient, only: march
+   use errors, only: error_t
+   use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, total_products
+   use line_state, only: line_state_t
+   use observer, only: observer_t
+   use solver_choice, only: is_one_level
+   use solver_settings, only: solver_settings_t, time_settings_t
+   use state_output, only: fill_properties, fill_state
+   implicit none (type, external)
+   private
+
+   public :: solve_ehl_line
+
+contains
+
+   !> Solves one contact. Steady: with the surfaces at rest where they are. Transient: from the smooth steady contact.
+   !> `contact%domain` is completed where the user left it open. The observer is told every cycle of the steady solution
+   !> and every time step. Not converging is in the report; `error` is for failures of memory and libraries.
+   subroutine solve_ehl_line(contact, settings, time, watcher, state, report, error)
+      type(line_contact_t), intent(inout) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      type(time_settings_t), intent(in) :: time
+      class(observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(out) :: state
+      type(report_t), intent(out) :: report
+      type(error_t), allocatable, intent(out) :: error
+      type(line_hierarchy_t) :: hierarchy
+      integer(int64) :: start
+
+      start = clock()
+      call choose_domain(contact)
+      call new_hierarchy(hierarchy, contact, merge(1, settings%levels, is_one_level(settings)), error)
+      if (allocated(error)) return
+      report%levels = hierarchy%finest - hierarchy%coarsest + 1
+      report%phase_seconds(phase_setup) = seconds_since(start)
+
+      call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
+      call solve_steady(hierarchy, contact, settings, watcher, report)
+      call fill_state(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, 0.0_wp, state)
+      report%phase_seconds(phase_steady) = seconds_since(start) - report%phase_seconds(phase_setup)
+
+      if (time%is_transient .and. report%converged) then
+         call march(hierarchy, contact, settings, time, watcher, state, report)
+         report%phase_seconds(phase_transient) = seconds_since(start) - sum(report%phase_seconds)
+      end if
+      if (all(state%film_thickness > 0.0_wp)) call fill_properties(contact, state)
+      report%fft_pairs = total_products(hierarchy)
+      report%work_units = hierarchy%work_units
+      report%wall_seconds = seconds_since(start)
+   end subroutine solve_ehl_line
+
+   !> Ticks of the system clock.
+   function clock() result(count)
+      integer(int64) :: count
+
+      call system_clock(count)
+   end function clock
+
+   !> Seconds since `start`.
+   function seconds_since(start) result(seconds)
+      integer(int64), intent(in) :: start
+      real(wp) :: seconds
+      integer(int64) :: rate
+
+      call system_clock(count_rate=rate)
+      seconds = real(clock() - start, wp)/real(rate, wp)
+   end function seconds_since
+
+end module ehl_line_solver

@@ -1,0 +1,86 @@
+!> The steady lubricated line contact: start, cycles, and the next way when one does not converge.
+module ehl_line_steady
+   use cycle_control, only: cycle_limits_t, iterate
+   use domain_choice, only: coarsest_spacing, intervals_for
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_hierarchy, only: line_hierarchy_t, relaxation_t
+   use nested_start, only: full_multigrid_start, hertz_start
+   use observer, only: observer_t
+   use solver_choice, only: is_one_level, method_name, steady_attempts
+   use solver_settings, only: solver_settings_t
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: solve_steady, limits_of
+
+   !> Default bound on the residuals of a steady solution.
+   real(wp), parameter :: default_tolerance = 1.0e-8_wp
+
+contains
+
+   !> Solves the steady problem posed on the hierarchy; tolerance is that of the settings, else 1e-8.
+   subroutine solve_steady(hierarchy, contact, settings, watcher, report)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      class(observer_t), intent(inout) :: watcher
+      type(report_t), intent(inout) :: report
+      type(relaxation_t), allocatable :: attempts(:)
+      character(:), allocatable :: failures
+      logical :: is_sound
+      integer :: i
+
+      allocate (attempts, source=steady_attempts(contact, settings))
+      failures = ""
+      do i = 1, size(attempts)
+         hierarchy%relaxation = attempts(i)
+         report%method = method_name(settings, attempts(i))
+         if (settings%start == "hertz") then
+            call hertz_start(hierarchy, contact)
+            is_sound = .true.
+         else
+            call full_multigrid_start(hierarchy, contact, is_sound)
+         end if
+         if (is_sound) then
+            call iterate(hierarchy, contact, limits_of(settings, default_tolerance), report, watcher)
+            if (report%converged .or. watcher%wants_stop) return
+         else
+            report%converged = .false.
+            report%reason = "the exact solution of the coarse start grid failed"
+         end if
+         failures = failures//merge("  ", "; ", i == 1)//report%method//": "//report%reason
+      end do
+      report%reason = too_coarse(contact)//adjustl(failures)
+   end subroutine solve_steady
+
+   !> Cycle limits: what the settings say, else by method. Plain Block-Jacobi counts blocks of sweeps and needs many.
+   pure function limits_of(settings, tolerance) result(limits)
+      type(solver_settings_t), intent(in) :: settings
+      real(wp), intent(in) :: tolerance
+      type(cycle_limits_t) :: limits
+
+      limits%tolerance = tolerance
+      if (settings%tolerance > 0.0_wp) limits%tolerance = settings%tolerance
+      if (is_one_level(settings)) then
+         limits%max_cycles = 2000
+         limits%patience = 40
+      end if
+      if (settings%max_cycles > 0) limits%max_cycles = settings%max_cycles
+   end function limits_of
+
+   !> The likely cause of a failure: a grid on which no positive film exists.
+   function too_coarse(contact) result(cause)
+      type(line_contact_t), intent(in) :: contact
+      character(:), allocatable :: cause
+      integer :: needed
+
+      cause = ""
+      needed = intervals_for(contact, coarsest_spacing)
+      if (contact%domain%intervals < needed) cause = "grid too coarse for the film, needs "//to_text(needed)//" intervals ("
+      if (len(cause) > 0) cause = cause//"has "//to_text(contact%domain%intervals)//"); "
+   end function too_coarse
+
+end module ehl_line_steady

@@ -1,0 +1,194 @@
+!> Time steps of the lubricated line contact, backward Euler:
+!> L_R(P, H) - lambda/dT rho H = -lambda/dT (rho H)_old, with Psi_1, Psi_2 at the new time.
+!>
+!> At T = 0 pressure and H0 are those of the smooth steady contact; the surfaces enter the old film without a new solve.
+module ehl_line_transient
+   use cycle_control, only: cycle_limits_t, iterate
+   use ehl_line_steady, only: limits_of
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_hierarchy, only: line_hierarchy_t, relaxation_t, roughness_at
+   use line_level, only: film_of, line_level_t
+   use line_state, only: line_state_t
+   use observer, only: observer_t
+   use reynolds_line, only: evaluate_coefficients
+   use solver_choice, only: method_name, time_step_attempts
+   use solver_settings, only: solver_settings_t, time_settings_t
+   use state_output, only: fill_state
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: march
+
+   !> Default bound on the residuals of a time step, and on its cycles.
+   real(wp), parameter :: default_tolerance = 1.0e-6_wp
+   integer, parameter :: default_cycles = 40
+
+   !> The last solutions, from which the next one is extrapolated.
+   type :: history_t
+      !> Solutions kept, up to 3; 1 is the newest.
+      integer :: size = 0
+      !> (0:n, 3)
+      real(wp), allocatable :: pressure(:, :)
+      real(wp) :: rigid_displacement(3) = 0.0_wp
+   end type history_t
+
+contains
+
+   !> Marches from the smooth steady solution on the finest level to `time%end_time`; the observer gets every step.
+   !> Ends early, not converged, where a step finds no solution; `state` is then the last good one.
+   subroutine march(hierarchy, contact, settings, time, watcher, state, report)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      type(time_settings_t), intent(in) :: time
+      class(observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(inout) :: state
+      type(report_t), intent(inout) :: report
+      type(relaxation_t), allocatable :: attempts(:)
+      type(cycle_limits_t) :: limits
+      type(history_t) :: history
+      real(wp) :: time_step
+      integer :: step, steps
+
+      limits = limits_of(settings, default_tolerance)
+      if (settings%max_cycles == 0) limits%max_cycles = min(limits%max_cycles, default_cycles)
+      allocate (attempts, source=time_step_attempts(contact, settings))
+      report%method = method_name(settings, attempts(1))
+      associate (level => hierarchy%levels(hierarchy%finest))
+         time_step = merge(time%time_step, level%dx, time%time_step > 0.0_wp)
+         steps = nint(time%end_time/time_step)
+         level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, 0.0_wp)
+         call film_of(level, hierarchy%rigid_displacement, level%film)
+         call remember(history, level, hierarchy%rigid_displacement)
+         call fill_state(contact, level, hierarchy%rigid_displacement, 0.0_wp, state)
+         call watcher%on_step(0, steps, state, report)
+         if (any(level%film <= 0.0_wp)) then
+            call refuse(report, "film closed at T = 0: the surfaces at their start are higher than the smooth film")
+            return
+         end if
+         do step = 1, steps
+            if (watcher%wants_stop) then
+               call refuse(report, "stopped from outside")
+               return
+            end if
+            call begin_step(contact, level, step*time_step, time_step)
+            call solve_step(hierarchy, contact, attempts, limits, history, report)
+            if (.not. report%converged) then
+               call refuse(report, "time step "//to_text(step)//" of "//to_text(steps)//" (T = "// &
+                  to_text(step*time_step)//"): "//report%reason)
+               return
+            end if
+            call remember(history, level, hierarchy%rigid_displacement)
+            call fill_state(contact, level, hierarchy%rigid_displacement, step*time_step, state)
+            report%steps = step
+            call watcher%on_step(step, steps, state, report)
+         end do
+      end associate
+      report%converged = .true.
+      report%reason = "converged"
+   end subroutine march
+
+   !> Marks the report as not converged for a reason.
+   pure subroutine refuse(report, reason)
+      type(report_t), intent(inout) :: report
+      character(*), intent(in) :: reason
+
+      report%converged = .false.
+      report%reason = reason
+   end subroutine refuse
+
+   !> Right sides of the step to `new_time`, from the present pressure and film (those of the old time).
+   subroutine begin_step(contact, level, new_time, time_step)
+      type(line_contact_t), intent(in) :: contact
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: new_time, time_step
+
+      call evaluate_coefficients(contact%fluid, level)
+      level%rhs_reynolds = -contact%lambda/time_step*level%density*level%film
+      level%inverse_time_step = 1.0_wp/time_step
+      level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, new_time)
+   end subroutine begin_step
+
+   !> One step: from the quadratic extrapolation in time, then from the old pressure, each way in turn.
+   subroutine solve_step(hierarchy, contact, attempts, limits, history, report)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      type(relaxation_t), intent(in) :: attempts(:)
+      type(cycle_limits_t), intent(in) :: limits
+      type(history_t), intent(in) :: history
+      type(report_t), intent(inout) :: report
+      real(wp) :: old_minimum
+      integer :: attempt
+
+      associate (level => hierarchy%levels(hierarchy%finest))
+         old_minimum = minval(level%film)
+         do attempt = 0, size(attempts)
+            hierarchy%relaxation = attempts(max(attempt, 1))
+            if (attempt == 0) then
+               call extrapolate(history, level, hierarchy%rigid_displacement)
+            else
+               level%pressure = history%pressure(:, 1)
+               hierarchy%rigid_displacement = history%rigid_displacement(1)
+            end if
+            call film_of(level, hierarchy%rigid_displacement, level%film)
+            if (any(level%film <= 0.0_wp)) then
+               if (attempt == 0) cycle
+               call lift(level, hierarchy%rigid_displacement, old_minimum)
+            end if
+            call iterate(hierarchy, contact, limits, report)
+            if (report%converged) return
+         end do
+      end associate
+   end subroutine solve_step
+
+   !> Raises a film that a fast feature has closed under the old pressure, so that the cycles have a positive start.
+   pure subroutine lift(level, rigid_displacement, film)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(inout) :: rigid_displacement
+      real(wp), intent(in) :: film
+      real(wp) :: rise
+
+      rise = 0.5_wp*film - minval(level%film)
+      level%film = level%film + rise
+      rigid_displacement = rigid_displacement + rise
+   end subroutine lift
+
+   !> P (cut at 0) and H0 by the parabola through the last three solutions; fewer while there are fewer.
+   pure subroutine extrapolate(history, level, rigid_displacement)
+      type(history_t), intent(in) :: history
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(out) :: rigid_displacement
+
+      associate (p => history%pressure, h0 => history%rigid_displacement)
+         select case (history%size)
+         case (1)
+            level%pressure = p(:, 1)
+            rigid_displacement = h0(1)
+         case (2)
+            level%pressure = max(2*p(:, 1) - p(:, 2), 0.0_wp)
+            rigid_displacement = 2*h0(1) - h0(2)
+         case default
+            level%pressure = max(3*(p(:, 1) - p(:, 2)) + p(:, 3), 0.0_wp)
+            rigid_displacement = 3*(h0(1) - h0(2)) + h0(3)
+         end select
+      end associate
+   end subroutine extrapolate
+
+   !> Takes the present solution into the history.
+   pure subroutine remember(history, level, rigid_displacement)
+      type(history_t), intent(inout) :: history
+      type(line_level_t), intent(in) :: level
+      real(wp), intent(in) :: rigid_displacement
+
+      if (.not. allocated(history%pressure)) allocate (history%pressure(0:level%n, 3), source=0.0_wp)
+      history%pressure(:, 3) = history%pressure(:, 2)
+      history%pressure(:, 2) = history%pressure(:, 1)
+      history%pressure(:, 1) = level%pressure
+      history%rigid_displacement = [rigid_displacement, history%rigid_displacement(1:2)]
+      history%size = min(history%size + 1, 3)
+   end subroutine remember
+
+end module ehl_line_transient

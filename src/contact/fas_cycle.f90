@@ -1,0 +1,179 @@
+!> Full approximation scheme for the line contact: smoothing, restriction, exact coarsest level, prolongation.
+!>
+!> Source: Brandt 1977; thesis section 2.4.4 and 2.7; Venner & Lubrecht, Multilevel Methods in Lubrication, 2000.
+!> What makes the cycle converge at the cavitation point (measured, see the theory page):
+!> a coarse node with P = 0 keeps the TRUE residual by injection, a fine node with P = 0 contributes nothing to the
+!> weighting of others; corrections are taken at all nodes and then cut by P >= 0.
+module fas_cycle
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_hierarchy, only: count_work, line_hierarchy_t, smoother_block_jacobi, smoother_gauss_seidel, &
+      smoother_hybrid, smoother_line
+   use line_level, only: film_of, line_level_t, load_defect, update_film
+   use newton_dense, only: solve_newton_dense
+   use reynolds_line, only: evaluate_reynolds, reynolds_diagonals
+   use smoothers, only: block_jacobi_sweep, gauss_seidel_sweep, line_sweep
+   use transfer, only: full_weighting, inject, prolong_linear
+   implicit none (type, external)
+   private
+
+   public :: cycle_from, solve_coarsest
+
+   !> The coarsest level is solved until a Newton step changes nothing above this.
+   real(wp), parameter :: coarse_tolerance = 1.0e-12_wp
+   !> A correction may lower a film to this share, and change a pressure by this share of max(1, P).
+   real(wp), parameter :: smallest_film_share = 0.5_wp, largest_step = 0.3_wp
+   !> The correction is dropped when it has been halved to less than this.
+   real(wp), parameter :: smallest_share = 1.0e-3_wp
+
+contains
+
+   !> One cycle on level k: V if `relaxation%visits` is 1, W if 2.
+   recursive subroutine cycle_from(hierarchy, contact, k)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: k
+      integer :: visit
+
+      if (k == hierarchy%coarsest) then
+         call solve_coarsest(hierarchy, contact)
+         return
+      end if
+      call smooth(hierarchy, contact, k, hierarchy%relaxation%pre_sweeps, is_last_leg=.false.)
+      call restrict(hierarchy, contact, k)
+      do visit = 1, merge(hierarchy%relaxation%visits, 1, k - 1 > hierarchy%coarsest)
+         call cycle_from(hierarchy, contact, k - 1)
+      end do
+      call prolong(hierarchy%levels(k), hierarchy%levels(k - 1))
+      call smooth(hierarchy, contact, k, hierarchy%relaxation%post_sweeps, is_last_leg=.true.)
+   end subroutine cycle_from
+
+   !> `sweeps` of the chosen smoother on level k. The hybrid sweeps by line before and downstream after the correction.
+   subroutine smooth(hierarchy, contact, k, sweeps, is_last_leg)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: k, sweeps
+      logical, intent(in) :: is_last_leg
+      integer :: i, smoother
+
+      smoother = hierarchy%relaxation%smoother
+      if (smoother == smoother_hybrid) smoother = merge(smoother_gauss_seidel, smoother_line, is_last_leg)
+      do i = 1, sweeps
+         call sweep(hierarchy, contact, k, smoother)
+      end do
+      if (smoother == smoother_line) call update_film(hierarchy%levels(k), hierarchy%rigid_displacement)
+      call count_work(hierarchy, k, sweeps)
+   end subroutine smooth
+
+   !> One sweep of one smoother, from coefficients evaluated at the present state.
+   subroutine sweep(hierarchy, contact, k, smoother)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: k, smoother
+      real(wp) :: kernel_diagonal
+
+      associate (level => hierarchy%levels(k), choice => hierarchy%relaxation)
+         kernel_diagonal = min(level%kernel(0), -choice%kernel_bound*level%dx)
+         if (choice%film_is_recomputed) then
+            call update_film(level, hierarchy%rigid_displacement)
+         else
+            call film_of(level, hierarchy%rigid_displacement, level%work)
+         end if
+         call evaluate_reynolds(contact, level)
+         call reynolds_diagonals(contact%lambda, level, kernel_diagonal)
+         select case (smoother)
+         case (smoother_block_jacobi)
+            call block_jacobi_sweep(level, hierarchy%rigid_displacement, kernel_diagonal, choice%relaxation)
+         case (smoother_gauss_seidel)
+            call gauss_seidel_sweep(level, contact%lambda, kernel_diagonal, choice%relaxation)
+         case default
+            call line_sweep(level, choice%relaxation)
+         end select
+      end associate
+   end subroutine sweep
+
+   !> The coarsest level: exactly, or by sweeps with the force balance relaxed after each (thesis, section 2.7).
+   subroutine solve_coarsest(hierarchy, contact)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      integer :: i, k
+
+      k = hierarchy%coarsest
+      if (hierarchy%relaxation%coarse_sweeps <= 0) then
+         call solve_newton_dense(hierarchy%newton, contact, hierarchy%levels(k), hierarchy%rigid_displacement, &
+            coarse_tolerance, hierarchy%relaxation%coarse_steps)
+         return
+      end if
+      do i = 1, hierarchy%relaxation%coarse_sweeps
+         call smooth(hierarchy, contact, k, 1, is_last_leg=.true.)
+         hierarchy%rigid_displacement = hierarchy%rigid_displacement &
+            - hierarchy%relaxation%load_relaxation*load_defect(hierarchy%levels(k))
+      end do
+   end subroutine solve_coarsest
+
+   !> Poses the coarse problem of level k - 1: unknowns by injection, right sides = coarse operator + restricted residual.
+   subroutine restrict(hierarchy, contact, k)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: k
+
+      associate (fine => hierarchy%levels(k), coarse => hierarchy%levels(k - 1))
+         call inject(fine%pressure, coarse%pressure)
+         call inject(fine%film, coarse%film)
+         coarse%pressure_start = coarse%pressure
+         coarse%film_start = coarse%film
+         coarse%inverse_time_step = fine%inverse_time_step
+         coarse%rhs_load = coarse%dx*sum(coarse%pressure) + load_defect(fine)
+         call film_of(fine, hierarchy%rigid_displacement, fine%work)
+         fine%work = fine%work - fine%film
+         call full_weighting(fine%work, coarse%rhs_film)
+         call evaluate_reynolds(contact, fine)
+         call evaluate_reynolds(contact, coarse)
+         call restrict_reynolds(fine, coarse)
+         call coarse%convolution%apply(coarse%pressure, coarse%deflection)
+         coarse%products = coarse%products + 1
+         coarse%rhs_film = coarse%rhs_film + coarse%film - hierarchy%rigid_displacement + coarse%deflection
+      end associate
+      call count_work(hierarchy, k, 1)
+      call count_work(hierarchy, k - 1, 1)
+   end subroutine restrict
+
+   !> Strict restriction of the Reynolds residual, see the head of the module.
+   pure subroutine restrict_reynolds(fine, coarse)
+      type(line_level_t), intent(inout) :: fine
+      type(line_level_t), intent(inout) :: coarse
+      integer :: i, n
+
+      n = coarse%n
+      fine%work = fine%rhs_reynolds - fine%operator
+      fine%work(0) = 0.0_wp
+      fine%work(fine%n) = 0.0_wp
+      fine%correction = merge(fine%work, 0.0_wp, fine%pressure > 0.0_wp)
+      call full_weighting(fine%correction, coarse%rhs_reynolds)
+      do concurrent (i=1:n - 1)
+         if (coarse%pressure(i) <= 0.0_wp) coarse%rhs_reynolds(i) = fine%work(2*i)
+      end do
+      coarse%rhs_reynolds = coarse%rhs_reynolds + coarse%operator
+   end subroutine restrict_reynolds
+
+   !> Adds the coarse-grid corrections of P and H at ALL nodes, halved until every film keeps half of itself.
+   pure subroutine prolong(fine, coarse)
+      type(line_level_t), intent(inout) :: fine
+      type(line_level_t), intent(inout) :: coarse
+      real(wp) :: share
+
+      coarse%work = coarse%pressure - coarse%pressure_start
+      coarse%correction = coarse%film - coarse%film_start
+      call prolong_linear(coarse%work, fine%work)
+      call prolong_linear(coarse%correction, fine%correction)
+      share = 1.0_wp
+      do while (share > smallest_share)
+         if (all(fine%film + share*fine%correction >= smallest_film_share*fine%film) .and. &
+            all(abs(share*fine%work) <= largest_step*max(1.0_wp, fine%pressure))) exit
+         share = 0.5_wp*share
+      end do
+      fine%pressure = max(fine%pressure + share*fine%work, 0.0_wp)
+      fine%film = fine%film + share*fine%correction
+   end subroutine prolong
+
+end module fas_cycle

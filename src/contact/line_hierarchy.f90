@@ -1,0 +1,145 @@
+!> The grids of a lubricated line contact from the coarsest of the nested start to the finest, and the settings resolved.
+module line_hierarchy
+   use errors, only: error_t
+   use features, only: surface_height
+   use kinds, only: wp
+   use line_contact, only: film_estimate, line_contact_t
+   use line_level, only: line_level_t, new_level, set_plain_problem
+   use newton_dense, only: newton_dense_t
+   implicit none (type, external)
+   private
+
+   public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_steady_problem, roughness_at, count_work, total_products
+   public :: coarsest_for_film
+
+   !> Smoother words.
+   integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, smoother_line = 3, smoother_hybrid = 4
+
+   !> How the cycle relaxes.
+   type :: relaxation_t
+      !> One of the smoother constants.
+      integer :: smoother = smoother_block_jacobi
+      !> Sweeps before and after the coarse-grid correction.
+      integer :: pre_sweeps = 5, post_sweeps = 5
+      !> Sweeps on the coarsest level; 0: solved exactly by the dense Newton method.
+      integer :: coarse_sweeps = 0
+      !> Newton steps at most in an exact solution of the coarsest level.
+      integer :: coarse_steps = 40
+      !> Coarse-grid visits in a cycle: 1 = V, 2 = W.
+      integer :: visits = 1
+      !> Under-relaxation of P and H.
+      real(wp) :: relaxation = 0.8_wp
+      !> Under-relaxation of H0 where the coarsest level is swept.
+      real(wp) :: load_relaxation = 0.05_wp
+      !> The own share K_0/pi of a node is taken no larger than -bound dX; 0: as it is.
+      real(wp) :: kernel_bound = 3.0_wp
+      !> The film is recomputed from the pressure before every sweep (false: H is relaxed with P, as in the thesis).
+      logical :: film_is_recomputed = .true.
+   end type relaxation_t
+
+   !> All grids and the one unknown that they share.
+   type :: line_hierarchy_t
+      !> Levels 1 (coarsest of the nested start) to `finest`.
+      type(line_level_t), allocatable :: levels(:)
+      !> Coarsest level of the cycles, and the finest in use.
+      integer :: coarsest = 1, finest = 1
+      !> Rigid displacement H0, one number common to all levels.
+      real(wp) :: rigid_displacement = 0.0_wp
+      type(relaxation_t) :: relaxation
+      !> Exact solver of the coarsest level.
+      type(newton_dense_t) :: newton
+      !> Sweeps weighted by nodes, in sweeps of the finest level.
+      real(wp) :: work_units = 0.0_wp
+   end type line_hierarchy_t
+
+   !> Bounds of the coarsest grid of the cycles (intervals).
+   integer, parameter :: smallest_coarsest = 64, largest_coarsest = 512
+   !> No grid has fewer intervals.
+   integer, parameter :: smallest_grid = 8
+
+contains
+
+   !> Intervals of the coarsest grid that still carries a film with a factor of 2 in hand (semiseparable rule):
+   !> dX <= min( sqrt(H_c/(1.7 max(M,1)^0.4)), max(1, sqrt(2 H_c))/2 ), at least 32; M with the sum velocity.
+   pure function coarsest_for_film(contact) result(intervals)
+      type(line_contact_t), intent(in) :: contact
+      integer :: intervals
+      real(wp) :: film, largest_dx
+
+      film = film_estimate(contact)
+      largest_dx = min(sqrt(film/(1.7_wp*max(contact%moes_m_sum, 1.0_wp)**0.4_wp)), 0.5_wp*max(1.0_wp, sqrt(2*film)))
+      intervals = 32
+      do while ((contact%domain%x_outlet - contact%domain%x_inlet)/intervals > largest_dx .and. intervals < 2**24)
+         intervals = 2*intervals
+      end do
+   end function coarsest_for_film
+
+   !> Builds the grids for `contact%domain%intervals` = 2^k. `levels` > 0 fixes the number of levels of the cycles.
+   subroutine new_hierarchy(hierarchy, contact, levels, error)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: levels
+      type(error_t), allocatable, intent(out) :: error
+      integer :: first, coarsest, k, n
+
+      n = contact%domain%intervals
+      first = min(coarsest_for_film(contact), n)
+      coarsest = min(n, max(first, min(largest_coarsest, max(smallest_coarsest, 4*first))))
+      if (levels > 0) coarsest = max(n/2**(levels - 1), smallest_grid)
+      first = min(first, coarsest)
+      hierarchy%coarsest = 1 + nint(log(real(coarsest, wp)/first)/log(2.0_wp))
+      hierarchy%finest = hierarchy%coarsest + nint(log(real(n, wp)/coarsest)/log(2.0_wp))
+      allocate (hierarchy%levels(hierarchy%finest))
+      do k = 1, hierarchy%finest
+         call new_level(hierarchy%levels(k), contact, first*2**(k - 1), error)
+         if (allocated(error)) return
+      end do
+   end subroutine new_hierarchy
+
+   !> Height Psi_1 + Psi_2 of both surfaces on a level at time T (0:n).
+   pure function roughness_at(contact, level, time) result(roughness)
+      type(line_contact_t), intent(in) :: contact
+      type(line_level_t), intent(in) :: level
+      real(wp), intent(in) :: time
+      real(wp) :: roughness(0:level%n)
+
+      roughness = surface_height(contact%surface_1, level%x, time) + surface_height(contact%surface_2, level%x, time)
+   end function roughness_at
+
+   !> The steady problem on every level, with the surfaces of time 0 (`with_roughness`) or smooth.
+   pure subroutine pose_steady_problem(hierarchy, contact, with_roughness)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      logical, intent(in) :: with_roughness
+      real(wp), allocatable :: roughness(:)
+      integer :: k
+
+      do k = 1, size(hierarchy%levels)
+         if (with_roughness) then
+            roughness = roughness_at(contact, hierarchy%levels(k), 0.0_wp)
+         else
+            allocate (roughness(0:hierarchy%levels(k)%n), source=0.0_wp)
+         end if
+         call set_plain_problem(hierarchy%levels(k), roughness)
+         deallocate (roughness)
+      end do
+   end subroutine pose_steady_problem
+
+   !> Adds `sweeps` on level k to the work done.
+   pure subroutine count_work(hierarchy, k, sweeps)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      integer, intent(in) :: k, sweeps
+
+      hierarchy%work_units = hierarchy%work_units &
+         + sweeps*real(hierarchy%levels(k)%n, wp)/hierarchy%levels(size(hierarchy%levels))%n
+   end subroutine count_work
+
+   !> Kernel products (FFT pairs) on all levels so far.
+   pure function total_products(hierarchy) result(products)
+      type(line_hierarchy_t), intent(in) :: hierarchy
+      integer :: products
+
+      products = sum(hierarchy%levels%products)
+   end function total_products
+
+end module line_hierarchy

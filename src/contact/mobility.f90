@@ -1,0 +1,106 @@
+!> Mobility e = rho H^3 S/mu of the Reynolds-Eyring equation on a grid, with its derivatives.
+!>
+!> All laws are joined in ONE exponential, e = rho H^3 exp(ln S - ln mu), so that no factor overflows (ln mu reaches 714).
+!> Nodes are treated in blocks that stay in cache; each loop calls no procedure but the laws' own array loops.
+module mobility
+   use kinds, only: wp
+   use lubricant, only: fluid_density, fluid_density_value, fluid_ln_viscosity, fluid_t, fluid_viscosity
+   use eyring, only: ln_slip_factors, slip_factors
+   implicit none (type, external)
+   private
+
+   public :: fluid_mobility, mobility_slopes_t, fluid_mobility_slopes
+
+   !> Nodes in a block.
+   integer, parameter :: block_size = 128
+
+   !> Mobility, density and their partial derivatives, each (0:n).
+   type :: mobility_slopes_t
+      !> e, and its derivatives by P(i), H(i) and the slope dP/dX(i) inside S.
+      real(wp), allocatable :: e(:), e_p(:), e_h(:), e_slope(:)
+      !> rho and d rho/dP.
+      real(wp), allocatable :: rho(:), rho_p(:)
+   end type mobility_slopes_t
+
+contains
+
+   !> Mobility `e` and density `rho` at all nodes; p >= 0, h > 0 (0:n). The slope inside S is the central difference,
+   !> 0 at both ends; S follows its formula at every node, also where P = 0.
+   pure subroutine fluid_mobility(fluid, dx, p, h, e, rho)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: dx
+      real(wp), intent(in), contiguous :: p(0:), h(0:)
+      real(wp), intent(out), contiguous :: e(0:), rho(0:)
+      real(wp), dimension(block_size) :: ln_mu, ln_b, sigma, ln_s
+      integer :: first, last, m
+
+      do first = 0, ubound(p, 1), block_size
+         last = min(first + block_size - 1, ubound(p, 1))
+         m = last - first + 1
+         call fluid_ln_viscosity(fluid, p(first:last), ln_mu(:m))
+         call fluid_density_value(fluid, p(first:last), rho(first:last))
+         if (fluid%is_eyring) then
+            call slip_arguments(fluid, dx, p, h, first, ln_mu(:m), sigma(:m), ln_b(:m))
+            call ln_slip_factors(sigma(:m), ln_b(:m), ln_s(:m))
+            ln_mu(:m) = ln_mu(:m) - ln_s(:m)
+         end if
+         e(first:last) = rho(first:last)*h(first:last)**3*exp(-ln_mu(:m))
+      end do
+   end subroutine fluid_mobility
+
+   !> Sigma and ln B of the slip factor at the nodes from `first` on.
+   pure subroutine slip_arguments(fluid, dx, p, h, first, ln_mu, sigma, ln_b)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: dx
+      real(wp), intent(in), contiguous :: p(0:), h(0:)
+      integer, intent(in) :: first
+      real(wp), intent(in), contiguous :: ln_mu(:)
+      real(wp), intent(out), contiguous :: sigma(:), ln_b(:)
+      real(wp) :: factor
+      integer :: i, n
+
+      n = ubound(p, 1)
+      factor = 0.5_wp*fluid%sigma_scale/dx
+      do i = max(first, 1), min(first + size(sigma) - 1, n - 1)
+         sigma(i - first + 1) = factor*h(i)*(p(i + 1) - p(i - 1))
+      end do
+      if (first == 0) sigma(1) = 0.0_wp
+      if (first + size(sigma) - 1 == n) sigma(n - first + 1) = 0.0_wp
+      ln_b = fluid%ln_b_scale + ln_mu - log(h(first:first + size(sigma) - 1))
+   end subroutine slip_arguments
+
+   !> Mobility, density and derivatives for the Jacobian; p >= 0, h > 0 (0:n).
+   pure subroutine fluid_mobility_slopes(fluid, dx, p, h, slopes)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: dx
+      real(wp), intent(in), contiguous :: p(0:), h(0:)
+      type(mobility_slopes_t), intent(inout) :: slopes
+      real(wp), dimension(block_size) :: ln_mu, mu_p, ln_b, sigma, ln_s, s_sigma, s_b
+      integer :: first, last, m, n
+
+      n = ubound(p, 1)
+      do first = 0, n, block_size
+         last = min(first + block_size - 1, n)
+         m = last - first + 1
+         call fluid_viscosity(fluid, p(first:last), ln_mu(:m), mu_p(:m))
+         call fluid_density(fluid, p(first:last), slopes%rho(first:last), slopes%rho_p(first:last))
+         ln_s(:m) = 0.0_wp
+         s_sigma(:m) = 0.0_wp
+         s_b(:m) = 0.0_wp
+         sigma(:m) = 0.0_wp
+         if (fluid%is_eyring) then
+            call slip_arguments(fluid, dx, p, h, first, ln_mu(:m), sigma(:m), ln_b(:m))
+            call slip_factors(sigma(:m), ln_b(:m), ln_s(:m), s_sigma(:m), s_b(:m))
+         end if
+         associate (e => slopes%e(first:last), rho => slopes%rho(first:last), film => h(first:last))
+            e = rho*film**3*exp(ln_s(:m) - ln_mu(:m))
+            slopes%e_p(first:last) = e*(slopes%rho_p(first:last)/rho + (s_b(:m) - 1)*mu_p(:m))
+            slopes%e_h(first:last) = e*(3 + s_sigma(:m)*sigma(:m) - s_b(:m))/film
+            slopes%e_slope(first:last) = e*s_sigma(:m)*film*fluid%sigma_scale
+         end associate
+      end do
+      slopes%e_slope(0) = 0.0_wp
+      slopes%e_slope(n) = 0.0_wp
+   end subroutine fluid_mobility_slopes
+
+end module mobility

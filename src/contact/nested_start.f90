@@ -1,0 +1,99 @@
+!> First approximations: nested exact solutions and full multigrid, or the Hertz pressure.
+module nested_start
+   use constants, only: pi
+   use fas_cycle, only: cycle_from
+   use kinds, only: wp
+   use line_contact, only: film_estimate, line_contact_t
+   use line_hierarchy, only: count_work, line_hierarchy_t
+   use line_level, only: film_of, line_level_t, start_from_pressure
+   use newton_dense, only: solve_newton_dense
+   use transfer, only: prolong_cubic
+   implicit none (type, external)
+   private
+
+   public :: full_multigrid_start, hertz_start
+
+   !> Accuracy and steps of the exact solutions below the coarsest grid of the cycles.
+   real(wp), parameter :: nested_tolerance = 1.0e-8_wp
+   integer, parameter :: nested_steps = 60
+   !> Above this film [b^2/R] the pressure is far from Hertz's and the start is a wide bump.
+   real(wp), parameter :: thick_film = 0.5_wp
+
+contains
+
+   !> Exact solutions from the coarsest grid that carries a film up to the coarsest of the cycles, then cubic
+   !> interpolation and one cycle on each finer level; the finest is left with the interpolated pressure.
+   !> `is_sound` is false if one of the exact solutions fails.
+   subroutine full_multigrid_start(hierarchy, contact, is_sound)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      logical, intent(out) :: is_sound
+      integer :: finest, k
+
+      call bump_start(hierarchy, contact, 1)
+      is_sound = .true.
+      do k = 1, hierarchy%coarsest
+         if (k > 1) call refine(hierarchy, k)
+         if (k == size(hierarchy%levels)) return
+         call solve_newton_dense(hierarchy%newton, contact, hierarchy%levels(k), hierarchy%rigid_displacement, &
+            nested_tolerance, nested_steps)
+         is_sound = hierarchy%newton%is_converged
+         if (.not. is_sound) return
+      end do
+      finest = hierarchy%finest
+      do k = hierarchy%coarsest + 1, finest
+         call refine(hierarchy, k)
+         if (k == finest) exit
+         hierarchy%finest = k
+         call cycle_from(hierarchy, contact, k)
+         hierarchy%finest = finest
+      end do
+   end subroutine full_multigrid_start
+
+   !> The Hertz pressure (a wide bump for a thick film) on the finest level.
+   subroutine hertz_start(hierarchy, contact)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+
+      call bump_start(hierarchy, contact, hierarchy%finest)
+   end subroutine hertz_start
+
+   !> Pressure of level k from level k - 1 by cubic interpolation, film from the pressure.
+   subroutine refine(hierarchy, k)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      integer, intent(in) :: k
+
+      call prolong_cubic(hierarchy%levels(k - 1)%pressure, hierarchy%levels(k)%pressure)
+      call film_of(hierarchy%levels(k), hierarchy%rigid_displacement, hierarchy%levels(k)%film)
+      call count_work(hierarchy, k, 1)
+   end subroutine refine
+
+   !> Hertz pressure, or for a thick film a bump of the width S = sqrt(2 H_c) of the pressure build-up, scaled to the load;
+   !> H0 so that H(0) is the Moes film.
+   subroutine bump_start(hierarchy, contact, k)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: k
+      real(wp) :: film, width
+      integer :: centre
+
+      film = film_estimate(contact)
+      width = sqrt(2*film)
+      associate (level => hierarchy%levels(k))
+         if (film > thick_film) then
+            level%pressure = merge(1/(1 + ((level%x + 0.5_wp*width)/width)**2)**2, 0.0_wp, level%x < width)
+         else
+            level%pressure = sqrt(max(1 - level%x**2, 0.0_wp))
+         end if
+         level%pressure(0) = 0.0_wp
+         level%pressure(level%n) = 0.0_wp
+         level%pressure = level%pressure*0.5_wp*pi/(level%dx*sum(level%pressure))
+         hierarchy%rigid_displacement = 0.0_wp
+         call start_from_pressure(level, level%pressure, 0.0_wp)
+         centre = minloc(abs(level%x), 1) - 1
+         hierarchy%rigid_displacement = film - level%film(centre)
+         level%film = level%film + hierarchy%rigid_displacement
+      end associate
+   end subroutine bump_start
+
+end module nested_start

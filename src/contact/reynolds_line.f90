@@ -1,0 +1,115 @@
+!> Reynolds-Eyring equation of the line contact, discretised as in (2.65)-(2.67) of the thesis.
+!>
+!>     L_R(P,H)_i = 1/dX^2 [ e(i-1/2) P(i-1) - (e(i-1/2)+e(i+1/2)) P(i) + e(i+1/2) P(i+1) ]
+!>                - lambda/(2 dX) [ 3 rH(i) - 4 rH(i-1) + rH(i-2) ] - lambda/dT rH(i)
+!>
+!> with e = rho H^3 S/mu, e(i+-1/2) the arithmetic mean, rH = rho H, and the first-order wedge at node 1. The old film
+!> of a time step is in the right side: L_R = -lambda rH_old/dT.
+module reynolds_line
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_level, only: film_of, line_level_t, load_defect
+   use lubricant, only: fluid_t
+   use mobility, only: fluid_mobility
+   implicit none (type, external)
+   private
+
+   public :: evaluate_coefficients, evaluate_reynolds, reynolds_diagonals, residual_t, measure_residual
+
+   !> Residuals of the original problem in the unit of d(rho H)/dX, see `measure_residual`.
+   type :: residual_t
+      !> max |r|/lambda over P > 0, max(r, 0)/lambda where P = 0.
+      real(wp) :: reynolds = huge(1.0_wp)
+      !> |dX sum P - pi/2|.
+      real(wp) :: load = huge(1.0_wp)
+      !> Round-off floor of `reynolds`: 4e-16 max(e P)/(lambda dX^2).
+      real(wp) :: floor = 0.0_wp
+      !> False if the film of the pressure closes somewhere, so that no residual exists.
+      logical :: film_is_open = .false.
+   end type residual_t
+
+contains
+
+   !> Mobility e = rho H^3 S/mu and density rho at the present pressure and film.
+   pure subroutine evaluate_coefficients(fluid, level)
+      type(fluid_t), intent(in) :: fluid
+      type(line_level_t), intent(inout) :: level
+
+      call fluid_mobility(fluid, level%dx, level%pressure, level%film, level%mobility, level%density)
+   end subroutine evaluate_coefficients
+
+   !> Coefficients, then the operator L_R at nodes 1..n-1 (0 at both ends).
+   pure subroutine evaluate_reynolds(contact, level)
+      type(line_contact_t), intent(in) :: contact
+      type(line_level_t), intent(inout) :: level
+
+      call evaluate_coefficients(contact%fluid, level)
+      call apply_reynolds(contact%lambda, level)
+   end subroutine evaluate_reynolds
+
+   !> L_R with the present coefficients.
+   pure subroutine apply_reynolds(lambda, level)
+      real(wp), intent(in) :: lambda
+      type(line_level_t), intent(inout) :: level
+      real(wp) :: diffusion, wedge, squeeze
+      integer :: i, n
+
+      n = level%n
+      diffusion = 0.5_wp/level%dx**2
+      wedge = 0.5_wp*lambda/level%dx
+      squeeze = lambda*level%inverse_time_step
+      associate (p => level%pressure, h => level%film, e => level%mobility, rho => level%density, flow => level%operator)
+         flow(0) = 0.0_wp
+         flow(n) = 0.0_wp
+         flow(1) = diffusion*((e(1) + e(2))*(p(2) - p(1)) - (e(1) + e(0))*(p(1) - p(0))) &
+            - 2*wedge*(rho(1)*h(1) - rho(0)*h(0)) - squeeze*rho(1)*h(1)
+         do concurrent (i=2:n - 1)
+            flow(i) = diffusion*((e(i) + e(i + 1))*(p(i + 1) - p(i)) - (e(i) + e(i - 1))*(p(i) - p(i - 1))) &
+               - wedge*(3*rho(i)*h(i) - 4*rho(i - 1)*h(i - 1) + rho(i - 2)*h(i - 2)) - squeeze*rho(i)*h(i)
+         end do
+      end associate
+   end subroutine apply_reynolds
+
+   !> Diagonals at nodes 1..n-1 with frozen coefficients: b = dL_R/dH of (2.71), and the elastic diagonal a - b K_0/pi,
+   !> the change of L_R with P(i) alone when H(i) follows. `kernel_diagonal` is K_0/pi or a bound of it.
+   pure subroutine reynolds_diagonals(lambda, level, kernel_diagonal)
+      real(wp), intent(in) :: lambda
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: kernel_diagonal
+      real(wp) :: diffusion, convection
+      integer :: i
+
+      diffusion = 0.5_wp/level%dx**2
+      convection = lambda*(1.5_wp/level%dx + level%inverse_time_step)
+      associate (e => level%mobility, b => level%film_diagonal, diagonal => level%diagonal)
+         do concurrent (i=1:level%n - 1)
+            b(i) = -convection*level%density(i)
+            diagonal(i) = -diffusion*(e(i - 1) + 2*e(i) + e(i + 1)) - b(i)*kernel_diagonal
+         end do
+         b(1) = -lambda*level%density(1)*(1.0_wp/level%dx + level%inverse_time_step)
+         diagonal(1) = -diffusion*(e(0) + 2*e(1) + e(2)) - b(1)*kernel_diagonal
+      end associate
+   end subroutine reynolds_diagonals
+
+   !> The residuals that decide on convergence, with the film that belongs exactly to the pressure.
+   !> The level's film becomes that film unless it closes.
+   subroutine measure_residual(contact, level, rigid_displacement, residual)
+      type(line_contact_t), intent(in) :: contact
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: rigid_displacement
+      type(residual_t), intent(out) :: residual
+
+      call film_of(level, rigid_displacement, level%work)
+      residual%load = abs(load_defect(level))
+      residual%film_is_open = all(level%work > 0.0_wp)
+      if (.not. residual%film_is_open) return
+      level%film = level%work
+      call evaluate_reynolds(contact, level)
+      level%work = (level%operator - level%rhs_reynolds)/contact%lambda
+      level%work(0) = 0.0_wp
+      level%work(level%n) = 0.0_wp
+      residual%reynolds = maxval(merge(abs(level%work), max(level%work, 0.0_wp), level%pressure > 0.0_wp))
+      residual%floor = 4.0e-16_wp*maxval(level%mobility*level%pressure)/(contact%lambda*level%dx**2)
+   end subroutine measure_residual
+
+end module reynolds_line

@@ -1,0 +1,106 @@
+!> Smoothers of the line contact: Block-Jacobi as in the thesis, and two that need fewer sweeps.
+!>
+!> Each does ONE sweep from the operator, coefficients and deflection evaluated just before it, and keeps P >= 0.
+!> A smoother knows one level only; the film equation, the force balance and the cycle are elsewhere.
+module smoothers
+   use kinds, only: wp
+   use line_level, only: line_level_t
+   implicit none (type, external)
+   private
+
+   public :: block_jacobi_sweep, gauss_seidel_sweep, line_sweep
+
+   !> A line sweep changes a pressure by at most this share of max(1, P).
+   real(wp), parameter :: largest_step = 0.3_wp
+
+contains
+
+   !> Block-Jacobi (2.70)-(2.73): at every node the 2x2 system for the changes of P and H, from old values.
+   !> `kernel_diagonal` is c = K_0/pi; both changes are under-relaxed. A node that reaches P = 0 takes its change of H
+   !> from the change of P that was really made.
+   pure subroutine block_jacobi_sweep(level, rigid_displacement, kernel_diagonal, relaxation)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: rigid_displacement, kernel_diagonal, relaxation
+      real(wp) :: film_residual, change, full_change
+      integer :: i, n
+
+      n = level%n
+      associate (p => level%pressure, h => level%film)
+         do concurrent (i=0:n:n)
+            h(i) = h(i) + relaxation*(level%rhs_film(i) - (h(i) - rigid_displacement + level%deflection(i)))
+         end do
+         do i = 1, n - 1
+            film_residual = level%rhs_film(i) - (h(i) - rigid_displacement + level%deflection(i))
+            full_change = relaxation*(level%rhs_reynolds(i) - level%operator(i) - level%film_diagonal(i)*film_residual) &
+               /level%diagonal(i)
+            change = max(full_change, -p(i))
+            p(i) = p(i) + change
+            h(i) = max(h(i) + relaxation*film_residual - kernel_diagonal*change, 0.5_wp*h(i))
+         end do
+      end associate
+   end subroutine block_jacobi_sweep
+
+   !> Gauss-Seidel downstream: the same 2x2 system with the new P and H upstream; the integral is frozen, only the own
+   !> share K_0/pi of a change enters H at once.
+   pure subroutine gauss_seidel_sweep(level, lambda, kernel_diagonal, relaxation)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: lambda, kernel_diagonal, relaxation
+      real(wp) :: diffusion, wedge, squeeze, upstream, downstream, flow, change
+      integer :: i
+
+      diffusion = 0.5_wp/level%dx**2
+      wedge = 0.5_wp*lambda/level%dx
+      squeeze = lambda*level%inverse_time_step
+      associate (p => level%pressure, h => level%film, e => level%mobility, rho => level%density)
+         do i = 1, level%n - 1
+            upstream = diffusion*(e(i - 1) + e(i))
+            downstream = diffusion*(e(i) + e(i + 1))
+            if (i > 1) then
+               flow = wedge*(3*rho(i)*h(i) - 4*rho(i - 1)*h(i - 1) + rho(i - 2)*h(i - 2))
+            else
+               flow = 2*wedge*(rho(1)*h(1) - rho(0)*h(0))
+            end if
+            flow = downstream*(p(i + 1) - p(i)) - upstream*(p(i) - p(i - 1)) - flow - squeeze*rho(i)*h(i)
+            change = max(relaxation*(level%rhs_reynolds(i) - flow)/level%diagonal(i), -p(i))
+            p(i) = p(i) + change
+            h(i) = max(h(i) - kernel_diagonal*change, 0.5_wp*h(i))
+         end do
+      end associate
+   end subroutine gauss_seidel_sweep
+
+   !> Projected tridiagonal line: the frozen diffusion with the elastic diagonal, solved over all nodes; eliminated left to
+   !> right and projected on P >= 0 in the back substitution from the outlet (Brennan & Schwartz 1977), so that the
+   !> cavitation point is solved with the line. Nodes that reach zero are set to zero, the others are under-relaxed.
+   pure subroutine line_sweep(level, relaxation)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: relaxation
+      real(wp) :: diffusion, upstream, pivot, bound
+      integer :: i, n
+
+      n = level%n
+      diffusion = 0.5_wp/level%dx**2
+      associate (p => level%pressure, e => level%mobility, upper => level%work, x => level%correction)
+         upper(0) = 0.0_wp
+         x(0) = 0.0_wp
+         x(n) = 0.0_wp
+         do i = 1, n - 1
+            upstream = diffusion*(e(i - 1) + e(i))
+            pivot = 1.0_wp/(level%diagonal(i) - upstream*upper(i - 1))
+            upper(i) = diffusion*(e(i) + e(i + 1))*pivot
+            x(i) = (level%rhs_reynolds(i) - level%operator(i) - upstream*x(i - 1))*pivot
+         end do
+         do i = n - 1, 1, -1
+            x(i) = max(x(i) - upper(i)*x(i + 1), -p(i))
+         end do
+         do i = 1, n - 1
+            bound = largest_step*max(1.0_wp, p(i))
+            if (x(i) <= -p(i)) then
+               p(i) = 0.0_wp
+            else
+               p(i) = max(p(i) + min(max(relaxation*x(i), -bound), bound), 0.0_wp)
+            end if
+         end do
+      end associate
+   end subroutine line_sweep
+
+end module smoothers

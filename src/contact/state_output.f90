@@ -1,0 +1,57 @@
+!> From a level of the solver to the fields that are handed out.
+module state_output
+   use eyring, only: ln_slip_factors
+   use features, only: surface_height
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_level, only: line_level_t
+   use line_state, only: line_state_t
+   use lubricant, only: fluid_density_value, fluid_ln_viscosity
+   implicit none (type, external)
+   private
+
+   public :: fill_state, fill_properties
+
+   !> exp of more than this overflows; a viscosity ratio beyond it is reported as exp(this).
+   real(wp), parameter :: largest_exponent = 700.0_wp
+
+contains
+
+   !> Pressure, film, roughness, H0 and time; the lubricant's properties are left to `fill_properties`.
+   pure subroutine fill_state(contact, level, rigid_displacement, time, state)
+      type(line_contact_t), intent(in) :: contact
+      type(line_level_t), intent(in) :: level
+      real(wp), intent(in) :: rigid_displacement, time
+      type(line_state_t), intent(inout) :: state
+
+      state%x = level%x(:)
+      state%pressure = level%pressure(:)
+      state%film_thickness = level%film(:)
+      state%roughness_1 = surface_height(contact%surface_1, level%x, time)
+      state%roughness_2 = surface_height(contact%surface_2, level%x, time)
+      state%rigid_displacement = rigid_displacement
+      state%time = time
+   end subroutine fill_state
+
+   !> Viscosity mu/mu_0, density rho/rho_0 and slip factor S of the state's pressure and film.
+   pure subroutine fill_properties(contact, state)
+      type(line_contact_t), intent(in) :: contact
+      type(line_state_t), intent(inout) :: state
+      real(wp), allocatable :: sigma(:), ln_mu(:), ln_s(:)
+      integer :: n
+
+      n = size(state%x)
+      allocate (sigma(n), ln_mu(n), ln_s(n), source=0.0_wp)
+      call fluid_ln_viscosity(contact%fluid, state%pressure, ln_mu)
+      state%density = ln_mu
+      call fluid_density_value(contact%fluid, state%pressure, state%density)
+      state%viscosity = exp(min(ln_mu, largest_exponent))
+      if (contact%fluid%is_eyring) then
+         sigma(2:n - 1) = contact%fluid%sigma_scale*state%film_thickness(2:n - 1) &
+            *(state%pressure(3:) - state%pressure(:n - 2))/(state%x(3:) - state%x(:n - 2))
+         call ln_slip_factors(sigma, contact%fluid%ln_b_scale + ln_mu - log(state%film_thickness), ln_s)
+      end if
+      state%slip_factor = exp(min(ln_s, largest_exponent))
+   end subroutine fill_properties
+
+end module state_output
