@@ -20,11 +20,8 @@ contains
    pure elemental subroutine dowson_higginson_density(p, c1, rho, drho)
       real(wp), intent(in) :: p, c1
       real(wp), intent(out) :: rho, drho
-      real(wp) :: fraction
 
-      fraction = 1.0_wp/(c1 + p)
-      rho = (c1 + dowson_higginson_c2*p)*fraction
-      drho = (dowson_higginson_c2 - 1.0_wp)*(c1*fraction)*fraction
+      call dowson_higginson(p, c1, rho, drho)
    end subroutine dowson_higginson_density
 
    !> `dowson_higginson_density` on arrays (n) in one loop that the compiler vectorises.
@@ -35,7 +32,7 @@ contains
       integer :: i
 
       do i = 1, size(p)
-         call dowson_higginson_density(p(i), c1, rho(i), drho(i))
+         call dowson_higginson(p(i), c1, rho(i), drho(i))
       end do
    end subroutine dowson_higginson_densities
 
@@ -48,8 +45,19 @@ contains
       integer :: i
 
       do i = 1, size(p)
-         call dowson_higginson_density(p(i), c1, rho(i), unused)
+         call dowson_higginson(p(i), c1, rho(i), unused)
       end do
    end subroutine dowson_higginson_density_values
+
+   !> The formula of `dowson_higginson_density`; private, so that also position-independent code has it inlined in the loops.
+   pure elemental subroutine dowson_higginson(p, c1, rho, drho)
+      real(wp), intent(in) :: p, c1
+      real(wp), intent(out) :: rho, drho
+      real(wp) :: fraction
+
+      fraction = 1.0_wp/(c1 + p)
+      rho = (c1 + dowson_higginson_c2*p)*fraction
+      drho = (dowson_higginson_c2 - 1.0_wp)*(c1*fraction)*fraction
+   end subroutine dowson_higginson
 
 end module density

@@ -7,7 +7,7 @@ module eyring
    implicit none (type, external)
    private
 
-   public :: slip_factor, ln_slip_factor, slip_factors, ln_slip_factors
+   public :: slip_factor, slip_factors, ln_slip_factor
 
    !> A value of ln B that stands for B = 0 (equal surface speeds): far below any ln B that can change S [-].
    real(wp), parameter, public :: ln_b_of_no_sliding = -1.0e4_wp
@@ -62,84 +62,61 @@ contains
       dln_s_dln_b = slope_b(1)
    end subroutine slip_factor
 
-   !> ln S alone: the value of `slip_factor`, to round-off.
+   !> ln S alone: the value of `slip_factor`.
    pure elemental function ln_slip_factor(sigma, ln_b) result(ln_s)
       real(wp), intent(in) :: sigma, ln_b
-      real(wp) :: ln_s, value(1)
+      real(wp) :: ln_s, unused_sigma, unused_b
 
-      call ln_slip_factors([sigma], [ln_b], value)
-      ln_s = value(1)
+      call slip_factor(sigma, ln_b, ln_s, unused_sigma, unused_b)
    end function ln_slip_factor
 
-   !> `slip_factor` on arrays (n) in one loop that the compiler vectorises.
+   !> `slip_factor` on arrays (n) in one loop that the compiler vectorises: two exponentials and one logarithm a node; the
+   !> derivatives are a fifth of the work.
    pure subroutine slip_factors(sigma, ln_b, ln_s, dln_s_dsigma, dln_s_dln_b)
       real(wp), intent(in), contiguous :: sigma(:), ln_b(:)
       real(wp), intent(out), contiguous :: ln_s(:), dln_s_dsigma(:), dln_s_dln_b(:)
-      real(wp) :: shift, shear, ratio, dln_shear, dln_ratio, weight
+      real(wp) :: shift, shear, ratio, dln_shear, dln_ratio, exponent, t_squared, weight
       integer :: i
 
       do i = 1, size(sigma)
          call shear_functions(sigma(i), shift, shear, ratio, dln_shear, dln_ratio)
-         call join(shift, shear, ratio, ln_b(i), ln_s(i), weight)
+         exponent = max(-largest_argument, min(ln_b(i), largest_argument)) - shift
+         t_squared = (ratio*exp(max(lowest_exponent, min(exponent, highest_exponent))))**2
+         ln_s(i) = shift + 0.5_wp*log(shear**2*(1.0_wp + t_squared)) + max(exponent - highest_exponent, 0.0_wp)
+         weight = t_squared/(1.0_wp + t_squared)
          dln_s_dsigma(i) = sign(1.0_wp, sigma(i))*(dln_shear + weight*dln_ratio)
          dln_s_dln_b(i) = weight
       end do
    end subroutine slip_factors
 
-   !> `ln_slip_factor` on arrays (n) in one loop that the compiler vectorises.
-   pure subroutine ln_slip_factors(sigma, ln_b, ln_s)
-      real(wp), intent(in), contiguous :: sigma(:), ln_b(:)
-      real(wp), intent(out), contiguous :: ln_s(:)
-      real(wp) :: shift, shear, ratio, unused, unused_too
-      integer :: i
-
-      do i = 1, size(sigma)
-         call shear_functions(sigma(i), shift, shear, ratio, unused, unused_too)
-         call join(shift, shear, ratio, ln_b(i), ln_s(i), unused)
-      end do
-   end subroutine ln_slip_factors
-
-   !> ln S = shift + ln( shear sqrt(1 + t^2) ), t = B ratio exp(-shift), and its derivative by ln B, t^2/(1 + t^2).
-   pure elemental subroutine join(shift, shear, ratio, ln_b, ln_s, weight)
-      real(wp), intent(in) :: shift, shear, ratio, ln_b
-      real(wp), intent(out) :: ln_s, weight
-      real(wp) :: exponent, bounded, t
-
-      exponent = max(-largest_argument, min(ln_b, largest_argument)) - shift
-      bounded = max(lowest_exponent, min(exponent, highest_exponent))
-      t = ratio*exp(bounded)
-      ln_s = shift + 0.5_wp*log(shear*shear*(1.0_wp + t*t)) + max(exponent - highest_exponent, 0.0_wp)
-      weight = t*t/(1.0_wp + t*t)
-   end subroutine join
-
    !> The two functions of x = |Sigma| in S without their factors exp(+-x): 3 (x cosh x - sinh x)/x^3 =
-   !> exp(shift) shear and x/sinh x = exp(-shift) ratio, and the derivatives of their logarithms by x.
+   !> exp(shift) shear and x/sinh x = exp(-shift) ratio, and the derivatives of their logarithms by x. So
+   !> ln S = shift + ln( shear sqrt(1 + t^2) ), t = B ratio exp(-shift).
    !>
-   !> Both forms, series and closed, are evaluated at an argument that is safe for them, and the right one is picked by
-   !> a weight of 0 or 1: of `merge` gfortran makes a branch round a division, which it cannot vectorise.
+   !> Series and closed form are both evaluated, at arguments that are safe for them, and the right one is picked by a
+   !> weight of 0 or 1: of `merge` gfortran makes a branch round a division, which it cannot vectorise. Called from one
+   !> place only, so that it is always inlined there.
    pure elemental subroutine shear_functions(sigma, shift, shear, ratio, dln_shear, dln_ratio)
       real(wp), intent(in) :: sigma
       real(wp), intent(out) :: shift, shear, ratio, dln_shear, dln_ratio
-      real(wp) :: x, y, small, large, is_small, is_large, inverse, decay, difference, series, sinh_part
+      real(wp) :: x, y, small, large, is_small, is_large, inverse, decay, curve, inverse_sinh
 
       x = min(abs(sigma), largest_argument)
       is_large = 0.5_wp + sign(0.5_wp, x - series_limit)
       is_small = 1.0_wp - is_large
       small = min(x, series_limit)
-      large = max(x, series_limit)
       y = small*small
+      large = max(x, series_limit)
       inverse = 1.0_wp/large
       decay = exp(-min(2.0_wp*large, highest_exponent))
-      difference = (1.0_wp - inverse) + (1.0_wp + inverse)*decay
-      series = polynomial(c, y)
 
       shift = is_large*x
-      shear = is_small*series + is_large*(1.5_wp*difference*inverse*inverse)
-      sinh_part = 1.0_wp/(is_small*polynomial(s, y) + is_large*(1.0_wp - decay))
-      ratio = (is_small + 2.0_wp*is_large*x)*sinh_part
-      dln_shear = (is_small*small*polynomial(dc, y) + is_large*((1.0_wp - decay) - 3.0_wp*inverse*difference)) &
-                  /(is_small*series + is_large*difference)
-      dln_ratio = is_large*inverse - (is_small*small*polynomial(ds, y) + is_large*(1.0_wp + decay))*sinh_part
+      curve = is_small*polynomial(c, y) + is_large*((1.0_wp - inverse) + (1.0_wp + inverse)*decay)
+      shear = curve*(is_small + is_large*1.5_wp*inverse*inverse)
+      inverse_sinh = 1.0_wp/(is_small*polynomial(s, y) + is_large*(1.0_wp - decay))
+      ratio = inverse_sinh*(is_small + 2.0_wp*shift)
+      dln_shear = (is_small*small*polynomial(dc, y) + is_large*((1.0_wp - decay) - 3.0_wp*inverse*curve))/curve
+      dln_ratio = is_large*inverse - (is_small*small*polynomial(ds, y) + is_large*(1.0_wp + decay))*inverse_sinh
    end subroutine shear_functions
 
    !> a_0 + a_1 y + ... + a_8 y^8.

@@ -29,12 +29,8 @@ contains
    pure elemental subroutine roelands_viscosity(p, alpha, p0, z, ln_mu, dln_mu)
       real(wp), intent(in) :: p, alpha, p0, z
       real(wp), intent(out) :: ln_mu, dln_mu
-      real(wp) :: ratio, power
 
-      ratio = 1.0_wp + p/p0
-      power = exp(z*log(ratio))
-      ln_mu = (alpha*p0/z)*(power - 1.0_wp)
-      dln_mu = alpha*power/ratio
+      call roelands(p, alpha, p0, z, ln_mu, dln_mu)
    end subroutine roelands_viscosity
 
    !> Barus' law:  ln(mu/mu_0) = alpha p; C. Barus, Am. J. Sci. 45, 1893, 87; the limit z = 1 of (2.26).
@@ -56,7 +52,7 @@ contains
       integer :: i
 
       do i = 1, size(p)
-         call roelands_viscosity(p(i), alpha, p0, z, ln_mu(i), dln_mu(i))
+         call roelands(p(i), alpha, p0, z, ln_mu(i), dln_mu(i))
       end do
    end subroutine roelands_viscosities
 
@@ -69,9 +65,21 @@ contains
       integer :: i
 
       do i = 1, size(p)
-         call roelands_viscosity(p(i), alpha, p0, z, ln_mu(i), unused)
+         call roelands(p(i), alpha, p0, z, ln_mu(i), unused)
       end do
    end subroutine roelands_ln_viscosities
+
+   !> The formula of `roelands_viscosity`; private, so that also position-independent code has it inlined in the loops.
+   pure elemental subroutine roelands(p, alpha, p0, z, ln_mu, dln_mu)
+      real(wp), intent(in) :: p, alpha, p0, z
+      real(wp), intent(out) :: ln_mu, dln_mu
+      real(wp) :: ratio, power
+
+      ratio = 1.0_wp + p/p0
+      power = exp(z*log(ratio))
+      ln_mu = (alpha*p0/z)*(power - 1.0_wp)
+      dln_mu = alpha*power/ratio
+   end subroutine roelands
 
    !> Pressure-viscosity coefficient alpha [1/Pa] from (2.27): alpha = z (ln mu_0 + 9.67)/P0.
    !>
