@@ -1,0 +1,322 @@
+"""Reads a result file of asperity once: values, labels with units, report, paths of the features.
+
+Everything is kept as it is stored (lubricated cases: dimensionless). `Quantity.axis` says by which
+factor to multiply and which label to write, dimensionless or SI.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+
+class ResultError(Exception):
+    """A file that cannot be drawn; the message is one line and names the file."""
+
+
+# What a dataset is called in words, as dimensionless symbol and as SI symbol.
+SYMBOLS = {
+    "x": ("Position", "X = x/b", "x"),
+    "pressure": ("Pressure", "P = p/p_\\mathrm{h}", "p"),
+    "film_thickness": ("Film thickness", "H = hR/b^2", "h"),
+    "time": ("Time", "T = t\\,u_\\mathrm{s}/(2b)", "t"),
+}
+
+PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+
+
+@dataclass(frozen=True)
+class Axis:
+    """How a quantity is shown: shown value = stored value * factor.
+
+    `unit_size` is the SI value of one unit, None when dimensionless.
+    """
+
+    factor: float
+    unit_size: float | None
+    words: str
+    symbol: str
+    definition: str
+    unit: str
+
+    @property
+    def label(self) -> str:
+        """Words, symbol with its definition, unit."""
+        return f"{self.words} ${self.definition}$ [{self.unit or '-'}]"
+
+    @property
+    def plain_label(self) -> str:
+        """Words, symbol, unit."""
+        return f"{self.words} ${self.symbol}$ [{self.unit or '-'}]"
+
+    @property
+    def short_label(self) -> str:
+        """Symbol and unit."""
+        return f"${self.symbol}$ [{self.unit or '-'}]"
+
+    def number(self, value: float, largest: float | None = None) -> str:
+        """The stored `value` with its unit, three digits of `largest` (default: of itself)."""
+        size = abs((value if largest is None else largest) * self.factor)
+        decimals = max(0, 2 - math.floor(math.log10(size))) if size > 0 else 0
+        number = f"{value * self.factor + 0.0:.{decimals}f}".replace("-", "\N{MINUS SIGN}")
+        return f"{number} {self.unit}".rstrip()
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A dataset: stored values and how to get to SI (stored value * si_scale)."""
+
+    name: str
+    values: np.ndarray
+    si_units: str
+    si_scale: float
+
+    @property
+    def has_si(self) -> bool:
+        """False for dimensionless studies (&moes), where the SI scale is unknown."""
+        return self.si_units not in ("", "1", "-")
+
+    def shown(self, axis: Axis) -> np.ndarray:
+        """The values on an axis, which may be that of another result."""
+        return self.values * (1.0 if axis.unit_size is None else self.si_scale / axis.unit_size)
+
+    def axis(self, si: bool) -> Axis:
+        """Factor and label; SI with the prefix that suits the largest value."""
+        words, symbol, si_symbol = SYMBOLS[self.name]
+        if not si:
+            return Axis(1.0, None, words, symbol.split("=")[0].strip(), symbol, "")
+        largest = float(np.nanmax(np.abs(self.values), initial=0.0)) * self.si_scale
+        size, prefix = next((p for p in PREFIXES if largest >= 0.9999 * p[0]), PREFIXES[-1])
+        unit = prefix + self.si_units
+        return Axis(self.si_scale / size, size, words, si_symbol, si_symbol, unit)
+
+
+@dataclass(frozen=True)
+class Feature:
+    """A ridge, dent or sinusoid and its path X = position + speed T (dimensionless)."""
+
+    surface: int
+    shape: str
+    amplitude: float
+    position: float
+    speed: float
+    spacing: float
+
+    @property
+    def word(self) -> str:
+        """What a reader calls it."""
+        high, low = ("crest", "trough") if self.shape == "sinusoid" else ("ridge", "dent")
+        return high if self.amplitude > 0 else low
+
+    def centre(self, time: np.ndarray | float) -> np.ndarray | float:
+        """X of the centre at the dimensionless time."""
+        return self.position + self.speed * time
+
+    def time_at(self, x: float) -> float:
+        """Dimensionless time at which the centre is at X = x; needs a moving feature."""
+        return (x - self.position) / self.speed
+
+    def shifted(self, waves: int) -> Feature:
+        """The same sinusoid seen from the crest that is `waves` wavelengths further."""
+        return replace(self, position=self.position + waves * self.spacing)
+
+
+@dataclass
+class Result:
+    """One result file."""
+
+    path: Path
+    title: str
+    converged: bool
+    reason: str
+    solution: dict[str, Quantity]
+    transient: dict[str, Quantity] = field(default_factory=dict)
+    summary: dict[str, float] = field(default_factory=dict)
+    report: dict[str, object] = field(default_factory=dict)
+    features: list[Feature] = field(default_factory=list)
+
+    @property
+    def stem(self) -> str:
+        """Name of the file without folder and ending."""
+        return self.path.stem
+
+    @property
+    def x(self) -> np.ndarray:
+        """Stored positions (nx)."""
+        return self.solution["x"].values
+
+    def require_si(self) -> None:
+        """Refuses SI units where the file has none."""
+        if not self.solution["x"].has_si:
+            raise ResultError(
+                f"{self.path}: has no SI scale (dimensionless &moes study); leave out --si"
+            )
+
+
+def check_result(path: str | Path, needs: tuple[str, ...] = ("solution",)) -> None:
+    """Raises ResultError unless `path` is a lubricated result with the groups `needs`."""
+    with _opened(Path(path)) as file:
+        _check_content(Path(path), file, needs)
+
+
+def read_result(path: str | Path, si: bool = False, with_transient: bool = False) -> Result:
+    """Reads a lubricated result; `si` refuses a file without SI scale at once."""
+    path = Path(path)
+    with _opened(path) as file:
+        _check_content(path, file, ("solution", "transient") if with_transient else ("solution",))
+        result = Result(
+            path=path,
+            title=_text(file.attrs.get("title", "")),
+            converged=bool(np.asarray(file.attrs.get("converged", 0)).item()),
+            reason=_text(file.attrs.get("reason", "")),
+            solution=_quantities(path, file, "solution", ("x", "pressure", "film_thickness")),
+            summary=_summary(file),
+            report={name: _plain(item) for name, item in _datasets(file, "report").items()},
+            features=_features(file),
+        )
+        if with_transient:
+            names = ("time", "pressure", "film_thickness")
+            result.transient = _quantities(path, file, "transient", names)
+    for quantities in (result.solution, result.transient):
+        for quantity in quantities.values():
+            if not np.isfinite(quantity.values).any():
+                raise ResultError(f"{path}: {quantity.name} has no finite value")
+    if si:
+        result.require_si()
+    return result
+
+
+def _opened(path: Path) -> h5py.File:
+    if path.suffix == ".part":
+        raise ResultError(
+            f"{path}: an unfinished result (.part): still being written, or its run was stopped"
+        )
+    if not path.exists():
+        raise ResultError(f"{path}: no such file")
+    if path.is_dir():
+        raise ResultError(f"{path}: is a folder, expected a result file (.h5)")
+    try:
+        return h5py.File(path, "r")
+    except PermissionError:
+        raise ResultError(f"{path}: cannot be read (permission denied)") from None
+    except OSError:
+        raise ResultError(f"{path}: not an HDF5 file, or a damaged one") from None
+
+
+def _check_content(path: Path, file: h5py.File, needs: tuple[str, ...]) -> None:
+    problem = _text(file.attrs.get("problem", ""))
+    if not problem:
+        raise ResultError(f"{path}: not a result of asperity (no attribute 'problem')")
+    if problem != "ehl_line":
+        raise ResultError(f"{path}: problem is '{problem}', this figure needs 'ehl_line'")
+    for group in needs:
+        if group not in file:
+            hint = " (a steady result)" if group == "transient" else ""
+            raise ResultError(f"{path}: has no /{group}{hint}")
+
+
+def _quantities(
+    path: Path, file: h5py.File, group: str, names: tuple[str, ...]
+) -> dict[str, Quantity]:
+    found = {}
+    for name in names:
+        if name not in file[group]:
+            raise ResultError(f"{path}: has no /{group}/{name}")
+        dataset = file[group][name]
+        values = np.asarray(dataset[()], dtype=float)
+        if values.size == 0:
+            raise ResultError(f"{path}: /{group}/{name} is empty")
+        scale = float(np.asarray(dataset.attrs.get("si_scale", 1.0)).item())
+        found[name] = Quantity(name, values, _text(dataset.attrs.get("si_units", "1")), scale)
+    return found
+
+
+def _datasets(file: h5py.File, group: str) -> dict[str, h5py.Dataset]:
+    if group not in file:
+        return {}
+    return {name: item for name, item in file[group].items() if isinstance(item, h5py.Dataset)}
+
+
+def _summary(file: h5py.File) -> dict[str, float]:
+    values = {name: _plain(item) for name, item in _datasets(file, "summary").items()}
+    return {name: float(value) for name, value in values.items() if np.isscalar(value)
+            and not isinstance(value, str)}
+
+
+def _plain(dataset: h5py.Dataset) -> object:
+    """A dataset as str, number or array."""
+    value = dataset[()]
+    if isinstance(value, (bytes, str)):
+        return _text(value)
+    array = np.asarray(value)
+    if array.dtype.kind in "SO":
+        texts = [_text(item) for item in array.ravel()]
+        return texts[0] if len(texts) == 1 else texts
+    return array.item() if array.size == 1 else array
+
+
+def _text(value: object) -> str:
+    if isinstance(value, np.ndarray):
+        value = value.ravel()[0] if value.size else ""
+    if isinstance(value, bytes):
+        value = value.decode("utf-8", "replace")
+    return str(value).strip()
+
+
+def _features(file: h5py.File) -> list[Feature]:
+    """The features of both surfaces from the effective input; empty for smooth surfaces."""
+    effective = file.get("input/effective")
+    if effective is None or "bodies" not in effective:
+        return []
+    speeds = [_numbers(effective["bodies"], f"speed_{i}") for i in (1, 2)]
+    half_width = float(np.asarray(file["scaling"].attrs.get("half_width", np.nan)).item()) \
+        if "scaling" in file else np.nan
+    if not all(speeds) or speeds[0][0] + speeds[1][0] == 0:
+        return []
+    features = []
+    for surface in (1, 2):
+        group = effective.get(f"surface_{surface}")
+        if group is None:
+            continue
+        speed = 2 * speeds[surface - 1][0] / (speeds[0][0] + speeds[1][0])
+        shapes, amplitudes = _words(group, "shape"), _numbers(group, "amplitude")
+        positions, wavelengths = _numbers(group, "position"), _numbers(group, "wavelength")
+        for i, amplitude in enumerate(amplitudes):
+            shape = shapes[min(i, len(shapes) - 1)] if shapes else ""
+            if shape not in ("feature", "sinusoid") or amplitude == 0:
+                continue
+            position = positions[i] if i < len(positions) else 0.0
+            spacing = wavelengths[i] / half_width if i < len(wavelengths) else np.nan
+            features.append(Feature(surface, shape, amplitude, position, speed, spacing))
+    return features
+
+
+def _words(group: h5py.Group, key: str) -> list[str]:
+    """The words of an input key, stored as text ("'feature', 'sinusoid'") or as array."""
+    if key not in group:
+        return []
+    value = _plain(group[key])
+    texts = value if isinstance(value, list) else [str(value)]
+    return [word for text in texts for word in re.findall(r"[A-Za-z_]+", text)]
+
+
+def _numbers(group: h5py.Group, key: str) -> list[float]:
+    """The numbers of an input key, stored as numbers or as namelist text ('2*1.0d-4, 3.0')."""
+    if key not in group:
+        return []
+    value = _plain(group[key])
+    if not isinstance(value, (str, list)):
+        return [float(number) for number in np.atleast_1d(value)]
+    numbers: list[float] = []
+    for word in re.split(r"[,\s]+", " ".join(value) if isinstance(value, list) else value):
+        repeat, _, last = word.rpartition("*")
+        try:
+            numbers += [float(last.lower().replace("d", "e"))] * int(repeat or 1)
+        except ValueError:
+            continue
+    return numbers

@@ -1,0 +1,324 @@
+#!/usr/bin/env python3
+"""Draws a passage: x-t maps with the feature paths, a film strip, an animation (GIF)."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import figure_command
+import figure_style as style
+import matplotlib.patheffects as effects
+import numpy as np
+from matplotlib.animation import PillowWriter
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from result_file import Feature, Result, ResultError, read_result
+
+PROGRAM = "transient.py"
+EXAMPLE = "python postproc/transient.py results/case3.h5 --output results"
+PARTS = ("xt", "film_strip", "passage")
+STRIP_CENTRES = (-1.0, -0.5, 0.0, 0.5, 1.0)
+MAP_POINTS = 1200
+MAXIMAL_PATHS = 24
+LOOKS = (style.FILM, style.PRESSURE)
+PATH = {
+    "color": "black", "linewidth": 0.8, "linestyle": (0, (6, 4)), "scalex": False, "scaley": False,
+    "path_effects": [effects.withStroke(linewidth=1.7, foreground="white")],
+}
+
+
+def visible_paths(result: Result, window: tuple[float, float]) -> list[Feature]:
+    """Paths to draw: each feature, and of a sinusoid every crest that is seen in the window."""
+    end = result.transient["time"].values[-1]
+    paths: list[Feature] = []
+    for feature in result.features:
+        if feature.shape != "sinusoid" or not feature.spacing > 0:
+            paths.append(feature)
+            continue
+        ends = sorted((feature.position, feature.centre(end)))
+        first = int(np.ceil((window[0] - ends[1]) / feature.spacing))
+        last = int(np.floor((window[1] - ends[0]) / feature.spacing))
+        if last - first < MAXIMAL_PATHS:
+            paths += [feature.shifted(waves) for waves in range(first, last + 1)]
+    return paths
+
+
+def followed_feature(result: Result, centres: list[float]) -> Feature | None:
+    """The first moving feature; of a sinusoid the last crest whose passage is complete."""
+    moving = [feature for feature in result.features if feature.speed != 0]
+    if not moving:
+        return None
+    feature = moving[0]
+    if feature.shape == "sinusoid" and feature.spacing > 0:
+        end = result.transient["time"].values[-1]
+        goal = max(centres) if feature.speed > 0 else min(centres)
+        distance = goal - feature.centre(end)
+        waves = distance / feature.spacing
+        feature = feature.shifted(int(np.ceil(waves) if feature.speed > 0 else np.floor(waves)))
+    return feature
+
+
+def strip_steps(result: Result, centres: list[float]) -> tuple[list[int], Feature | None]:
+    """Stored steps at which the followed feature is nearest to the centres, in order of time.
+
+    Without a moving feature, or when it is never inside, evenly spaced times.
+    """
+    time = result.transient["time"].values
+    feature = followed_feature(result, centres)
+    if feature is not None:
+        margin = 0.5 * np.max(np.diff(time), initial=0.0)
+        moments = [feature.time_at(x) for x in centres]
+        inside = [t for t in sorted(moments) if time[0] - margin <= t <= time[-1] + margin]
+        if inside:
+            return [int(np.argmin(np.abs(time - t))) for t in inside], feature
+    steps = np.unique(np.linspace(0, time.size - 1, len(centres)).astype(int))
+    return list(steps), None
+
+
+def paths_legend(result: Result, paths: list[Feature]) -> list[Line2D]:
+    """Legend entry for the dashed paths; empty without paths."""
+    if not paths:
+        return []
+    what = " and ".join(dict.fromkeys(f"{path.word} of surface {path.surface}" for path in paths))
+    look = {key: PATH[key] for key in ("color", "linewidth", "linestyle")}
+    return [Line2D([], [], label=f"path of {what}", **look)]
+
+
+def colour_range(result: Result, name: str, values: np.ndarray) -> tuple[float, float, str]:
+    """Lowest and highest colour in stored units, and which ends of the bar are open."""
+    if name == "pressure":
+        return 0.0, float(np.nanmax(values)), "neither"
+    start = result.transient["film_thickness"].values[0]
+    central = float(np.interp(0.0, result.x, start))
+    low = float(np.nanmin(values))
+    return low, max(2 * central - low, 1.2 * low), "max"
+
+
+def draw_map(axes: Axes, result: Result, name: str, options: argparse.Namespace) -> None:
+    """One x-t map with colour bar and paths."""
+    quantity, time = result.transient[name], result.transient["time"].values
+    shown, x_axis, t_axis = (
+        quantity.axis(options.si),
+        result.solution["x"].axis(options.si),
+        result.transient["time"].axis(options.si),
+    )
+    window = style.x_window(result, options.window)
+    nodes = np.flatnonzero((result.x >= window[0]) & (result.x <= window[1]))
+    nodes = nodes[:: 1 + nodes.size // MAP_POINTS]
+    steps = np.arange(0, time.size, 1 + time.size // MAP_POINTS)
+    values = quantity.values[np.ix_(steps, nodes)]
+    low, high, extend = colour_range(result, name, values)
+    image = axes.pcolormesh(
+        result.x[nodes] * x_axis.factor, time[steps] * t_axis.factor, values * shown.factor,
+        cmap=style.COLOUR_MAP, vmin=low * shown.factor, vmax=high * shown.factor,
+        shading="nearest", rasterized=True,
+    )
+    axes.figure.colorbar(
+        image, ax=axes, location="top", label=shown.label, extend=extend, aspect=28, pad=0.02
+    )
+    ends = time[[0, -1]]
+    for path in visible_paths(result, window):
+        axes.plot(path.centre(ends) * x_axis.factor, ends * t_axis.factor, **PATH)
+    axes.set_xlim(window[0] * x_axis.factor, window[1] * x_axis.factor)
+    axes.set_ylim(ends * t_axis.factor)
+    axes.set(xlabel=x_axis.label, ylabel=t_axis.label)
+    style.few_ticks(axes)
+
+
+def draw_xt(result: Result, options: argparse.Namespace) -> list[Path]:
+    """Maps of film and pressure over X and T."""
+    figure, axes = style.new_figure(style.TWO_COLUMNS, 95, ncols=2, sharey=True)
+    for panel, name in zip(axes, ("film_thickness", "pressure"), strict=True):
+        draw_map(panel, result, name, options)
+    axes[1].set_ylabel("")
+    paths = visible_paths(result, style.x_window(result, options.window))
+    if paths:
+        style.legend_below(figure, paths_legend(result, paths), 1)
+    style.mark_not_converged(figure, [result])
+    return style.save_figure(figure, figure_command.targets(options, result.stem, "xt"))
+
+
+class Passage:
+    """What film strip and animation share: fields, axes, limits that hold for all times."""
+
+    def __init__(self, result: Result, options: argparse.Namespace) -> None:
+        """Looks up the fields of `result` and the ends of the axes."""
+        transient = result.transient
+        self.time = transient["time"].values
+        self.t_axis = transient["time"].axis(options.si)
+        self.x_axis = result.solution["x"].axis(options.si)
+        self.window = style.x_window(result, options.window)
+        self.paths = visible_paths(result, self.window)
+        self.x = result.x * self.x_axis.factor
+        film, pressure = transient["film_thickness"], transient["pressure"]
+        inside = (result.x >= self.window[0]) & (result.x <= self.window[1])
+        tops = (
+            style.film_limit(film.values[0], pressure.values[0]),
+            1.06 * float(np.nanmax(pressure.values[:, inside])),
+        )
+        self.rows = []
+        for field, look, top in zip((film, pressure), LOOKS, tops, strict=True):
+            axis = field.axis(options.si)
+            self.rows.append((field.shown(axis), axis, look["color"], top * axis.factor))
+
+    def set_axes(self, column: np.ndarray) -> None:
+        """Start as reference, labels and limits of a film panel above a pressure panel."""
+        for panel, (values, axis, _, top) in zip(column, self.rows, strict=True):
+            label = f"start (${self.t_axis.symbol} = 0$)"
+            panel.plot(self.x, values[0], label=label, **style.REFERENCE)
+            panel.set(ylabel=axis.plain_label, ylim=(0, top))
+            panel.set_xlim(end * self.x_axis.factor for end in self.window)
+            style.few_ticks(panel)
+
+    def title(self, step: int) -> str:
+        """The time of a step."""
+        return f"${self.t_axis.symbol}$ = {self.t_axis.number(self.time[step], self.time[-1])}"
+
+    def places(self, step: int) -> list[tuple[Feature, float]]:
+        """The features that are inside the window, and where (shown unit)."""
+        centres = [(path, path.centre(self.time[step])) for path in self.paths]
+        return [
+            (path, x * self.x_axis.factor) for path, x in centres
+            if self.window[0] <= x <= self.window[1]
+        ]
+
+
+def draw_film_strip(result: Result, options: argparse.Namespace) -> list[Path]:
+    """Film above, pressure below, one column for each place of the feature."""
+    steps, feature = strip_steps(result, options.centres)
+    passage = Passage(result, options)
+    figure, axes = style.new_figure(
+        style.TWO_COLUMNS, 92, nrows=2, ncols=len(steps), sharex=True, sharey="row", squeeze=False
+    )
+    for column, step in zip(axes.T, steps, strict=True):
+        passage.set_axes(column)
+        for panel, (values, _, colour, _) in zip(column, passage.rows, strict=True):
+            panel.plot(passage.x, values[step], color=colour)
+            for path, place in passage.places(step):
+                panel.axvline(place, color="0.35", linewidth=0.6, linestyle=(0, (4, 3)), zorder=0)
+                panel.plot(
+                    place, 1, transform=panel.get_xaxis_transform(), clip_on=False, zorder=5,
+                    **mark_look(path),
+                )
+        column[0].set_title(strip_title(passage, step, feature))
+        column[1].set_xlabel(passage.x_axis.short_label)
+    for panel in axes[:, 1:].flat:
+        panel.set_ylabel("")
+    style.legend_below(figure, [axes[0, 0].lines[0], *marks_legend(passage.paths)], 4)
+    style.mark_not_converged(figure, [result])
+    return style.save_figure(figure, figure_command.targets(options, result.stem, "film_strip"))
+
+
+def mark_look(path: Feature) -> dict[str, object]:
+    """Triangle of a feature: filled on surface 2, open on surface 1; ridges down, dents up."""
+    return {
+        "marker": "v" if path.amplitude > 0 else "^", "color": "black", "markersize": 4.5,
+        "markerfacecolor": "black" if path.surface == 2 else "white", "linestyle": "none",
+    }
+
+
+def marks_legend(paths: list[Feature]) -> list[Line2D]:
+    """One entry for each kind of triangle in the figure."""
+    kinds = {(path.word, path.surface): path for path in paths}
+    return [
+        Line2D([], [], label=f"{word} of surface {surface}", **mark_look(path))
+        for (word, surface), path in kinds.items()
+    ]
+
+
+def strip_title(passage: Passage, step: int, feature: Feature | None) -> str:
+    """Two lines: time, and where the followed feature is."""
+    if feature is None:
+        return passage.title(step)
+    place = round(feature.centre(passage.time[step]), 2)
+    axis = passage.x_axis
+    where = axis.number(place, 1.0) if axis.unit else f"{place + 0.0:g}".replace("-", "\u2212")
+    return f"{passage.title(step)}\n{feature.word} at ${axis.symbol}$ = {where}"
+
+
+def draw_passage(result: Result, options: argparse.Namespace) -> list[Path]:
+    """Animation of film and pressure over all stored times."""
+    target = passage_target(options, result)
+    passage = Passage(result, options)
+    figure, axes = style.new_figure(1.3 * style.ONE_COLUMN, 95, nrows=2, sharex=True)
+    passage.set_axes(axes)
+    axes[1].set_xlabel(passage.x_axis.label)
+    lines = [
+        panel.plot(passage.x, values[0], color=colour)[0]
+        for panel, (values, _, colour, _) in zip(axes, passage.rows, strict=True)
+    ]
+    title = axes[0].set_title(passage.title(-1))
+    style.legend_below(figure, [axes[0].lines[0], *marks_legend(passage.paths)], 2)
+    style.mark_not_converged(figure, [result])
+    figure.canvas.draw()
+    figure.set_layout_engine("none")
+    marks: list[Line2D] = []
+    writer = PillowWriter(fps=options.frames_per_second)
+    with writer.saving(figure, str(target), dpi=130):
+        for step in np.unique(np.linspace(0, passage.time.size - 1, options.frames).astype(int)):
+            title.set_text(passage.title(step))
+            for line, (values, _, _, _) in zip(lines, passage.rows, strict=True):
+                line.set_ydata(values[step])
+            while marks:
+                marks.pop().remove()
+            for panel in axes:
+                for path, place in passage.places(step):
+                    marks += panel.plot(
+                        place, 0.96, transform=panel.get_xaxis_transform(), **mark_look(path)
+                    )
+            writer.grab_frame()
+    style.plt.close(figure)
+    return [target]
+
+
+def passage_target(options: argparse.Namespace, result: Result) -> Path:
+    """Name of the animation."""
+    output = Path(options.output)
+    if output.suffix == ".gif":
+        output.parent.mkdir(parents=True, exist_ok=True)
+        return output
+    output.mkdir(parents=True, exist_ok=True)
+    return output / f"{result.stem}_passage.gif"
+
+
+def draw(path: Path, options: argparse.Namespace) -> list[Path]:
+    """One result: reads it, draws the parts asked for, returns the names of the figures."""
+    result = read_result(path, options.si, with_transient=True)
+    if result.transient["time"].values.size < 2:
+        raise ResultError(f"{path}: /transient holds a single time, nothing passes")
+    figure_command.warn_not_converged(PROGRAM, result)
+    drawers = {"xt": draw_xt, "film_strip": draw_film_strip, "passage": draw_passage}
+    return [target for part in options.parts for target in drawers[part](result, options)]
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Command line; returns the exit status."""
+    parser = figure_command.new_parser(PROGRAM, __doc__, EXAMPLE)
+    figure_command.add_window(parser)
+    parser.add_argument(
+        "--parts", nargs="+", choices=PARTS, default=list(PARTS), metavar="PART",
+        help="what to draw: xt, film_strip, passage (default: all)",
+    )
+    parser.add_argument(
+        "--centres", nargs="+", type=float, default=list(STRIP_CENTRES), metavar="X",
+        help="places of the feature in the film strip, in half-widths (default: -1 -0.5 0 0.5 1)",
+    )
+    parser.add_argument(
+        "--frames", type=int, default=60, metavar="N", help="pictures in the animation (60)"
+    )
+    parser.add_argument(
+        "--frames-per-second", type=int, default=10, metavar="N", help="speed of it (10)"
+    )
+    options = parser.parse_args(arguments)
+    if options.frames < 2 or options.frames_per_second < 1:
+        parser.error("--frames must be at least 2 and --frames-per-second at least 1")
+    ending = Path(options.output).suffix[1:]
+    if len(options.parts) > 1 and ending in (*figure_command.FORMATS, "gif"):
+        parser.error("--output is a file name: choose one part with --parts, or give a folder")
+    return figure_command.run(parser, options, draw, ("solution", "transient"))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,239 @@
+"""The figure scripts: each draws a small result, and refuses what is not one with a message."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import io
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+import h5py
+import numpy as np
+import pytest
+import result_maker
+
+ROOT = Path(__file__).resolve().parent.parent
+SCRIPTS = ("profile", "transient", "convergence", "compare")
+RIDGE = {"shape": "feature", "amplitude": 2e-7, "wavelength": 1e-4, "position": -2.5}
+
+
+@dataclass
+class Done:
+    """What a script left behind."""
+
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+def load(script: str) -> ModuleType:
+    """A script of postproc/ as a module; under its own name 'profile' would hide Python's."""
+    folder = ROOT / "postproc"
+    if str(folder) not in sys.path:
+        sys.path.append(str(folder))
+    spec = importlib.util.spec_from_file_location(f"figures_{script}", folder / f"{script}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def run(script: str, *arguments: object) -> Done:
+    """Runs a script inside this process, which saves the second that its imports take."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            status = load(script).main([str(argument) for argument in arguments])
+        except SystemExit as end:
+            status = int(end.code or 0)
+    return Done(status, out.getvalue(), err.getvalue())
+
+
+def files_of(folder: Path) -> list[str]:
+    """Names in a folder, sorted; none may be empty."""
+    assert all(path.stat().st_size > 1000 for path in folder.iterdir())
+    return sorted(path.name for path in folder.iterdir())
+
+
+@pytest.fixture(name="steady")
+def _steady(tmp_path: Path) -> Path:
+    x, pressure, film = result_maker.smooth_contact()
+    fields = {"x": x, "pressure": pressure, "film_thickness": film}
+    return result_maker.write_result(tmp_path / "smooth.h5", fields)
+
+
+@pytest.fixture(name="moving")
+def _moving(tmp_path: Path) -> Path:
+    return result_maker.write_result(tmp_path / "ridge.h5", result_maker.passage(), RIDGE)
+
+
+@pytest.mark.parametrize("si", [(), ("--si",)])
+def test_profile_draws_png_and_pdf(steady: Path, tmp_path: Path, si: tuple[str, ...]) -> None:
+    done = run("profile", steady, "--output", tmp_path / "out", *si)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert files_of(tmp_path / "out") == ["smooth_profile.pdf", "smooth_profile.png"]
+    assert done.stdout.split() == [
+        str(tmp_path / "out" / f"smooth_profile.{ending}") for ending in ("png", "pdf")
+    ]
+
+
+def test_profile_of_a_time(moving: Path, tmp_path: Path) -> None:
+    target = tmp_path / "deep" / "middle.png"
+    done = run("profile", moving, "--time", 1.4, "--output", target)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert files_of(target.parent) == ["middle.png"]
+
+
+def test_convergence_draws(steady: Path, moving: Path, tmp_path: Path) -> None:
+    done = run("convergence", steady, moving, "--output", tmp_path / "out", "--format", "png")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert files_of(tmp_path / "out") == ["ridge_convergence.png", "smooth_convergence.png"]
+
+
+def test_compare_draws_and_prints_a_table(steady: Path, moving: Path, tmp_path: Path) -> None:
+    done = run("compare", steady, moving, "--output", tmp_path / "out")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert files_of(tmp_path / "out") == ["smooth_compare.pdf", "smooth_compare.png"]
+    head, first, second = done.stdout.splitlines()[:3]
+    assert "h_min [-]" in head
+    assert first.split()[:2] == ["smooth", "129"]
+    assert "+0.000%" in first
+    assert second.split()[0] == "ridge"
+
+
+def test_compare_needs_two_files(steady: Path) -> None:
+    done = run("compare", steady)
+    assert done.returncode == 1
+    assert "at least two" in done.stderr
+
+
+@pytest.mark.parametrize("si", [(), ("--si",)])
+def test_transient_draws_map_strip_and_animation(
+    moving: Path, tmp_path: Path, si: tuple[str, ...]
+) -> None:
+    done = run("transient", moving, "--output", tmp_path / "out", "--frames", 4, *si)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert files_of(tmp_path / "out") == [
+        "ridge_film_strip.pdf", "ridge_film_strip.png", "ridge_passage.gif",
+        "ridge_xt.pdf", "ridge_xt.png",
+    ]
+
+
+@pytest.mark.parametrize("features", [
+    {"shape": "smooth"},
+    {"shape": "sinusoid", "amplitude": 1e-7, "wavelength": 1e-4, "position": 0.0},
+    {"shape": "'feature', 'sinusoid'", "amplitude": "2e-7, 1.0d-7", "wavelength": "2*1e-4",
+     "position": "-2.5 0.0"},
+])
+def test_transient_with_other_surfaces(tmp_path: Path, features: dict[str, object]) -> None:
+    result = result_maker.write_result(tmp_path / "a.h5", result_maker.passage(), features)
+    done = run("transient", result, "--output", tmp_path / "out", "--parts", "xt", "film_strip")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert len(files_of(tmp_path / "out")) == 4
+
+
+@pytest.mark.parametrize("script", ["profile", "convergence", "transient"])
+def test_not_converged_is_said(tmp_path: Path, script: str) -> None:
+    result = result_maker.write_result(
+        tmp_path / "bad.h5", result_maker.passage(), RIDGE, converged=False
+    )
+    extra = ("--parts", "xt") if script == "transient" else ()
+    done = run(script, result, "--output", tmp_path / "out", *extra)
+    assert done.returncode == 0
+    assert "not converged: cycle limit of 12 reached" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def refused(script: str, path: Path, tmp_path: Path) -> str:
+    """Runs a script on a bad file; one line, status 1, nothing drawn; returns the message."""
+    out = tmp_path / "refused"
+    extra = (path,) if script == "compare" else ()
+    done = run(script, path, *extra, "--output", out)
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    assert not out.exists()
+    assert str(path) in done.stderr
+    assert script == "compare" or len(done.stderr.splitlines()) == 1
+    return done.stderr
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_missing_file(script: str, tmp_path: Path) -> None:
+    assert "no such file" in refused(script, tmp_path / "none.h5", tmp_path)
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_folder(script: str, tmp_path: Path) -> None:
+    assert "is a folder" in refused(script, tmp_path, tmp_path)
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_no_hdf5(script: str, tmp_path: Path) -> None:
+    path = tmp_path / "text.h5"
+    path.write_text("&case title = 'no result' /\n")
+    assert "not an HDF5 file" in refused(script, path, tmp_path)
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_unfinished_result(script: str, steady: Path, tmp_path: Path) -> None:
+    part = steady.rename(steady.with_suffix(".h5.part"))
+    assert "unfinished" in refused(script, part, tmp_path)
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_foreign_hdf5(script: str, tmp_path: Path) -> None:
+    path = tmp_path / "foreign.h5"
+    with h5py.File(path, "w") as file:
+        file["data"] = np.arange(3)
+    assert "not a result of asperity" in refused(script, path, tmp_path)
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_dry_result(script: str, steady: Path, tmp_path: Path) -> None:
+    with h5py.File(steady, "r+") as file:
+        file.attrs["problem"] = "dry_line"
+    assert "problem is 'dry_line'" in refused(script, steady, tmp_path)
+
+
+def test_transient_needs_transient(steady: Path, tmp_path: Path) -> None:
+    assert "has no /transient" in refused("transient", steady, tmp_path)
+
+
+def test_missing_field(steady: Path, tmp_path: Path) -> None:
+    with h5py.File(steady, "r+") as file:
+        del file["solution/pressure"]
+    assert "has no /solution/pressure" in refused("profile", steady, tmp_path)
+
+
+def test_si_of_a_dimensionless_study(tmp_path: Path) -> None:
+    x, pressure, film = result_maker.smooth_contact()
+    fields = {"x": x, "pressure": pressure, "film_thickness": film}
+    result = result_maker.write_result(tmp_path / "moes.h5", fields, has_si=False)
+    done = run("profile", result, "--si", "--output", tmp_path / "out")
+    assert done.returncode == 1
+    assert "leave out --si" in done.stderr
+    assert run("profile", result, "--output", tmp_path / "out").returncode == 0
+
+
+def test_one_bad_file_and_none_is_drawn(steady: Path, tmp_path: Path) -> None:
+    done = run("profile", steady, tmp_path / "none.h5", "--output", tmp_path / "out")
+    assert done.returncode == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_output_is_a_file(steady: Path) -> None:
+    done = run("profile", steady, "--output", steady)
+    assert done.returncode == 3
+    assert "cannot write" in done.stderr
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_help_has_an_example(script: str) -> None:
+    command = [sys.executable, str(ROOT / "postproc" / f"{script}.py"), "--help"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert f"python postproc/{script}.py" in done.stdout
