@@ -7,7 +7,7 @@ module eyring
    implicit none (type, external)
    private
 
-   public :: slip_factor, slip_factors, ln_slip_factor
+   public :: slip_factor, slip_factors, ln_slip_factor, ln_slip_factors
 
    !> A value of ln B that stands for B = 0 (equal surface speeds): far below any ln B that can change S [-].
    real(wp), parameter, public :: ln_b_of_no_sliding = -1.0e4_wp
@@ -88,6 +88,15 @@ contains
          dln_s_dln_b(i) = weight
       end do
    end subroutine slip_factors
+
+   !> ln S alone on arrays (n).
+   pure subroutine ln_slip_factors(sigma, ln_b, ln_s)
+      real(wp), intent(in), contiguous :: sigma(:), ln_b(:)
+      real(wp), intent(out), contiguous :: ln_s(:)
+      real(wp) :: unused_sigma(size(sigma)), unused_b(size(sigma))
+
+      call slip_factors(sigma, ln_b, ln_s, unused_sigma, unused_b)
+   end subroutine ln_slip_factors
 
    !> The two functions of x = |Sigma| in S without their factors exp(+-x): 3 (x cosh x - sinh x)/x^3 =
    !> exp(shift) shear and x/sinh x = exp(-shift) ratio, and the derivatives of their logarithms by x. So
