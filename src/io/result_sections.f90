@@ -1,0 +1,211 @@
+!> The closing sections of a result file: /scaling, /solution, /summary and /report.
+module result_sections
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: int64
+   use constants, only: pi
+   use hdf5_attribute, only: write_attribute
+   use hdf5_dataset, only: label_t, new_label, write_dataset
+   use hdf5_file, only: hdf5_file_t
+   use iteration_report, only: phase_names, report_t
+   use kinds, only: wp
+   use line_state, only: line_state_t
+   use line_summary, only: figure_t, line_summary_t
+   use moes, only: moes_m_sum_from_mean
+   use result_labels, only: field_label, field_names, field_values, quantity_label
+   use scaling, only: scaling_t
+   implicit none (type, external)
+   private
+
+   public :: write_report, write_scaling, write_solution, write_summary
+
+contains
+
+   !> /scaling: reference values as attributes, each with its unit in `<name>_units`; what is unknown is left out.
+   subroutine write_scaling(file, scaling)
+      class(hdf5_file_t), intent(inout) :: file
+      type(scaling_t), intent(in) :: scaling
+
+      call file%create_group('/scaling')
+      call write_attribute(file, '/scaling', 'about', 'reference values; Moes numbers with the mean velocity u_s/2 '// &
+                           '(the names in _sum: with u_s = u1 + u2)')
+      call write_reference('lambda', scaling%lambda, '1')
+      call write_reference('alpha_bar', scaling%alpha_bar, '1')
+      call write_reference('moes_m', scaling%moes_m, '1')
+      call write_reference('moes_l', scaling%moes_l, '1')
+      call write_reference('moes_m_sum', moes_m_sum_from_mean(scaling%moes_m), '1')
+      call write_reference('moes_l_sum', scaling%moes_l*2.0_wp**0.25_wp, '1')
+      if (scaling%hertz_pressure > 0.0_wp) call write_reference('hertz_pressure', scaling%hertz_pressure, 'Pa')
+      if (.not. scaling%is_dimensional) return
+      call write_reference('half_width', scaling%half_width, 'm')
+      call write_reference('reduced_radius', scaling%reduced_radius, 'm')
+      call write_reference('reduced_modulus', scaling%reduced_modulus, 'Pa')
+      call write_reference('load_per_length', scaling%load_per_length, 'N/m')
+      call write_reference('film_thickness', scaling%film, 'm')
+      call write_reference('time', scaling%time, 's')
+      call write_reference('viscosity', scaling%viscosity, 'Pa s')
+      call write_reference('speed_sum', scaling%speed_sum, 'm/s')
+
+   contains
+
+      !> One value with its unit.
+      subroutine write_reference(name, value, units)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: value
+         character(*), intent(in) :: units
+
+         call write_attribute(file, '/scaling', name, value)
+         call write_attribute(file, '/scaling', name//'_units', units)
+      end subroutine write_reference
+
+   end subroutine write_scaling
+
+   !> /solution: the fields of the last time.
+   subroutine write_solution(file, state, scaling)
+      class(hdf5_file_t), intent(inout) :: file
+      type(line_state_t), intent(in) :: state
+      type(scaling_t), intent(in) :: scaling
+      real(wp), allocatable :: values(:)
+      integer :: i
+
+      do i = 1, size(field_names)
+         values = field_values(trim(field_names(i)), state)
+         if (size(values) == 0) cycle
+         call write_dataset(file, '/solution/'//trim(field_names(i)), values, field_label(trim(field_names(i)), scaling))
+      end do
+      call write_dataset(file, '/solution/rigid_displacement', state%rigid_displacement, &
+                         quantity_label('rigid displacement H0 of (2.58); h0 of (2.24) = (b^2/R)(H0 + ln(b)/2), b in m', 'm', &
+                                        scaling%film, scaling))
+      call write_dataset(file, '/solution/time', state%time, &
+                         quantity_label('time of these fields, T = t u_s/(2 b)', 's', scaling%time, scaling))
+   end subroutine write_solution
+
+   !> /summary: figures in SI; `is_transient`: extremes over the stored times, each with its time in `<name>_time`.
+   subroutine write_summary(file, summary, scaling, is_transient)
+      class(hdf5_file_t), intent(inout) :: file
+      type(line_summary_t), intent(in) :: summary
+      type(scaling_t), intent(in) :: scaling
+      logical, intent(in) :: is_transient
+      real(wp) :: moes_unit
+
+      call file%create_group('/summary')
+      call write_attribute(file, '/summary', 'about', 'values in their units; attribute dimensionless: the same as H, P, '// &
+                           'X or T; error_estimate: estimated discretisation error, NaN = not estimated')
+      call write_figure('h_min', 'smallest film thickness, parabola through three nodes', summary%h_min, film_label())
+      call write_figure('h_min_node', 'smallest film thickness of a node', summary%h_min_node, film_label())
+      call write_figure('h_central', 'film thickness at X = 0, linear between nodes'//over_time('smallest'), &
+                        summary%h_central, film_label())
+      call write_figure('p_max', 'largest pressure of a node', summary%p_max, field_label('pressure', scaling))
+      call write_figure('x_cavitation', 'position of the last node with P > 0'//over_time('largest'), summary%x_cavitation, &
+                        field_label('x', scaling))
+      moes_unit = 8.0_wp*scaling%moes_m/pi
+      call write_figure('h_min_moes', 'h_min in units of Moes, (h/R) sqrt(E'' R/(mu_0 u)), mean velocity u = u_s/2', &
+                        in_unit(summary%h_min), new_label('', '1'))
+      call write_figure('h_central_moes', 'h_central in units of Moes, (h/R) sqrt(E'' R/(mu_0 u)), mean velocity u = u_s/2', &
+                        in_unit(summary%h_central), new_label('', '1'))
+
+   contains
+
+      !> Unit and scale of a film thickness.
+      pure function film_label() result(label)
+         type(label_t) :: label
+
+         label = field_label('film_thickness', scaling)
+      end function film_label
+
+      !> Which extreme a figure is, if there are several times.
+      pure function over_time(extreme) result(words)
+         character(*), intent(in) :: extreme
+         character(:), allocatable :: words
+
+         words = ''
+         if (is_transient) words = ', '//extreme//' over time'
+      end function over_time
+
+      !> A film thickness in units of Moes.
+      pure function in_unit(figure) result(scaled)
+         type(figure_t), intent(in) :: figure
+         type(figure_t) :: scaled
+
+         scaled = figure
+         scaled%value = figure%value*moes_unit
+         scaled%error_estimate = figure%error_estimate*moes_unit
+      end function in_unit
+
+      !> One figure; `scale` gives its unit.
+      subroutine write_figure(name, long_name, figure, scale)
+         character(*), intent(in) :: name
+         character(*), intent(in) :: long_name
+         type(figure_t), intent(in) :: figure
+         type(label_t), intent(in) :: scale
+         character(:), allocatable :: path
+
+         path = '/summary/'//name
+         call write_dataset(file, path, figure%value*scale%si_scale, new_label(long_name, scale%si_units))
+         call write_attribute(file, path, 'units', scale%si_units)
+         call write_attribute(file, path, 'dimensionless', figure%value)
+         call write_attribute(file, path, 'error_estimate', figure%error_estimate*scale%si_scale)
+         if (is_transient) call write_time(path//'_time', name, figure)
+      end subroutine write_figure
+
+      !> When a figure was reached.
+      subroutine write_time(path, name, figure)
+         character(*), intent(in) :: path
+         character(*), intent(in) :: name
+         type(figure_t), intent(in) :: figure
+         type(label_t) :: scale
+
+         scale = quantity_label('time at which '//name//' was reached', 's', scaling%time, scaling)
+         call write_dataset(file, path, figure%time*scale%si_scale, new_label(scale%long_name, scale%si_units))
+         call write_attribute(file, path, 'units', scale%si_units)
+         call write_attribute(file, path, 'dimensionless', figure%time)
+         call write_attribute(file, path, 'error_estimate', ieee_value(0.0_wp, ieee_quiet_nan))
+      end subroutine write_time
+
+   end subroutine write_summary
+
+   !> /report: how the solver went; the only place with wall times.
+   subroutine write_report(file, report)
+      class(hdf5_file_t), intent(inout) :: file
+      type(report_t), intent(in) :: report
+      character(:), allocatable :: method, phases
+      integer :: i
+
+      method = ''
+      if (allocated(report%method)) method = report%method
+      phases = trim(phase_names(1))
+      do i = 2, size(phase_names)
+         phases = phases//', '//trim(phase_names(i))
+      end do
+      call write_dataset(file, '/report/method', method, new_label('method of solution', '1'))
+      call write_count('cycles', int(report%cycles, int64), 'cycles on the finest level, time steps included')
+      call write_count('steps', int(report%steps, int64), 'time steps')
+      call write_count('levels', int(report%levels, int64), 'grid levels, the finest counted')
+      call write_count('fft_pairs', report%fft_pairs, 'pairs of forward and backward transforms')
+      call write_dataset(file, '/report/work_units', report%work_units, &
+                         new_label('sweeps, each weighted by its share of the nodes of the finest level', '1'))
+      call write_dataset(file, '/report/residual', report%residual, new_label('last residual, unit of d(rho H)/dX', '1'))
+      call write_dataset(file, '/report/load_error', report%load_error, new_label('last |dX sum P - pi/2|', '1'))
+      call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, &
+                         new_label('bound on residual and load error: max(tolerance, 5 x round-off floor)', '1'))
+      call write_dataset(file, '/report/residual_history', report%residual_history(), &
+                         new_label('residual after each cycle', '1'))
+      call write_dataset(file, '/report/load_error_history', report%load_error_history(), &
+                         new_label('load error after each cycle', '1'))
+      call write_dataset(file, '/report/wall_seconds', report%wall_seconds, new_label('wall time of the solution', 's'))
+      call write_dataset(file, '/report/phase_seconds', report%phase_seconds, new_label('wall time of: '//phases, 's'))
+      call write_attribute(file, '/report/phase_seconds', 'phases', phases)
+
+   contains
+
+      !> A number of something.
+      subroutine write_count(name, value, long_name)
+         character(*), intent(in) :: name
+         integer(int64), intent(in) :: value
+         character(*), intent(in) :: long_name
+
+         call write_dataset(file, '/report/'//name, value, new_label(long_name, '1'))
+      end subroutine write_count
+
+   end subroutine write_report
+
+end module result_sections
