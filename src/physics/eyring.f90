@@ -22,6 +22,9 @@ module eyring
    !> Where ln(B exp(-|Sigma|)) lies outside these two bounds, the 1 or the other term under the root vanishes [-].
    real(wp), parameter :: lowest_exponent = -300.0_wp, highest_exponent = 100.0_wp
 
+   !> Nodes worked on at a time, so that what is kept for the derivatives stays in fixed small arrays.
+   integer, parameter :: block_size = 64
+
    !> Taylor coefficients of 3 (x cosh x - sinh x)/x^3 = sum c_m x^(2m), c_m = 6 (m + 1)/(2m + 3)!, m = 0 ... 8.
    real(wp), parameter :: c(0:8) = [ &
                           1.0_wp, 1.0_wp/10.0_wp, 1.0_wp/280.0_wp, 1.0_wp/15120.0_wp, 1.0_wp/1330560.0_wp, &
@@ -65,68 +68,96 @@ contains
    !> ln S alone: the value of `slip_factor`.
    pure elemental function ln_slip_factor(sigma, ln_b) result(ln_s)
       real(wp), intent(in) :: sigma, ln_b
-      real(wp) :: ln_s, unused_sigma, unused_b
+      real(wp) :: ln_s, value(1)
 
-      call slip_factor(sigma, ln_b, ln_s, unused_sigma, unused_b)
+      call ln_slip_factors([sigma], [ln_b], value)
+      ln_s = value(1)
    end function ln_slip_factor
 
-   !> `slip_factor` on arrays (n) in one loop that the compiler vectorises: two exponentials and one logarithm a node; the
-   !> derivatives are a fifth of the work.
+   !> `slip_factor` on arrays (n), in loops that the compiler vectorises.
    pure subroutine slip_factors(sigma, ln_b, ln_s, dln_s_dsigma, dln_s_dln_b)
       real(wp), intent(in), contiguous :: sigma(:), ln_b(:)
       real(wp), intent(out), contiguous :: ln_s(:), dln_s_dsigma(:), dln_s_dln_b(:)
-      real(wp) :: shift, shear, ratio, dln_shear, dln_ratio, exponent, t_squared, weight
-      integer :: i
+      real(wp), dimension(block_size) :: decay, curve, inverse_sinh, weight, slope
+      integer :: first, last, m
 
-      do i = 1, size(sigma)
-         call shear_functions(sigma(i), shift, shear, ratio, dln_shear, dln_ratio)
-         exponent = max(-largest_argument, min(ln_b(i), largest_argument)) - shift
-         t_squared = (ratio*exp(max(lowest_exponent, min(exponent, highest_exponent))))**2
-         ln_s(i) = shift + 0.5_wp*log(shear**2*(1.0_wp + t_squared)) + max(exponent - highest_exponent, 0.0_wp)
-         weight = t_squared/(1.0_wp + t_squared)
-         dln_s_dsigma(i) = sign(1.0_wp, sigma(i))*(dln_shear + weight*dln_ratio)
-         dln_s_dln_b(i) = weight
+      do first = 1, size(sigma), block_size
+         last = min(first + block_size - 1, size(sigma))
+         m = last - first + 1
+         call block_values(sigma(first:last), ln_b(first:last), ln_s(first:last), decay, curve, inverse_sinh, weight)
+         weight(:m) = weight(:m)/(1.0_wp + weight(:m))
+         call block_slopes(sigma(first:last), decay, curve, inverse_sinh, weight, slope)
+         dln_s_dsigma(first:last) = slope(:m)
+         dln_s_dln_b(first:last) = weight(:m)
       end do
    end subroutine slip_factors
 
-   !> ln S alone on arrays (n).
+   !> `ln_slip_factor` on arrays (n), in loops that the compiler vectorises: the same values as from `slip_factors`.
    pure subroutine ln_slip_factors(sigma, ln_b, ln_s)
       real(wp), intent(in), contiguous :: sigma(:), ln_b(:)
       real(wp), intent(out), contiguous :: ln_s(:)
-      real(wp) :: unused_sigma(size(sigma)), unused_b(size(sigma))
+      real(wp), dimension(block_size) :: decay, curve, inverse_sinh, t_squared
+      integer :: first, last
 
-      call slip_factors(sigma, ln_b, ln_s, unused_sigma, unused_b)
+      do first = 1, size(sigma), block_size
+         last = min(first + block_size - 1, size(sigma))
+         call block_values(sigma(first:last), ln_b(first:last), ln_s(first:last), decay, curve, inverse_sinh, t_squared)
+      end do
    end subroutine ln_slip_factors
 
-   !> The two functions of x = |Sigma| in S without their factors exp(+-x): 3 (x cosh x - sinh x)/x^3 =
-   !> exp(shift) shear and x/sinh x = exp(-shift) ratio, and the derivatives of their logarithms by x. So
-   !> ln S = shift + ln( shear sqrt(1 + t^2) ), t = B ratio exp(-shift).
+   !> ln S of one block (m <= block_size), and what the derivatives need again.
    !>
-   !> Series and closed form are both evaluated, at arguments that are safe for them, and the right one is picked by a
-   !> weight of 0 or 1: of `merge` gfortran makes a branch round a division, which it cannot vectorise. Called from one
-   !> place only, so that it is always inlined there.
-   pure elemental subroutine shear_functions(sigma, shift, shear, ratio, dln_shear, dln_ratio)
-      real(wp), intent(in) :: sigma
-      real(wp), intent(out) :: shift, shear, ratio, dln_shear, dln_ratio
-      real(wp) :: x, y, small, large, is_small, is_large, inverse, decay, curve, inverse_sinh
+   !> With x = |Sigma|, 3 (x cosh x - sinh x)/x^3 = exp(shift) shear and x/sinh x = exp(-shift) ratio:
+   !> ln S = shift + ln( shear sqrt(1 + t^2) ), t = B ratio exp(-shift). `decay` is exp(-2x); `curve` and `inverse_sinh` are
+   !> shear and ratio without their powers of x. Series and closed form are both evaluated, at arguments that are safe for
+   !> them, and the right one is picked by a weight of 0 or 1: of `merge` gfortran makes a branch round a division, which
+   !> it cannot vectorise.
+   pure subroutine block_values(sigma, ln_b, ln_s, decay, curve, inverse_sinh, t_squared)
+      real(wp), intent(in), contiguous :: sigma(:), ln_b(:)
+      real(wp), intent(out), contiguous :: ln_s(:)
+      real(wp), intent(out) :: decay(block_size), curve(block_size), inverse_sinh(block_size), t_squared(block_size)
+      real(wp) :: x, y, inverse, is_small, is_large, shift, shear, ratio, exponent
+      integer :: i
 
-      x = min(abs(sigma), largest_argument)
-      is_large = 0.5_wp + sign(0.5_wp, x - series_limit)
-      is_small = 1.0_wp - is_large
-      small = min(x, series_limit)
-      y = small*small
-      large = max(x, series_limit)
-      inverse = 1.0_wp/large
-      decay = exp(-min(2.0_wp*large, highest_exponent))
+      do i = 1, size(sigma)
+         x = min(abs(sigma(i)), largest_argument)
+         is_large = 0.5_wp + sign(0.5_wp, x - series_limit)
+         is_small = 1.0_wp - is_large
+         y = min(x, series_limit)**2
+         inverse = 1.0_wp/max(x, series_limit)
+         decay(i) = exp(-2.0_wp*max(series_limit, min(x, highest_exponent)))
+         curve(i) = is_small*polynomial(c, y) + is_large*((1.0_wp - inverse) + (1.0_wp + inverse)*decay(i))
+         inverse_sinh(i) = 1.0_wp/(is_small*polynomial(s, y) + is_large*(1.0_wp - decay(i)))
+         shift = is_large*x
+         shear = curve(i)*(is_small + is_large*1.5_wp*inverse*inverse)
+         ratio = inverse_sinh(i)*(is_small + 2.0_wp*shift)
+         exponent = max(-largest_argument, min(ln_b(i), largest_argument)) - shift
+         t_squared(i) = (ratio*exp(max(lowest_exponent, min(exponent, highest_exponent))))**2
+         ln_s(i) = shift + 0.5_wp*log(shear*shear*(1.0_wp + t_squared(i))) + max(exponent - highest_exponent, 0.0_wp)
+      end do
+   end subroutine block_values
 
-      shift = is_large*x
-      curve = is_small*polynomial(c, y) + is_large*((1.0_wp - inverse) + (1.0_wp + inverse)*decay)
-      shear = curve*(is_small + is_large*1.5_wp*inverse*inverse)
-      inverse_sinh = 1.0_wp/(is_small*polynomial(s, y) + is_large*(1.0_wp - decay))
-      ratio = inverse_sinh*(is_small + 2.0_wp*shift)
-      dln_shear = (is_small*small*polynomial(dc, y) + is_large*((1.0_wp - decay) - 3.0_wp*inverse*curve))/curve
-      dln_ratio = is_large*inverse - (is_small*small*polynomial(ds, y) + is_large*(1.0_wp + decay))*inverse_sinh
-   end subroutine shear_functions
+   !> d ln S/d Sigma of one block from the results of `block_values`: the derivatives of ln( 3 (x cosh x - sinh x)/x^3 ) and
+   !> of ln( x/sinh x ), the second times `weight` = t^2/(1 + t^2).
+   pure subroutine block_slopes(sigma, decay, curve, inverse_sinh, weight, slope)
+      real(wp), intent(in), contiguous :: sigma(:)
+      real(wp), intent(in) :: decay(block_size), curve(block_size), inverse_sinh(block_size), weight(block_size)
+      real(wp), intent(out) :: slope(block_size)
+      real(wp) :: x, y, small, inverse, is_small, is_large, dln_shear, dln_ratio
+      integer :: i
+
+      do i = 1, size(sigma)
+         x = min(abs(sigma(i)), largest_argument)
+         is_large = 0.5_wp + sign(0.5_wp, x - series_limit)
+         is_small = 1.0_wp - is_large
+         small = min(x, series_limit)
+         y = small*small
+         inverse = 1.0_wp/max(x, series_limit)
+         dln_shear = (is_small*small*polynomial(dc, y) + is_large*((1.0_wp - decay(i)) - 3.0_wp*inverse*curve(i)))/curve(i)
+         dln_ratio = is_large*inverse - (is_small*small*polynomial(ds, y) + is_large*(1.0_wp + decay(i)))*inverse_sinh(i)
+         slope(i) = sign(1.0_wp, sigma(i))*(dln_shear + weight(i)*dln_ratio)
+      end do
+   end subroutine block_slopes
 
    !> a_0 + a_1 y + ... + a_8 y^8.
    pure function polynomial(a, y) result(value)
