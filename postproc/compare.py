@@ -51,7 +51,7 @@ def draw_field(
         lower.set_ylim(-1.1 * largest, 1.1 * largest)
     lower.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3), useMathText=True)
     upper.set_ylabel(axis.label)
-    lower.set(xlabel=x_axis.label, ylabel=f"Difference $\\Delta$ {axis.short_label}")
+    lower.set(xlabel=x_axis.label, ylabel=axis.difference_label)
     style.few_ticks(lower)
     upper.set(xlim=(left, right), ylim=(0, top_of(results, field, axis)))
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import figure_command
 import figure_style as style
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 from result_file import Result, ResultError, read_result
 
@@ -37,27 +38,47 @@ def power_of_ten(value: float) -> str:
     return f"${digits} \\times 10^{{{int(exponent)}}}$"
 
 
-def draw(path: Path, options: argparse.Namespace) -> list[Path]:
-    """One result: reads it, draws it, returns the names of the figures."""
-    result = read_result(path)
-    figure_command.warn_not_converged(PROGRAM, result)
-    figure, axes = style.new_figure(style.ONE_COLUMN, 62)
+def draw_cycles(axes: Axes, result: Result) -> None:
+    """Residual and load error after each cycle."""
     for (words, history), look in zip(histories(result), style.SERIES, strict=False):
-        cycles = np.arange(1, history.size + 1)
         few = history.size <= MOST_MARKERS
         axes.semilogy(
-            cycles, np.maximum(history, ROUND_OFF), label=words, **look | {
-                "marker": look["marker"] if few else "", "linewidth": 1.2 if few else 0.6},
-        )
-    tolerance = float(result.report.get("tolerance_effective", 0.0))
-    if tolerance > 0:
-        axes.axhline(
-            tolerance, label=f"effective tolerance {power_of_ten(tolerance)}", **style.REFERENCE
+            np.arange(1, history.size + 1), np.maximum(history, ROUND_OFF), label=words,
+            **look | {"marker": look["marker"] if few else "", "linewidth": 1.2 if few else 0.6},
         )
     axes.set(xlabel="Cycle", ylabel="Residual, load error [-]")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.margins(x=0.03)
-    style.legend_below(figure, axes.get_legend_handles_labels()[0], 2)
+
+
+def draw_steps(axes: Axes, result: Result, si: bool) -> None:
+    """Residual reached in each stored time step; the start has none of its own."""
+    axis = result.transient["time"].axis(si)
+    time = result.transient["time"].shown(axis)[1:]
+    axes.semilogy(
+        time, np.maximum(result.transient["residual"].values[1:], ROUND_OFF),
+        color=style.SERIES[0]["color"], linewidth=0.8,
+    )
+    axes.set(xlabel=axis.label, ylabel="Residual of the step [-]", xlim=(0, time[-1]))
+
+
+def draw(path: Path, options: argparse.Namespace) -> list[Path]:
+    """One result: reads it, draws it, returns the names of the figures."""
+    result = read_result(path, options.si)
+    figure_command.warn_not_converged(PROGRAM, result)
+    has_steps = "residual" in result.transient and result.transient["time"].values.size > 1
+    figure, axes = style.new_figure(
+        style.ONE_COLUMN, 105 if has_steps else 66, nrows=1 + has_steps, squeeze=False
+    )
+    draw_cycles(axes[0, 0], result)
+    if has_steps:
+        draw_steps(axes[1, 0], result, options.si)
+    tolerance = float(result.report.get("tolerance_effective", 0.0))
+    if tolerance > 0:
+        label = f"effective tolerance {power_of_ten(tolerance)}"
+        for panel in axes[:, 0]:
+            panel.axhline(tolerance, label=label, **style.REFERENCE)
+    style.legend_below(figure, axes[0, 0].get_legend_handles_labels()[0], 2)
     style.mark_not_converged(figure, [result])
     return style.save_figure(figure, figure_command.targets(options, result.stem, "convergence"))
 

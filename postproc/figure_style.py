@@ -30,10 +30,10 @@ FILM = {"color": "#08306b", "linestyle": (0, (5, 1.6))}
 # Dark to light, each with its own dash and marker: distinct on paper without colour.
 SERIES = (
     {"color": "#000000", "linestyle": "-", "marker": "o"},
-    {"color": "#c44e00", "linestyle": (0, (5, 1.6)), "marker": "s"},
-    {"color": "#2171b5", "linestyle": (0, (4, 1.4, 1, 1.4)), "marker": "^"},
-    {"color": "#5a9e32", "linestyle": (0, (1, 1.2)), "marker": "D"},
-    {"color": "#8c6bb1", "linestyle": (0, (6, 1.4, 1, 1.4, 1, 1.4)), "marker": "v"},
+    {"color": "#b03a00", "linestyle": (0, (5, 1.6)), "marker": "s"},
+    {"color": "#56a8e0", "linestyle": (0, (4, 1.4, 1, 1.4)), "marker": "^"},
+    {"color": "#2e6b1f", "linestyle": (0, (1, 1.2)), "marker": "D"},
+    {"color": "#b79ad0", "linestyle": (0, (6, 1.4, 1, 1.4, 1, 1.4)), "marker": "v"},
     {"color": "#969696", "linestyle": (0, (2, 1)), "marker": "x"},
 )
 
@@ -84,7 +84,7 @@ def x_window(result: Result, asked: list[float] | None) -> tuple[float, float]:
     x = result.x
     if asked:
         return max(min(asked), x[0]), min(max(asked), x[-1])
-    if result.transient:
+    if "pressure" in result.transient:
         pressure = np.nanmax(result.transient["pressure"].values, axis=0)
     else:
         pressure = result.solution["pressure"].values

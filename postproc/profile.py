@@ -19,7 +19,8 @@ EXAMPLE = "python postproc/profile.py results/case1.h5 --output results --si"
 def fields(result: Result, time: float | None) -> tuple[np.ndarray, np.ndarray, float | None]:
     """Pressure and film at the stored time nearest to `time`; without it, the solution."""
     if time is None:
-        return result.solution["pressure"].values, result.solution["film_thickness"].values, None
+        solution = result.solution
+        return solution["pressure"].values, solution["film_thickness"].values, result.last_time
     step = int(np.argmin(np.abs(result.transient["time"].values - time)))
     found = result.transient["time"].values[step]
     transient = result.transient

@@ -55,6 +55,11 @@ class Axis:
         return f"{self.words} ${self.symbol}$ [{self.unit or '-'}]"
 
     @property
+    def difference_label(self) -> str:
+        """As a difference to another result."""
+        return f"Difference $\\Delta {self.symbol}$ [{self.unit or '-'}]"
+
+    @property
     def short_label(self) -> str:
         """Symbol and unit."""
         return f"${self.symbol}$ [{self.unit or '-'}]"
@@ -150,6 +155,11 @@ class Result:
         """Stored positions (nx)."""
         return self.solution["x"].values
 
+    @property
+    def last_time(self) -> float | None:
+        """Stored time of /solution in a transient result, else None."""
+        return float(self.transient["time"].values[-1]) if "time" in self.transient else None
+
     def require_si(self) -> None:
         """Refuses SI units where the file has none."""
         if not self.solution["x"].has_si:
@@ -165,7 +175,10 @@ def check_result(path: str | Path, needs: tuple[str, ...] = ("solution",)) -> No
 
 
 def read_result(path: str | Path, si: bool = False, with_transient: bool = False) -> Result:
-    """Reads a lubricated result; `si` refuses a file without SI scale at once."""
+    """Reads a lubricated result; `si` refuses a file without SI scale at once.
+
+    Of /transient always the values over time, fields over time only `with_transient`.
+    """
     path = Path(path)
     with _opened(path) as file:
         _check_content(path, file, ("solution", "transient") if with_transient else ("solution",))
@@ -179,12 +192,14 @@ def read_result(path: str | Path, si: bool = False, with_transient: bool = False
             report={name: _plain(item) for name, item in _datasets(file, "report").items()},
             features=_features(file),
         )
+        series = _datasets(file, "transient").items()
+        names = tuple(name for name, item in series if item.ndim == 1 and item.size > 0)
         if with_transient:
-            names = ("time", "pressure", "film_thickness")
-            result.transient = _quantities(path, file, "transient", names)
+            names += ("time", "pressure", "film_thickness")
+        result.transient = _quantities(path, file, "transient", names) if names else {}
     for quantities in (result.solution, result.transient):
         for quantity in quantities.values():
-            if not np.isfinite(quantity.values).any():
+            if quantity.name in SYMBOLS and not np.isfinite(quantity.values).any():
                 raise ResultError(f"{path}: {quantity.name} has no finite value")
     if si:
         result.require_si()

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from pathlib import Path
 
@@ -45,45 +46,44 @@ def visible_paths(result: Result, window: tuple[float, float]) -> list[Feature]:
     return paths
 
 
-def followed_feature(result: Result, centres: list[float]) -> Feature | None:
-    """The first moving feature; of a sinusoid the last crest whose passage is complete."""
-    moving = [feature for feature in result.features if feature.speed != 0]
-    if not moving:
-        return None
-    feature = moving[0]
-    if feature.shape == "sinusoid" and feature.spacing > 0:
-        end = result.transient["time"].values[-1]
-        goal = max(centres) if feature.speed > 0 else min(centres)
-        distance = goal - feature.centre(end)
-        waves = distance / feature.spacing
-        feature = feature.shifted(int(np.ceil(waves) if feature.speed > 0 else np.floor(waves)))
-    return feature
+def last_complete_crest(feature: Feature, end: float, goal: float) -> Feature:
+    """Of a sinusoid the last crest that has reached `goal` at the `end`; other features as is."""
+    if feature.shape != "sinusoid" or not feature.spacing > 0:
+        return feature
+    waves = (goal - feature.centre(end)) / feature.spacing
+    return feature.shifted(math.ceil(waves) if feature.speed > 0 else math.floor(waves))
 
 
 def strip_steps(result: Result, centres: list[float]) -> tuple[list[int], Feature | None]:
-    """Stored steps at which the followed feature is nearest to the centres, in order of time.
+    """Stored steps at which a feature is nearest to the centres, in order of time, and which.
 
-    Without a moving feature, or when it is never inside, evenly spaced times.
+    The first moving feature, unless a later one passes more of the centres. Evenly spaced times
+    when none passes any.
     """
     time = result.transient["time"].values
-    feature = followed_feature(result, centres)
-    if feature is not None:
-        margin = 0.5 * np.max(np.diff(time), initial=0.0)
-        moments = [feature.time_at(x) for x in centres]
-        inside = [t for t in sorted(moments) if time[0] - margin <= t <= time[-1] + margin]
-        if inside:
-            return [int(np.argmin(np.abs(time - t))) for t in inside], feature
-    steps = np.unique(np.linspace(0, time.size - 1, len(centres)).astype(int))
-    return list(steps), None
+    margin = 0.5 * np.max(np.diff(time), initial=0.0)
+    moments: list[float] = []
+    followed = None
+    for feature in (feature for feature in result.features if feature.speed != 0):
+        goal = max(centres) if feature.speed > 0 else min(centres)
+        crest = last_complete_crest(feature, time[-1], goal)
+        passed = sorted(crest.time_at(x) for x in centres)
+        passed = [t for t in passed if time[0] - margin <= t <= time[-1] + margin]
+        if len(passed) > len(moments):
+            moments, followed = passed, crest
+    if followed is None:
+        return list(np.unique(np.linspace(0, time.size - 1, len(centres)).astype(int))), None
+    return [int(np.argmin(np.abs(time - t))) for t in moments], followed
 
 
 def paths_legend(result: Result, paths: list[Feature]) -> list[Line2D]:
     """Legend entry for the dashed paths; empty without paths."""
     if not paths:
         return []
-    what = " and ".join(dict.fromkeys(f"{path.word} of surface {path.surface}" for path in paths))
+    what = list(dict.fromkeys(f"{path.word} of surface {path.surface}" for path in paths))
+    label = ("path of " if len(paths) == 1 else "paths of ") + ", ".join(what)
     look = {key: PATH[key] for key in ("color", "linewidth", "linestyle")}
-    return [Line2D([], [], label=f"path of {what}", **look)]
+    return [Line2D([], [], label=label, **look)]
 
 
 def colour_range(result: Result, name: str, values: np.ndarray) -> tuple[float, float, str]:

