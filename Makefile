@@ -9,12 +9,15 @@ export PKG_CONFIG_PATH := $(CURDIR)/.pc:$(PKG_CONFIG_PATH)
 PYTHON := python3
 NATIVE ?= 0
 WERROR ?= 0
-COMMON := -std=f2018 -fPIC -g -fbacktrace -fmax-errors=5 -Wall -Wextra $(if $(filter 1,$(WERROR)),-Werror)
+COMMON := -std=f2018 -g -fbacktrace -fmax-errors=5 -Wall -Wextra $(if $(filter 1,$(WERROR)),-Werror)
 RELEASE := $(COMMON) -O3 -funroll-loops -Wno-maybe-uninitialized $(if $(filter 1,$(NATIVE)),-march=native)
 DEBUG := $(COMMON) -O1 -fcheck=all,no-array-temps -finit-real=snan -finit-integer=-99999999 -ffpe-trap=invalid,zero,overflow
 
+DEMO_CASES := input/case3_demo.nml input/case1.nml
+DEMO := results/demo
+
 .DEFAULT_GOAL := help
-.PHONY: help build debug unit unit-debug clean prepare generate
+.PHONY: help build debug test test-debug unit unit-debug lint demo figures bench docs clean prepare generate
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
@@ -26,14 +29,50 @@ debug: prepare ## the checked program, build/bin/asperity-debug (bounds, NaN ini
 	fpm install --flag "$(DEBUG)" --prefix build/debug
 	@mkdir -p build/bin && cp build/debug/bin/asperity build/bin/asperity-debug
 
-unit: prepare generate ## the unit tests (ARGS="-f NAME -v" chooses and lists)
-	fpm test --flag "$(RELEASE)" -- $(ARGS)
+test: build generate ## all tests: unit tests, then end-to-end tests of build/bin/asperity
+	$(PYTHON) tools/run_tests.py build/bin/asperity fpm test --flag "$(RELEASE)" -- -v
 
-unit-debug: prepare generate ## the unit tests, checked build
+test-debug: debug generate ## all tests with the checked build
+	$(PYTHON) tools/run_tests.py build/bin/asperity-debug fpm test --flag "$(DEBUG)" -- -v
+
+unit: prepare generate ## the unit tests alone (ARGS="-f NAME -v" chooses and lists; PFUNIT_DIR=... uses real pFUnit)
+ifdef PFUNIT_DIR
+	$(MAKE) -f tools/pfunit.mk FLAGS="$(RELEASE)" ARGS="$(ARGS)"
+else
+	fpm test --flag "$(RELEASE)" -- $(ARGS)
+endif
+
+unit-debug: prepare generate ## the unit tests alone, checked build
 	fpm test --flag "$(DEBUG)" -- $(ARGS)
 
+lint: ## style of Fortran, Python and shell, order of the layers, errors that nobody looks at
+	fortitude check --quiet --output-format concise
+	$(PYTHON) tools/check_layers.py
+	$(PYTHON) tools/check_errors.py
+	ruff check --quiet .
+	ruff format --quiet --check .
+	shellcheck bootstrap .ci/run $(wildcard tools/*.sh cluster/*.sh)
+	@echo "lint: no findings"
+
+demo: build ## the main job: a ridge passing through an oil film, results and figures in results/demo/
+	@mkdir -p $(DEMO)
+	build/bin/asperity $(DEMO_CASES) --output $(DEMO)
+	@$(MAKE) --no-print-directory figures
+
+figures: ## the figures of the demo again, from its result files
+	$(PYTHON) postproc/profile.py $(DEMO)/case1.h5 $(DEMO)/case3_demo.h5 --output $(DEMO)
+	$(PYTHON) postproc/transient.py $(DEMO)/case3_demo.h5 --output $(DEMO)
+	$(PYTHON) postproc/convergence.py $(DEMO)/case1.h5 --output $(DEMO)
+	@echo "figures in $(DEMO):" && ls $(DEMO)
+
+bench: build ## speed and memory (ARGS=--quick: shorter)
+	$(PYTHON) bench/run.py $(ARGS)
+
+docs: ## the pages of the programming interface, docs/api/index.html; a warning is an error
+	@sh tools/build_docs.sh
+
 clean: ## remove everything that make has made
-	rm -rf build results test/generated docs/api .pc .pytest_cache
+	rm -rf build results test/generated docs/api .pc
 
 generate:
 	@$(PYTHON) tools/pf2f90.py test/generated $(sort $(wildcard test/unit/*/test_*.pf))

@@ -9,7 +9,7 @@ module funit_lite
    public
 
    private :: int64, output_unit, real64, ieee_is_finite, ieee_is_nan
-   private :: where_is, conformable, report, real_text, integer_text, index_text, are_close
+   private :: where_is, conformable, report, real_text, integer_text, index_text, are_close, abs_or_huge
 
    !> Where an assertion stands.
    type :: SourceLocation
@@ -95,8 +95,10 @@ contains
    end subroutine nothing_to_tear_down
 
    !> True while the running test has a failure.
-   logical function anyExceptions()
-      anyExceptions = allocated(failure_text)
+   function anyExceptions() result(is_failing)
+      logical :: is_failing
+
+      is_failing = allocated(failure_text)
    end function anyExceptions
 
    !> Notes a failure of the running test.
@@ -157,15 +159,16 @@ contains
    end function index_text
 
    !> True if the left side is a scalar or has the shape of the right side; reports it otherwise.
-   logical function conformable(left, right, message, location)
+   function conformable(left, right, message, location) result(is_good)
       integer, intent(in) :: left(:), right(:)
       character(*), intent(in), optional :: message
       type(SourceLocation), intent(in), optional :: location
+      logical :: is_good
 
-      conformable = size(left) == 0
-      if (.not. conformable) conformable = size(left) == size(right)
-      if (conformable .and. size(left) > 0) conformable = all(left == right)
-      if (.not. conformable) call report('Arrays not conformable.', message, location)
+      is_good = size(left) == 0
+      if (.not. is_good) is_good = size(left) == size(right)
+      if (is_good .and. size(left) > 0) is_good = all(left == right)
+      if (.not. is_good) call report('Arrays not conformable.', message, location)
    end function conformable
 
    !> |actual - expected| <= tolerance in every element; NaN never equals anything, equal infinities do.
@@ -183,21 +186,32 @@ contains
          wanted = expected(min(i, size(expected)))
          if (are_close(wanted, actual(i), tolerance)) cycle
          text = 'expected ' // real_text(wanted) // ', found ' // real_text(actual(i)) // index_text(i, right)
-         if (ieee_is_finite(wanted) .and. ieee_is_finite(actual(i))) text = text // ', difference ' &
+         if (max(abs_or_huge(wanted), abs_or_huge(actual(i))) < 0.5_real64*huge(wanted)) text = text // ', difference ' &
             // real_text(actual(i) - wanted) // ', tolerance ' // real_text(tolerance)
          call report(text, message, location)
          return
       end do
    end subroutine check_real_equal
 
-   logical function are_close(a, b, tolerance)
-      real(real64), intent(in) :: a, b, tolerance
+   !> |value|, or the largest number for NaN and Inf: what can be subtracted without a trap.
+   function abs_or_huge(value) result(size_of_it)
+      real(real64), intent(in) :: value
+      real(real64) :: size_of_it
 
-      are_close = .false.
+      size_of_it = huge(value)
+      if (ieee_is_finite(value)) size_of_it = abs(value)
+   end function abs_or_huge
+
+   !> |a - b| <= tolerance, without overflow; false with NaN.
+   function are_close(a, b, tolerance) result(are_near)
+      real(real64), intent(in) :: a, b, tolerance
+      logical :: are_near
+
+      are_near = .false.
       if (ieee_is_nan(a) .or. ieee_is_nan(b)) return
-      are_close = a == b
-      if (are_close .or. .not. (ieee_is_finite(a) .and. ieee_is_finite(b))) return
-      are_close = abs(0.5_real64*a - 0.5_real64*b) <= 0.5_real64*tolerance
+      are_near = a == b
+      if (are_near .or. .not. (ieee_is_finite(a) .and. ieee_is_finite(b))) return
+      are_near = abs(0.5_real64*a - 0.5_real64*b) <= 0.5_real64*tolerance
    end function are_close
 
    !> |actual - expected| <= tolerance*|expected|; an expected zero always fails.

@@ -155,6 +155,7 @@ class Translator:
     """Reads one .pf file line by line; `pending` holds an annotation that waits for the statement it belongs to."""
 
     def __init__(self, path):
+        """Start with the file name; nothing is read yet."""
         self.path = path
         self.suite = Suite(path.stem)
         self.output = []
@@ -315,7 +316,7 @@ def plain_test(suite, test):
         lines += ["block", f"type({suite.case_type}) :: pf_case"]
         if "constructor" in suite.case_options:
             lines.append(f"pf_case = {suite.case_options['constructor']}()")
-        lines += case_calls(test) + ["end block"]
+        lines += [*case_calls(test), "end block"]
     else:
         lines += [f"call {suite.before}()"] if suite.before else []
         lines += ["if (.not. anyExceptions()) then", f"call {test.name}()"]

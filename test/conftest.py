@@ -1,0 +1,29 @@
+"""What the end-to-end tests share: the program, called as a user calls it."""
+
+import os
+import pathlib
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="session")
+def program():
+    """Path of the asperity to test: the environment variable ASPERITY, else what `make build` left."""
+    path = pathlib.Path(os.environ.get("ASPERITY", ROOT / "build" / "bin" / "asperity"))
+    if not path.is_file():
+        pytest.fail(f"{path} is missing: run make build")
+    return path
+
+
+@pytest.fixture
+def asperity(program, tmp_path):
+    """Calls the program in an empty folder: asperity('case.nml', '--quiet') gives returncode, stdout and stderr."""
+
+    def call(*arguments, cwd=tmp_path, timeout=120):
+        command = [str(program), *map(str, arguments)]
+        return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=timeout, check=False)
+
+    return call

@@ -1,0 +1,92 @@
+"""The checks of `make lint`: planted mistakes are found, good code passes."""
+
+import pathlib
+import subprocess
+import sys
+
+TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
+
+
+def check(tool, folder, **sources):
+    """Run a checker over sources given as layer__module=text; returns (exit status, output)."""
+    for name, text in sources.items():
+        layer, module = name.split("__")
+        path = folder / "src" / layer / f"{module}.f90"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    result = subprocess.run([sys.executable, str(TOOLS / tool), str(folder)], capture_output=True, text=True, check=False)
+    return result.returncode, result.stdout
+
+
+def test_layers_may_be_used_from_the_right_only(tmp_path):
+    good = {"base__kinds": "module kinds\nend module\n", "io__files": "module files\nuse kinds, only: wp\nend module\n"}
+    assert check("check_layers.py", tmp_path, **good) == (0, "")
+    status, output = check(
+        "check_layers.py",
+        tmp_path,
+        contact__film="module film\nuse files, only: x\nend module\n",
+        physics__laws="module laws\nuse, intrinsic :: iso_c_binding\nend module\n",
+        numerics__fft="module transform\nuse laws, only: x\nend module\n",
+        other__thing="module thing\nend module\n",
+    )
+    assert status == 1
+    found = sorted(line.split("src/")[1] for line in output.splitlines())
+    assert [line.split(":")[0:2] for line in found] == [
+        ["contact/film.f90", "2"],
+        ["numerics/fft.f90", "1"],
+        ["numerics/fft.f90", "2"],
+        ["other/thing.f90", "1"],
+    ]
+
+
+def test_no_sources_is_a_finding(tmp_path):
+    for tool in ("check_layers.py", "check_errors.py"):
+        assert check(tool, tmp_path)[0] == 1
+
+
+GOOD_CALLS = """module good
+contains
+subroutine a(x, error)
+type(error_t), allocatable, intent(out) :: error
+call first(x, &
+   error) ! comment
+if (allocated(error)) return
+if (x > 0) then
+   call second(x, error=error)
+else
+   call third(x, error)
+   if (x > 1 .and. allocated(error)) return
+   call fourth(error)
+end if
+end subroutine a
+end module good
+"""
+
+BAD_CALLS = """module bad
+contains
+subroutine a(x, error)
+type(error_t), allocatable, intent(out) :: error
+type(error_t), allocatable :: close_error
+call first(x, error)
+x = 1
+if (x > 0) then
+   call second(x, error)
+else
+   call third(x, close_error)
+end if
+call self%fourth(x, 'a ! b', error)
+call fifth(x, error)
+if (allocated(error)) return
+if (x > 0) call sixth(x, &
+   & error)
+call message('error')
+end subroutine a
+end module bad
+"""
+
+
+def test_calls_whose_error_nobody_looks_at_are_found(tmp_path):
+    assert check("check_errors.py", tmp_path, base__good=GOOD_CALLS) == (0, "")
+    status, output = check("check_errors.py", tmp_path, base__bad=BAD_CALLS)
+    assert status == 1
+    assert [int(line.split(":")[1]) for line in output.splitlines()] == [6, 9, 11, 13, 16]

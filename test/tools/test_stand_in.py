@@ -1,0 +1,304 @@
+"""The stand-in for pFUnit: wrong tests fail, and what the real pFUnit would drop or refuse is refused with file:line."""
+
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
+TESTS = pathlib.Path(__file__).resolve().parent
+
+PASSING = """
+      @assertEqual(1.0_wp, 1.0_wp)
+      @assertEqual(1, 1.0_wp)
+      @assertEqual(1.0_wp, 1.1_wp, 0.2_wp, 'with a message')
+      @assertEqual(1.0_wp, 1.1_wp, tolerance=0.2_wp)
+      @assertEqual(1.0_wp, [1.0_wp, 1.0_wp])
+      @assertEqual([1.0_wp, 2.0_wp], [1.0_wp, 2.0_wp])
+      @assertEqual(0.0_wp, reshape([0.1_wp, 0.2_wp, 0.3_wp, 0.4_wp], [2, 2]), 0.5_wp)
+      @assertEqual(0.0_wp, reshape([real(wp) ::], [0, 2]))
+      @assertEqual(inf, inf)
+      @assertEqual(5, 5_int64)
+      @assertEqual([1, 2], [1, 2], message='integers')
+      @assertEqual(.true., .true.)
+      @assertEqual('abc', '  abc ')
+      @assertNotEqual(1.0_wp, 1.1_wp)
+      @assertNotEqual(1, 2)
+      @assertNotEqual(nan, nan)
+      @assertLessThan(1.0_wp, 2.0_wp)
+      @assertLessThan(2.0_wp, 1.9_wp, 0.2_wp)
+      @assertLessThan(0.0_wp, [1.0_wp, 2.0_wp])
+      @assertLessThanOrEqual(1, 1)
+      @assertGreaterThan(3, 2)
+      @assertGreaterThanOrEqual(2.0_wp, 2.0_wp)
+      @assertRelativelyEqual(100.0_wp, 101.0_wp, 0.02_wp)
+      @assertTrue(.true.)
+      @assertFalse([.false., .false.])
+      @assertAll([.true., .true.])
+      @assertAny([.false., .true.])
+      @assertNone([.false., .false.])
+      @assertNotAll([.false., .true.])
+      @assertIsNaN(nan)
+      @assertIsFinite(1.0_wp)
+      @assertSameShape([2, 3], shape(reshape([1, 2, 3, 4, 5, 6], [2, 3])))
+      @ assertequal (1, 1)
+""".strip().splitlines()
+
+FAILING = """
+      @assertEqual(1.0_wp, 1.1_wp)
+      @assertEqual(1.0_wp, 1.1_wp, 0.05_wp)
+      @assertEqual(nan, nan)
+      @assertEqual(0.0_wp, nan, 1.0_wp)
+      @assertEqual(inf, -inf)
+      @assertEqual(0.0_wp, inf, huge(1.0_wp))
+      @assertEqual(-huge(1.0_wp), huge(1.0_wp), huge(1.0_wp))
+      @assertEqual([1.0_wp, 2.0_wp], [1.0_wp, 2.1_wp])
+      @assertEqual([1.0_wp, 2.0_wp], [1.0_wp, 2.0_wp, 3.0_wp])
+      @assertEqual(0.0_wp, reshape([0.0_wp, 0.0_wp, 0.3_wp, 0.0_wp], [2, 2]))
+      @assertEqual(5, 6_int64)
+      @assertEqual([1, 2], [1, 3])
+      @assertEqual(.true., .false.)
+      @assertEqual('abc', 'abd')
+      @assertNotEqual(1.0_wp, 1.0_wp)
+      @assertNotEqual(1.0_wp, 1.1_wp, 0.2_wp)
+      @assertNotEqual(2, 2)
+      @assertLessThan(1.0_wp, 1.0_wp)
+      @assertLessThan(nan, 1.0_wp)
+      @assertLessThan(1.0_wp, [2.0_wp, 1.0_wp])
+      @assertLessThanOrEqual(2, 1)
+      @assertGreaterThan(2, 2)
+      @assertGreaterThanOrEqual(1.9_wp, 2.0_wp)
+      @assertRelativelyEqual(100.0_wp, 103.0_wp, 0.02_wp)
+      @assertRelativelyEqual(0.0_wp, 0.0_wp, 1.0_wp)
+      @assertRelativelyEqual(1.0_wp, nan, 1.0_wp)
+      @assertTrue(.false.)
+      @assertTrue([.true., .false.])
+      @assertFalse(.true.)
+      @assertAll([.true., .false.])
+      @assertAny([.false., .false.])
+      @assertNone([.false., .true.])
+      @assertNotAll([.true., .true.])
+      @assertIsNaN(1.0_wp)
+      @assertIsFinite(inf)
+      @assertSameShape([2, 3], [3, 2])
+      @assertFail('on purpose')
+""".strip().splitlines()
+
+
+def one_test_each(module, assertions):
+    """A .pf file with one test for each assertion."""
+    lines = [
+        f"module {module}",
+        "use, intrinsic :: ieee_arithmetic",
+        "use, intrinsic :: iso_fortran_env, only: wp => real64, int64",
+    ]
+    lines += ["use funit", "implicit none (type, external)", "contains"]
+    for i, assertion in enumerate(assertions):
+        lines += ["@test", f"subroutine t{i}()", "real(wp) :: nan, inf"]
+        lines += ["nan = ieee_value(nan, ieee_quiet_nan)", "inf = ieee_value(inf, ieee_positive_inf)"]
+        lines += [assertion, f"end subroutine t{i}"]
+    return "\n".join([*lines, f"end module {module}"]) + "\n"
+
+
+def translate(folder, **files):
+    """Translate files given as name=text; the result of the translator."""
+    paths = []
+    for name, text in files.items():
+        path = folder / f"{name}.pf"
+        path.write_text(text, encoding="utf-8")
+        paths.append(str(path))
+    command = [sys.executable, str(TOOLS / "pf2f90.py"), str(folder / "out"), *paths]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="session")
+def runtime(tmp_path_factory):
+    """Folder with the compiled run-time of the stand-in."""
+    folder = tmp_path_factory.mktemp("runtime")
+    assert translate(folder, test_any=one_test_each("test_any", ["@assertTrue(.true.)"])).returncode == 0
+    compile_files(folder / "out", "funit_lite.f90", "funit.f90")
+    return folder / "out"
+
+
+def compile_files(folder, *names, extra=()):
+    """Compile with the traps of the checked build."""
+    flags = ["-std=f2018", "-g", "-Werror=line-truncation", "-fcheck=all", "-ffpe-trap=invalid,zero,overflow", "-finit-real=snan"]
+    subprocess.run(["gfortran", *flags, *extra, "-c", *names], cwd=folder, check=True)
+
+
+@pytest.fixture
+def run(tmp_path, runtime):
+    """Translates, compiles and runs .pf files given as name=text; options of the test program come first."""
+
+    def call(*options, **files):
+        result = translate(tmp_path, **files)
+        assert result.returncode == 0, result.stderr
+        out = tmp_path / "out"
+        (out / "unit.f90").write_text("program unit\nuse pf_suites\ncall run_suites()\nend program\n", encoding="utf-8")
+        names = [*[f"{name}.f90" for name in files], "pf_suites.f90", "unit.f90"]
+        compile_files(out, *names, extra=[f"-I{runtime}"])
+        objects = [str(runtime / name) for name in ("funit_lite.o", "funit.o")] + [f"{name[:-4]}.o" for name in names]
+        subprocess.run(["gfortran", *objects, "-o", "unit"], cwd=out, check=True)
+        return subprocess.run([str(out / "unit"), *options], capture_output=True, text=True, check=False, timeout=60)
+
+    return call
+
+
+def failed_tests(result):
+    return [line.split(".")[-1] for line in result.stdout.splitlines() if line.startswith("Failure in ")]
+
+
+def module(body, name="test_x"):
+    return f"module {name}\nuse funit\nimplicit none (type, external)\ncontains\n{body}\nend module {name}\n"
+
+
+def test_good_assertions_pass_and_bad_ones_fail(run):
+    result = run(test_good=one_test_each("test_good", PASSING), test_bad=one_test_each("test_bad", FAILING))
+    assert failed_tests(result) == [f"t{i}" for i in range(len(FAILING))]
+    assert result.stdout.splitlines()[-1] == f"{len(PASSING)} passed, {len(FAILING)} failed"
+    assert result.returncode == 1
+    assert "[test_bad.pf:12]" in result.stdout
+    assert "Arrays not conformable" in result.stdout
+    assert "found 2.9999999999999999E-001 at (1,2)" in result.stdout
+
+
+def test_all_passing_exits_0_and_a_filter_without_match_2(run):
+    files = {"test_x": module("@test\nsubroutine good()\n@assertTrue(.true.)\nend subroutine")}
+    result = run(**files)
+    assert result.returncode == 0
+    assert result.stdout.endswith("1 passed, 0 failed\n")
+    result = run("-f", "nothing_like_this", **files)
+    assert result.returncode == 2
+    assert result.stdout.endswith("0 passed, 0 failed\n")
+    assert "test_x_suite.good" in run("-v", "-f", "go", **files).stdout
+
+
+def test_disabled_does_not_run(run):
+    body = "@test\n@disable\nsubroutine bad()\n@assertTrue(.false.)\nend subroutine\n"
+    body += "@test\nsubroutine good()\n@assertTrue(.true.)\nend subroutine"
+    result = run(test_x=module(body))
+    assert result.returncode == 0
+    assert "1 disabled\n1 passed, 0 failed\n" in result.stdout
+
+
+def test_helper_returns_from_itself_only(run):
+    body = "@test\nsubroutine two()\ncall helper()\n@assertEqual(3, 4)\nend subroutine\n"
+    body += "subroutine helper()\n@assertEqual(1, 2)\n@assertEqual(5, 6)\nend subroutine"
+    result = run(test_x=module(body))
+    assert "expected 1, found 2" in result.stdout
+    assert "expected 3, found 4" in result.stdout
+    assert "expected 5" not in result.stdout
+    assert result.stdout.endswith("0 passed, 1 failed\n")
+
+
+def test_before_and_after_run_around_each_test(run):
+    text = (TESTS / "test_before.pf").read_text(encoding="utf-8")
+    result = run(test_before=text)
+    assert failed_tests(result) == ["fails_but_after_runs", "before_fails_so_body_does_not_run"]
+    assert "the body ran" not in result.stdout
+    assert result.stdout.endswith("3 passed, 2 failed\n")
+
+
+def test_fixture_types_and_parameters(run):
+    files = {name: (TESTS / f"{name}.pf").read_text(encoding="utf-8") for name in ("test_fixture", "test_parameters")}
+    result = run("-v", **files)
+    assert "test_parameters_suite.is_even[value = 4]" in result.stdout
+    assert failed_tests(result) == ["is_even[value = 5]", "is_small[value = 12]"]
+    assert result.stdout.endswith("8 passed, 2 failed\n")
+    without = files["test_parameters"].replace("[parameter_t(2), parameter_t(4), parameter_t(5)]", "[parameter_t ::]")
+    result = run("-f", "is_even", test_parameters=without)
+    assert "has no parameters" in result.stdout
+    assert result.returncode == 1
+
+
+def test_long_line_and_strings_survive(run):
+    message = "it''s @ " + "long " * 18
+    result = run(test_x=module(f"@test\nsubroutine long()\n@assertEqual(max(1, 2), 2, '{message}, (')\nend subroutine"))
+    assert result.returncode == 0
+
+
+REFUSED = {
+    "continuation": ("@assertEqual(1, &\n1)", 6, "no '&'"),
+    "trailing comment": ("@assertEqual(1, 1) ! comment", 6, "trailing comment"),
+    "semicolon": ("@assertEqual(1, 1); x = 1", 6, "';'"),
+    "inside an if": ("if (x) @assertEqual(1, 1)", 6, "alone on its line"),
+    "something behind": ("@assertEqual(1, 1) (2)", 6, "nothing may follow"),
+    "open parenthesis": ("@assertEqual(1, (1)", 6, "do not balance"),
+    "too few arguments": ("@assertEqual(1)", 6, "takes 2 to 4"),
+    "relative without tolerance": ("@assertRelativelyEqual(1.0, 1.0)", 6, "takes 3 to 4"),
+    "whitespace keyword": ("@assertEqual('a', 'a', whitespace=KEEP_ALL)", 6, "'whitespace'"),
+    "not in the subset": ("@assertThat(x, is(1))", 6, "@assertThat is not in the subset"),
+    "not exported by pFUnit": ("@assertIsInfinite(x)", 6, "@assertIsInfinite is not in the subset"),
+    "preprocessor": ("#ifdef X", 6, "preprocessor"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused_inside_a_test(tmp_path, case):
+    text, line, reason = REFUSED[case]
+    result = translate(tmp_path, test_x=module(f"@test\n{text_of_test(text)}"))
+    assert result.returncode == 1
+    assert f"test_x.pf:{line + 1}: " in result.stderr
+    assert reason in result.stderr
+
+
+def text_of_test(assertion):
+    return f"subroutine a()\n{assertion}\nend subroutine"
+
+
+PLAIN = "subroutine b()\nend subroutine\n"
+STRUCTURE = {
+    "recursive test": ("@test\nrecursive subroutine a()\nend subroutine", "without prefix"),
+    "bind(c) test": ("@test\nsubroutine a() bind(c)\nend subroutine", "without prefix, bind"),
+    "test without subroutine": ("@test\n\nsubroutine a()\nend subroutine", "the line after @test"),
+    "function": ("@test\nfunction a()\nend function", "the line after @test"),
+    "test at the end": ("subroutine a()\nend subroutine\n@test", "the line after @test"),
+    "two annotations": ("@before\n@test\nsubroutine a()\nend subroutine", "@before must be followed"),
+    "disable alone": (f"@disable\n{PLAIN}", "@disable stands alone"),
+    "ifdef": (f"@test(ifdef=X)\n{PLAIN}", "@test does not take"),
+    "comment behind the subroutine": ("@test\nsubroutine a() ! comment\nend subroutine", "comment"),
+    "no test": (PLAIN, "no @test in this file"),
+    "two tests of one name": (
+        "@test\nsubroutine a()\nend subroutine\n@test\nsubroutine A()\nend subroutine",
+        "two tests are called",
+    ),
+    "long name": (f"@test\nsubroutine {'a' * 45}()\nend subroutine", "at most 44"),
+    "argument without fixture": ("@test\nsubroutine a(this)\nend subroutine", "must take no argument"),
+    "suite": (f"@suite(name='x')\n{PLAIN}", "@suite is not in the subset"),
+    "mpi": (f"@mpitest(npes=[1])\n{PLAIN}", "@mpitest is not in the subset"),
+    "before beside a fixture": (
+        "@testCase\ntype, extends(TestCase) :: c\nend type\n@before\nsubroutine b()\nend subroutine\n@test\nsubroutine a(this)",
+        "do nothing beside @testCase",
+    ),
+    "test without the fixture": ("@testCase\ntype, extends(TestCase) :: c\n@test\nsubroutine a()", "must take one argument"),
+    "comment on the type": ("@testCase\ntype, extends(TestCase) :: c ! comment", "without comment"),
+    "parameters without parameter type": (
+        "@testCase(constructor=f, testParameters={g()})\ntype, extends(ParameterizedTestCase) :: c\n@test\nsubroutine a(this)",
+        "needs a @testParameter type",
+    ),
+    "fixture of another parent": ("@testCase\ntype, extends(other) :: c", "extends TestCase"),
+}
+
+
+@pytest.mark.parametrize("case", STRUCTURE)
+def test_refused_structure(tmp_path, case):
+    text, reason = STRUCTURE[case]
+    result = translate(tmp_path, test_x=module(text))
+    assert result.returncode == 1
+    assert "test_x.pf:" in result.stderr
+    assert reason in result.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_refused_module_of_another_name(tmp_path):
+    result = translate(tmp_path, test_x=module(f"@test\n{PLAIN}", name="test_y"))
+    assert result.returncode == 1
+    assert "must be called test_x" in result.stderr
+
+
+def test_stale_translations_disappear(tmp_path):
+    assert translate(tmp_path, test_x=module(f"@test\n{PLAIN}"), test_y=module(f"@test\n{PLAIN}", name="test_y")).returncode == 0
+    assert (tmp_path / "out" / "test_y.f90").exists()
+    assert translate(tmp_path, test_x=module(f"@test\n{PLAIN}")).returncode == 0
+    assert not (tmp_path / "out" / "test_y.f90").exists()
