@@ -209,7 +209,7 @@ contains
 
       are_near = .false.
       if (ieee_is_nan(a) .or. ieee_is_nan(b)) return
-      are_near = a == b
+      are_near = .not. (a < b .or. a > b)
       if (are_near .or. .not. (ieee_is_finite(a) .and. ieee_is_finite(b))) return
       are_near = abs(0.5_real64*a - 0.5_real64*b) <= 0.5_real64*tolerance
    end function are_close
