@@ -1,0 +1,255 @@
+!> What the user sees while a case runs and when it is done: the only module under src/ that prints, on standard error.
+!>
+!> On a terminal one line that is updated; in a log few plain lines; with `is_quiet` nothing but what went wrong.
+!> A closed standard error is no reason to stop: the status of a write is dropped on purpose.
+module progress_log
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: iso_fortran_env, only: error_unit, int64
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_state, only: line_state_t
+   use line_summary, only: figure_t, line_summary_t, parabola_minimum
+   use observer, only: observer_t
+   use operating_system, only: is_terminal, standard_error_descriptor
+   use quantity_text, only: duration_text, number_text, prefixed_text, shortened, wrapped
+   use scaling, only: scaling_t
+   implicit none (type, external)
+   private
+
+   public :: new_progress_log, progress_log_t
+
+   !> Columns of a terminal that are used.
+   integer, parameter :: columns = 80
+   !> Longest name of a case in front of a progress line [columns].
+   integer, parameter :: name_columns = 20
+   !> Time between two updates on a terminal [s].
+   real(wp), parameter :: update_seconds = 0.1_wp
+   !> Longest silence in a log during time steps [s].
+   real(wp), parameter :: log_seconds = 60.0_wp
+
+   !> Progress of one case after another.
+   type, extends(observer_t) :: progress_log_t
+      !> Unit that is written.
+      integer :: unit = error_unit
+      !> Only what went wrong is said.
+      logical :: is_quiet = .false.
+      !> One updating line instead of lines.
+      logical :: is_updating = .false.
+      character(:), allocatable, private :: name
+      type(scaling_t), private :: scaling
+      !> Columns of the updating line now on the screen.
+      integer, private :: shown = 0
+      !> Clock [s] at the last line and at the start of the time steps.
+      real(wp), private :: last_line = -huge(1.0_wp)
+      real(wp), private :: steps_start = 0.0_wp
+   contains
+      procedure :: on_cycle
+      procedure :: on_step
+      !> A new case begins.
+      procedure :: start_case
+      !> A case is done: its table.
+      procedure :: close_case
+      !> Something went wrong; said in any case.
+      procedure :: say_error
+      procedure, private :: update, write_line, clear
+   end type progress_log_t
+
+contains
+
+   !> A log on standard error.
+   function new_progress_log(is_quiet) result(log)
+      logical, intent(in) :: is_quiet
+      type(progress_log_t) :: log
+
+      log%is_quiet = is_quiet
+      log%is_updating = is_terminal(standard_error_descriptor)
+   end function new_progress_log
+
+   !> Sets the name of the case (its file) and its scales.
+   subroutine start_case(self, file, scaling)
+      class(progress_log_t), intent(inout) :: self
+      character(*), intent(in) :: file
+      type(scaling_t), intent(in) :: scaling
+
+      self%name = file(index(file, '/', back=.true.) + 1:)
+      self%scaling = scaling
+      self%last_line = -huge(1.0_wp)
+      self%shown = 0
+   end subroutine start_case
+
+   !> In a log cycles 1, 2, 4, 8, ...; on a terminal each, but not more than ten a second.
+   subroutine on_cycle(self, cycle, residual, load_error)
+      class(progress_log_t), intent(inout) :: self
+      integer, intent(in) :: cycle
+      real(wp), intent(in) :: residual
+      real(wp), intent(in) :: load_error
+      logical :: is_due
+
+      if (self%is_quiet) return
+      is_due = popcnt(cycle) == 1
+      if (self%is_updating) is_due = cycle == 1 .or. clock() - self%last_line >= update_seconds
+      if (.not. is_due) return
+      call self%update('cycle '//number_text(real(cycle, wp), 9)//'  residual '//number_text(residual, 3)// &
+                       '  load error '//number_text(load_error, 3))
+   end subroutine on_cycle
+
+   !> In a log every tenth of the way, or after a minute; on a terminal each step, but not more than ten a second.
+   subroutine on_step(self, step, steps, state, report)
+      class(progress_log_t), intent(inout) :: self
+      integer, intent(in) :: step
+      integer, intent(in) :: steps
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(in) :: report
+      real(wp) :: now, silence
+      logical :: is_due
+
+      if (self%is_quiet) return
+      now = clock()
+      if (step == 0) then
+         self%steps_start = now
+         self%last_line = now
+      end if
+      if (step == 0 .or. steps < 1) return
+      silence = now - self%last_line
+      is_due = tenths(step, steps) > tenths(step - 1, steps) .or. silence >= log_seconds
+      if (self%is_updating) is_due = silence >= update_seconds
+      if (is_due) call self%update(step_text(self, step, steps, state, report))
+   end subroutine on_step
+
+   !> Tenths of the way after `step` of `steps`.
+   pure function tenths(step, steps) result(n)
+      integer, intent(in) :: step
+      integer, intent(in) :: steps
+      integer :: n
+
+      n = int(10_int64*step/steps)
+   end function tenths
+
+   !> Step, time, smallest film and remaining time in one line.
+   function step_text(log, step, steps, state, report) result(line)
+      class(progress_log_t), intent(in) :: log
+      integer, intent(in) :: step
+      integer, intent(in) :: steps
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(in) :: report
+      character(:), allocatable :: line
+      real(wp) :: remaining, h_min
+
+      h_min = parabola_minimum(state%film_thickness)
+      remaining = (clock() - log%steps_start)*real(steps - step, wp)/real(step, wp)
+      line = 'step '//number_text(real(step, wp), 9)//'/'//number_text(real(steps, wp), 9)//'  T '//number_text(state%time, 4)
+      if (log%scaling%is_dimensional) then
+         line = line//'  h_min '//prefixed_text(h_min*log%scaling%film, 'm')
+      else
+         line = line//'  H_min '//number_text(h_min, 4)
+      end if
+      if (report%residual > report%tolerance_effective) line = line//'  residual '//number_text(report%residual, 2)
+      line = line//'  '//duration_text(remaining)//' left'
+   end function step_text
+
+   !> The closing table: figures in SI and dimensionless, residuals, seconds, where the result is.
+   subroutine close_case(self, summary, report, path)
+      class(progress_log_t), intent(inout) :: self
+      type(line_summary_t), intent(in) :: summary
+      type(report_t), intent(in) :: report
+      character(*), intent(in) :: path
+      character(:), allocatable :: outcome
+
+      call self%clear()
+      outcome = self%name//': converged'
+      if (.not. report%converged) outcome = self%name//': NOT CONVERGED'
+      if (.not. report%converged .and. allocated(report%reason)) outcome = outcome//': '//report%reason
+      if (report%converged .or. .not. self%is_quiet) then
+         outcome = outcome//', '//number_text(real(report%cycles, wp), 9)//' cycles'
+         if (report%steps > 0) outcome = outcome//' in '//number_text(real(report%steps, wp), 9)//' time steps'
+         outcome = outcome//', '//number_text(report%wall_seconds, 3)//' s'
+      end if
+      if (.not. report%converged .or. .not. self%is_quiet) call self%write_line(wrapped(outcome, columns))
+      if (self%is_quiet) return
+      call self%write_line('            SI              dimensionless')
+      call self%write_line(figure_line('h_min', summary%h_min, self%scaling%film, 'm'))
+      call self%write_line(figure_line('h_c', summary%h_central, self%scaling%film, 'm'))
+      call self%write_line(figure_line('p_max', summary%p_max, self%scaling%hertz_pressure, 'Pa'))
+      call self%write_line('  residual  '//number_text(report%residual, 2)//'   load error '// &
+                           number_text(report%load_error, 2)//'   bound '//number_text(report%tolerance_effective, 2))
+      call self%write_line('  result    '//path)
+
+   contains
+
+      !> One row of the table.
+      function figure_line(name, figure, si_scale, unit) result(line)
+         character(*), intent(in) :: name
+         type(figure_t), intent(in) :: figure
+         real(wp), intent(in) :: si_scale
+         character(*), intent(in) :: unit
+         character(:), allocatable :: line
+         character(len=56) :: row
+
+         row = '  '//name
+         row(13:) = '-'
+         if (self%scaling%is_dimensional) row(13:) = prefixed_text(figure%value*si_scale, unit)
+         row(29:) = number_text(figure%value, 6)
+         if (report%steps > 0 .and. ieee_is_finite(figure%time)) row(41:) = 'at T '//number_text(figure%time, 4)
+         line = trim(row)
+      end function figure_line
+
+   end subroutine close_case
+
+   !> Something went wrong: `message` as it is, in any case.
+   subroutine say_error(self, message)
+      class(progress_log_t), intent(inout) :: self
+      character(*), intent(in) :: message
+
+      call self%clear()
+      call self%write_line('asperity: '//message)
+   end subroutine say_error
+
+   !> Shows `line` behind the name of the case: in place on a terminal, as a line in a log.
+   subroutine update(self, line)
+      class(progress_log_t), intent(inout) :: self
+      character(*), intent(in) :: line
+      character(:), allocatable :: full
+      integer :: status
+
+      full = shortened(self%name, name_columns)//': '//line
+      self%last_line = clock()
+      if (self%is_updating) then
+         full = full(:min(len(full), columns - 1))
+         write (self%unit, '(3a)', advance='no', iostat=status) achar(13), full, repeat(' ', max(self%shown - len(full), 0))
+         flush (self%unit, iostat=status)
+         self%shown = len(full)
+      else
+         call self%write_line(full)
+      end if
+   end subroutine update
+
+   !> Removes the updating line from the screen.
+   subroutine clear(self)
+      class(progress_log_t), intent(inout) :: self
+      integer :: status
+
+      if (self%shown == 0) return
+      write (self%unit, '(3a)', advance='no', iostat=status) achar(13), repeat(' ', self%shown), achar(13)
+      self%shown = 0
+   end subroutine clear
+
+   !> Writes one or more whole lines.
+   subroutine write_line(self, line)
+      class(progress_log_t), intent(in) :: self
+      character(*), intent(in) :: line
+      integer :: status
+
+      write (self%unit, '(a)', iostat=status) line
+      flush (self%unit, iostat=status)
+   end subroutine write_line
+
+   !> Seconds of a clock that only runs forwards.
+   function clock() result(seconds)
+      real(wp) :: seconds
+      integer(int64) :: ticks, rate
+
+      call system_clock(ticks, rate)
+      seconds = real(ticks, wp)/real(rate, wp)
+   end function clock
+
+end module progress_log

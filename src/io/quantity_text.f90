@@ -1,0 +1,104 @@
+!> Quantities and sentences as people read them on a screen.
+module quantity_text
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use kinds, only: wp
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: duration_text, number_text, prefixed_text, shortened, wrapped
+
+contains
+
+   !> A number with `digits` significant digits; whole numbers up to 1e9 without a point; 'unknown' if it is not finite.
+   pure function number_text(value, digits) result(string)
+      real(wp), intent(in) :: value
+      integer, intent(in) :: digits
+      character(:), allocatable :: string
+
+      if (.not. ieee_is_finite(value)) then
+         string = 'unknown'
+      else if (abs(value) >= huge(1.0_wp)) then
+         string = 'unknown'
+      else if (abs(value) < 1.0e9_wp .and. abs(value - anint(value)) <= 0.0_wp) then
+         string = to_text(nint(value))
+      else
+         string = to_text(value, digits)
+      end if
+   end function number_text
+
+   !> A quantity with four digits and the SI prefix that leaves 1 to 3 of them before the point, as in 433.6 nm;
+   !> 'unknown' if it is not finite.
+   pure function prefixed_text(value, unit) result(string)
+      real(wp), intent(in) :: value
+      character(*), intent(in) :: unit
+      character(:), allocatable :: string
+      character(len=*), parameter :: prefixes = 'pnum kMGT'
+      integer :: exponent
+
+      if (.not. ieee_is_finite(value)) then
+         string = 'unknown'
+         return
+      end if
+      exponent = 0
+      if (abs(value) > 0.0_wp) exponent = floor(log10(abs(value))/3.0_wp)
+      exponent = min(max(exponent, -4), 4)
+      string = to_text(value/10.0_wp**(3*exponent), 4)//' '//trim(adjustl(prefixes(exponent + 5:exponent + 5)))//unit
+   end function prefixed_text
+
+   !> A time span [s] in the two largest units that matter.
+   pure function duration_text(seconds) result(string)
+      real(wp), intent(in) :: seconds
+      character(:), allocatable :: string
+      integer :: whole
+
+      whole = nint(min(max(seconds, 0.0_wp), 1.0e9_wp))
+      if (whole < 60) then
+         string = to_text(whole)//' s'
+      else if (whole < 3600) then
+         string = to_text(whole/60)//' min '//to_text(mod(whole, 60))//' s'
+      else
+         string = to_text(whole/3600)//' h '//to_text(mod(whole, 3600)/60)//' min'
+      end if
+   end function duration_text
+
+   !> `string` in at most `length` characters, an ellipsis in place of its middle.
+   pure function shortened(string, length) result(short)
+      character(*), intent(in) :: string
+      integer, intent(in) :: length
+      character(:), allocatable :: short
+      integer :: head, tail
+
+      short = string
+      if (len(string) <= length) return
+      head = (length - 3)/2
+      tail = length - 3 - head
+      short = string(:head)//'...'//string(len(string) - tail + 1:)
+   end function shortened
+
+   !> The words of `string` in lines of at most `length` characters, the second and later ones indented; a longer word has a
+   !> line of its own.
+   pure function wrapped(string, length) result(lines)
+      character(*), intent(in) :: string
+      integer, intent(in) :: length
+      character(:), allocatable :: lines
+      character(:), allocatable :: line
+      integer :: start, end_of_word
+
+      lines = ''
+      line = ''
+      start = 1
+      do while (start <= len_trim(string))
+         end_of_word = start + index(string(start:)//' ', ' ') - 2
+         if (len(line) > 0 .and. len(line) + 1 + end_of_word - start + 1 > length) then
+            lines = lines//line//new_line('a')
+            line = ' '
+         end if
+         if (len(line) > 0) line = line//' '
+         line = line//string(start:end_of_word)
+         start = end_of_word + 2
+      end do
+      lines = lines//line
+   end function wrapped
+
+end module quantity_text
