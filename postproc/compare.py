@@ -40,7 +40,8 @@ def draw_field(
     for i, (result, label) in enumerate(zip(results, names(results), strict=True)):
         look = style.SERIES[i % len(style.SERIES)] | {"markevery": (0.03 * i, 0.15)}
         x, values = result.solution["x"].shown(x_axis), result.solution[field].shown(axis)
-        upper.plot(x, values, label=label + ("" if i else " (reference)"), **look)
+        words = style.literal(label) + ("" if i else " (reference)")
+        upper.plot(x, values, label=words, **look)
         if i > 0:
             nodes, difference = difference_of(x, values, x_first, reference)
             lower.plot(nodes, difference, **look)
@@ -93,7 +94,9 @@ def draw_figure(results: list[Result], options: argparse.Namespace) -> list[Path
     for (upper, lower), field in zip(axes.T, FIELDS, strict=True):
         draw_field(upper, lower, results, field, options)
     figure.align_ylabels(axes)
-    style.legend_below(figure, axes[0, 0].get_legend_handles_labels()[0], min(3, len(results)))
+    longest = max(len(label) for label in names(results))
+    columns = max(1, min(3, len(results), 90 // (longest + 14)))
+    style.legend_below(figure, axes[0, 0].get_legend_handles_labels()[0], columns)
     style.mark_not_converged(figure, results)
     stem = results[0].stem
     return style.save_figure(figure, figure_command.targets(options, stem, "compare"))

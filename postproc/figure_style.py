@@ -66,6 +66,11 @@ def new_figure(width: float, height_mm: float, **subplots: object) -> tuple[Figu
     return plt.subplots(figsize=(width, height_mm * MILLIMETRE), **subplots)
 
 
+def literal(text: str) -> str:
+    """Text from a file or of a file name, which must not be read as mathematics."""
+    return text.replace("$", r"\$")
+
+
 def mark_not_converged(figure: Figure, results: list[Result]) -> None:
     """Writes above the figure which of the results did not converge, and why."""
     bad = [result for result in results if not result.converged]
@@ -75,7 +80,8 @@ def mark_not_converged(figure: Figure, results: list[Result]) -> None:
     lines = []
     for result in bad:
         name = "" if len(results) == 1 else f" {result.stem}"
-        lines += textwrap.wrap(f"NOT CONVERGED{name}: {result.reason or 'no reason given'}", width)
+        text = f"NOT CONVERGED{name}: {result.reason or 'no reason given'}"
+        lines += textwrap.wrap(literal(text), width)
     figure.suptitle("\n".join(lines), fontsize=9, fontweight="bold", color="#b30000")
 
 

@@ -244,6 +244,7 @@ def _quantities(
             raise ResultError(f"{path}: has no /{group}/{name}")
         dataset = file[group][name]
         values = np.asarray(dataset[()], dtype=float)
+        values[~np.isfinite(values)] = np.nan
         if values.size == 0:
             raise ResultError(f"{path}: /{group}/{name} is empty")
         scale = float(np.asarray(dataset.attrs.get("si_scale", 1.0)).item())

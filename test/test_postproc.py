@@ -237,3 +237,15 @@ def test_help_has_an_example(script: str) -> None:
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert f"python postproc/{script}.py" in done.stdout
+
+
+def test_values_that_are_not_finite(tmp_path: Path) -> None:
+    fields = result_maker.passage()
+    fields["pressure"][-1, 40:50] = np.inf
+    fields["film_thickness"][-1] = np.nan
+    fields["film_thickness"][-1, :9] = 1.0
+    result = result_maker.write_result(tmp_path / "nan.h5", fields, RIDGE, converged=False)
+    for script in ("profile", "convergence"):
+        assert run(script, result, "--output", tmp_path / "out").returncode == 0
+    done = run("transient", result, "--output", tmp_path / "out", "--frames", 3)
+    assert done.returncode == 0
