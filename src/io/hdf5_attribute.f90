@@ -77,7 +77,7 @@ contains
       integer(hid_t), intent(in) :: object
       character(*), intent(in) :: name
       character(*), intent(in) :: value
-      character(kind=c_char, len=max(len(value), 1)), target :: copy
+      character(kind=c_char, len=:), allocatable, target :: copy
       integer(hid_t) :: string_type
 
       copy = value

@@ -104,7 +104,7 @@ contains
       character(*), intent(in) :: path
       character(*), intent(in) :: value
       type(label_t), intent(in) :: label
-      character(kind=c_char, len=max(len(value), 1)), target :: copy
+      character(kind=c_char, len=:), allocatable, target :: copy
       integer(hid_t) :: string_type
 
       copy = value

@@ -233,7 +233,7 @@ contains
       type(error_t), allocatable :: error
       logical :: is_removed
 
-      call self%file%close(error)
+      call self%file%close(error)   ! error: the file is given up anyway
       is_removed = remove_file(self%path//'.part')
    end subroutine discard
 

@@ -51,7 +51,7 @@ contains
          read (unit, iostat=status, iomsg=message) content
          if (status /= 0) call fail(error, input_error, file // ': cannot be read: ' // trim(message))
       else
-         call read_bytes(unit, file, content, error)
+         call read_bytes(unit, file, content, error)   ! error: handed up after the close
       end if
       close (unit, iostat=status)
    end subroutine read_text_file

@@ -59,6 +59,11 @@ else
    call fourth(error)
 end if
 end subroutine a
+subroutine b(error)
+type(error_t), allocatable, intent(out) :: error
+call fifth(error) ! error: does not matter here
+x = 1
+end subroutine b
 end module good
 """
 
