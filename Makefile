@@ -11,7 +11,7 @@ NATIVE ?= 0
 WERROR ?= 0
 # gfortran takes allocatable arrays and results for uninitialized (maybe-uninitialized): of no use.
 COMMON := -std=f2018 -g -fbacktrace -fmax-errors=5 -Wall -Wextra -Wno-maybe-uninitialized $(if $(filter 1,$(WERROR)),-Werror)
-RELEASE := $(COMMON) -O3 -funroll-loops $(if $(filter 1,$(NATIVE)),-march=native)
+RELEASE := $(COMMON) -O3 -funroll-loops -fno-semantic-interposition $(if $(filter 1,$(NATIVE)),-march=native)
 DEBUG := $(COMMON) -O1 -fcheck=all,no-array-temps -finit-real=snan -finit-integer=-99999999 -ffpe-trap=invalid,zero,overflow
 
 DEMO_CASES := input/case3_demo.nml input/case1.nml

@@ -1,12 +1,13 @@
 !> Dense linear systems by LAPACK.
 module dense_solve
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_procpointer, c_funptr, c_int, c_null_char, c_null_ptr, c_ptr
    use errors, only: error_t, fail, internal_error
    use kinds, only: wp
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: solve_dense
+   public :: solve_dense, use_one_blas_thread
 
    interface
       !> LAPACK: LU factorisation with partial pivoting and solution.
@@ -19,7 +20,39 @@ module dense_solve
       end subroutine dgesv
    end interface
 
+   abstract interface
+      !> OpenBLAS: sets its number of threads.
+      subroutine set_threads_interface(threads) bind(c)
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: threads
+      end subroutine set_threads_interface
+   end interface
+
+   interface
+      !> C library: address of a symbol of the running program, null if there is none.
+      function dlsym(handle, symbol) bind(c, name="dlsym") result(address)
+         import :: c_char, c_funptr, c_ptr
+         implicit none (type, external)
+         type(c_ptr), value :: handle
+         character(kind=c_char), intent(in) :: symbol(*)
+         type(c_funptr) :: address
+      end function dlsym
+   end interface
+
 contains
+
+   !> Keeps OpenBLAS, if that is the BLAS in use, to one thread: its threads spin between the small systems solved here and
+   !> cost more than they give. Any other BLAS is left as it is.
+   subroutine use_one_blas_thread()
+      procedure(set_threads_interface), pointer :: set_threads
+      type(c_funptr) :: address
+
+      address = dlsym(c_null_ptr, "openblas_set_num_threads"//c_null_char)
+      if (.not. c_associated(address)) return
+      call c_f_procpointer(address, set_threads)
+      call set_threads(1_c_int)
+   end subroutine use_one_blas_thread
 
    !> Solves `matrix` x = `right_side` in place: the matrix (n, n) is overwritten by its factors, the right side (n) by x.
    !> `pivots` (n) is work space. Fails (internal_error) if the matrix is singular.
