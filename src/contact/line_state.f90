@@ -1,10 +1,11 @@
 !> The fields of a lubricated line contact at one time, as the solver hands them out.
 module line_state
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: line_state_t
+   public :: all_finite, line_state_t
 
    !> Dimensionless fields on the nodes of the finest grid, each (nx).
    type :: line_state_t
@@ -29,5 +30,18 @@ module line_state
       !> T = t u_s/(2 b).
       real(wp) :: time = 0.0_wp
    end type line_state_t
+
+contains
+
+   !> Whether pressure, film and rigid displacement are there and are numbers, all of them.
+   pure function all_finite(state)
+      type(line_state_t), intent(in) :: state
+      logical :: all_finite
+
+      all_finite = allocated(state%pressure) .and. allocated(state%film_thickness)
+      if (.not. all_finite) return
+      all_finite = all(ieee_is_finite(state%pressure)) .and. all(ieee_is_finite(state%film_thickness)) .and. &
+         ieee_is_finite(state%rigid_displacement)
+   end function all_finite
 
 end module line_state

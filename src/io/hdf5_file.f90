@@ -36,6 +36,8 @@ module hdf5_file
       procedure :: flush => flush_file
       !> Closes the file; `error` is the first failure of its whole life.
       procedure :: close => close_file
+      !> Closes the file whatever state it is in; what is in it is lost.
+      procedure :: give_up
       !> Keeps the first failure.
       procedure :: check
    end type hdf5_file_t
@@ -118,17 +120,23 @@ contains
    subroutine close_file(self, error)
       class(hdf5_file_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error
-      integer :: status
 
       call self%flush()
-      if (self%is_open) then
-         self%is_open = .false.
-         call h5pclose_f(self%link_creation, status)
-         call self%check(status, 'link properties')
-         call h5fclose_f(self%id, status)
-         call self%check(status, 'closing the file')
-      end if
+      call self%give_up()
       if (allocated(self%failure)) error = self%failure
    end subroutine close_file
+
+   !> Closes the file whatever state it is in.
+   subroutine give_up(self)
+      class(hdf5_file_t), intent(inout) :: self
+      integer :: status
+
+      if (.not. self%is_open) return
+      self%is_open = .false.
+      call h5pclose_f(self%link_creation, status)
+      call self%check(status, 'link properties')
+      call h5fclose_f(self%id, status)
+      call self%check(status, 'closing the file')
+   end subroutine give_up
 
 end module hdf5_file

@@ -10,20 +10,18 @@ module iteration_report
    public :: report_t
 
    !> Number of phases whose wall time is kept apart.
-   integer, parameter, public :: phase_count = 5
-   !> Index of a phase in `report_t%phase_seconds`: reading and checking the input.
-   integer, parameter, public :: phase_input = 1
-   !> Kernels, levels, plans and storage.
-   integer, parameter, public :: phase_setup = 2
+   integer, parameter, public :: phase_count = 4
+   !> Index of a phase in `report_t%phase_seconds`: kernels, levels, plans and storage.
+   integer, parameter, public :: phase_setup = 1
    !> The steady solution (also the one that a transient starts from).
-   integer, parameter, public :: phase_steady = 3
+   integer, parameter, public :: phase_steady = 2
    !> The time steps without what the output takes.
-   integer, parameter, public :: phase_transient = 4
-   !> Writing results.
-   integer, parameter, public :: phase_output = 5
+   integer, parameter, public :: phase_transient = 3
+   !> Storing time steps.
+   integer, parameter, public :: phase_output = 4
    !> Names of the phases, in the order of their index.
    character(len=*), parameter, public :: phase_names(phase_count) = &
-      [character(len=9) :: 'input', 'setup', 'steady', 'transient', 'output']
+      [character(len=9) :: 'setup', 'steady', 'transient', 'output']
 
    !> Outcome, history and cost of one solve.
    type :: report_t
