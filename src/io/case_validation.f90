@@ -1,0 +1,249 @@
+!> What the values of a case must have in common: missing, contradictory and unused keys, physical nonsense.
+!>
+!> Each check adds its findings and goes on, so that one report tells everything.
+module case_validation
+   use findings, only: findings_t
+   use input_keys, only: key_rows, group_rows, find_key, expected_value, is_required
+   use input_values, only: input_values_t, value_t
+   use kinds, only: wp
+   use lubricant_validation, only: check_lubricant
+   use surface_validation, only: check_surface
+   use text, only: to_text
+   use validation_messages, only: report_missing, report_unused
+   implicit none (type, external)
+   private
+
+   public :: validate
+
+   !> Most time steps of a transient.
+   real(wp), parameter :: most_steps = 1.0e8_wp
+   !> Fewest intervals of the coarsest grid.
+   integer, parameter :: fewest_intervals = 4
+
+contains
+
+   !> All checks over more than one key.
+   subroutine validate(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+
+      call check_groups(values, findings)
+      call check_required(values, findings)
+      call check_case(values, findings)
+      if (values%has_group('bodies')) then
+         call check_ways(values, 'reduced_radius', [character(len=20) :: 'radius_1', 'radius_2'], findings)
+         call check_ways(values, 'reduced_modulus', [character(len=20) :: 'youngs_modulus_1', 'youngs_modulus_2', &
+            'poisson_ratio_1', 'poisson_ratio_2'], findings)
+         call check_speeds(values, findings)
+      end if
+      if (values%has_group('load')) call check_load(values, findings)
+      call check_lubricant(values, findings)
+      call check_surface(values, 'surface_1', 'speed_1', findings)
+      call check_surface(values, 'surface_2', 'speed_2', findings)
+      call check_time(values, findings)
+      call check_solver(values, findings)
+      call check_output(values, findings)
+   end subroutine validate
+
+   !> Findings: groups that are missing, and groups that &moes replaces or excludes.
+   subroutine check_groups(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      integer :: i
+      logical :: has_moes, excluded
+
+      has_moes = values%has_group('moes')
+      do i = 1, size(group_rows)
+         associate (name => trim(group_rows(i)%group))
+            excluded = name == 'bodies' .or. name == 'load'
+            if (values%group_lines(i) == 0 .and. group_rows(i)%needed == 'yes' .and. .not. (has_moes .and. excluded)) &
+               call findings%add(values%last_line, name, '', 'found no such group, expected &' // name // ' ... / (' &
+               // trim(group_rows(i)%meaning) // ')')
+            excluded = excluded .or. name == 'surface_1' .or. name == 'surface_2'
+            if (has_moes .and. excluded .and. values%group_lines(i) > 0) call findings%add(values%group_lines(i), name, '', &
+               'found together with &moes, expected one of the two: &moes is a smooth contact without SI units')
+         end associate
+      end do
+   end subroutine check_groups
+
+   !> Findings: required keys that are not in their group.
+   subroutine check_required(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      integer :: i
+
+      do i = 1, size(key_rows)
+         if (key_rows(i)%default /= is_required .or. values%slots(i)%is_given) cycle
+         if (values%has_group(key_rows(i)%group)) &
+            call report_missing(values, trim(key_rows(i)%group), trim(key_rows(i)%key), findings)
+      end do
+   end subroutine check_required
+
+   !> Finding: an output that cannot be the name of a file.
+   subroutine check_case(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: output
+
+      output = values%slot('case', 'output')
+      if (.not. output%has_value) return
+      if (len_trim(output%text) == 0) then
+         call findings%add(output%line, 'case', 'output', 'found an empty text, expected the name of a file')
+      else if (index(output%text, '/', back=.true.) == len_trim(output%text)) then
+         call findings%add(output%line, 'case', 'output', 'found the folder ' // trim(output%text) &
+            // ', expected the name of a file')
+      end if
+   end subroutine check_case
+
+   !> A reduced value of &bodies, or all of the values it follows from. Findings: both, none, some.
+   subroutine check_ways(values, reduced, parts, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: reduced
+      character(*), intent(in) :: parts(:)
+      type(findings_t), intent(inout) :: findings
+      integer :: i, given
+      character(:), allocatable :: list
+
+      given = 0
+      list = trim(parts(1))
+      do i = 1, size(parts)
+         if (values%is_given('bodies', trim(parts(i)))) given = given + 1
+         if (i == size(parts)) list = list // ' and ' // trim(parts(i))
+         if (i > 1 .and. i < size(parts)) list = list // ', ' // trim(parts(i))
+      end do
+      if (values%is_given('bodies', reduced)) then
+         if (given > 0) call findings%add(values%line_of('bodies', reduced), 'bodies', reduced, 'found together with ' &
+            // first_given(values, parts) // ', expected either ' // reduced // ' or ' // list)
+      else if (given == 0) then
+         call findings%add(values%line_of('bodies', ''), 'bodies', trim(parts(1)), 'found nothing, expected ' // list &
+            // ', or ' // reduced // ' [' // trim(key_rows(find_key('bodies', reduced))%unit) // ']')
+      else
+         do i = 1, size(parts)
+            if (.not. values%is_given('bodies', trim(parts(i)))) call report_missing(values, 'bodies', trim(parts(i)), findings)
+         end do
+      end if
+   end subroutine check_ways
+
+   !> The first of `keys` of &bodies that is given.
+   function first_given(values, keys) result(key)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: keys(:)
+      character(:), allocatable :: key
+      integer :: i
+
+      key = ''
+      do i = size(keys), 1, -1
+         if (values%is_given('bodies', trim(keys(i)))) key = trim(keys(i))
+      end do
+   end function first_given
+
+   !> Finding: speeds that draw no oil into the contact; radii that do not touch.
+   subroutine check_speeds(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      real(wp) :: first, second
+
+      if (values%has_value('bodies', 'speed_1') .and. values%has_value('bodies', 'speed_2')) then
+         first = values%real_value('bodies', 'speed_1')
+         second = values%real_value('bodies', 'speed_2')
+         if (first + second <= 0.0_wp) call findings%add(values%line_of('bodies', 'speed_1'), 'bodies', 'speed_1', &
+            'found speed_1 + speed_2 = ' // to_text(first + second) // ', expected a sum > 0 [m/s]: no oil is drawn in')
+      end if
+      if (values%has_value('bodies', 'radius_1') .and. values%has_value('bodies', 'radius_2')) then
+         first = 1.0_wp/values%real_value('bodies', 'radius_1') + 1.0_wp/values%real_value('bodies', 'radius_2')
+         if (first < 1.0e-9_wp .or. first > 1.0e9_wp) call findings%add(values%line_of('bodies', 'radius_1'), 'bodies', &
+            'radius_1', 'found 1/radius_1 + 1/radius_2 = ' // to_text(first) // ', expected 1e-9 to 1e9 [1/m]')
+      end if
+   end subroutine check_speeds
+
+   !> Findings: no load, or two.
+   subroutine check_load(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+
+      if (values%is_given('load', 'load_per_length') .and. values%is_given('load', 'hertz_pressure')) then
+         call findings%add(values%line_of('load', 'hertz_pressure'), 'load', 'hertz_pressure', &
+            'found together with load_per_length, expected one of the two')
+      else if (.not. values%is_given('load', 'load_per_length') .and. .not. values%is_given('load', 'hertz_pressure')) then
+         call findings%add(values%line_of('load', ''), 'load', 'load_per_length', &
+            'found nothing, expected load_per_length [N/m] or hertz_pressure [Pa]')
+      end if
+   end subroutine check_load
+
+   !> Findings: a transient without end, too many steps, keys of a transient in a steady case.
+   subroutine check_time(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: transient
+      real(wp) :: end_time, time_step
+
+      transient = values%slot('time', 'transient')
+      if (.not. transient%has_value) return
+      if (.not. transient%logical) then
+         call report_unused(values, 'time', 'end_time', 'with transient = .false.', findings)
+         call report_unused(values, 'time', 'time_step', 'with transient = .false.', findings)
+         call report_unused(values, 'time', 'scheme', 'with transient = .false.', findings)
+      else if (.not. values%is_given('time', 'end_time')) then
+         call report_missing(values, 'time', 'end_time', findings)
+      else if (values%has_value('time', 'end_time') .and. values%has_value('time', 'time_step')) then
+         end_time = values%real_value('time', 'end_time')
+         time_step = values%real_value('time', 'time_step')
+         if (time_step > end_time) call findings%add(values%line_of('time', 'time_step'), 'time', 'time_step', 'found ' &
+            // to_text(time_step) // ', expected at most end_time = ' // to_text(end_time) // ' [-]')
+         if (end_time > most_steps*time_step) call findings%add(values%line_of('time', 'time_step'), 'time', 'time_step', &
+            'found ' // to_text(end_time/time_step, 3) // ' time steps, expected at most ' // to_text(most_steps, 1))
+      end if
+   end subroutine check_time
+
+   !> Findings: keys that the method does not use; more levels than the grid has.
+   subroutine check_solver(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      character(len=16), parameter :: of_multigrid(*) = [character(len=16) :: 'levels', 'pre_sweeps', 'post_sweeps', &
+         'coarse_sweeps', 'smoother']
+      character(len=16), parameter :: of_relaxation(*) = [character(len=16) :: 'relaxation', 'load_relaxation']
+      character(:), allocatable :: method
+      type(value_t) :: levels, intervals
+      integer :: i
+
+      method = trim(values%word_value('solver', 'method'))
+      if (method == 'block_jacobi' .or. method == 'newton_dense') then
+         do i = 1, size(of_multigrid)
+            call report_unused(values, 'solver', trim(of_multigrid(i)), 'with method = ''' // method // '''', findings)
+         end do
+      end if
+      if (method == 'newton_dense') then
+         do i = 1, size(of_relaxation)
+            call report_unused(values, 'solver', trim(of_relaxation(i)), 'with method = ''newton_dense''', findings)
+         end do
+      end if
+      levels = values%slot('solver', 'levels')
+      intervals = values%slot('domain', 'intervals')
+      if (.not. levels%has_value .or. .not. intervals%has_value) return
+      if (shiftr(intervals%integer, levels%integer - 1) < fewest_intervals) call findings%add(levels%line, 'solver', 'levels', &
+         'found ' // to_text(levels%integer) // ' levels for ' // to_text(intervals%integer) // ' intervals, expected at least ' &
+         // to_text(fewest_intervals) // ' intervals on the coarsest grid')
+   end subroutine check_solver
+
+   !> Findings: keys of a transient in a steady case; a field named twice.
+   subroutine check_output(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: transient, fields
+      integer :: i
+
+      transient = values%slot('time', 'transient')
+      if (transient%has_value .and. .not. transient%logical) then
+         call report_unused(values, 'output', 'profile_stride', 'with transient = .false.', findings)
+         call report_unused(values, 'output', 'fields', 'with transient = .false.', findings)
+      end if
+      fields = values%slot('output', 'fields')
+      if (.not. fields%has_value) return
+      do i = 2, size(fields%words)
+         if (any(fields%words(:i - 1) == fields%words(i)) .and. fields%words(i) /= '?') call findings%add(fields%line, &
+            'output', 'fields', 'found ''' // trim(fields%words(i)) // ''' twice, expected ' &
+            // expected_value(key_rows(find_key('output', 'fields'))) // ', each once')
+      end do
+   end subroutine check_output
+
+end module case_validation

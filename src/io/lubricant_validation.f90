@@ -1,0 +1,123 @@
+!> Checks of &lubricant: which parameters a law needs, and what &moes leaves open.
+module lubricant_validation
+   use errors, only: error_t
+   use findings, only: findings_t
+   use input_values, only: input_values_t
+   use kinds, only: wp
+   use validation_messages, only: report_missing, report_unused
+   use viscosity, only: complete_roelands
+   implicit none (type, external)
+   private
+
+   public :: check_lubricant
+
+contains
+
+   !> All checks of &lubricant.
+   subroutine check_lubricant(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+
+      if (.not. values%has_group('lubricant')) return
+      call check_rheology(values, findings)
+      if (values%has_group('moes')) then
+         call report_unused(values, 'lubricant', 'viscosity', 'with &moes, which stands for it', findings)
+         call check_moes_laws(values, findings)
+         return
+      end if
+      if (.not. values%is_given('lubricant', 'viscosity')) call report_missing(values, 'lubricant', 'viscosity', findings)
+      select case (values%word_value('lubricant', 'viscosity_law'))
+      case ('roelands')
+         call check_roelands(values, findings)
+      case ('barus')
+         if (.not. values%is_given('lubricant', 'pressure_viscosity')) &
+            call report_missing(values, 'lubricant', 'pressure_viscosity', findings, 'with viscosity_law = ''barus''')
+         call unused_roelands(values, 'with viscosity_law = ''barus''', findings)
+      case ('constant')
+         call report_unused(values, 'lubricant', 'pressure_viscosity', 'with viscosity_law = ''constant''', findings)
+         call unused_roelands(values, 'with viscosity_law = ''constant''', findings)
+      case default
+      end select
+   end subroutine check_lubricant
+
+   !> Findings: z or P0 given where the law has none.
+   subroutine unused_roelands(values, reason, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: reason
+      type(findings_t), intent(inout) :: findings
+
+      call report_unused(values, 'lubricant', 'roelands_z', reason, findings)
+      call report_unused(values, 'lubricant', 'roelands_p0', reason, findings)
+   end subroutine unused_roelands
+
+   !> Findings: Eyring without its stress or with &moes; a stress without Eyring.
+   subroutine check_rheology(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+
+      select case (values%word_value('lubricant', 'rheology'))
+      case ('newtonian')
+         call report_unused(values, 'lubricant', 'eyring_stress', 'with rheology = ''newtonian''', findings)
+      case ('eyring')
+         if (.not. values%is_given('lubricant', 'eyring_stress')) &
+            call report_missing(values, 'lubricant', 'eyring_stress', findings, 'with rheology = ''eyring''')
+         if (values%has_group('moes')) call findings%add(values%line_of('lubricant', 'rheology'), 'lubricant', 'rheology', &
+            'found ''eyring'' with &moes, expected ''newtonian'': the Eyring law needs SI units')
+      case default
+      end select
+   end subroutine check_rheology
+
+   !> Findings: fewer than two of alpha, P0, z, or three that contradict each other by (2.27).
+   subroutine check_roelands(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      type(error_t), allocatable :: error
+      real(wp) :: alpha, p0, z, viscosity
+      character(len=20), parameter :: keys(*) = [character(len=20) :: 'viscosity', 'pressure_viscosity', 'roelands_p0', &
+         'roelands_z']
+      integer :: i, line
+
+      line = 0
+      do i = 1, size(keys)
+         if (values%is_given('lubricant', trim(keys(i))) .neqv. values%has_value('lubricant', trim(keys(i)))) return
+         if (i > 1 .and. values%is_given('lubricant', trim(keys(i)))) &
+            line = max(line, values%line_of('lubricant', trim(keys(i))))
+      end do
+      viscosity = values%real_value('lubricant', 'viscosity')
+      if (viscosity <= 0.0_wp) return
+      alpha = values%real_value('lubricant', 'pressure_viscosity')
+      p0 = values%real_value('lubricant', 'roelands_p0')
+      z = values%real_value('lubricant', 'roelands_z')
+      call complete_roelands(viscosity, alpha, p0, z, error)
+      if (line == 0) line = values%line_of('lubricant', '')
+      if (allocated(error)) call findings%add(line, 'lubricant', 'pressure_viscosity', error%message)
+   end subroutine check_roelands
+
+   !> With &moes the pressure scale is p_h = alpha_bar/alpha. Findings: parameters that are not used then, laws that
+   !> contradict moes_l.
+   subroutine check_moes_laws(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      character(:), allocatable :: law
+      logical :: is_compressible, has_l
+
+      law = trim(values%word_value('lubricant', 'viscosity_law'))
+      is_compressible = values%word_value('lubricant', 'density_law') == 'dowson_higginson'
+      has_l = values%real_value('moes', 'moes_l') > 0.0_wp
+      if (.not. values%has_value('moes', 'moes_l')) return
+      if (has_l .and. law == 'constant') call findings%add(values%line_of('lubricant', 'viscosity_law'), 'lubricant', &
+         'viscosity_law', 'found ''constant'' with moes_l > 0, expected ''roelands'' or ''barus'', or moes_l = 0')
+      if (.not. has_l) then
+         if (is_compressible .and. values%is_given('lubricant', 'density_law')) &
+            call findings%add(values%line_of('lubricant', 'density_law'), 'lubricant', 'density_law', &
+            'found ''dowson_higginson'' with moes_l = 0, expected ''constant'': the pressure scale is unknown')
+         call report_unused(values, 'lubricant', 'pressure_viscosity', 'with moes_l = 0', findings)
+         call unused_roelands(values, 'with moes_l = 0', findings)
+      else if (law == 'barus') then
+         if (.not. is_compressible) call report_unused(values, 'lubricant', 'pressure_viscosity', &
+            'with &moes, Barus and constant density', findings)
+         call unused_roelands(values, 'with viscosity_law = ''barus''', findings)
+      end if
+   end subroutine check_moes_laws
+
+end module lubricant_validation

@@ -1,0 +1,74 @@
+!> Checks of &surface_1 and &surface_2: arrays that belong together, and motion that needs a transient.
+module surface_validation
+   use findings, only: findings_t
+   use input_values, only: input_values_t, value_t
+   use kinds, only: wp
+   use text, only: to_text
+   use validation_messages, only: report_missing, report_unused
+   implicit none (type, external)
+   private
+
+   public :: check_surface
+
+contains
+
+   !> All checks of the surface `group` that moves at the key `speed` of &bodies.
+   subroutine check_surface(values, group, speed, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group, speed
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: shape
+
+      shape = values%slot(group, 'shape')
+      if (.not. shape%has_value .or. .not. values%has_group(group)) return
+      if (any(shape%words == '?')) return
+      if (all(shape%words == 'smooth')) then
+         call report_unused(values, group, 'amplitude', 'with shape = ''smooth''', findings)
+         call report_unused(values, group, 'wavelength', 'with shape = ''smooth''', findings)
+         call report_unused(values, group, 'position', 'with shape = ''smooth''', findings)
+         return
+      end if
+      if (any(shape%words == 'smooth')) call findings%add(shape%line, group, 'shape', &
+         'found ''smooth'' among other shapes, expected ''feature'' or ''sinusoid'' for each element')
+      if (.not. values%is_given(group, 'amplitude')) call report_missing(values, group, 'amplitude', findings)
+      if (.not. values%is_given(group, 'wavelength')) call report_missing(values, group, 'wavelength', findings)
+      call check_lengths(values, group, findings)
+      call check_motion(values, group, speed, findings)
+   end subroutine check_surface
+
+   !> Findings: arrays that have not as many values as `amplitude`; `shape` may have one for all.
+   subroutine check_lengths(values, group, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      type(findings_t), intent(inout) :: findings
+      character(len=12), parameter :: keys(*) = [character(len=12) :: 'shape', 'wavelength', 'position']
+      type(value_t) :: amplitude, other
+      integer :: i, elements
+
+      amplitude = values%slot(group, 'amplitude')
+      if (.not. amplitude%has_value) return
+      elements = size(amplitude%reals)
+      do i = 1, size(keys)
+         other = values%slot(group, trim(keys(i)))
+         if (.not. other%is_given .or. .not. other%has_value) cycle
+         if (size(other%is_set) == elements .or. (keys(i) == 'shape' .and. size(other%is_set) == 1)) cycle
+         call findings%add(other%line, group, trim(keys(i)), 'found ' // to_text(size(other%is_set)) // ' values, expected ' &
+            // to_text(elements) // ', one for each value of amplitude')
+      end do
+   end subroutine check_lengths
+
+   !> Finding: a rough surface that moves in a steady case.
+   subroutine check_motion(values, group, speed, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group, speed
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: transient
+
+      transient = values%slot('time', 'transient')
+      if (.not. transient%has_value .or. transient%logical) return
+      if (abs(values%real_value('bodies', speed)) > 0.0_wp) call findings%add(values%line_of(group, 'shape'), group, 'shape', &
+         'found a rough surface that moves (' // speed // ' = ' // to_text(values%real_value('bodies', speed)) &
+         // ' m/s) in a steady case, expected transient = .true. in &time, or ' // speed // ' = 0')
+   end subroutine check_motion
+
+end module surface_validation
