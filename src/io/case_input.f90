@@ -7,12 +7,15 @@ module case_input
    use errors, only: error_t
    use features, only: rough_surface_t, feature_ridge, feature_sinusoid
    use findings, only: findings_t
-   use hertz, only: line_load_from_pressure, line_half_width
+   use hertz, only: line_load_from_pressure
+   use input_keys, only: key_rows, find_key
    use input_values, only: input_values_t, value_t, read_values
+   use key_range, only: is_in_range
    use kinds, only: wp
    use lubricant, only: viscosity_constant, viscosity_barus, viscosity_roelands, density_constant, density_dowson_higginson
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
    use namelist_text, only: namelist_text_t, split_namelist
+   use scaling, only: scaling_t, new_scaling
    use text, only: to_text
    use viscosity, only: complete_roelands
    implicit none (type, external)
@@ -54,7 +57,7 @@ contains
       call fill_surface(values, 'surface_1', case%bodies%speed_1, case%surface_1)
       call fill_surface(values, 'surface_2', case%bodies%speed_2, case%surface_2)
       call fill_numerics(values, case)
-      call check_pressure(values, case, findings)
+      call check_regime(values, case, findings)
       call list_effective(values, case)
    end subroutine read_case
 
@@ -225,21 +228,29 @@ contains
       if (slot%has_value) number = slot%integer
    end function integer_of
 
-   !> Finding: a load for which the contact is wider than the radius, where neither Hertz nor the half-space holds.
-   subroutine check_pressure(values, case, findings)
+   !> Findings: a load for which the contact is wider than the radius, where neither Hertz nor the half-space holds; a
+   !> contact outside the range of &moes.
+   subroutine check_regime(values, case, findings)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(in) :: case
       type(findings_t), intent(inout) :: findings
+      type(scaling_t) :: scales
       character(:), allocatable :: key
-      real(wp) :: half_width
 
       if (case%has_moes) return
-      half_width = line_half_width(case%load_per_length, case%bodies%reduced_radius, case%bodies%reduced_modulus)
-      if (half_width < case%bodies%reduced_radius) return
       key = 'load_per_length'
       if (values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
-      call findings%add(values%line_of('load', key), 'load', key, 'found a contact of half-width ' // to_text(half_width, 3) &
-         // ' m, expected less than the reduced radius, ' // to_text(case%bodies%reduced_radius, 3) // ' m')
-   end subroutine check_pressure
+      call new_scaling(scales, case%bodies, case%lubricant, case%load_per_length)
+      if (scales%half_width >= case%bodies%reduced_radius) then
+         call findings%add(values%line_of('load', key), 'load', key, 'found a contact of half-width ' &
+            // to_text(scales%half_width, 3) // ' m, expected less than the reduced radius, ' &
+            // to_text(case%bodies%reduced_radius, 3) // ' m')
+      else if (.not. is_in_range(scales%moes_m, key_rows(find_key('moes', 'moes_m'))%range) .or. &
+         .not. is_in_range(scales%moes_l, key_rows(find_key('moes', 'moes_l'))%range)) then
+         call findings%add(values%line_of('load', key), 'load', key, 'found a contact with Moes numbers M = ' &
+            // to_text(scales%moes_m, 3) // ', L = ' // to_text(scales%moes_l, 3) // ' (mean velocity), expected M ' &
+            // trim(key_rows(find_key('moes', 'moes_m'))%range) // ' and L ' // trim(key_rows(find_key('moes', 'moes_l'))%range))
+      end if
+   end subroutine check_regime
 
 end module case_input

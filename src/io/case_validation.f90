@@ -199,9 +199,9 @@ contains
    subroutine check_solver(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
-      character(len=16), parameter :: of_multigrid(*) = [character(len=16) :: 'levels', 'pre_sweeps', 'post_sweeps', &
-         'coarse_sweeps', 'smoother']
-      character(len=16), parameter :: of_relaxation(*) = [character(len=16) :: 'relaxation', 'load_relaxation']
+      character(len=16), parameter :: of_multigrid(*) = [character(len=16) :: 'levels', 'pre_sweeps', 'post_sweeps', 'smoother']
+      character(len=16), parameter :: of_relaxation(*) = [character(len=16) :: 'coarse_sweeps', 'relaxation', 'load_relaxation', &
+         'start']
       character(:), allocatable :: method
       type(value_t) :: levels, intervals
       integer :: i

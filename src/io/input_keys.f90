@@ -163,7 +163,7 @@ module input_keys
       key_row_t('solver', 'post_sweeps', integer_kind, '-', is_chosen, '>= 1, <= 1000', '', '', &
       'smoothing sweeps after the coarse grid'), &
       key_row_t('solver', 'coarse_sweeps', integer_kind, '-', is_chosen, '>= 1, <= 100000', '', '', &
-      'sweeps on the coarsest grid'), &
+      'sweeps on the coarsest grid, in place of its exact solution; with block_jacobi: sweeps a cycle'), &
       key_row_t('solver', 'relaxation', real_kind, '-', is_chosen, '>= 1e-6, < 2', '', '', &
       'relaxation factor of the smoother'), &
       key_row_t('solver', 'load_relaxation', real_kind, '-', is_chosen, '>= 1e-6, < 2', '', '', &

@@ -1,0 +1,73 @@
+!> From a case in SI to the dimensionless contact that the solver knows.
+module case_contact
+   use case_record, only: case_t, set_effective
+   use domain_choice, only: choose_domain
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
+   use scaling, only: scaling_t, new_scaling, new_moes_scaling, scaled_fluid
+   use surface_scaling, only: scaled_surface
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: build_line_contact
+
+contains
+
+   !> Makes `scaling` and `contact` of a case.
+   !>
+   !> Domain, grid and time step that the user left open are chosen here, by the rules of `domain_choice`, and entered into
+   !> the effective values of the case.
+   pure subroutine build_line_contact(case, scaling, contact)
+      type(case_t), intent(inout) :: case
+      type(scaling_t), intent(out) :: scaling
+      type(line_contact_t), intent(out) :: contact
+
+      call build_scaling(case, scaling)
+      contact%lambda = scaling%lambda
+      contact%moes_m_sum = moes_m_sum_from_mean(scaling%moes_m)
+      contact%moes_l_sum = moes_l_sum_from_mean(scaling%moes_l)
+      contact%fluid = scaled_fluid(scaling, case%lubricant, case%bodies)
+      contact%domain = case%domain
+      if (scaling%is_dimensional) then
+         contact%surface_1 = scaled_surface(case%surface_1, scaling)
+         contact%surface_2 = scaled_surface(case%surface_2, scaling)
+      else
+         allocate (contact%surface_1%features(0), contact%surface_2%features(0))
+         contact%surface_1%speed = 1.0_wp
+         contact%surface_2%speed = 1.0_wp
+      end if
+      call choose_domain(contact)
+      call enter_choices(case, contact)
+   end subroutine build_line_contact
+
+   !> The reference values of a case, from SI or from Moes' numbers.
+   pure subroutine build_scaling(case, scaling)
+      type(case_t), intent(in) :: case
+      type(scaling_t), intent(out) :: scaling
+
+      if (case%has_moes) then
+         call new_moes_scaling(scaling, case%moes_m, case%moes_l, case%lubricant)
+      else
+         call new_scaling(scaling, case%bodies, case%lubricant, case%load_per_length)
+      end if
+   end subroutine build_scaling
+
+   !> Enters what was chosen into the effective values.
+   pure subroutine enter_choices(case, contact)
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(in) :: contact
+      integer, parameter :: all_digits = 17
+
+      associate (domain => contact%domain)
+         call set_effective(case, 'domain', 'x_inlet', to_text(domain%x_inlet, all_digits), 'half-widths')
+         call set_effective(case, 'domain', 'x_outlet', to_text(domain%x_outlet, all_digits), 'half-widths')
+         call set_effective(case, 'domain', 'intervals', to_text(domain%intervals), '-')
+         if (.not. case%time%is_transient) return
+         if (case%time%time_step <= 0.0_wp) call set_effective(case, 'time', 'time_step', &
+            to_text((domain%x_outlet - domain%x_inlet)/real(domain%intervals, wp), all_digits), '-')
+      end associate
+   end subroutine enter_choices
+
+end module case_contact

@@ -1,0 +1,183 @@
+!> The key table as text for a terminal (`asperity --keys`) and as the page docs/input.md.
+module input_manual
+   use input_keys, only: key_rows, key_row_t, group_rows, later_rows, word_list, logical_kind, text_kind, real_kind, &
+      reals_kind, integer_kind
+   implicit none (type, external)
+   private
+
+   public :: keys_text, keys_markdown
+
+   character(*), parameter :: nl = new_line('a')
+   !> Width of the terminal page.
+   integer, parameter :: page_width = 100
+   !> Column where the explanations begin.
+   integer, parameter :: indent = 4
+
+contains
+
+   !> Every group and key: type, unit, default, range or words, meaning; at most 100 columns.
+   pure function keys_text() result(text)
+      character(:), allocatable :: text
+      integer :: group, i
+
+      text = 'Groups and keys of a namelist for the problem ehl_line. Of each key: type [unit], default,' // nl &
+         // 'range or words, meaning. "chosen" = chosen by the program; "-" = no default.' // nl
+      do group = 1, size(group_rows)
+         text = text // nl
+         if (group_rows(group)%needed == 'later') then
+            text = text // '&' // trim(group_rows(group)%group) // '  (not built yet)' // nl
+            cycle
+         end if
+         text = text // wrapped('&' // trim(group_rows(group)%group) // '  ' // trim(group_rows(group)%meaning), 0)
+         do i = 1, size(key_rows)
+            if (key_rows(i)%group == group_rows(group)%group) text = text // terminal_entry(key_rows(i))
+         end do
+      end do
+      text = text // nl // wrapped('Known, but not built yet (refused): ' // later_list(), 0)
+   end function keys_text
+
+   !> The lines of one key.
+   pure function terminal_entry(row) result(text)
+      type(key_row_t), intent(in) :: row
+      character(:), allocatable :: text
+      character(:), allocatable :: head
+
+      head = '  ' // row%key // ' ' // type_text(row)
+      if (row%unit /= '' .and. row%unit /= '-') head = head // ' [' // trim(row%unit) // ']'
+      head = head // ', default ' // trim(row%default)
+      if (row%range /= '') head = head // ', ' // trim(row%range)
+      text = wrapped(head, 8)
+      if (row%words /= '') text = text // wrapped(repeat(' ', indent) // words_text(row), 8)
+      text = text // wrapped(repeat(' ', indent) // trim(row%meaning), 8)
+   end function terminal_entry
+
+   !> Words of a key, and those not built yet.
+   pure function words_text(row) result(text)
+      type(key_row_t), intent(in) :: row
+      character(:), allocatable :: text
+
+      text = word_list(row%words)
+      if (row%later_words /= '') text = text // '; not built yet: ' // word_list(row%later_words)
+   end function words_text
+
+   !> Type of a key in a word or two.
+   pure function type_text(row) result(text)
+      type(key_row_t), intent(in) :: row
+      character(:), allocatable :: text
+
+      select case (row%kind)
+      case (real_kind)
+         text = 'real'
+      case (integer_kind)
+         text = 'integer'
+      case (logical_kind)
+         text = 'logical'
+      case (text_kind)
+         text = 'text'
+      case (reals_kind)
+         text = 'reals'
+      case default
+         text = 'word'
+      end select
+   end function type_text
+
+   !> "&group key, key; &group key" of all keys not built yet.
+   pure function later_list() result(list)
+      character(:), allocatable :: list
+      integer :: i
+
+      list = ''
+      do i = 1, size(later_rows)
+         if (i == 1) then
+            list = '&' // trim(later_rows(i)%group) // ' '
+         else if (later_rows(i)%group /= later_rows(i - 1)%group) then
+            list = list // '; &' // trim(later_rows(i)%group) // ' '
+         else
+            list = list // ', '
+         end if
+         list = list // trim(later_rows(i)%key)
+      end do
+   end function later_list
+
+   !> `text` broken at blanks into lines of at most `page_width`, the later ones indented by `hanging` blanks.
+   pure function wrapped(text, hanging) result(lines)
+      character(*), intent(in) :: text
+      integer, intent(in) :: hanging
+      character(:), allocatable :: lines
+      character(:), allocatable :: rest
+      integer :: blank
+
+      lines = ''
+      rest = trim(text)
+      do while (len(rest) > page_width)
+         blank = index(rest(:page_width + 1), ' ', back=.true.)
+         if (blank <= hanging + 1) exit
+         lines = lines // trim(rest(:blank - 1)) // nl
+         rest = repeat(' ', hanging) // rest(blank + 1:)
+      end do
+      lines = lines // rest // nl
+   end function wrapped
+
+   !> The page docs/input.md.
+   pure function keys_markdown() result(text)
+      character(:), allocatable :: text
+      integer :: group, i
+
+      text = '# Input: the namelist' // nl // nl &
+         // '<!-- Made from the key table by `asperity --keys-markdown > docs/input.md`: change src/io/input_keys.f90. -->' // nl &
+         // nl // introduction()
+      do group = 1, size(group_rows)
+         if (group_rows(group)%needed == 'later') cycle
+         text = text // nl // '## &' // trim(group_rows(group)%group) // nl // nl // capital(trim(group_rows(group)%meaning)) &
+            // '.' // nl // nl // '| key | type | unit | default | range or words | meaning |' // nl // '|---|---|---|---|---|---|' &
+            // nl
+         do i = 1, size(key_rows)
+            if (key_rows(i)%group == group_rows(group)%group) text = text // markdown_entry(key_rows(i))
+         end do
+      end do
+      text = text // nl // '## Not built yet' // nl // nl // 'These names are known and refused as not built yet:' // nl // nl
+      do i = 1, size(later_rows)
+         text = text // '- `&' // trim(later_rows(i)%group) // ' ' // trim(later_rows(i)%key) // '` (' &
+            // trim(later_rows(i)%meaning) // ')' // nl
+      end do
+   end function keys_markdown
+
+   !> The paragraphs before the tables.
+   pure function introduction() result(text)
+      character(:), allocatable :: text
+
+      text = 'A case is a Fortran namelist file in SI units. `asperity --template ehl_line` writes a complete one with' // nl &
+         // 'comments, `asperity --check CASE.nml` checks one without computing, and every finding names file, line, group and' &
+         // nl // 'key, what was found and what is expected. All findings of a file are reported together.' // nl // nl &
+         // '- A group is `&name ... /`, an entry `key = value`, a comment begins with `!`. Names and words may be written in' &
+         // nl // '  capitals. Words and texts stand in quotes and close on their line.' // nl &
+         // '- Several values are separated by commas or blanks; `3*0.1` is three times 0.1; `amplitude(2) = 1e-7` sets one' // nl &
+         // '  element.' // nl &
+         // '- A key that is unknown, repeated, not used by the case or not built yet is an error: nothing is ignored.' // nl &
+         // '- The file is UTF-8 text. Paths in it are relative to the file.' // nl &
+         // '- "required" must be given, "chosen" is chosen by the program, "-" has no default: the meaning says when it is' // nl &
+         // '  needed.' // nl
+   end function introduction
+
+   !> One row of a table.
+   pure function markdown_entry(row) result(text)
+      type(key_row_t), intent(in) :: row
+      character(:), allocatable :: text
+      character(:), allocatable :: range
+
+      range = trim(row%range)
+      if (row%words /= '') range = words_text(row)
+      text = '| `' // trim(row%key) // '` | ' // type_text(row) // ' | ' // trim(row%unit) // ' | ' // trim(row%default) // ' | ' &
+         // range // ' | ' // trim(row%meaning) // ' |' // nl
+   end function markdown_entry
+
+   !> `string` with a capital first letter.
+   pure function capital(string) result(text)
+      character(*), intent(in) :: string
+      character(:), allocatable :: text
+
+      text = string
+      if (text(1:1) >= 'a' .and. text(1:1) <= 'z') text(1:1) = achar(iachar(text(1:1)) - 32)
+   end function capital
+
+end module input_manual

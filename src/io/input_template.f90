@@ -1,0 +1,145 @@
+!> The commented, complete namelist of `asperity --template`: every key of the table, with the values of an example.
+module input_template
+   use input_keys, only: key_rows, key_row_t, group_rows, word_list, is_required, is_chosen, is_optional
+   implicit none (type, external)
+   private
+
+   public :: template_text
+
+   !> A key of the template.
+   type :: example_t
+      character(len=12) :: group
+      character(len=20) :: key
+      character(len=48) :: value
+      !> False: shown as a comment, since it would contradict another key or not be used.
+      logical :: is_active
+   end type example_t
+
+   !> Chapter 5, Case 1 of the thesis (Table 5.1). A key with a default of the table that is not listed shows its default.
+   type(example_t), parameter :: examples(*) = [ &
+      example_t('case', 'title', "'Case 1: smooth surfaces, steady'", .true.), &
+      example_t('case', 'problem', "'ehl_line'", .true.), &
+      example_t('case', 'output', "'case1.h5'", .false.), &
+      example_t('bodies', 'radius_1', '0.01', .true.), &
+      example_t('bodies', 'radius_2', '2.0', .true.), &
+      example_t('bodies', 'reduced_radius', '9.950e-3', .false.), &
+      example_t('bodies', 'youngs_modulus_1', '206e9', .true.), &
+      example_t('bodies', 'youngs_modulus_2', '206e9', .true.), &
+      example_t('bodies', 'poisson_ratio_1', '0.3', .true.), &
+      example_t('bodies', 'poisson_ratio_2', '0.3', .true.), &
+      example_t('bodies', 'reduced_modulus', '226.4e9', .false.), &
+      example_t('bodies', 'speed_1', '0.1', .true.), &
+      example_t('bodies', 'speed_2', '1.1', .true.), &
+      example_t('load', 'load_per_length', '1e5', .true.), &
+      example_t('load', 'hertz_pressure', '0.6e9', .false.), &
+      example_t('moes', 'moes_m', '20', .false.), &
+      example_t('moes', 'moes_l', '10', .false.), &
+      example_t('moes', 'velocity', "'sum'", .false.), &
+      example_t('lubricant', 'viscosity', '0.14', .true.), &
+      example_t('lubricant', 'pressure_viscosity', '2.3345e-8', .false.), &
+      example_t('lubricant', 'roelands_z', '0.6', .true.), &
+      example_t('lubricant', 'roelands_p0', '1.98e8', .true.), &
+      example_t('lubricant', 'rheology', "'eyring'", .true.), &
+      example_t('lubricant', 'eyring_stress', '3.3e6', .true.), &
+      example_t('surface_1', 'amplitude', '2e-7, -1e-7', .false.), &
+      example_t('surface_1', 'wavelength', '1e-4, 5e-5', .false.), &
+      example_t('surface_1', 'position', '-2.5, -3.0', .false.), &
+      example_t('surface_2', 'amplitude', '2e-7', .false.), &
+      example_t('surface_2', 'wavelength', '1e-4', .false.), &
+      example_t('surface_2', 'position', '-2.5', .false.), &
+      example_t('domain', 'x_inlet', '-4.0', .true.), &
+      example_t('domain', 'x_outlet', '1.5', .true.), &
+      example_t('domain', 'intervals', '1024', .true.), &
+      example_t('time', 'end_time', '2.181818', .false.), &
+      example_t('time', 'time_step', '2.7e-3', .false.), &
+      example_t('time', 'scheme', "'backward_euler'", .false.), &
+      example_t('solver', 'tolerance', '1e-8', .false.), &
+      example_t('solver', 'max_cycles', '100', .false.), &
+      example_t('solver', 'levels', '5', .false.), &
+      example_t('solver', 'pre_sweeps', '2', .false.), &
+      example_t('solver', 'post_sweeps', '2', .false.), &
+      example_t('solver', 'coarse_sweeps', '100', .false.), &
+      example_t('solver', 'relaxation', '0.8', .false.), &
+      example_t('solver', 'load_relaxation', '0.5', .false.), &
+      example_t('output', 'profile_stride', '1', .false.), &
+      example_t('output', 'fields', "'pressure', 'film_thickness'", .false.)]
+
+   character(*), parameter :: nl = new_line('a')
+   !> Column of the units.
+   integer, parameter :: unit_column = 44
+
+contains
+
+   !> The template of the problem `ehl_line`.
+   pure function template_text() result(template)
+      character(:), allocatable :: template
+      integer :: i
+
+      template = '! A lubricated line contact; asperity --keys explains every key. Lines that start with !    are' // nl &
+         // '! alternatives or optional: take out the ! to use them. Groups and keys may stand in any order.' // nl
+      do i = 1, size(group_rows)
+         if (group_rows(i)%needed /= 'later') template = template // nl // group_text(trim(group_rows(i)%group), &
+            trim(group_rows(i)%meaning))
+      end do
+   end function template_text
+
+   !> One group; commented out altogether if no key of it is active.
+   pure function group_text(group, meaning) result(text)
+      character(*), intent(in) :: group, meaning
+      character(:), allocatable :: text
+      character(:), allocatable :: lines, mark
+      logical :: is_active
+      integer :: i
+
+      lines = ''
+      is_active = .false.
+      do i = 1, size(key_rows)
+         if (key_rows(i)%group /= group) cycle
+         associate (example => example_of(key_rows(i)))
+            is_active = is_active .or. example%is_active
+            lines = lines // key_text(key_rows(i), example)
+         end associate
+      end do
+      mark = '! '
+      if (is_active) mark = ''
+      text = '! ' // meaning // nl // mark // '&' // group // nl // lines // mark // '/' // nl
+   end function group_text
+
+   !> The example of a key; its default where none is listed.
+   pure function example_of(row) result(example)
+      type(key_row_t), intent(in) :: row
+      type(example_t) :: example
+      integer :: i
+
+      do i = 1, size(examples)
+         example = examples(i)
+         if (example%group == row%group .and. example%key == row%key) return
+      end do
+      example = example_t(row%group, row%key, row%default, .true.)
+   end function example_of
+
+   !> Two lines: the meaning; key, value, unit, default, words.
+   pure function key_text(row, example) result(text)
+      type(key_row_t), intent(in) :: row
+      type(example_t), intent(in) :: example
+      character(:), allocatable :: text
+      character(:), allocatable :: line, note
+
+      line = '   '
+      if (.not. example%is_active) line = '!  '
+      line = line // trim(row%key) // ' = ' // trim(example%value)
+      if (len(line) < unit_column) line = line // repeat(' ', unit_column - len(line))
+      note = ''
+      if (row%unit /= '') note = ' [' // trim(row%unit) // ']'
+      if (row%default == is_chosen) then
+         note = note // ' default: chosen by the program'
+      else if (row%default /= is_required .and. row%default /= is_optional) then
+         note = note // ' default ' // trim(row%default)
+      end if
+      if (index(trim(row%words), ' ') > 0) note = note // ' of ' // word_list(row%words)
+      text = '   ! ' // trim(row%meaning) // nl // line
+      if (note /= '') text = text // ' !' // note
+      text = text // nl
+   end function key_text
+
+end module input_template
