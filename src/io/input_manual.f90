@@ -86,11 +86,9 @@ contains
       character(:), allocatable :: list
       integer :: i
 
-      list = ''
-      do i = 1, size(later_rows)
-         if (i == 1) then
-            list = '&' // trim(later_rows(i)%group) // ' '
-         else if (later_rows(i)%group /= later_rows(i - 1)%group) then
+      list = '&' // trim(later_rows(1)%group) // ' ' // trim(later_rows(1)%key)
+      do i = 2, size(later_rows)
+         if (later_rows(i)%group /= later_rows(i - 1)%group) then
             list = list // '; &' // trim(later_rows(i)%group) // ' '
          else
             list = list // ', '
@@ -129,8 +127,8 @@ contains
       do group = 1, size(group_rows)
          if (group_rows(group)%needed == 'later') cycle
          text = text // nl // '## &' // trim(group_rows(group)%group) // nl // nl // capital(trim(group_rows(group)%meaning)) &
-            // '.' // nl // nl // '| key | type | unit | default | range or words | meaning |' // nl // '|---|---|---|---|---|---|' &
-            // nl
+            // '.' // nl // nl // '| key | type | unit | default | range or words | meaning |' // nl &
+            // '|---|---|---|---|---|---|' // nl
          do i = 1, size(key_rows)
             if (key_rows(i)%group == group_rows(group)%group) text = text // markdown_entry(key_rows(i))
          end do

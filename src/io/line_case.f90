@@ -1,13 +1,11 @@
 !> From a case in SI to the dimensionless contact that the solver knows.
-module case_contact
-   use case_record, only: case_t, set_effective
-   use domain_choice, only: choose_domain
+module line_case
+   use case_record, only: case_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use scaling, only: scaling_t, new_scaling, new_moes_scaling, scaled_fluid
    use surface_scaling, only: scaled_surface
-   use text, only: to_text
    implicit none (type, external)
    private
 
@@ -16,11 +14,9 @@ module case_contact
 contains
 
    !> Makes `scaling` and `contact` of a case.
-   !>
-   !> Domain, grid and time step that the user left open are chosen here, by the rules of `domain_choice`, and entered into
-   !> the effective values of the case.
+   !> The domain is as in the case: what is left open there is chosen by the solver.
    pure subroutine build_line_contact(case, scaling, contact)
-      type(case_t), intent(inout) :: case
+      type(case_t), intent(in) :: case
       type(scaling_t), intent(out) :: scaling
       type(line_contact_t), intent(out) :: contact
 
@@ -38,8 +34,6 @@ contains
          contact%surface_1%speed = 1.0_wp
          contact%surface_2%speed = 1.0_wp
       end if
-      call choose_domain(contact)
-      call enter_choices(case, contact)
    end subroutine build_line_contact
 
    !> The reference values of a case, from SI or from Moes' numbers.
@@ -54,20 +48,4 @@ contains
       end if
    end subroutine build_scaling
 
-   !> Enters what was chosen into the effective values.
-   pure subroutine enter_choices(case, contact)
-      type(case_t), intent(inout) :: case
-      type(line_contact_t), intent(in) :: contact
-      integer, parameter :: all_digits = 17
-
-      associate (domain => contact%domain)
-         call set_effective(case, 'domain', 'x_inlet', to_text(domain%x_inlet, all_digits), 'half-widths')
-         call set_effective(case, 'domain', 'x_outlet', to_text(domain%x_outlet, all_digits), 'half-widths')
-         call set_effective(case, 'domain', 'intervals', to_text(domain%intervals), '-')
-         if (.not. case%time%is_transient) return
-         if (case%time%time_step <= 0.0_wp) call set_effective(case, 'time', 'time_step', &
-            to_text((domain%x_outlet - domain%x_inlet)/real(domain%intervals, wp), all_digits), '-')
-      end associate
-   end subroutine enter_choices
-
-end module case_contact
+end module line_case
