@@ -88,6 +88,7 @@ contains
       character(*), intent(in) :: group, meaning
       character(:), allocatable :: text
       character(:), allocatable :: lines, mark
+      type(example_t) :: example
       logical :: is_active
       integer :: i
 
@@ -95,10 +96,9 @@ contains
       is_active = .false.
       do i = 1, size(key_rows)
          if (key_rows(i)%group /= group) cycle
-         associate (example => example_of(key_rows(i)))
-            is_active = is_active .or. example%is_active
-            lines = lines // key_text(key_rows(i), example)
-         end associate
+         example = example_of(key_rows(i))
+         is_active = is_active .or. example%is_active
+         lines = lines // key_text(key_rows(i), example)
       end do
       mark = '! '
       if (is_active) mark = ''
