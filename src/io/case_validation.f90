@@ -49,20 +49,20 @@ contains
    subroutine check_groups(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
+      character(:), allocatable :: name
       integer :: i
       logical :: has_moes, excluded
 
       has_moes = values%has_group('moes')
       do i = 1, size(group_rows)
-         associate (name => trim(group_rows(i)%group))
-            excluded = name == 'bodies' .or. name == 'load'
-            if (values%group_lines(i) == 0 .and. group_rows(i)%needed == 'yes' .and. .not. (has_moes .and. excluded)) &
-               call findings%add(values%last_line, name, '', 'found no such group, expected &' // name // ' ... / (' &
-               // trim(group_rows(i)%meaning) // ')')
-            excluded = excluded .or. name == 'surface_1' .or. name == 'surface_2'
-            if (has_moes .and. excluded .and. values%group_lines(i) > 0) call findings%add(values%group_lines(i), name, '', &
-               'found together with &moes, expected one of the two: &moes is a smooth contact without SI units')
-         end associate
+         name = trim(group_rows(i)%group)
+         excluded = name == 'bodies' .or. name == 'load'
+         if (values%group_lines(i) == 0 .and. group_rows(i)%needed == 'yes' .and. .not. (has_moes .and. excluded)) &
+            call findings%add(values%last_line, name, '', 'found no such group, expected &' // name // ' ... / (' &
+            // trim(group_rows(i)%meaning) // ')')
+         excluded = excluded .or. name == 'surface_1' .or. name == 'surface_2'
+         if (has_moes .and. excluded .and. values%group_lines(i) > 0) call findings%add(values%group_lines(i), name, '', &
+            'found together with &moes, expected one of the two: &moes is a smooth contact without SI units')
       end do
    end subroutine check_groups
 

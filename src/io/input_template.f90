@@ -1,6 +1,6 @@
 !> The commented, complete namelist of `asperity --template`: every key of the table, with the values of an example.
 module input_template
-   use input_keys, only: key_rows, key_row_t, group_rows, word_list, is_required, is_chosen, is_optional
+   use input_keys, only: key_rows, key_row_t, group_rows, word_list, is_required, is_chosen, is_optional, words_kind
    implicit none (type, external)
    private
 
@@ -75,8 +75,8 @@ contains
       character(:), allocatable :: template
       integer :: i
 
-      template = '! A lubricated line contact; asperity --keys explains every key. Lines that start with !    are' // nl &
-         // '! alternatives or optional: take out the ! to use them. Groups and keys may stand in any order.' // nl
+      template = '! A lubricated line contact (chapter 5, Case 1); asperity --keys shows the ranges too. Lines with ! in' // nl &
+         // '! the first column hold keys that are optional here or replace others. The order of all is free.' // nl
       do i = 1, size(group_rows)
          if (group_rows(i)%needed /= 'later') template = template // nl // group_text(trim(group_rows(i)%group), &
             trim(group_rows(i)%meaning))
@@ -128,18 +128,21 @@ contains
       line = '   '
       if (.not. example%is_active) line = '!  '
       line = line // trim(row%key) // ' = ' // trim(example%value)
-      if (len(line) < unit_column) line = line // repeat(' ', unit_column - len(line))
       note = ''
       if (row%unit /= '') note = ' [' // trim(row%unit) // ']'
       if (row%default == is_chosen) then
          note = note // ' default: chosen by the program'
       else if (row%default /= is_required .and. row%default /= is_optional) then
          note = note // ' default ' // trim(row%default)
+         if (index(trim(row%words), ' ') > 0) note = note // ','
       end if
-      if (index(trim(row%words), ' ') > 0) note = note // ' of ' // word_list(row%words)
-      text = '   ! ' // trim(row%meaning) // nl // line
-      if (note /= '') text = text // ' !' // note
-      text = text // nl
+      if (index(trim(row%words), ' ') > 0 .and. row%kind == words_kind) then
+         note = note // ' any of ' // word_list(row%words)
+      else if (index(trim(row%words), ' ') > 0) then
+         note = note // ' one of ' // word_list(row%words)
+      end if
+      if (note /= '') line = line // repeat(' ', max(0, unit_column - len(line))) // ' !' // note
+      text = '   ! ' // trim(row%meaning) // nl // line // nl
    end function key_text
 
 end module input_template
