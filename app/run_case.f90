@@ -1,0 +1,115 @@
+!> One case from its record to its result file and its exit status.
+module run_case
+   use case_contact, only: build_line_contact
+   use case_record, only: case_t, result_path, set_effective
+   use ehl_line_solver, only: solve_ehl_line
+   use errors, only: error_t, output_error
+   use iteration_report, only: phase_output, phase_transient, report_t
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_state, only: all_finite, line_state_t
+   use progress_log, only: new_progress_log, progress_log_t
+   use result_writer, only: field_name_length, open_result, result_writer_t
+   use run_observer, only: run_observer_t
+   use scaling, only: scaling_t
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: run_one_case
+
+   !> Exit status of one case: converged and written; failed inside; not converged, but written; not written.
+   integer, parameter, public :: status_converged = 0, status_failed = 1, status_not_converged = 2, status_not_written = 3
+
+contains
+
+   !> Solves `case`, writes its result to the folder `output_dir` (empty: where the case says), tells progress unless `is_quiet`.
+   subroutine run_one_case(case, output_dir, is_quiet, status)
+      type(case_t), intent(inout) :: case
+      character(*), intent(in) :: output_dir
+      logical, intent(in) :: is_quiet
+      integer, intent(out) :: status
+      type(run_observer_t) :: watcher
+      type(line_contact_t) :: contact
+      type(line_state_t) :: state
+      type(report_t) :: report
+      type(scaling_t) :: scaling
+      type(error_t), allocatable :: error
+
+      watcher%log = new_progress_log(is_quiet)
+      call build_line_contact(case, scaling, contact)
+      call watcher%log%start_case(case%file, scaling)
+      call start_result(case, output_dir, scaling, watcher%writer, error)
+      if (allocated(error)) then
+         call give_up(error, watcher%log, status)
+         return
+      end if
+      call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
+      if (allocated(error)) then
+         call watcher%writer%discard()
+         call give_up(error, watcher%log, status)
+         return
+      end if
+      call refuse_nonsense(state, report)
+      report%phase_seconds(phase_output) = watcher%output_seconds
+      report%phase_seconds(phase_transient) = max(report%phase_seconds(phase_transient) - watcher%output_seconds, 0.0_wp)
+      call set_effective(case, 'solver', 'levels', to_text(report%levels), '-')
+      call store_input(case, watcher%writer)
+      call watcher%writer%finish(state, report, error)
+      if (allocated(error)) then
+         call give_up(error, watcher%log, status)
+         return
+      end if
+      call watcher%log%close_case(watcher%writer%summary, report, watcher%writer%path)
+      status = merge(status_converged, status_not_converged, report%converged)
+   end subroutine run_one_case
+
+   !> Opens the result of `case` and writes what is known before the run. Error: it cannot be written.
+   subroutine start_result(case, output_dir, scaling, writer, error)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: output_dir
+      type(scaling_t), intent(in) :: scaling
+      type(result_writer_t), intent(out) :: writer
+      type(error_t), allocatable, intent(out) :: error
+
+      call open_result(writer, result_path(case, output_dir), error)
+      if (allocated(error)) return
+      writer%profile_stride = case%output_settings%profile_stride
+      if (allocated(case%output_settings%fields)) writer%fields = case%output_settings%fields(:)(:field_name_length)
+      call writer%describe(trim(case%problem), case%title, case%namelist, scaling)
+   end subroutine start_result
+
+   !> Tells an error and turns it into an exit status.
+   subroutine give_up(error, log, status)
+      type(error_t), intent(in) :: error
+      type(progress_log_t), intent(inout) :: log
+      integer, intent(out) :: status
+
+      call log%say_error(error%message)
+      status = merge(status_not_written, status_failed, error%kind == output_error)
+   end subroutine give_up
+
+   !> A solution that is not made of numbers is not converged, whatever the solver says.
+   subroutine refuse_nonsense(state, report)
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
+
+      if (.not. report%converged .or. all_finite(state)) return
+      report%converged = .false.
+      report%reason = 'the solution holds values that are not finite'
+   end subroutine refuse_nonsense
+
+   !> /input/effective.
+   subroutine store_input(case, writer)
+      type(case_t), intent(in) :: case
+      type(result_writer_t), intent(inout) :: writer
+      integer :: i
+
+      do i = 1, size(case%effective)
+         associate (entry => case%effective(i))
+            call writer%add_input(entry%group, entry%key, entry%value, entry%unit)
+         end associate
+      end do
+   end subroutine store_input
+
+end module run_case
