@@ -67,11 +67,11 @@ contains
       do i = 1, size(order)
          current = order(i)
          j = i - 1
-         do while (j >= 1)
-            if (self%items(order(j))%line <= self%items(current)%line) exit
+         shift: do while (j >= 1)
+            if (self%items(order(j))%line <= self%items(current)%line) exit shift
             order(j + 1) = order(j)
             j = j - 1
-         end do
+         end do shift
          order(j + 1) = current
       end do
       report = ''

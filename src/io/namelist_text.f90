@@ -90,11 +90,11 @@ contains
          if (source%text(position:position) == '&' .and. .not. source%in_string(position)) return
          if (source%text(position:position) /= ' ') then
             last = position
-            do while (last < len(source%text))
-               if (source%line(last + 1) /= source%line(position)) exit
-               if (source%text(last + 1:last + 1) == '&' .and. .not. source%in_string(last + 1)) exit
+            extend: do while (last < len(source%text))
+               if (source%line(last + 1) /= source%line(position)) exit extend
+               if (source%text(last + 1:last + 1) == '&' .and. .not. source%in_string(last + 1)) exit extend
                last = last + 1
-            end do
+            end do extend
             call findings%add(source%line(position), '', '', 'found ' // quoted(source%text(position:last)) &
                // ' outside a group, expected &group ... /')
             position = last

@@ -67,6 +67,8 @@ contains
          if (allocated(state%roughness_1)) values = state%roughness_1
       case ('roughness_2')
          if (allocated(state%roughness_2)) values = state%roughness_2
+      case default
+         return
       end select
    end function field_values
 
