@@ -10,8 +10,9 @@ module solver_choice
 
    public :: steady_attempts, time_step_attempts, is_one_level, method_name
 
-   !> Above these (sum velocity, Newtonian) a contact is heavy: line relaxation of a stiff spike overshoots.
-   real(wp), parameter :: heavy_m = 20.0_wp, heavy_l = 10.0_wp
+   !> A Newtonian contact is heavy above one of these (sum velocity): full steps of any smoother then overshoot at the
+   !> spike or in the inlet.
+   real(wp), parameter :: heavy_m = 4.0_wp, heavy_l = 12.0_wp
 
 contains
 
@@ -23,7 +24,7 @@ contains
       logical :: is_heavy
       integer :: i
 
-      is_heavy = contact%moes_m_sum >= heavy_m .and. contact%moes_l_sum >= heavy_l .and. .not. contact%fluid%is_eyring
+      is_heavy = (contact%moes_m_sum >= heavy_m .or. contact%moes_l_sum >= heavy_l) .and. .not. contact%fluid%is_eyring
       if (is_one_level(settings)) then
          attempts = [one_level(settings)]
       else
@@ -40,9 +41,9 @@ contains
             if (settings%method == "fas_block_jacobi") then
                attempts = [block_jacobi(is_heavy)]
             else if (is_heavy) then
-               attempts = [gauss_seidel(is_heavy), w_cycle(gauss_seidel(is_heavy)), line(is_heavy), w_cycle(line(is_heavy))]
+               attempts = [gauss_seidel(.true.), line(.true.), w_cycle(gauss_seidel(.true.)), w_cycle(line(.true.))]
             else
-               attempts = [line(is_heavy), gauss_seidel(is_heavy), line(.true.), w_cycle(gauss_seidel(.true.))]
+               attempts = [line(.false.), gauss_seidel(.true.), line(.true.), w_cycle(gauss_seidel(.true.))]
             end if
          end select
       end if
