@@ -76,7 +76,7 @@ def strip_steps(result: Result, centres: list[float]) -> tuple[list[int], Featur
     return [int(np.argmin(np.abs(time - t))) for t in moments], followed
 
 
-def paths_legend(result: Result, paths: list[Feature]) -> list[Line2D]:
+def paths_legend(paths: list[Feature]) -> list[Line2D]:
     """Legend entry for the dashed paths; empty without paths."""
     if not paths:
         return []
@@ -135,7 +135,7 @@ def draw_xt(result: Result, options: argparse.Namespace) -> list[Path]:
     axes[1].set_ylabel("")
     paths = visible_paths(result, style.x_window(result, options.window))
     if paths:
-        style.legend_below(figure, paths_legend(result, paths), 1)
+        style.legend_below(figure, paths_legend(paths), 1)
     style.mark_not_converged(figure, [result])
     return style.save_figure(figure, figure_command.targets(options, result.stem, "xt"))
 

@@ -20,8 +20,8 @@ def statements(path):
     """(line number, statement) with continuations joined, comments and strings removed, in lower case."""
     joined, first = "", 0
     for number, line in enumerate(path.read_text(encoding="utf-8").lower().splitlines(), 1):
-        line = re.sub(r"!\s*error:", "; stated !", line)
-        code = re.sub(r"'[^']*'|\"[^\"]*\"", "''", line).split("!")[0].strip().lstrip("&").strip()
+        stated = re.sub(r"!\s*error:", "; stated !", line)
+        code = re.sub(r"'[^']*'|\"[^\"]*\"", "''", stated).split("!")[0].strip().lstrip("&").strip()
         if not code:
             continue
         first = first if joined else number
