@@ -28,9 +28,7 @@ def names(results: list[Result]) -> list[str]:
     return [str(result.path.with_suffix("")) for result in results]
 
 
-def draw_field(
-    upper: Axes, lower: Axes, results: list[Result], field: str, options: argparse.Namespace
-) -> None:
+def draw_field(upper: Axes, lower: Axes, results: list[Result], field: str, options: argparse.Namespace) -> None:
     """One field of all results, and below it the difference to the first."""
     first = results[0]
     x_axis, axis = first.solution["x"].axis(options.si), first.solution[field].axis(options.si)
@@ -57,9 +55,7 @@ def draw_field(
     upper.set(xlim=(left, right), ylim=(0, top_of(results, field, axis)))
 
 
-def difference_of(
-    x: np.ndarray, values: np.ndarray, x_first: np.ndarray, reference: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def difference_of(x: np.ndarray, values: np.ndarray, x_first: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and difference to the reference, on the coarser of the two grids."""
     if x.size < x_first.size:
         return x, values - np.interp(x, x_first, reference, np.nan, np.nan)
@@ -80,17 +76,12 @@ def top_of(results: list[Result], field: str, axis: Axis) -> float:
     """Upper end of the axis of a field."""
     if field == "pressure":
         return 1.06 * max(float(np.nanmax(r.solution[field].shown(axis))) for r in results)
-    return max(
-        style.film_limit(r.solution[field].shown(axis), r.solution["pressure"].values)
-        for r in results
-    )
+    return max(style.film_limit(r.solution[field].shown(axis), r.solution["pressure"].values) for r in results)
 
 
 def draw_figure(results: list[Result], options: argparse.Namespace) -> list[Path]:
     """Left film, right pressure; above the results, below their difference to the first."""
-    figure, axes = style.new_figure(
-        style.TWO_COLUMNS, 100, nrows=2, ncols=2, sharex=True, height_ratios=(1.6, 1)
-    )
+    figure, axes = style.new_figure(style.TWO_COLUMNS, 100, nrows=2, ncols=2, sharex=True, height_ratios=(1.6, 1))
     for (upper, lower), field in zip(axes.T, FIELDS, strict=True):
         draw_field(upper, lower, results, field, options)
     figure.align_ylabels(axes)

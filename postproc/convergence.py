@@ -24,7 +24,8 @@ def histories(result: Result) -> list[tuple[str, np.ndarray]]:
     """The histories in the file that are not empty, with their names."""
     names = {"residual_history": "residual", "load_error_history": "load error"}
     found = [
-        (words, np.atleast_1d(result.report[name])) for name, words in names.items()
+        (words, np.atleast_1d(result.report[name]))
+        for name, words in names.items()
         if name in result.report and np.size(result.report[name]) > 0
     ]
     if not found:
@@ -43,7 +44,9 @@ def draw_cycles(axes: Axes, result: Result) -> None:
     for (words, history), look in zip(histories(result), style.SERIES, strict=False):
         few = history.size <= MOST_MARKERS
         axes.semilogy(
-            np.arange(1, history.size + 1), np.maximum(history, ROUND_OFF), label=words,
+            np.arange(1, history.size + 1),
+            np.maximum(history, ROUND_OFF),
+            label=words,
             **look | {"marker": look["marker"] if few else "", "linewidth": 1.2 if few else 0.6},
         )
     axes.set(xlabel="Cycle", ylabel="Residual, load error [-]")
@@ -56,8 +59,10 @@ def draw_steps(axes: Axes, result: Result, si: bool) -> None:
     axis = result.transient["time"].axis(si)
     time = result.transient["time"].shown(axis)[1:]
     axes.semilogy(
-        time, np.maximum(result.transient["residual"].values[1:], ROUND_OFF),
-        color=style.SERIES[0]["color"], linewidth=0.8,
+        time,
+        np.maximum(result.transient["residual"].values[1:], ROUND_OFF),
+        color=style.SERIES[0]["color"],
+        linewidth=0.8,
     )
     axes.set(xlabel=axis.label, ylabel="Residual of the step [-]", xlim=(0, time[-1]))
 
@@ -67,9 +72,7 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     result = read_result(path, options.si)
     figure_command.warn_not_converged(PROGRAM, result)
     has_steps = "residual" in result.transient and result.transient["time"].values.size > 1
-    figure, axes = style.new_figure(
-        style.ONE_COLUMN, 105 if has_steps else 66, nrows=1 + has_steps, squeeze=False
-    )
+    figure, axes = style.new_figure(style.ONE_COLUMN, 105 if has_steps else 66, nrows=1 + has_steps, squeeze=False)
     draw_cycles(axes[0, 0], result)
     if has_steps:
         draw_steps(axes[1, 0], result, options.si)

@@ -31,13 +31,18 @@ def new_parser(program: str, description: str, example: str) -> FigureParser:
     )
     parser.add_argument("results", nargs="+", metavar="RESULT.h5", help="result files of asperity")
     parser.add_argument(
-        "--output", default=".", metavar="DIR",
-        help="folder for the figures (made if missing; default: the current one), "
-        "or a file name when a single figure is drawn",
+        "--output",
+        default=".",
+        metavar="DIR",
+        help="folder for the figures (made if missing; default: the current one), or a file name when a single figure is drawn",
     )
     parser.add_argument("--si", action="store_true", help="SI units instead of dimensionless")
     parser.add_argument(
-        "--format", nargs="+", choices=FORMATS, default=["png", "pdf"], metavar="EXT",
+        "--format",
+        nargs="+",
+        choices=FORMATS,
+        default=["png", "pdf"],
+        metavar="EXT",
         help="one or more of png, pdf, svg (default: png pdf)",
     )
     return parser
@@ -46,7 +51,10 @@ def new_parser(program: str, description: str, example: str) -> FigureParser:
 def add_window(parser: argparse.ArgumentParser) -> None:
     """The option that limits the shown X."""
     parser.add_argument(
-        "--window", nargs=2, type=float, metavar=("FROM", "TO"),
+        "--window",
+        nargs=2,
+        type=float,
+        metavar=("FROM", "TO"),
         help="part of X to show, in half-widths (default: the loaded part with room around it)",
     )
 
@@ -98,8 +106,7 @@ def warn_not_converged(program: str, result: Result) -> None:
     """Says on standard error that a result is drawn although it is marked not converged."""
     if not result.converged:
         reason = result.reason or "no reason given"
-        print(f"{program}: {result.path}: not converged: {reason} (drawn and marked)",
-              file=sys.stderr)
+        print(f"{program}: {result.path}: not converged: {reason} (drawn and marked)", file=sys.stderr)
 
 
 def _finding(path: Path, needs: tuple[str, ...]) -> str:

@@ -37,28 +37,30 @@ SERIES = (
     {"color": "#969696", "linestyle": (0, (2, 1)), "marker": "x"},
 )
 
-plt.rcParams.update({
-    "font.family": "STIXGeneral",
-    "mathtext.fontset": "stix",
-    "font.size": 9,
-    "axes.labelsize": 9,
-    "axes.titlesize": 9,
-    "xtick.labelsize": 8.5,
-    "ytick.labelsize": 8.5,
-    "legend.fontsize": 8.5,
-    "legend.frameon": False,
-    "legend.handlelength": 2.4,
-    "axes.linewidth": 0.6,
-    "lines.linewidth": 1.2,
-    "lines.markersize": 3.5,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.top": True,
-    "ytick.right": True,
-    "figure.constrained_layout.use": True,
-    "pdf.fonttype": 42,
-    "svg.fonttype": "none",
-})
+plt.rcParams.update(
+    {
+        "font.family": "STIXGeneral",
+        "mathtext.fontset": "stix",
+        "font.size": 9,
+        "axes.labelsize": 9,
+        "axes.titlesize": 9,
+        "xtick.labelsize": 8.5,
+        "ytick.labelsize": 8.5,
+        "legend.fontsize": 8.5,
+        "legend.frameon": False,
+        "legend.handlelength": 2.4,
+        "axes.linewidth": 0.6,
+        "lines.linewidth": 1.2,
+        "lines.markersize": 3.5,
+        "xtick.direction": "in",
+        "ytick.direction": "in",
+        "xtick.top": True,
+        "ytick.right": True,
+        "figure.constrained_layout.use": True,
+        "pdf.fonttype": 42,
+        "svg.fonttype": "none",
+    }
+)
 
 
 def new_figure(width: float, height_mm: float, **subplots: object) -> tuple[Figure, object]:
@@ -117,8 +119,12 @@ def few_ticks(axes: Axes) -> None:
 def legend_below(figure: Figure, handles: list, columns: int) -> None:
     """A legend below the axes, where it covers nothing."""
     figure.legend(
-        handles=handles, loc="outside lower center", ncols=columns, columnspacing=1.6,
-        borderpad=0.1, borderaxespad=0.1,
+        handles=handles,
+        loc="outside lower center",
+        ncols=columns,
+        columnspacing=1.6,
+        borderpad=0.1,
+        borderaxespad=0.1,
     )
 
 

@@ -32,9 +32,7 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     result = read_result(path, options.si, with_transient=options.time is not None)
     figure_command.warn_not_converged(PROGRAM, result)
     pressure, film, time = fields(result, options.time)
-    x_axis, p_axis, h_axis = (
-        result.solution[name].axis(options.si) for name in ("x", "pressure", "film_thickness")
-    )
+    x_axis, p_axis, h_axis = (result.solution[name].axis(options.si) for name in ("x", "pressure", "film_thickness"))
     x = result.x * x_axis.factor
     left, right = style.x_window(result, options.window)
     hertz = np.sqrt(np.maximum(1 - result.x**2, 0))
@@ -46,7 +44,11 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     lines += axes.plot(x, hertz * p_axis.factor, label="Hertz", **style.REFERENCE)
     low = np.nanargmin(film)
     lines += twin.plot(
-        x[low], film[low] * h_axis.factor, "o", mfc="white", color=style.FILM["color"],
+        x[low],
+        film[low] * h_axis.factor,
+        "o",
+        mfc="white",
+        color=style.FILM["color"],
         label=f"${h_axis.symbol}_\\mathrm{{min}}$ = {h_axis.number(film[low])}",
     )
     axes.set(xlabel=x_axis.label, ylabel=p_axis.label)
@@ -70,7 +72,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser = figure_command.new_parser(PROGRAM, __doc__, EXAMPLE)
     figure_command.add_window(parser)
     parser.add_argument(
-        "--time", type=float, metavar="T",
+        "--time",
+        type=float,
+        metavar="T",
         help="dimensionless time of a transient result (default: the last)",
     )
     options = parser.parse_args(arguments)

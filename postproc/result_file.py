@@ -163,9 +163,7 @@ class Result:
     def require_si(self) -> None:
         """Refuses SI units where the file has none."""
         if not self.solution["x"].has_si:
-            raise ResultError(
-                f"{self.path}: has no SI scale (dimensionless &moes study); leave out --si"
-            )
+            raise ResultError(f"{self.path}: has no SI scale (dimensionless &moes study); leave out --si")
 
 
 def check_result(path: str | Path, needs: tuple[str, ...] = ("solution",)) -> None:
@@ -208,9 +206,7 @@ def read_result(path: str | Path, si: bool = False, with_transient: bool = False
 
 def _opened(path: Path) -> h5py.File:
     if path.suffix == ".part":
-        raise ResultError(
-            f"{path}: an unfinished result (.part): still being written, or its run was stopped"
-        )
+        raise ResultError(f"{path}: an unfinished result (.part): still being written, or its run was stopped")
     if not path.exists():
         raise ResultError(f"{path}: no such file")
     if path.is_dir():
@@ -235,9 +231,7 @@ def _check_content(path: Path, file: h5py.File, needs: tuple[str, ...]) -> None:
             raise ResultError(f"{path}: has no /{group}{hint}")
 
 
-def _quantities(
-    path: Path, file: h5py.File, group: str, names: tuple[str, ...]
-) -> dict[str, Quantity]:
+def _quantities(path: Path, file: h5py.File, group: str, names: tuple[str, ...]) -> dict[str, Quantity]:
     found = {}
     for name in names:
         if name not in file[group]:
@@ -260,8 +254,7 @@ def _datasets(file: h5py.File, group: str) -> dict[str, h5py.Dataset]:
 
 def _summary(file: h5py.File) -> dict[str, float]:
     values = {name: _plain(item) for name, item in _datasets(file, "summary").items()}
-    return {name: float(value) for name, value in values.items() if np.isscalar(value)
-            and not isinstance(value, str)}
+    return {name: float(value) for name, value in values.items() if np.isscalar(value) and not isinstance(value, str)}
 
 
 def _plain(dataset: h5py.Dataset) -> object:
@@ -290,8 +283,7 @@ def _features(file: h5py.File) -> list[Feature]:
     if effective is None or "bodies" not in effective:
         return []
     speeds = [_numbers(effective["bodies"], f"speed_{i}") for i in (1, 2)]
-    half_width = float(np.asarray(file["scaling"].attrs.get("half_width", np.nan)).item()) \
-        if "scaling" in file else np.nan
+    half_width = float(np.asarray(file["scaling"].attrs.get("half_width", np.nan)).item()) if "scaling" in file else np.nan
     if not all(speeds) or speeds[0][0] + speeds[1][0] == 0:
         return []
     features = []

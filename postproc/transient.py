@@ -25,7 +25,11 @@ MAP_POINTS = 1200
 MAXIMAL_PATHS = 24
 LOOKS = (style.FILM, style.PRESSURE)
 PATH = {
-    "color": "black", "linewidth": 0.8, "linestyle": (0, (6, 4)), "scalex": False, "scaley": False,
+    "color": "black",
+    "linewidth": 0.8,
+    "linestyle": (0, (6, 4)),
+    "scalex": False,
+    "scaley": False,
     "path_effects": [effects.withStroke(linewidth=1.7, foreground="white")],
 }
 
@@ -111,13 +115,16 @@ def draw_map(axes: Axes, result: Result, name: str, options: argparse.Namespace)
     values = quantity.values[np.ix_(steps, nodes)]
     low, high, extend = colour_range(result, name, values)
     image = axes.pcolormesh(
-        result.x[nodes] * x_axis.factor, time[steps] * t_axis.factor, values * shown.factor,
-        cmap=style.COLOUR_MAP, vmin=low * shown.factor, vmax=high * shown.factor,
-        shading="nearest", rasterized=True,
+        result.x[nodes] * x_axis.factor,
+        time[steps] * t_axis.factor,
+        values * shown.factor,
+        cmap=style.COLOUR_MAP,
+        vmin=low * shown.factor,
+        vmax=high * shown.factor,
+        shading="nearest",
+        rasterized=True,
     )
-    axes.figure.colorbar(
-        image, ax=axes, location="top", label=shown.label, extend=extend, aspect=28, pad=0.02
-    )
+    axes.figure.colorbar(image, ax=axes, location="top", label=shown.label, extend=extend, aspect=28, pad=0.02)
     ends = time[[0, -1]]
     for path in visible_paths(result, window):
         axes.plot(path.centre(ends) * x_axis.factor, ends * t_axis.factor, **PATH)
@@ -179,19 +186,14 @@ class Passage:
     def places(self, step: int) -> list[tuple[Feature, float]]:
         """The features that are inside the window, and where (shown unit)."""
         centres = [(path, path.centre(self.time[step])) for path in self.paths]
-        return [
-            (path, x * self.x_axis.factor) for path, x in centres
-            if self.window[0] <= x <= self.window[1]
-        ]
+        return [(path, x * self.x_axis.factor) for path, x in centres if self.window[0] <= x <= self.window[1]]
 
 
 def draw_film_strip(result: Result, options: argparse.Namespace) -> list[Path]:
     """Film above, pressure below, one column for each place of the feature."""
     steps, feature = strip_steps(result, options.centres)
     passage = Passage(result, options)
-    figure, axes = style.new_figure(
-        style.TWO_COLUMNS, 92, nrows=2, ncols=len(steps), sharex=True, sharey="row", squeeze=False
-    )
+    figure, axes = style.new_figure(style.TWO_COLUMNS, 92, nrows=2, ncols=len(steps), sharex=True, sharey="row", squeeze=False)
     for column, step in zip(axes.T, steps, strict=True):
         passage.set_axes(column)
         for panel, (values, _, colour, _) in zip(column, passage.rows, strict=True):
@@ -199,7 +201,11 @@ def draw_film_strip(result: Result, options: argparse.Namespace) -> list[Path]:
             for path, place in passage.places(step):
                 panel.axvline(place, color="0.35", linewidth=0.6, linestyle=(0, (4, 3)), zorder=0)
                 panel.plot(
-                    place, 1, transform=panel.get_xaxis_transform(), clip_on=False, zorder=5,
+                    place,
+                    1,
+                    transform=panel.get_xaxis_transform(),
+                    clip_on=False,
+                    zorder=5,
                     **mark_look(path),
                 )
         column[0].set_title(strip_title(passage, step, feature))
@@ -214,18 +220,18 @@ def draw_film_strip(result: Result, options: argparse.Namespace) -> list[Path]:
 def mark_look(path: Feature) -> dict[str, object]:
     """Triangle of a feature: filled on surface 2, open on surface 1; ridges down, dents up."""
     return {
-        "marker": "v" if path.amplitude > 0 else "^", "color": "black", "markersize": 4.5,
-        "markerfacecolor": "black" if path.surface == 2 else "white", "linestyle": "none",
+        "marker": "v" if path.amplitude > 0 else "^",
+        "color": "black",
+        "markersize": 4.5,
+        "markerfacecolor": "black" if path.surface == 2 else "white",
+        "linestyle": "none",
     }
 
 
 def marks_legend(paths: list[Feature]) -> list[Line2D]:
     """One entry for each kind of triangle in the figure."""
     kinds = {(path.word, path.surface): path for path in paths}
-    return [
-        Line2D([], [], label=f"{word} of surface {surface}", **mark_look(path))
-        for (word, surface), path in kinds.items()
-    ]
+    return [Line2D([], [], label=f"{word} of surface {surface}", **mark_look(path)) for (word, surface), path in kinds.items()]
 
 
 def strip_title(passage: Passage, step: int, feature: Feature | None) -> str:
@@ -246,8 +252,7 @@ def draw_passage(result: Result, options: argparse.Namespace) -> list[Path]:
     passage.set_axes(axes)
     axes[1].set_xlabel(passage.x_axis.label)
     lines = [
-        panel.plot(passage.x, values[0], color=colour)[0]
-        for panel, (values, _, colour, _) in zip(axes, passage.rows, strict=True)
+        panel.plot(passage.x, values[0], color=colour)[0] for panel, (values, _, colour, _) in zip(axes, passage.rows, strict=True)
     ]
     title = axes[0].set_title(passage.title(-1))
     style.legend_below(figure, [axes[0].lines[0], *marks_legend(passage.paths)], 2)
@@ -265,9 +270,7 @@ def draw_passage(result: Result, options: argparse.Namespace) -> list[Path]:
                 marks.pop().remove()
             for panel in axes:
                 for path, place in passage.places(step):
-                    marks += panel.plot(
-                        place, 0.96, transform=panel.get_xaxis_transform(), **mark_look(path)
-                    )
+                    marks += panel.plot(place, 0.96, transform=panel.get_xaxis_transform(), **mark_look(path))
             writer.grab_frame()
     style.plt.close(figure)
     return [target]
@@ -298,19 +301,23 @@ def main(arguments: list[str] | None = None) -> int:
     parser = figure_command.new_parser(PROGRAM, __doc__, EXAMPLE)
     figure_command.add_window(parser)
     parser.add_argument(
-        "--parts", nargs="+", choices=PARTS, default=list(PARTS), metavar="PART",
+        "--parts",
+        nargs="+",
+        choices=PARTS,
+        default=list(PARTS),
+        metavar="PART",
         help="what to draw: xt, film_strip, passage (default: all)",
     )
     parser.add_argument(
-        "--centres", nargs="+", type=float, default=list(STRIP_CENTRES), metavar="X",
+        "--centres",
+        nargs="+",
+        type=float,
+        default=list(STRIP_CENTRES),
+        metavar="X",
         help="places of the feature in the film strip, in half-widths (default: -1 -0.5 0 0.5 1)",
     )
-    parser.add_argument(
-        "--frames", type=int, default=60, metavar="N", help="pictures in the animation (60)"
-    )
-    parser.add_argument(
-        "--frames-per-second", type=int, default=10, metavar="N", help="speed of it (10)"
-    )
+    parser.add_argument("--frames", type=int, default=60, metavar="N", help="pictures in the animation (60)")
+    parser.add_argument("--frames-per-second", type=int, default=10, metavar="N", help="speed of it (10)")
     options = parser.parse_args(arguments)
     if options.frames < 2 or options.frames_per_second < 1:
         parser.error("--frames must be at least 2 and --frames-per-second at least 1")

@@ -37,9 +37,7 @@ def smooth_contact(nodes: int = 129) -> tuple[np.ndarray, np.ndarray, np.ndarray
     return x, pressure, film
 
 
-def passage(
-    nodes: int = 129, steps: int = 81, start: float = -2.5, speed: float = 11 / 6
-) -> dict[str, np.ndarray]:
+def passage(nodes: int = 129, steps: int = 81, start: float = -2.5, speed: float = 11 / 6) -> dict[str, np.ndarray]:
     """A ridge that moves through the smooth contact, as /transient has it."""
     x, pressure, film = smooth_contact(nodes)
     time = np.linspace(0, (1.5 - start) / speed, steps)
@@ -65,12 +63,16 @@ def write_result(
     """Writes a result; `fields` with 'time' make a transient one; `features` is /surface_2."""
     scales = SCALES if has_si else dict.fromkeys(SCALES, ("1", 1.0))
     is_transient = "time" in fields
-    last = {name: fields[name][-1] if is_transient else fields[name]
-            for name in ("pressure", "film_thickness")}
+    last = {name: fields[name][-1] if is_transient else fields[name] for name in ("pressure", "film_thickness")}
     with h5py.File(path, "w") as file:
-        file.attrs.update(program="asperity", version="0.0.0", problem="ehl_line",
-                          title="synthetic", converged=int(converged),
-                          reason="converged" if converged else "cycle limit of 12 reached")
+        file.attrs.update(
+            program="asperity",
+            version="0.0.0",
+            problem="ehl_line",
+            title="synthetic",
+            converged=int(converged),
+            reason="converged" if converged else "cycle limit of 12 reached",
+        )
         effective = file.create_group("input/effective")
         for i in (1, 2):
             put(effective.require_group("bodies"), f"speed_{i}", speeds[i - 1], "m/s")
@@ -94,9 +96,7 @@ def write_result(
     return path
 
 
-def write_summary(
-    file: h5py.File, fields: dict[str, np.ndarray], scales: dict[str, tuple[str, float]]
-) -> None:
+def write_summary(file: h5py.File, fields: dict[str, np.ndarray], scales: dict[str, tuple[str, float]]) -> None:
     """The scalars of /summary, in SI."""
     film, pressure = fields["film_thickness"], fields["pressure"]
     central = film[..., np.argmin(np.abs(fields["x"]))]

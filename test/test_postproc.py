@@ -75,9 +75,7 @@ def test_profile_draws_png_and_pdf(steady: Path, tmp_path: Path, si: tuple[str, 
     done = run("profile", steady, "--output", tmp_path / "out", *si)
     assert (done.returncode, done.stderr) == (0, "")
     assert files_of(tmp_path / "out") == ["smooth_profile.pdf", "smooth_profile.png"]
-    assert done.stdout.split() == [
-        str(tmp_path / "out" / f"smooth_profile.{ending}") for ending in ("png", "pdf")
-    ]
+    assert done.stdout.split() == [str(tmp_path / "out" / f"smooth_profile.{ending}") for ending in ("png", "pdf")]
 
 
 def test_profile_of_a_time(moving: Path, tmp_path: Path) -> None:
@@ -111,23 +109,26 @@ def test_compare_needs_two_files(steady: Path) -> None:
 
 
 @pytest.mark.parametrize("si", [(), ("--si",)])
-def test_transient_draws_map_strip_and_animation(
-    moving: Path, tmp_path: Path, si: tuple[str, ...]
-) -> None:
+def test_transient_draws_map_strip_and_animation(moving: Path, tmp_path: Path, si: tuple[str, ...]) -> None:
     done = run("transient", moving, "--output", tmp_path / "out", "--frames", 4, *si)
     assert (done.returncode, done.stderr) == (0, "")
     assert files_of(tmp_path / "out") == [
-        "ridge_film_strip.pdf", "ridge_film_strip.png", "ridge_passage.gif",
-        "ridge_xt.pdf", "ridge_xt.png",
+        "ridge_film_strip.pdf",
+        "ridge_film_strip.png",
+        "ridge_passage.gif",
+        "ridge_xt.pdf",
+        "ridge_xt.png",
     ]
 
 
-@pytest.mark.parametrize("features", [
-    {"shape": "smooth"},
-    {"shape": "sinusoid", "amplitude": 1e-7, "wavelength": 1e-4, "position": 0.0},
-    {"shape": "'feature', 'sinusoid'", "amplitude": "2e-7, 1.0d-7", "wavelength": "2*1e-4",
-     "position": "-2.5 0.0"},
-])
+@pytest.mark.parametrize(
+    "features",
+    [
+        {"shape": "smooth"},
+        {"shape": "sinusoid", "amplitude": 1e-7, "wavelength": 1e-4, "position": 0.0},
+        {"shape": "'feature', 'sinusoid'", "amplitude": "2e-7, 1.0d-7", "wavelength": "2*1e-4", "position": "-2.5 0.0"},
+    ],
+)
 def test_transient_with_other_surfaces(tmp_path: Path, features: dict[str, object]) -> None:
     result = result_maker.write_result(tmp_path / "a.h5", result_maker.passage(), features)
     done = run("transient", result, "--output", tmp_path / "out", "--parts", "xt", "film_strip")
@@ -137,9 +138,7 @@ def test_transient_with_other_surfaces(tmp_path: Path, features: dict[str, objec
 
 @pytest.mark.parametrize("script", ["profile", "convergence", "transient"])
 def test_not_converged_is_said(tmp_path: Path, script: str) -> None:
-    result = result_maker.write_result(
-        tmp_path / "bad.h5", result_maker.passage(), RIDGE, converged=False
-    )
+    result = result_maker.write_result(tmp_path / "bad.h5", result_maker.passage(), RIDGE, converged=False)
     extra = ("--parts", "xt") if script == "transient" else ()
     done = run(script, result, "--output", tmp_path / "out", *extra)
     assert done.returncode == 0
