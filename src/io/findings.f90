@@ -65,7 +65,7 @@ contains
 
       allocate (order(min(self%count, most_kept)))
       do i = 1, size(order)
-         current = order(i)
+         current = i
          j = i - 1
          shift: do while (j >= 1)
             if (self%items(order(j))%line <= self%items(current)%line) exit shift

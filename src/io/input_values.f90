@@ -178,6 +178,12 @@ contains
       logical :: is_array
       integer :: i
 
+      if (entry%is_broken) then
+         call forget_default(slot)
+         slot%has_value = .false.
+         slot%line = entry%line
+         return
+      end if
       is_array = row%kind == reals_kind .or. row%kind == words_kind
       call split_values(entry%values, pieces, problem)
       if (.not. allocated(problem)) then

@@ -4,8 +4,9 @@ module lubricant_validation
    use findings, only: findings_t
    use input_values, only: input_values_t
    use kinds, only: wp
+   use text, only: to_text
    use validation_messages, only: report_missing, report_unused
-   use viscosity, only: complete_roelands
+   use viscosity, only: complete_roelands, roelands_alpha, roelands_log_shift
    implicit none (type, external)
    private
 
@@ -72,25 +73,35 @@ contains
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
       type(error_t), allocatable :: error
-      real(wp) :: alpha, p0, z, viscosity
       character(len=20), parameter :: keys(*) = [character(len=20) :: 'viscosity', 'pressure_viscosity', 'roelands_p0', &
          'roelands_z']
-      integer :: i, line
+      character(len=20) :: last
+      real(wp) :: number(size(keys))
+      integer :: i, given
 
-      line = 0
+      given = 0
+      last = keys(2)
       do i = 1, size(keys)
          if (values%is_given('lubricant', trim(keys(i))) .neqv. values%has_value('lubricant', trim(keys(i)))) return
-         if (i > 1 .and. values%is_given('lubricant', trim(keys(i)))) &
-            line = max(line, values%line_of('lubricant', trim(keys(i))))
+         number(i) = values%real_value('lubricant', trim(keys(i)))
+         if (i == 1 .or. number(i) <= 0.0_wp) cycle
+         given = given + 1
+         last = keys(i)
       end do
-      viscosity = values%real_value('lubricant', 'viscosity')
-      if (viscosity <= 0.0_wp) return
-      alpha = values%real_value('lubricant', 'pressure_viscosity')
-      p0 = values%real_value('lubricant', 'roelands_p0')
-      z = values%real_value('lubricant', 'roelands_z')
-      call complete_roelands(viscosity, alpha, p0, z, error)
-      if (line == 0) line = values%line_of('lubricant', '')
-      if (allocated(error)) call findings%add(line, 'lubricant', 'pressure_viscosity', error%message)
+      if (number(1) <= 0.0_wp) return
+      call complete_roelands(number(1), number(2), number(3), number(4), error)
+      if (.not. allocated(error)) return
+      if (given < 2) then
+         call findings%add(values%line_of('lubricant', trim(last)), 'lubricant', trim(last), 'found ' // to_text(given) &
+            // ' of pressure_viscosity, roelands_p0 and roelands_z, expected two with viscosity_law = ''roelands''')
+      else if (number(1) <= exp(-roelands_log_shift)) then
+         call findings%add(values%line_of('lubricant', 'viscosity'), 'lubricant', 'viscosity', 'found ' // to_text(number(1)) &
+            // ', expected more than ' // to_text(exp(-roelands_log_shift), 3) // ' [Pa s] with viscosity_law = ''roelands''')
+      else
+         call findings%add(values%line_of('lubricant', 'pressure_viscosity'), 'lubricant', 'pressure_viscosity', 'found ' &
+            // to_text(number(2), 5) // ' beside roelands_p0 and roelands_z, expected ' &
+            // to_text(roelands_alpha(number(1), number(3), number(4)), 5) // ' [1/Pa] by (2.27), or only two of the three')
+      end if
    end subroutine check_roelands
 
    !> With &moes the pressure scale is p_h = alpha_bar/alpha. Findings: parameters that are not used then, laws that

@@ -25,6 +25,8 @@ module namelist_text
       integer :: first = 1
       !> True if a subscript is written.
       logical :: has_subscript = .false.
+      !> True if the subscript cannot be read (and is reported).
+      logical :: is_broken = .false.
    end type entry_t
 
    !> One group.
@@ -96,12 +98,30 @@ contains
                last = last + 1
             end do extend
             call findings%add(source%line(position), '', '', 'found ' // quoted(source%text(position:last)) &
-               // ' outside a group, expected &group ... /')
+               // ' outside a group, expected &group ... /' // slash_hint(source, position))
             position = last
          end if
          position = position + 1
       end do
    end subroutine read_outside
+
+   !> A hint, if the text at `position` stands behind the / of a group in the same line.
+   pure function slash_hint(source, position) result(hint)
+      type(source_t), intent(in) :: source
+      integer, intent(in) :: position
+      character(:), allocatable :: hint
+      integer :: before
+
+      hint = ''
+      before = position - 1
+      do while (before >= 1)
+         if (source%line(before) /= source%line(position)) return
+         if (source%text(before:before) /= ' ') exit
+         before = before - 1
+      end do
+      if (before < 1) return
+      if (source%text(before:before) == '/') hint = ' (a / that is not in quotes ends the group)'
+   end function slash_hint
 
    !> Reads one group; `position` is at its `&` and ends behind its `/`. Findings: no name, repeated, not closed.
    subroutine read_group(source, position, pieces, findings)
@@ -161,7 +181,7 @@ contains
             exit
          end if
       end do
-      call findings%add(line, name, '', 'found no end of the group, expected a closing /')
+      if (name /= '') call findings%add(line, name, '', 'found no end of the group, expected a closing /')
    end subroutine find_group_end
 
    !> Cuts source(first:last), the inside of a group, at its `=` signs into entries.
@@ -216,7 +236,7 @@ contains
          if (status /= 0 .or. entry%first < 1) then
             call findings%add(entry%line, group, to_lower(name), 'found the subscript (' // quoted(subscript) &
                // '), expected one number, as in ' // to_lower(name) // '(2) = ...')
-            return
+            entry%is_broken = .true.
          end if
       end if
       entry%key = to_lower(name)

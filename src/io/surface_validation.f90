@@ -52,8 +52,8 @@ contains
          other = values%slot(group, trim(keys(i)))
          if (.not. other%is_given .or. .not. other%has_value) cycle
          if (size(other%is_set) == elements .or. (keys(i) == 'shape' .and. size(other%is_set) == 1)) cycle
-         call findings%add(other%line, group, trim(keys(i)), 'found ' // to_text(size(other%is_set)) // ' values, expected ' &
-            // to_text(elements) // ', one for each value of amplitude')
+         call findings%add(other%line, group, trim(keys(i)), 'found length ' // to_text(size(other%is_set)) &
+            // ', expected ' // to_text(elements) // ', one value for each value of amplitude')
       end do
    end subroutine check_lengths
 

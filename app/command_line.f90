@@ -1,0 +1,166 @@
+!> The arguments of the program.
+module command_line
+   use errors, only: error_t, fail, input_error
+   use nearest_name, only: nearest_known
+   implicit none (type, external)
+   private
+
+   public :: command_t, read_command_line, help_text
+
+   !> What the user asks for.
+   type :: command_t
+      !> 'run', 'check', 'template', 'keys', 'keys-markdown', 'version' or 'help'.
+      character(:), allocatable :: action
+      !> Namelist files.
+      character(len=4096), allocatable :: files(:)
+      !> Folder of the results; empty: not given.
+      character(:), allocatable :: output_dir
+      !> Threads of areal problems [-].
+      integer :: threads = 1
+      !> True: no progress.
+      logical :: is_quiet = .false.
+   end type command_t
+
+   character(len=16), parameter :: options(*) = [character(len=16) :: '--output', '--threads', '--check', '--resume', &
+      '--quiet', '--template', '--keys', '--version', '--help']
+   character(*), parameter :: see_help = '; see asperity --help'
+
+contains
+
+   !> Reads the arguments of the process. Errors (input_error): unknown or incomplete options, no case, `--resume`.
+   subroutine read_command_line(command, error)
+      type(command_t), intent(out) :: command
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: word
+      integer :: i, count
+
+      command%action = 'run'
+      command%output_dir = ''
+      count = command_argument_count()
+      allocate (command%files(0))
+      i = 1
+      do while (i <= count)
+         word = argument(i)
+         select case (word)
+         case ('--check', '--keys', '--version', '--help', '--keys-markdown')
+            call set_action(command, word(3:), error)
+         case ('-h')
+            call set_action(command, 'help', error)
+         case ('--quiet')
+            command%is_quiet = .true.
+         case ('--template', '--output', '--threads')
+            i = i + 1
+            call read_option_value(command, word, argument(i), error)
+         case ('--resume')
+            call fail(error, input_error, '--resume is not built yet')
+         case default
+            call read_file_name(command, word, error)
+         end select
+         if (allocated(error)) return
+         i = i + 1
+      end do
+      if ((command%action == 'run' .or. command%action == 'check') .and. size(command%files) == 0) &
+         call fail(error, input_error, 'found no namelist file, expected at least one' // see_help)
+   end subroutine read_command_line
+
+   !> Argument number `i`; empty if there is none.
+   function argument(i) result(word)
+      integer, intent(in) :: i
+      character(:), allocatable :: word
+      integer :: length
+
+      length = 0
+      if (i <= command_argument_count()) call get_command_argument(i, length=length)
+      allocate (character(len=length) :: word)
+      if (length > 0) call get_command_argument(i, value=word)
+   end function argument
+
+   !> One action a call. Error: a second, different one.
+   subroutine set_action(command, action, error)
+      type(command_t), intent(inout) :: command
+      character(*), intent(in) :: action
+      type(error_t), allocatable, intent(out) :: error
+
+      if (command%action /= 'run' .and. command%action /= action) then
+         call fail(error, input_error, 'found --' // command%action // ' and --' // action // ', expected one of them')
+         return
+      end if
+      command%action = action
+   end subroutine set_action
+
+   !> The word after an option. Errors: missing, not a number of threads, not a problem.
+   subroutine read_option_value(command, option, value, error)
+      type(command_t), intent(inout) :: command
+      character(*), intent(in) :: option, value
+      type(error_t), allocatable, intent(out) :: error
+      integer :: status
+
+      if (len_trim(value) == 0) then
+         call fail(error, input_error, 'found ' // option // ' without a value' // see_help)
+         return
+      end if
+      select case (option)
+      case ('--output')
+         command%output_dir = value
+      case ('--threads')
+         status = 1
+         if (verify(value, '0123456789') == 0 .and. len(value) < 5) read (value, *, iostat=status) command%threads
+         if (status /= 0 .or. command%threads < 1) &
+            call fail(error, input_error, 'found --threads ' // value // ', expected a number of threads, 1 to 9999')
+      case default
+         call set_action(command, 'template', error)
+         if (allocated(error)) return
+         if (value == 'dry_line' .or. value == 'dry_area') then
+            call fail(error, input_error, 'found --template ' // value // ', which is not built yet, expected ehl_line')
+         else if (value /= 'ehl_line') then
+            call fail(error, input_error, 'found --template ' // value // ', expected ehl_line')
+         end if
+      end select
+   end subroutine read_option_value
+
+   !> Adds a namelist file. Error: an unknown option; a name that is too long.
+   subroutine read_file_name(command, word, error)
+      type(command_t), intent(inout) :: command
+      character(*), intent(in) :: word
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: hint
+
+      if (index(word, '-') == 1) then
+         hint = nearest_known(word, options)
+         if (hint /= '') hint = '; did you mean ' // hint // '?'
+         call fail(error, input_error, 'found the unknown option ' // word // hint // see_help)
+      else if (len(word) > len(command%files)) then
+         call fail(error, input_error, 'found a file name of more than 4096 characters')
+      else
+         command%files = [character(len=len(command%files)) :: command%files, word]
+      end if
+   end subroutine read_file_name
+
+   !> What `--help` shows.
+   pure function help_text() result(text)
+      character(:), allocatable :: text
+      character(*), parameter :: nl = new_line('a')
+
+      text = 'asperity - contacts between rough surfaces: the lubricated (elastohydrodynamic) line contact' // nl // nl &
+         // 'Usage:' // nl &
+         // '  asperity CASE.nml [CASE2.nml ...] [--output DIR] [--threads N] [--check] [--quiet]' // nl &
+         // '  asperity --template ehl_line     write a commented, complete namelist with units and defaults' // nl &
+         // '  asperity --keys                  every group and key: unit, default, range, meaning' // nl &
+         // '  asperity --version | --help' // nl // nl &
+         // 'Options:' // nl &
+         // '  --output DIR   folder of the results; without it the current folder (or the output of the case)' // nl &
+         // '  --check        read and check the namelists, compute nothing' // nl &
+         // '  --quiet        no progress; errors only' // nl &
+         // '  --threads N    threads of areal problems (default 1); a line contact needs one' // nl &
+         // '  --resume       go on from a checkpoint (not built yet)' // nl // nl &
+         // 'Examples:' // nl &
+         // '  asperity --template ehl_line > case.nml && asperity case.nml        first run, writes case.h5' // nl &
+         // '  asperity --check case.nml                                          what is wrong with my input?' // nl &
+         // '  asperity load*.nml --output results --quiet                        several cases, one after another' // nl &
+         // '  ls *.nml | xargs -P 8 -n 1 asperity --quiet                        side by side on 8 cores' // nl // nl &
+         // 'Exit status: 0 every case converged and was written; 1 bad input, usage or file; 2 a case did not converge' // nl &
+         // '(written, marked, with the reason); 3 a result could not be written; 4 interrupted by a signal.' // nl &
+         // 'Results go to files, progress and errors to standard error.' // nl
+   end function help_text
+
+end module command_line
