@@ -7,9 +7,8 @@ program asperity
    use errors, only: error_t
    use input_manual, only: keys_markdown, keys_text
    use input_template, only: template_text
-   use progress_log, only: new_progress_log, progress_log_t
    use read_cases, only: read_all_cases
-   use run_case, only: run
+   use run_case, only: run_one_case
    implicit none (type, external)
 
    !> Exit status of bad input, usage or file.
@@ -35,7 +34,6 @@ contains
       integer, intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
       type(case_t), allocatable :: cases(:)
-      type(progress_log_t) :: log
       integer :: i, this_status
 
       select case (command%action)
@@ -52,13 +50,12 @@ contains
       case default
          call read_all_cases(command%files, command%output_dir, cases, error)
          if (allocated(error)) return
-         log = new_progress_log(command%is_quiet)
          do i = 1, size(cases)
             if (command%action == 'check') then
                write (output_unit, '(a)') cases(i)%file // ': no findings'
                cycle
             end if
-            call run(cases(i), command%output_dir, log, this_status)
+            call run_one_case(cases(i), command%output_dir, command%is_quiet, this_status)
             status = max(status, this_status)
          end do
       end select

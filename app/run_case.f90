@@ -1,11 +1,11 @@
 !> One case from its record to its result file and its exit status.
 module run_case
-   use case_contact, only: build_line_contact
    use case_record, only: case_t, result_path, set_effective
    use ehl_line_solver, only: solve_ehl_line
    use errors, only: error_t, output_error
    use iteration_report, only: phase_output, phase_transient, report_t
    use kinds, only: wp
+   use line_case, only: build_line_contact
    use line_contact, only: line_contact_t
    use line_state, only: all_finite, line_state_t
    use progress_log, only: new_progress_log, progress_log_t
