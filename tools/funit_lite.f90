@@ -236,13 +236,17 @@ contains
       end do
    end subroutine check_real_relative
 
-   !> The two numbers differ by more than the tolerance (NaN differs from everything).
+   !> The two numbers differ by more than the tolerance; fails with NaN.
    subroutine check_real_differ(expected, actual, tolerance, message, location)
       real(real64), intent(in) :: expected, actual, tolerance
       character(*), intent(in), optional :: message
       type(SourceLocation), intent(in), optional :: location
 
-      if (are_close(expected, actual, tolerance)) call report('both are ' // real_text(actual), message, location)
+      if (ieee_is_nan(expected) .or. ieee_is_nan(actual)) then
+         call report('one is not a number', message, location)
+      else if (are_close(expected, actual, tolerance)) then
+         call report('found ' // real_text(actual) // ', which is ' // real_text(expected), message, location)
+      end if
    end subroutine check_real_differ
 
    !> lhs < rhs + tolerance (or <=, >, >=) in every element; false with NaN.

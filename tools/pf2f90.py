@@ -180,7 +180,7 @@ class Translator:
     def take_line(self, line, number):
         """Translate one line."""
         code = code_only(line)
-        match = re.fullmatch(r"\s*@\s*(\w+)\s*(.*?)\s*", line)
+        match = re.fullmatch(r"\s*@(\w+)\s*(.*?)\s*", line)
         if line.startswith("#"):
             raise Refused("preprocessor lines are not in the subset")
         if match:
@@ -293,6 +293,8 @@ class Translator:
             if bool(test.argument) != bool(suite.case_type):
                 wanted = "one argument of the @testCase type" if suite.case_type else "no argument (there is no @testCase)"
                 raise Refused(f"test {test.name} (line {test.line}) must take {wanted}")
+            if test.cases and "testparameters" in suite.case_options:
+                raise Refused(f"test {test.name} (line {test.line}): cases= does nothing beside testParameters=")
             if test.cases and not suite.case_is_parameterized:
                 raise Refused(f"test {test.name} (line {test.line}): cases= needs a ParameterizedTestCase")
             if suite.case_is_parameterized and not (test.cases or "testparameters" in suite.case_options):

@@ -25,7 +25,6 @@ PASSING = """
       @assertEqual('abc', '  abc ')
       @assertNotEqual(1.0_wp, 1.1_wp)
       @assertNotEqual(1, 2)
-      @assertNotEqual(nan, nan)
       @assertLessThan(1.0_wp, 2.0_wp)
       @assertLessThan(2.0_wp, 1.9_wp, 0.2_wp)
       @assertLessThan(0.0_wp, [1.0_wp, 2.0_wp])
@@ -42,7 +41,7 @@ PASSING = """
       @assertIsNaN(nan)
       @assertIsFinite(1.0_wp)
       @assertSameShape([2, 3], shape(reshape([1, 2, 3, 4, 5, 6], [2, 3])))
-      @ assertequal (1, 1)
+      @assertequal (1, 1)
 """.strip().splitlines()
 
 FAILING = """
@@ -63,6 +62,7 @@ FAILING = """
       @assertNotEqual(1.0_wp, 1.0_wp)
       @assertNotEqual(1.0_wp, 1.1_wp, 0.2_wp)
       @assertNotEqual(2, 2)
+      @assertNotEqual(nan, nan)
       @assertLessThan(1.0_wp, 1.0_wp)
       @assertLessThan(nan, 1.0_wp)
       @assertLessThan(1.0_wp, [2.0_wp, 1.0_wp])
@@ -201,10 +201,10 @@ def test_before_and_after_run_around_each_test(run):
 
 
 def test_fixture_types_and_parameters(run):
-    files = {name: (TESTS / f"{name}.pf").read_text(encoding="utf-8") for name in ("test_fixture", "test_parameters")}
+    files = {name: (TESTS / f"{name}.pf").read_text(encoding="utf-8") for name in ("test_fixture", "test_parameters", "test_cases")}
     result = run("-v", **files)
     assert "test_parameters_suite.is_even[value = 4]" in result.stdout
-    assert failed_tests(result) == ["is_even[value = 5]", "is_small[value = 12]"]
+    assert failed_tests(result) == ["is_small[value = 12]", "is_even[value = 5]"]
     assert result.stdout.endswith("8 passed, 2 failed\n")
     without = files["test_parameters"].replace("[parameter_t(2), parameter_t(4), parameter_t(5)]", "[parameter_t ::]")
     result = run("-f", "is_even", test_parameters=without)
@@ -222,6 +222,7 @@ REFUSED = {
     "continuation": ("@assertEqual(1, &\n1)", 6, "no '&'"),
     "trailing comment": ("@assertEqual(1, 1) ! comment", 6, "trailing comment"),
     "semicolon": ("@assertEqual(1, 1); x = 1", 6, "';'"),
+    "blank behind the sign": ("@ assertEqual(1, 1)", 6, "alone on its line"),
     "inside an if": ("if (x) @assertEqual(1, 1)", 6, "alone on its line"),
     "something behind": ("@assertEqual(1, 1) (2)", 6, "nothing may follow"),
     "open parenthesis": ("@assertEqual(1, (1)", 6, "do not balance"),
@@ -276,6 +277,12 @@ STRUCTURE = {
     "parameters without parameter type": (
         "@testCase(constructor=f, testParameters={g()})\ntype, extends(ParameterizedTestCase) :: c\n@test\nsubroutine a(this)",
         "needs a @testParameter type",
+    ),
+    "cases beside parameters": (
+        "@testParameter\ntype, extends(AbstractTestParameter) :: p\n"
+        "@testCase(constructor=f, testParameters={g()})\ntype, extends(ParameterizedTestCase) :: c\n"
+        "@test(cases=[1])\nsubroutine a(this)",
+        "cases= does nothing beside testParameters=",
     ),
     "fixture of another parent": ("@testCase\ntype, extends(other) :: c", "extends TestCase"),
 }
