@@ -158,7 +158,7 @@ contains
       call self%clear()
       outcome = self%name//': converged'
       if (.not. report%converged) outcome = self%name//': NOT CONVERGED'
-      if (.not. report%converged .and. allocated(report%reason)) outcome = outcome//': '//report%reason
+      if (.not. report%converged .and. allocated(report%reason)) outcome = outcome//': '//trim(report%reason)
       if (report%converged .or. .not. self%is_quiet) then
          outcome = outcome//', '//number_text(real(report%cycles, wp), 9)//' cycles'
          if (report%steps > 0) outcome = outcome//' in '//number_text(real(report%steps, wp), 9)//' time steps'

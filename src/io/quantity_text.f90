@@ -24,6 +24,7 @@ contains
          string = to_text(nint(value))
       else
          string = to_text(value, digits)
+         if (string(len(string):) == '.') string = string(:len(string) - 1)
       end if
    end function number_text
 

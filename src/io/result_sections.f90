@@ -144,7 +144,7 @@ contains
          call write_attribute(file, path, 'units', scale%si_units)
          call write_attribute(file, path, 'dimensionless', figure%value)
          call write_attribute(file, path, 'error_estimate', figure%error_estimate*scale%si_scale)
-         if (is_transient) call write_time(path//'_time', name, figure)
+         if (is_transient .and. index(name, '_moes') == 0) call write_time(path//'_time', name, figure)
       end subroutine write_figure
 
       !> When a figure was reached.

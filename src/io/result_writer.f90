@@ -15,7 +15,7 @@ module result_writer
    use line_state, only: line_state_t
    use line_summary, only: keep_extremes, line_summary_t, summary_of
    use observer, only: observer_t
-   use operating_system, only: ignore_file_size_signal, is_folder, remove_file, rename_file
+   use operating_system, only: ignore_file_size_signal, is_folder, is_locked, remove_file, rename_file
    use result_labels, only: field_label, field_names, field_values, quantity_label
    use result_sections, only: write_report, write_scaling, write_solution, write_summary
    use scaling, only: scaling_t
@@ -62,6 +62,7 @@ contains
       type(result_writer_t), intent(out) :: writer
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
+      logical :: has_leftover, is_removed
 
       writer%path = path
       writer%fields = [character(len=field_name_length) :: 'pressure', 'film_thickness']
@@ -74,7 +75,13 @@ contains
          call fail(error, output_error, 'cannot write '//path//': there is no folder '//folder_of(path))
          return
       end if
+      if (is_locked(path//'.part')) then
+         call fail(error, output_error, 'cannot write '//path//': another run is writing '//path//'.part')
+         return
+      end if
+      inquire (file=path//'.part', exist=has_leftover)
       call create_hdf5_file(writer%file, path//'.part', error)
+      if (allocated(error) .and. .not. has_leftover) is_removed = remove_file(path//'.part')
    end subroutine open_result
 
    !> Program, problem and title (UTF-8), the text of the input, the reference values.
@@ -109,7 +116,11 @@ contains
 
       path = '/input/effective/'//group//'/'//key
       label = new_label('&'//group//' '//key, '1')
-      if (unit /= '' .and. unit /= '-') label%si_units = unit
+      if (unit == 'half-widths') then
+         label = quantity_label('&'//group//' '//key//', in half-widths', 'm', self%scaling%half_width, self%scaling)
+      else if (unit /= '' .and. unit /= '-') then
+         label%si_units = unit
+      end if
       numbers = numbers_of(value)
       if (unit == '' .or. size(numbers) == 0) then
          call write_dataset(self%file, path, value, label)
@@ -215,7 +226,7 @@ contains
       call write_summary(self%file, self%summary, self%scaling, self%is_transient)
       call write_report(self%file, report)
       reason = ''
-      if (allocated(report%reason)) reason = report%reason
+      if (allocated(report%reason)) reason = trim(report%reason)
       call write_attribute(self%file, '/', 'converged', merge(1, 0, report%converged))
       call write_attribute(self%file, '/', 'reason', reason)
       call self%file%close(error)

@@ -1,0 +1,62 @@
+"""Small namelists for end-to-end tests, and helpers to read results."""
+
+import h5py
+import numpy as np
+
+STEADY = """&case title = 'Öl, smooth', problem = 'ehl_line' /
+&bodies radius_1 = 0.01, radius_2 = 2.0, youngs_modulus_1 = 206e9, youngs_modulus_2 = 206e9,
+        poisson_ratio_1 = 0.3, poisson_ratio_2 = 0.3, speed_1 = 0.1, speed_2 = 1.1 /
+&load load_per_length = 1e5 /
+&lubricant viscosity = 0.14, viscosity_law = 'roelands', roelands_z = 0.6, roelands_p0 = 1.98e8,
+           density_law = 'dowson_higginson', rheology = 'eyring', eyring_stress = 3.3e6 /
+&domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /
+"""
+
+TRANSIENT = (
+    STEADY
+    + """&surface_2 shape = 'feature', amplitude = 0.2e-6, wavelength = 1e-4, position = -1.5 /
+&time transient = .true., end_time = 1.0, time_step = 0.05 /
+"""
+)
+
+# 200 000 steps: runs for minutes unless somebody ends it.
+LONG = TRANSIENT.replace("end_time = 1.0, time_step = 0.05", "end_time = 1000.0, time_step = 0.005")
+
+MOES = """&case problem = 'ehl_line' /
+&moes moes_m = 10.0, moes_l = 5.0, velocity = 'mean' /
+&lubricant viscosity_law = 'barus', density_law = 'constant' /
+&domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /
+"""
+
+
+def write(folder, name, text):
+    """Writes a namelist and returns its path."""
+    path = folder / name
+    path.write_bytes(text.encode("utf-8"))
+    return path
+
+
+def text(value):
+    """An HDF5 string as str."""
+    return value.decode("utf-8") if isinstance(value, bytes) else str(value)
+
+
+def contents(path):
+    """All datasets {path: value} and attributes {path@name: value} of a file."""
+    found = {}
+
+    def visit(name, item):
+        if isinstance(item, h5py.Dataset):
+            found[name] = item[()]
+        found.update({f"{name}@{key}": value for key, value in item.attrs.items()})
+
+    with h5py.File(path) as file:
+        found.update({f"@{key}": value for key, value in file.attrs.items()})
+        file.visititems(visit)
+    return found
+
+
+def same_bits(first, second):
+    """Whether two values are equal to the last bit (NaN included)."""
+    first, second = np.asarray(first), np.asarray(second)
+    return first.dtype == second.dtype and first.shape == second.shape and first.tobytes() == second.tobytes()

@@ -1,0 +1,303 @@
+"""Result files: layout, labels, units, reproduction, exit status, and that nothing half-written looks like a result."""
+
+import os
+import resource
+import signal
+import subprocess
+import time
+
+import h5py
+import numpy as np
+import pytest
+from cases import LONG, MOES, STEADY, TRANSIENT, contents, same_bits, text, write
+
+SOLUTION = ["x", "pressure", "film_thickness", "viscosity", "density", "slip_factor", "roughness_1", "roughness_2"]
+SERIES = ["time", "pressure", "film_thickness", "rigid_displacement", "h_min", "p_max"]
+FIGURES = ["h_min", "h_min_node", "h_central", "p_max", "x_cavitation"]
+REPORT = ["method", "cycles", "residual_history", "wall_seconds", "phase_seconds", "levels", "fft_pairs"]
+ROOT_ATTRIBUTES = ["program", "version", "git_commit", "problem", "title", "converged", "reason"]
+SCALES = ["half_width", "hertz_pressure", "reduced_radius", "reduced_modulus", "lambda", "alpha_bar", "moes_m", "moes_l"]
+
+
+@pytest.fixture(scope="module")
+def results(program, tmp_path_factory):
+    """Results of a steady, a transient and a Moes case, each run once."""
+    folder = tmp_path_factory.mktemp("results")
+    for name, case in {"steady": STEADY, "transient": TRANSIENT, "moes": MOES}.items():
+        write(folder, f"{name}.nml", case)
+        done = subprocess.run([program, f"{name}.nml", "--quiet"], cwd=folder, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    return folder
+
+
+def wait_for_size(path, size):
+    """Waits until a file has at least `size` bytes."""
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline:
+        if path.exists() and path.stat().st_size >= size:
+            return
+        time.sleep(0.02)
+    pytest.fail(f"{path} did not grow to {size} bytes")
+
+
+@pytest.mark.parametrize("name", ["steady", "transient", "moes"])
+def test_every_dataset_says_what_it_is(results, name):
+    labels = []
+
+    def visit(path, item):
+        if isinstance(item, h5py.Dataset):
+            assert text(item.attrs["long_name"]), path
+            assert text(item.attrs["si_units"]), path
+            assert float(item.attrs["si_scale"]) > 0, path
+            labels.append(path)
+
+    with h5py.File(results / f"{name}.h5") as file:
+        file.visititems(visit)
+    assert len(labels) > 40
+
+
+@pytest.mark.parametrize("name", ["steady", "transient", "moes"])
+def test_layout_is_complete(results, name):
+    with h5py.File(results / f"{name}.h5") as file:
+        assert set(ROOT_ATTRIBUTES) <= set(file.attrs)
+        assert set(SOLUTION) <= set(file["solution"])
+        assert set(REPORT) <= set(file["report"])
+        assert set(FIGURES) <= set(file["summary"])
+        for figure in file["summary"].values():
+            assert {"units", "dimensionless", "error_estimate"} <= set(figure.attrs)
+        assert file.attrs["converged"] == 1
+        assert text(file.attrs["reason"]) == "converged"
+        assert ("transient" in file) == (name == "transient")
+
+
+def test_title_is_utf_8(results):
+    with h5py.File(results / "steady.h5") as file:
+        assert text(file.attrs["title"]) == "Öl, smooth"
+
+
+def test_input_is_kept_byte_for_byte(results):
+    with h5py.File(results / "transient.h5") as file:
+        assert file["input/namelist"][()] == (results / "transient.nml").read_bytes()
+
+
+def test_effective_values_are_numbers_with_units(results):
+    with h5py.File(results / "steady.h5") as file:
+        effective = file["input/effective"]
+        assert effective["domain/intervals"][()] == 256
+        assert effective["domain/intervals"].dtype.kind == "i"
+        assert effective["lubricant/viscosity"][()] == 0.14
+        assert text(effective["lubricant/viscosity"].attrs["si_units"]) == "Pa s"
+        assert text(effective["lubricant/viscosity_law"][()]) == "roelands"
+        half_width = file["scaling"].attrs["half_width"]
+        assert effective["domain/x_inlet"][()] * effective["domain/x_inlet"].attrs["si_scale"] == -4 * half_width
+
+
+def test_summary_is_the_solution_in_si(results):
+    with h5py.File(results / "steady.h5") as file:
+        film, pressure, x = (file["solution"][name] for name in ("film_thickness", "pressure", "x"))
+        summary = file["summary"]
+        assert summary["h_min_node"][()] == film[()].min() * film.attrs["si_scale"]
+        assert summary["p_max"][()] == pressure[()].max() * pressure.attrs["si_scale"]
+        assert summary["h_min"].attrs["dimensionless"] <= film[()].min()
+        assert summary["h_central"].attrs["dimensionless"] == pytest.approx(np.interp(0, x[()], film[()]), rel=1e-14)
+        assert summary["x_cavitation"].attrs["dimensionless"] == x[()][pressure[()] > 0][-1]
+        assert [text(summary[name].attrs["units"]) for name in FIGURES] == ["m", "m", "m", "Pa", "m"]
+
+
+def test_scaling_is_complete(results):
+    with h5py.File(results / "steady.h5") as file:
+        scaling = file["scaling"].attrs
+        assert set(SCALES) <= set(scaling)
+        assert scaling["half_width"] ** 2 / scaling["reduced_radius"] == pytest.approx(scaling["film_thickness"], rel=1e-14)
+        assert text(scaling["hertz_pressure_units"]) == "Pa"
+
+
+def test_transient_has_t_0_and_every_step(results):
+    with h5py.File(results / "transient.h5") as file:
+        series = file["transient"]
+        assert set(SERIES) <= set(series)
+        nt, nx = 21, 257
+        assert series["time"][()] == pytest.approx(np.linspace(0, 1, nt), abs=1e-14)
+        assert series["pressure"].shape == series["film_thickness"].shape == (nt, nx)
+        assert all(series[name].shape == (nt,) for name in ("rigid_displacement", "h_min", "p_max"))
+        assert same_bits(series["pressure"][-1], file["solution/pressure"][()])
+        assert same_bits(series["film_thickness"][-1], file["solution/film_thickness"][()])
+
+
+def test_summary_of_a_transient_is_extremes_with_their_times(results):
+    with h5py.File(results / "transient.h5") as file:
+        series, summary = file["transient"], file["summary"]
+        step = int(np.argmin(series["h_min"]))
+        assert summary["h_min"].attrs["dimensionless"] == series["h_min"][step]
+        assert summary["h_min_time"].attrs["dimensionless"] == series["time"][step]
+        assert text(summary["h_min_time"].attrs["units"]) == "s"
+        assert summary["p_max"].attrs["dimensionless"] == series["pressure"][()].max()
+        assert summary["p_max_time"].attrs["dimensionless"] == series["time"][int(np.argmax(series["p_max"]))]
+
+
+def test_stride_and_fields_choose_what_is_stored(asperity, tmp_path):
+    write(tmp_path, "a.nml", TRANSIENT + "&output profile_stride = 3, fields = 'pressure' /\n")
+    assert asperity("a.nml").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert file["transient/time"][()] == pytest.approx(0.05 * np.arange(0, 21, 3), abs=1e-14)
+        assert file["transient/pressure"].shape == (7, 257)
+        assert "film_thickness" not in file["transient"]
+        assert file["summary/h_min"].attrs["dimensionless"] == file["transient/h_min"][()].min()
+
+
+def test_moes_result_has_no_invented_units(results):
+    with h5py.File(results / "moes.h5") as file:
+        assert not {"half_width", "reduced_radius", "film_thickness", "time", "viscosity"} & set(file["scaling"].attrs)
+        assert {"lambda", "alpha_bar", "moes_m", "moes_l"} <= set(file["scaling"].attrs)
+        assert all(text(figure.attrs["units"]) == "1" for figure in file["summary"].values())
+        assert all(text(field.attrs["si_units"]) == "1" for field in file["solution"].values())
+        summary = file["summary"]
+        assert summary["p_max"][()] == file["solution/pressure"][()].max()
+        assert summary["h_min_moes"][()] == pytest.approx(8 * 10 / np.pi * summary["h_min"][()], rel=1e-14)
+
+
+@pytest.mark.parametrize("name", ["steady", "transient", "moes"])
+def test_a_result_reproduces_itself(results, asperity, tmp_path, name):
+    with h5py.File(results / f"{name}.h5") as file:
+        (tmp_path / f"{name}.nml").write_bytes(file["input/namelist"][()])
+    assert asperity(f"{name}.nml", "--quiet").returncode == 0
+    first, second = contents(results / f"{name}.h5"), contents(tmp_path / f"{name}.h5")
+    assert first.keys() == second.keys()
+    different = [path for path in first if not same_bits(first[path], second[path])]
+    assert [path for path in different if path.split("/")[0] in ("solution", "transient", "summary")] == []
+    assert set(different) <= {"report/wall_seconds", "report/phase_seconds"}
+
+
+def test_h5dump_reads_it(results):
+    done = subprocess.run(
+        ["h5dump", "-a", "/summary/h_min/long_name", results / "steady.h5"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0
+    assert "smallest film thickness" in done.stdout
+
+
+def test_not_converged_is_written_marked_and_status_2(asperity, tmp_path):
+    write(tmp_path, "a.nml", STEADY + "&solver start = 'hertz', max_cycles = 1 /\n")
+    done = asperity("a.nml", "--quiet")
+    assert done.returncode == 2
+    assert done.stderr.startswith("a.nml: NOT CONVERGED: ")
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert file.attrs["converged"] == 0
+        assert "cycle" in text(file.attrs["reason"])
+        assert " ".join(done.stderr.split()) == f"a.nml: NOT CONVERGED: {text(file.attrs['reason'])}"
+
+
+def test_output_goes_where_it_is_sent(asperity, tmp_path):
+    write(tmp_path, "a.nml", STEADY)
+    (tmp_path / "out").mkdir()
+    assert asperity("a.nml", "--output", "out").returncode == 0
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["a.h5"]
+
+
+def test_missing_folder_is_status_3(asperity, tmp_path):
+    write(tmp_path, "a.nml", STEADY)
+    done = asperity("a.nml", "--output", "missing")
+    assert done.returncode == 3
+    assert "missing/a.h5" in done.stderr
+    assert "there is no folder missing" in done.stderr
+    assert not (tmp_path / "missing").exists()
+
+
+def test_name_that_is_a_folder_is_status_3(asperity, tmp_path):
+    write(tmp_path, "a.nml", STEADY)
+    (tmp_path / "a.h5").mkdir()
+    done = asperity("a.nml", "--quiet")
+    assert done.returncode == 3
+    assert "a.h5: it is a folder" in done.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.nml"]
+
+
+def test_folder_that_takes_no_files_is_status_3(asperity, tmp_path):
+    write(tmp_path, "a.nml", STEADY)
+    done = asperity("a.nml", "--output", "/proc")
+    assert done.returncode == 3
+    assert "cannot write /proc/a.h5" in done.stderr
+
+
+def test_read_only_folder_is_status_3(program, tmp_path):
+    if os.geteuid() == 0:
+        pytest.skip("not applicable: root writes to read-only folders")
+    write(tmp_path, "a.nml", STEADY)
+    folder = tmp_path / "locked"
+    folder.mkdir(mode=0o555)
+    done = subprocess.run(
+        [program, "a.nml", "--output", "locked"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 3
+    assert "Permission denied" in done.stderr
+
+
+def test_full_disk_is_status_3_and_keeps_the_older_result(program, tmp_path):
+    """A limit on the file size stands for the full disk: both show up in a write, the first late in the run."""
+    write(tmp_path, "a.nml", TRANSIENT.replace("time_step = 0.05", "time_step = 0.01"))
+    (tmp_path / "a.h5").write_bytes(b"an older result")
+    for limit in (0, 3000, 60_000, 200_000):
+        done = subprocess.run(
+            [program, "a.nml", "--quiet"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+            preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)),
+        )
+        assert done.returncode == 3, limit
+        assert "cannot write a.h5.part" in done.stderr
+        assert "File too large" in done.stderr
+        assert (tmp_path / "a.h5").read_bytes() == b"an older result"
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.nml"]
+
+
+def test_one_unwritable_case_does_not_stop_the_others(asperity, tmp_path):
+    write(tmp_path, "a.nml", STEADY)
+    write(tmp_path, "b.nml", STEADY)
+    (tmp_path / "a.h5").mkdir()
+    assert asperity("a.nml", "b.nml", "--quiet").returncode == 3
+    assert (tmp_path / "b.h5").is_file()
+
+
+def test_two_runs_do_not_write_one_file(program, asperity, tmp_path):
+    write(tmp_path, "a.nml", LONG)
+    with subprocess.Popen([program, "a.nml", "--quiet"], cwd=tmp_path) as running:
+        wait_for_size(tmp_path / "a.h5.part", 1)
+        second = asperity("a.nml", "--quiet")
+        size = (tmp_path / "a.h5.part").stat().st_size
+        running.send_signal(signal.SIGKILL)
+    assert second.returncode == 3
+    assert second.stderr == "asperity: cannot write a.h5: another run is writing a.h5.part\n"
+    assert size > 0
+
+
+def test_killed_run_leaves_the_older_result(program, tmp_path):
+    write(tmp_path, "a.nml", LONG)
+    (tmp_path / "a.h5").write_bytes(b"an older result")
+    with subprocess.Popen([program, "a.nml", "--quiet"], cwd=tmp_path) as running:
+        wait_for_size(tmp_path / "a.h5.part", 300_000)
+        running.send_signal(signal.SIGKILL)
+        assert running.wait(10) == -signal.SIGKILL
+    assert (tmp_path / "a.h5").read_bytes() == b"an older result"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.h5.part", "a.nml"]
+
+
+def test_part_of_a_killed_run_is_replaced(asperity, tmp_path):
+    write(tmp_path, "a.nml", STEADY)
+    (tmp_path / "a.h5.part").write_bytes(b"left over")
+    assert asperity("a.nml").returncode == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.nml"]
+
+
+def test_memory_does_not_grow_with_the_steps(program, tmp_path):
+    """Peak memory of 100 and of 1600 steps that each store two profiles of 257 nodes (6.6 MB in all)."""
+    peaks = []
+    for end_time in (0.5, 8.0):
+        write(tmp_path, "a.nml", LONG.replace("end_time = 1000.0", f"end_time = {end_time}"))
+        with subprocess.Popen([program, "a.nml", "--quiet"], cwd=tmp_path) as running:
+            _, status, usage = os.wait4(running.pid, 0)
+            running.returncode = os.waitstatus_to_exitcode(status)
+        assert running.returncode == 0
+        peaks.append(usage.ru_maxrss)
+    assert peaks[1] - peaks[0] < 2000  # [kB]; the history of residuals takes about 100 kB

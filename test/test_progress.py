@@ -1,0 +1,78 @@
+"""Progress: nothing with --quiet, few lines in a log, one updating line on a terminal, a closing table."""
+
+import os
+import pty
+import re
+import subprocess
+
+from cases import STEADY, TRANSIENT, write
+
+
+def test_quiet_says_nothing(asperity, tmp_path):
+    write(tmp_path, "a.nml", TRANSIENT)
+    done = asperity("a.nml", "--quiet")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_log_has_few_plain_lines(asperity, tmp_path):
+    write(tmp_path, "a.nml", TRANSIENT)
+    done = asperity("a.nml")
+    assert done.returncode == 0
+    assert done.stdout == ""
+    lines = done.stderr.splitlines()
+    assert "\r" not in done.stderr
+    steps = [line for line in lines if "step " in line]
+    assert len(steps) == 10
+    assert re.match(r"a\.nml: step 2/20  T 0\.1000  h_min \d+\.?\d* nm  \d+ s left$", steps[0])
+    assert any(re.match(r"a\.nml: cycle 1  residual \S+  load error \S+$", line) for line in lines)
+    assert max(len(line) for line in lines) <= 80
+
+
+def test_closing_table(asperity, tmp_path):
+    write(tmp_path, "a.nml", STEADY)
+    lines = asperity("a.nml").stderr.splitlines()[-7:]
+    assert re.match(r"a\.nml: converged, \d+ cycles, \S+ s$", lines[0])
+    assert lines[1].split() == ["SI", "dimensionless"]
+    assert [line.split()[0] for line in lines[2:]] == ["h_min", "h_c", "p_max", "residual", "result"]
+    assert re.match(r"  h_min +\S+ nm +0\.\d+$", lines[2])
+    assert re.match(r"  p_max +\S+ MPa +0\.\d+$", lines[4])
+    assert lines[6].split() == ["result", "a.h5"]
+
+
+def test_reason_is_in_the_closing_table(asperity, tmp_path):
+    write(tmp_path, "a.nml", STEADY + "&solver start = 'hertz', max_cycles = 1 /\n")
+    done = asperity("a.nml")
+    assert done.returncode == 2
+    assert "a.nml: NOT CONVERGED: " in done.stderr
+    assert max(len(line) for line in done.stderr.splitlines()) <= 80
+
+
+def test_terminal_shows_one_updating_line(program, tmp_path):
+    write(tmp_path, "a.nml", TRANSIENT)
+    reader, writer = pty.openpty()
+    with subprocess.Popen([program, "a.nml"], cwd=tmp_path, stderr=writer) as running:
+        os.close(writer)
+        shown = b""
+        while True:
+            try:
+                piece = os.read(reader, 65536)
+            except OSError:  # the other end is closed
+                break
+            if not piece:
+                break
+            shown += piece
+    os.close(reader)
+    assert running.returncode == 0
+    lines = shown.decode().replace("\r\n", "\n").split("\n")
+    assert len(lines) == 8  # the updating line with the table's first line, six more, and what follows the last
+    assert "\r" in lines[0]
+    assert "cycle 1" in lines[0]
+    assert lines[0].split("\r")[-1].startswith("a.nml: converged")
+    assert all("\r" not in line for line in lines[1:])
+
+
+def test_closed_standard_error_does_not_stop_a_run(program, tmp_path):
+    write(tmp_path, "a.nml", STEADY)
+    done = subprocess.run(["sh", "-c", f"exec '{program}' a.nml 2>&-"], cwd=tmp_path, check=False)
+    assert done.returncode == 0
+    assert (tmp_path / "a.h5").is_file()
