@@ -24,10 +24,12 @@ help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
 
 build: prepare ## the program, build/bin/asperity (NATIVE=1: for this processor only)
-	fpm install --flag "$(RELEASE)" --prefix build
+	fpm build --flag "$(RELEASE)"
+	@fpm install --flag "$(RELEASE)" --prefix build > build/install.log
 
 debug: prepare ## the checked program, build/bin/asperity-debug (bounds, NaN initialisation, floating-point traps)
-	fpm install --flag "$(DEBUG)" --prefix build/debug
+	fpm build --flag "$(DEBUG)"
+	@fpm install --flag "$(DEBUG)" --prefix build/debug > build/install.log
 	@mkdir -p build/bin && cp build/debug/bin/asperity build/bin/asperity-debug
 
 test: build generate ## all tests: unit tests, then end-to-end tests of build/bin/asperity

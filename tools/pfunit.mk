@@ -32,4 +32,4 @@ $(B):
 
 .PHONY: run library
 library:
-	fpm install --flag "$(FLAGS)" --prefix $(B)
+	fpm install --flag "$(FLAGS)" --prefix $(B) > build/install.log
