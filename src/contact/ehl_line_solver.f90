@@ -11,7 +11,7 @@ module ehl_line_solver
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, total_products
    use line_state, only: line_state_t
    use observer, only: observer_t
-   use solver_choice, only: is_one_level
+   use solver_choice, only: choose_linear_solver, is_one_level
    use solver_settings, only: solver_settings_t, time_settings_t
    use state_output, only: fill_properties, fill_state
    implicit none (type, external)
@@ -39,6 +39,7 @@ contains
       call choose_domain(contact)
       call new_hierarchy(hierarchy, contact, merge(1, settings%levels, is_one_level(settings)), error)
       if (allocated(error)) return
+      call choose_linear_solver(settings, hierarchy%newton%linear)
       report%levels = hierarchy%finest - hierarchy%coarsest + 1
       report%phase_seconds(phase_setup) = seconds_since(start)
 

@@ -8,7 +8,7 @@ module ehl_line_steady
    use line_hierarchy, only: line_hierarchy_t, relaxation_t
    use nested_start, only: full_multigrid_start, hertz_start
    use observer, only: observer_t
-   use solver_choice, only: is_one_level, method_name, steady_attempts
+   use solver_choice, only: method_name, steady_attempts
    use solver_settings, only: solver_settings_t
    use text, only: to_text
    implicit none (type, external)
@@ -64,7 +64,7 @@ contains
 
       limits%tolerance = tolerance
       if (settings%tolerance > 0.0_wp) limits%tolerance = settings%tolerance
-      if (is_one_level(settings)) then
+      if (settings%method == "block_jacobi") then
          limits%max_cycles = 2000
          limits%patience = 40
       end if

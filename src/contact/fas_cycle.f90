@@ -10,7 +10,7 @@ module fas_cycle
    use line_hierarchy, only: count_work, line_hierarchy_t, smoother_block_jacobi, smoother_gauss_seidel, &
       smoother_hybrid, smoother_line
    use line_level, only: film_of, line_level_t, load_defect, update_film
-   use newton_dense, only: solve_newton_dense
+   use newton_line, only: solve_newton
    use reynolds_line, only: evaluate_reynolds, reynolds_diagonals
    use smoothers, only: block_jacobi_sweep, gauss_seidel_sweep, line_sweep
    use transfer, only: full_weighting, inject, prolong_linear
@@ -100,7 +100,7 @@ contains
 
       k = hierarchy%coarsest
       if (hierarchy%relaxation%coarse_sweeps <= 0) then
-         call solve_newton_dense(hierarchy%newton, contact, hierarchy%levels(k), hierarchy%rigid_displacement, &
+         call solve_newton(hierarchy%newton, contact, hierarchy%levels(k), hierarchy%rigid_displacement, &
             coarse_tolerance, hierarchy%relaxation%coarse_steps)
          return
       end if

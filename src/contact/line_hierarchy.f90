@@ -5,7 +5,7 @@ module line_hierarchy
    use kinds, only: wp
    use line_contact, only: film_estimate, line_contact_t
    use line_level, only: line_level_t, new_level, set_plain_problem
-   use newton_dense, only: newton_dense_t
+   use newton_line, only: newton_t
    implicit none (type, external)
    private
 
@@ -47,7 +47,7 @@ module line_hierarchy
       real(wp) :: rigid_displacement = 0.0_wp
       type(relaxation_t) :: relaxation
       !> Exact solver of the coarsest level.
-      type(newton_dense_t) :: newton
+      type(newton_t) :: newton
       !> Sweeps weighted by nodes, in sweeps of the finest level.
       real(wp) :: work_units = 0.0_wp
    end type line_hierarchy_t

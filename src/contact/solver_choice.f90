@@ -1,14 +1,17 @@
 !> From the words of the settings to the way the cycle relaxes, and what is tried next when it does not converge.
 module solver_choice
+   use dense_jacobian, only: dense_jacobian_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: relaxation_t, smoother_block_jacobi, smoother_gauss_seidel, smoother_hybrid, smoother_line
+   use linear_solver, only: linear_solver_t
+   use semiseparable_jacobian, only: semiseparable_jacobian_t
    use solver_settings, only: solver_settings_t
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: steady_attempts, time_step_attempts, is_one_level, method_name
+   public :: steady_attempts, time_step_attempts, is_one_level, is_newton, choose_linear_solver, method_name
 
    !> A Newtonian contact is heavy above one of these (sum velocity): full steps of any smoother then overshoot at the
    !> spike or in the inlet.
@@ -72,13 +75,33 @@ contains
       end if
    end function time_step_attempts
 
-   !> True for the methods that know no coarse grid: plain Block-Jacobi and dense Newton.
+   !> True for the methods that use no coarse grid but in the start: plain Block-Jacobi and the Newton methods.
    pure function is_one_level(settings) result(one)
       type(solver_settings_t), intent(in) :: settings
       logical :: one
 
-      one = settings%method == "block_jacobi" .or. settings%method == "newton_dense"
+      one = settings%method == "block_jacobi" .or. is_newton(settings)
    end function is_one_level
+
+   !> True for the Newton methods.
+   pure function is_newton(settings) result(newton)
+      type(solver_settings_t), intent(in) :: settings
+      logical :: newton
+
+      newton = settings%method == "newton_dense" .or. settings%method == "newton_krylov"
+   end function is_newton
+
+   !> How Newton steps are solved: by LAPACK, on the coarsest grid of the cycles too, or in O(n log n).
+   subroutine choose_linear_solver(settings, linear)
+      type(solver_settings_t), intent(in) :: settings
+      class(linear_solver_t), allocatable, intent(out) :: linear
+
+      if (settings%method == "newton_krylov") then
+         allocate (semiseparable_jacobian_t :: linear)
+      else
+         allocate (dense_jacobian_t :: linear)
+      end if
+   end subroutine choose_linear_solver
 
    !> Block-Jacobi: H relaxed with P (thesis) where that converges, recomputed before each sweep where the contact is heavy.
    pure function block_jacobi(is_heavy) result(choice)
@@ -155,7 +178,7 @@ contains
       choice = block_jacobi(.false.)
       choice%relaxation = 0.7_wp
       choice%coarse_sweeps = 200
-      if (settings%method == "newton_dense") then
+      if (is_newton(settings)) then
          choice%coarse_sweeps = 0
          choice%coarse_steps = 1
       end if
@@ -170,7 +193,7 @@ contains
       if (settings%post_sweeps > 0) choice%post_sweeps = settings%post_sweeps
       if (settings%relaxation > 0.0_wp) choice%relaxation = settings%relaxation
       if (settings%load_relaxation > 0.0_wp) choice%load_relaxation = settings%load_relaxation
-      if (settings%coarse_sweeps > 0 .and. settings%method /= "newton_dense") choice%coarse_sweeps = settings%coarse_sweeps
+      if (settings%coarse_sweeps > 0 .and. .not. is_newton(settings)) choice%coarse_sweeps = settings%coarse_sweeps
    end subroutine override
 
    !> Short name of a way, e.g. `fas gauss_seidel V(2,2)`.

@@ -1,19 +1,19 @@
-!> Newton's method with the full elastic Jacobian, solved by LAPACK: exact on the coarsest level, the reference on fine ones.
+!> Newton's method for the line contact with its exact elastic Jacobian.
 !>
 !> Unknowns are P(1..n-1) and H0, the film follows exactly from P; complementarity P >= 0, r <= 0 by an active set:
-!> a node is cavitated where P + r/D <= 0 (r the residual of (2.65), D > 0 the elastic diagonal).
-module newton_dense
-   use dense_solve, only: solve_dense
-   use errors, only: error_t
+!> a node is cavitated where P + r/D <= 0 (r the residual of (2.65), D > 0 the elastic diagonal). How the linear system is
+!> solved is the affair of a `linear_solver_t`: by LAPACK, or in O(n log n).
+module newton_line
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: film_of, line_level_t, load_defect
+   use linear_solver, only: linear_solver_t
    use reynolds_jacobian, only: evaluate_jacobian, new_jacobian, reynolds_jacobian_t
    use reynolds_line, only: evaluate_reynolds
    implicit none (type, external)
    private
 
-   public :: newton_dense_t, solve_newton_dense
+   public :: newton_t, solve_newton
 
    !> A step changes no pressure by more than this share of max(1, P) (largest step), and no film to less than this share.
    real(wp), parameter :: largest_step = 0.3_wp, smallest_film_share = 0.5_wp
@@ -23,32 +23,32 @@ module newton_dense
    real(wp), parameter :: settled = 1.0e-7_wp
 
    !> Work space, kept from call to call, and what the last call did.
-   type :: newton_dense_t
+   type :: newton_t
+      class(linear_solver_t), allocatable :: linear
       type(reynolds_jacobian_t) :: jacobian
-      real(wp), allocatable :: matrix(:, :), step(:), trial(:), film_trial(:)
-      integer, allocatable :: pivots(:)
+      real(wp), allocatable :: step(:), trial(:), film_trial(:)
       logical, allocatable :: is_cavitated(:)
-      !> Newton steps of the last call.
-      integer :: steps = 0
+      !> Newton steps of the last call, and steps of the linear solver in all calls.
+      integer :: steps = 0, linear_iterations = 0
       !> Size of the last full step in P and H0; below `tolerance` when converged.
       real(wp) :: last_step = huge(1.0_wp)
       !> True if the last call ended by its tolerance or at round-off.
       logical :: is_converged = .false.
-   end type newton_dense_t
+   end type newton_t
 
 contains
 
    !> Solves the level's equations (with its right sides) from its present pressure; film and H0 are updated.
    !> Ends when a full step is below `tolerance` or at round-off, or after `max_steps`.
-   subroutine solve_newton_dense(newton, contact, level, rigid_displacement, tolerance, max_steps)
-      type(newton_dense_t), intent(inout) :: newton
+   subroutine solve_newton(newton, contact, level, rigid_displacement, tolerance, max_steps)
+      type(newton_t), intent(inout) :: newton
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
       real(wp), intent(inout) :: rigid_displacement
       real(wp), intent(in) :: tolerance
       integer, intent(in) :: max_steps
       real(wp) :: previous_step, share
-      type(error_t), allocatable :: error
+      logical :: is_solved
 
       call allocate_work(newton, level%n)
       newton%is_converged = .false.
@@ -59,9 +59,12 @@ contains
       do while (newton%steps < max_steps)
          call evaluate_reynolds(contact, level)
          call evaluate_jacobian(contact, level, newton%jacobian)
-         call fill_system(newton, level)
-         call solve_dense(newton%matrix, newton%step, newton%pivots, error)
-         if (allocated(error)) return
+         call prepare_system(newton, level)
+         call newton%linear%solve(level, newton%jacobian, newton%is_cavitated, newton%step, is_solved)
+         if (.not. is_solved) return
+         ! an iterative solution leaves the rest of its tolerance here, which would count as a pressurised node
+         where (newton%is_cavitated) newton%step(1:level%n - 1) = -level%pressure(1:level%n - 1)
+         newton%linear_iterations = newton%linear_iterations + newton%linear%iterations
          call take_step(newton, level, rigid_displacement, share)
          if (share <= 0.0_wp) return
          newton%steps = newton%steps + 1
@@ -74,11 +77,11 @@ contains
          if (newton%is_converged) return
          previous_step = newton%last_step
       end do
-   end subroutine solve_newton_dense
+   end subroutine solve_newton
 
    !> Work space for n intervals.
    subroutine allocate_work(newton, n)
-      type(newton_dense_t), intent(inout) :: newton
+      type(newton_t), intent(inout) :: newton
       integer, intent(in) :: n
 
       newton%steps = 0
@@ -86,50 +89,34 @@ contains
       call new_jacobian(newton%jacobian, n)
       if (allocated(newton%step)) then
          if (size(newton%step) == n) return
-         deallocate (newton%matrix, newton%step, newton%trial, newton%film_trial, newton%pivots, newton%is_cavitated)
+         deallocate (newton%step, newton%trial, newton%film_trial, newton%is_cavitated)
       end if
-      allocate (newton%matrix(n, n), newton%step(n), newton%trial(0:n), newton%film_trial(0:n), newton%pivots(n))
-      allocate (newton%is_cavitated(n - 1))
+      allocate (newton%step(n), newton%trial(0:n), newton%film_trial(0:n), newton%is_cavitated(n - 1))
    end subroutine allocate_work
 
-   !> The bordered system: rows 1..n-1 scaled by the elastic diagonal, row n the force balance; the last column is H0.
-   pure subroutine fill_system(newton, level)
-      type(newton_dense_t), intent(inout) :: newton
+   !> Active set and right side; rows of the bands are divided by the elastic diagonal.
+   pure subroutine prepare_system(newton, level)
+      type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(in) :: level
-      real(wp) :: scaled(-2:1), pull
-      integer :: i, j, n, o
+      real(wp) :: pull, inverse
+      integer :: i
 
-      n = level%n
-      associate (a => newton%matrix, jacobian => newton%jacobian, k => level%kernel, p => level%pressure)
-         do i = 1, n - 1
-            pull = (level%rhs_reynolds(i) - level%operator(i))/jacobian%diagonal(i)
-            newton%is_cavitated(i) = p(i) + pull <= 0.0_wp
-            newton%step(i) = merge(-p(i), pull, newton%is_cavitated(i))
-            a(i, n) = merge(0.0_wp, sum(jacobian%by_film(:, i))/jacobian%diagonal(i), newton%is_cavitated(i))
-            jacobian%by_film(:, i) = jacobian%by_film(:, i)/jacobian%diagonal(i)
-            jacobian%by_pressure(:, i) = jacobian%by_pressure(:, i)/jacobian%diagonal(i)
+      associate (jacobian => newton%jacobian)
+         do i = 1, level%n - 1
+            inverse = 1.0_wp/jacobian%diagonal(i)
+            pull = (level%rhs_reynolds(i) - level%operator(i))*inverse
+            newton%is_cavitated(i) = level%pressure(i) + pull <= 0.0_wp
+            newton%step(i) = merge(-level%pressure(i), pull, newton%is_cavitated(i))
+            jacobian%by_film(:, i) = jacobian%by_film(:, i)*inverse
+            jacobian%by_pressure(:, i) = jacobian%by_pressure(:, i)*inverse
          end do
-         do j = 1, n - 1
-            do i = 1, n - 1
-               scaled = jacobian%by_film(:, i)
-               a(i, j) = -scaled(-2)*k(abs(i - 2 - j)) - scaled(-1)*k(abs(i - 1 - j)) &
-                  - scaled(0)*k(abs(i - j)) - scaled(1)*k(abs(i + 1 - j))
-            end do
-            do o = max(-2, 1 - j), min(2, n - 1 - j)
-               a(j + o, j) = a(j + o, j) + jacobian%by_pressure(-o, j + o)
-            end do
-            where (newton%is_cavitated) a(1:n - 1, j) = 0.0_wp
-            if (newton%is_cavitated(j)) a(j, j) = 1.0_wp
-            a(n, j) = level%dx
-         end do
-         a(n, n) = 0.0_wp
-         newton%step(n) = load_defect(level)
       end associate
-   end subroutine fill_system
+      newton%step(level%n) = load_defect(level)
+   end subroutine prepare_system
 
    !> Takes the step, shortened until no pressure moves too far and no film falls below half; share = 0 if that fails.
    subroutine take_step(newton, level, rigid_displacement, share)
-      type(newton_dense_t), intent(inout) :: newton
+      type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
       real(wp), intent(inout) :: rigid_displacement
       real(wp), intent(out) :: share
@@ -159,4 +146,4 @@ contains
       newton%last_step = max(maxval(abs(level%pressure - newton%trial)), abs(share*newton%step(n)))
    end subroutine take_step
 
-end module newton_dense
+end module newton_line

@@ -1,0 +1,89 @@
+!> A slowly varying kernel as a constant minus a sum of exponentials, by linear least squares.
+module exponential_sum
+   use errors, only: error_t, fail, internal_error
+   use kinds, only: wp
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: exponential_sum_t, fit_exponentials, sample_points
+
+   !> kappa(j) ~ constant - sum_l weight(l) ratio(l)^j, j = 0..n.
+   type :: exponential_sum_t
+      real(wp) :: constant = 0.0_wp
+      !> (q), any sign and in (0, 1).
+      real(wp), allocatable :: weight(:), ratio(:)
+   end type exponential_sum_t
+
+   !> Decay rates are spread geometrically from `slowest`/n to `fastest`, a factor exp(`spread`) apart.
+   real(wp), parameter :: slowest = 0.5_wp, fastest = 4.0_wp, spread = 1.5_wp
+   !> All indices below `dense_points`, then about `sparse_points` spread logarithmically; the first ones weigh more.
+   integer, parameter :: dense_points = 30, sparse_points = 150, heavy_points = 3
+   real(wp), parameter :: heavy_weight = 5.0_wp
+   !> Singular values below this share of the largest are dropped.
+   real(wp), parameter :: rank_tolerance = 1.0e-13_wp
+
+   interface
+      !> LAPACK: minimum-norm least squares by complete orthogonal factorisation.
+      subroutine dgelsy(m, n, nrhs, a, lda, b, ldb, jpvt, rcond, rank, work, lwork, info)
+         import :: wp
+         implicit none (type, external)
+         integer, intent(in) :: m, n, nrhs, lda, ldb, lwork
+         real(wp), intent(inout) :: a(lda, *), b(ldb, *)
+         integer, intent(inout) :: jpvt(*)
+         real(wp), intent(in) :: rcond
+         integer, intent(out) :: rank, info
+         real(wp), intent(out) :: work(*)
+      end subroutine dgelsy
+   end interface
+
+contains
+
+   !> Indices j in 0..n at which the fit is made: rising, the last one n.
+   pure function sample_points(n) result(points)
+      integer, intent(in) :: n
+      integer, allocatable :: points(:)
+      integer :: j, next
+
+      points = [(j, j=0, min(dense_points - 1, n))]
+      do j = 0, sparse_points
+         next = nint(dense_points*(real(n, wp)/dense_points)**(real(j, wp)/sparse_points))
+         if (next > points(size(points)) .and. next <= n) points = [points, next]
+      end do
+   end function sample_points
+
+   !> Fits `kernel` (0:n) to about 1 %, good near j = 0. Fails (internal_error) if LAPACK does.
+   subroutine fit_exponentials(kernel, fit, error)
+      real(wp), intent(in) :: kernel(0:)
+      type(exponential_sum_t), intent(out) :: fit
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: matrix(:, :), values(:), work(:)
+      integer, allocatable :: points(:), pivots(:)
+      real(wp) :: rate
+      integer :: l, n, q, rank, info
+
+      n = ubound(kernel, 1)
+      points = sample_points(n)
+      q = max(2, ceiling(log(fastest*n/slowest)/spread) + 1)
+      allocate (fit%ratio(q), matrix(size(points), q + 1), work(64*(size(points) + q + 1)))
+      allocate (pivots(q + 1), source=0)
+      do l = 1, q
+         rate = slowest/n*(fastest*n/slowest)**(real(l - 1, wp)/(q - 1))
+         fit%ratio(l) = exp(-rate)
+         matrix(:, l + 1) = -exp(-rate*points)
+      end do
+      matrix(:, 1) = 1.0_wp
+      values = kernel(points)
+      matrix(:heavy_points, :) = heavy_weight*matrix(:heavy_points, :)
+      values(:heavy_points) = heavy_weight*values(:heavy_points)
+      call dgelsy(size(points), q + 1, 1, matrix, size(points), values, size(points), pivots, rank_tolerance, rank, &
+         work, size(work), info)
+      if (info /= 0) then
+         call fail(error, internal_error, "dgelsy: info = "//to_text(info))
+         return
+      end if
+      fit%constant = values(1)
+      fit%weight = values(2:q + 1)
+   end subroutine fit_exponentials
+
+end module exponential_sum

@@ -1,0 +1,146 @@
+!> Right-preconditioned GMRES without restart (Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., section 9.3),
+!> for systems that a good preconditioner solves in a few iterations.
+module gmres
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: krylov_system_t, gmres_t, solve_gmres
+
+   !> A linear system that knows its product and an approximate inverse.
+   type, abstract :: krylov_system_t
+   contains
+      !> y = A x.
+      procedure(product_interface), deferred :: multiply
+      !> x becomes M x, M close to the inverse of A.
+      procedure(precondition_interface), deferred :: precondition
+   end type krylov_system_t
+
+   abstract interface
+      !> y (n) = A x (n).
+      subroutine product_interface(self, x, y)
+         import :: krylov_system_t, wp
+         implicit none (type, external)
+         class(krylov_system_t), intent(inout) :: self
+         real(wp), intent(in) :: x(:)
+         real(wp), intent(out) :: y(:)
+      end subroutine product_interface
+
+      !> x (n) = M x.
+      subroutine precondition_interface(self, x)
+         import :: krylov_system_t, wp
+         implicit none (type, external)
+         class(krylov_system_t), intent(inout) :: self
+         real(wp), intent(inout) :: x(:)
+      end subroutine precondition_interface
+   end interface
+
+   !> Basis and preconditioned basis (n, most + 1), kept from call to call; iterations of the last call.
+   type :: gmres_t
+      integer :: most_iterations = 20
+      integer :: iterations = 0
+      real(wp), allocatable, private :: basis(:, :), directions(:, :)
+   end type gmres_t
+
+contains
+
+   !> Solves A x = b to |b - A x| <= tolerance |b|; `x` (n) holds b on entry. `is_solved` is false if the iteration limit is
+   !> reached or the numbers fail; x is then the best approximation, or not changed.
+   subroutine solve_gmres(gmres, system, tolerance, x, is_solved)
+      type(gmres_t), intent(inout) :: gmres
+      class(krylov_system_t), intent(inout) :: system
+      real(wp), intent(in) :: tolerance
+      real(wp), intent(inout) :: x(:)
+      logical, intent(out) :: is_solved
+      real(wp) :: hessenberg(gmres%most_iterations + 1, gmres%most_iterations)
+      real(wp) :: cosine(gmres%most_iterations), sine(gmres%most_iterations), rest(gmres%most_iterations + 1)
+      real(wp) :: size_of_b
+      integer :: j
+
+      call allocate_basis(gmres, size(x))
+      gmres%iterations = 0
+      size_of_b = norm2(x)
+      is_solved = size_of_b <= 0.0_wp
+      if (is_solved .or. .not. size_of_b < huge(1.0_wp)) return
+      rest(1) = size_of_b
+      gmres%basis(:, 1) = x/size_of_b
+      do j = 1, gmres%most_iterations
+         gmres%directions(:, j) = gmres%basis(:, j)
+         call system%precondition(gmres%directions(:, j))
+         call system%multiply(gmres%directions(:, j), gmres%basis(:, j + 1))
+         call orthogonalise(gmres%basis(:, 1:j + 1), hessenberg(:, j))
+         if (.not. abs(hessenberg(j + 1, j)) < huge(1.0_wp)) return
+         call rotate(hessenberg(:, j), cosine, sine, rest, j)
+         gmres%iterations = j
+         is_solved = abs(rest(j + 1)) <= tolerance*size_of_b
+         if (is_solved) exit
+      end do
+      call combine(gmres, hessenberg, rest, x)
+   end subroutine solve_gmres
+
+   !> Work space for n unknowns; grown where the last call had fewer.
+   subroutine allocate_basis(gmres, n)
+      type(gmres_t), intent(inout) :: gmres
+      integer, intent(in) :: n
+
+      if (allocated(gmres%basis)) then
+         if (size(gmres%basis, 1) == n) return
+         deallocate (gmres%basis, gmres%directions)
+      end if
+      allocate (gmres%basis(n, gmres%most_iterations + 1), gmres%directions(n, gmres%most_iterations))
+   end subroutine allocate_basis
+
+   !> Modified Gram-Schmidt: the last vector against all before it; `column` takes the products and its length.
+   pure subroutine orthogonalise(vectors, column)
+      real(wp), intent(inout) :: vectors(:, :)
+      real(wp), intent(out) :: column(:)
+      integer :: i, last
+
+      last = size(vectors, 2)
+      column = 0.0_wp
+      do i = 1, last - 1
+         column(i) = dot_product(vectors(:, last), vectors(:, i))
+         vectors(:, last) = vectors(:, last) - column(i)*vectors(:, i)
+      end do
+      column(last) = norm2(vectors(:, last))
+      if (column(last) > 0.0_wp) vectors(:, last) = vectors(:, last)/column(last)
+   end subroutine orthogonalise
+
+   !> Applies the old Givens rotations to column j, and a new one that annihilates its last entry.
+   pure subroutine rotate(column, cosine, sine, rest, j)
+      real(wp), intent(inout) :: column(:), cosine(:), sine(:), rest(:)
+      integer, intent(in) :: j
+      real(wp) :: upper, length
+      integer :: i
+
+      do i = 1, j - 1
+         upper = cosine(i)*column(i) + sine(i)*column(i + 1)
+         column(i + 1) = -sine(i)*column(i) + cosine(i)*column(i + 1)
+         column(i) = upper
+      end do
+      length = max(hypot(column(j), column(j + 1)), tiny(1.0_wp))
+      cosine(j) = column(j)/length
+      sine(j) = column(j + 1)/length
+      column(j) = length
+      column(j + 1) = 0.0_wp
+      rest(j + 1) = -sine(j)*rest(j)
+      rest(j) = cosine(j)*rest(j)
+   end subroutine rotate
+
+   !> x = sum of the directions with the coefficients of the triangular system.
+   pure subroutine combine(gmres, triangle, right_side, x)
+      type(gmres_t), intent(in) :: gmres
+      real(wp), intent(in) :: triangle(:, :)
+      real(wp), intent(inout) :: right_side(:)
+      real(wp), intent(out) :: x(:)
+      integer :: i
+
+      x = 0.0_wp
+      do i = gmres%iterations, 1, -1
+         right_side(i) = right_side(i)/triangle(i, i)
+         right_side(1:i - 1) = right_side(1:i - 1) - right_side(i)*triangle(1:i - 1, i)
+         x = x + right_side(i)*gmres%directions(:, i)
+      end do
+   end subroutine combine
+
+end module gmres
