@@ -225,9 +225,7 @@ def test_read_only_folder_is_status_3(program, tmp_path):
     write(tmp_path, "a.nml", STEADY)
     folder = tmp_path / "locked"
     folder.mkdir(mode=0o555)
-    done = subprocess.run(
-        [program, "a.nml", "--output", "locked"], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([program, "a.nml", "--output", "locked"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 3
     assert "Permission denied" in done.stderr
 

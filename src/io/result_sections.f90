@@ -98,9 +98,9 @@ contains
       call write_figure('x_cavitation', 'position of the last node with P > 0'//over_time('largest'), summary%x_cavitation, &
                         field_label('x', scaling))
       moes_unit = 8.0_wp*scaling%moes_m/pi
-      call write_figure('h_min_moes', 'h_min in units of Moes, (h/R) sqrt(E'' R/(mu_0 u)), mean velocity u = u_s/2', &
+      call write_figure('h_min_moes', "h_min in units of Moes, (h/R) sqrt(E' R/(mu_0 u)), mean velocity u = u_s/2", &
                         in_unit(summary%h_min), new_label('', '1'))
-      call write_figure('h_central_moes', 'h_central in units of Moes, (h/R) sqrt(E'' R/(mu_0 u)), mean velocity u = u_s/2', &
+      call write_figure('h_central_moes', "h_central in units of Moes, (h/R) sqrt(E' R/(mu_0 u)), mean velocity u = u_s/2", &
                         in_unit(summary%h_central), new_label('', '1'))
 
    contains
