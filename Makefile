@@ -78,7 +78,7 @@ clean: ## remove everything that make has made
 	rm -rf build results test/generated docs/api .pc
 
 generate:
-	@$(PYTHON) tools/pf2f90.py test/generated $(sort $(wildcard test/unit/*/test_*.pf))
+	@$(PYTHON) tools/pf2f90.py test/generated $(sort $(wildcard test/unit/*/test_*.pf test/verification/test_*.pf test/support/*.pf))
 
 prepare:
 	@sh tools/prepare.sh

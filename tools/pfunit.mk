@@ -8,8 +8,10 @@ include $(PFUNIT_MK)
 PFUNIT_PROCESSOR := $(firstword $(wildcard $(PFUNIT_BIN_DIR)/funitproc $(dir $(PFUNIT_MK))../bin/funitproc))
 
 B := build/pfunit
-TESTS := $(sort $(wildcard test/unit/*/test_*.pf))
-SOURCES := $(addprefix $(B)/,$(addsuffix .F90,$(notdir $(basename $(TESTS)))))
+TESTS := $(sort $(wildcard test/unit/*/test_*.pf test/verification/test_*.pf))
+# Modules that tests share: plain Fortran, compiled first.
+SHARED := $(sort $(wildcard test/support/*.pf))
+SOURCES := $(addprefix $(B)/,$(addsuffix .F90,$(notdir $(basename $(SHARED) $(TESTS)))))
 LIBRARIES := $(shell pkg-config --libs-only-L hdf5-serial) -lhdf5_fortran -lhdf5 $(shell pkg-config --libs fftw3 openblas)
 vpath %.pf $(sort $(dir $(TESTS)))
 
@@ -20,6 +22,9 @@ $(B)/unit: $(SOURCES) $(B)/suites.inc library
 	cd $(B) && gfortran $(filter-out -Werror -std=%,$(FLAGS)) $(PFUNIT_EXTRA_FFLAGS) -ffree-line-length-none -Iinclude \
 	   -I$(PFUNIT_INCLUDE_DIR) -D_TEST_SUITES='"suites.inc"' $(notdir $(SOURCES)) $(PFUNIT_INCLUDE_DIR)/driver.F90 \
 	   -Llib -lasperity $(LIBRARIES) $(PFUNIT_LIBRARIES) -o unit
+
+$(addprefix $(B)/,$(addsuffix .F90,$(notdir $(basename $(SHARED))))): $(B)/%.F90: test/support/%.pf | $(B)
+	cp $< $@
 
 $(B)/%.F90: %.pf | $(B)
 	$(PFUNIT_PROCESSOR) $< $@

@@ -25,7 +25,7 @@ LOG = ROOT / "build" / "tests"
 def unit_tests_that_exist():
     """Names `suite.test` of all @test of the .pf files that are not disabled."""
     names = set()
-    for path in (ROOT / "test" / "unit").rglob("*.pf"):
+    for path in [*(ROOT / "test" / "unit").rglob("*.pf"), *(ROOT / "test" / "verification").rglob("*.pf")]:
         text = path.read_text(encoding="utf-8")
         for match in re.finditer(r"^\s*@\s*test\b[^\n]*\n\s*(?:subroutine\s+(\w+)|@\s*disable)", text, re.M | re.I):
             if match[1]:

@@ -218,6 +218,16 @@ def test_long_line_and_strings_survive(run):
     assert result.returncode == 0
 
 
+def test_modules_that_tests_share_are_copied(run, tmp_path):
+    shared = "module answers\nimplicit none (type, external)\ninteger, parameter :: answer = 42\nend module answers\n"
+    text = module("@test\nsubroutine a()\nuse answers, only: answer\n@assertEqual(42, answer)\nend subroutine")
+    assert run(answers=shared, test_x=text).returncode == 0
+    for wrong in (shared.replace("implicit", "@test\nimplicit"), shared.replace("module answers", "module other")):
+        result = translate(tmp_path, answers=wrong, test_x=text)
+        assert result.returncode == 1
+        assert "answers.pf:" in result.stderr
+
+
 REFUSED = {
     "continuation": ("@assertEqual(1, &\n1)", 6, "no '&'"),
     "trailing comment": ("@assertEqual(1, 1) ! comment", 6, "trailing comment"),
