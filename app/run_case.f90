@@ -75,7 +75,9 @@ contains
       call open_result(writer, result_path(case, output_dir), error)
       if (allocated(error)) return
       writer%profile_stride = case%output_settings%profile_stride
-      if (allocated(case%output_settings%fields)) writer%fields = case%output_settings%fields(:)(:field_name_length)
+      if (allocated(case%output_settings%fields)) then
+         writer%fields = [character(len=field_name_length) :: case%output_settings%fields]
+      end if
       call writer%describe(trim(case%problem), case%title, case%namelist, scaling)
    end subroutine start_result
 
