@@ -141,7 +141,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     if len(options.results) < 2:
         parser.error("needs at least two result files")
-    return figure_command.guarded(parser.prog, lambda: compare(options))
+    return figure_command.guarded(parser.prog, compare, options)
 
 
 if __name__ == "__main__":

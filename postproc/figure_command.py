@@ -65,7 +65,10 @@ def run(
     draw: Callable[[Path, argparse.Namespace], list[Path]],
     needs: tuple[str, ...] = ("solution",),
 ) -> int:
-    """Checks all result files, then draws one after another; returns the exit status."""
+    """Checks all result files, then draws one after another; returns the exit status.
+
+    A bad one, and none is drawn; what only drawing finds out does not keep the others from being drawn.
+    """
     paths = [Path(name) for name in options.results]
     findings = [finding for path in paths if (finding := _finding(path, needs))]
     stems = [path.stem for path in paths]
@@ -74,13 +77,13 @@ def run(
         findings.append(f"two results are named '{twice[0]}': draw them into different folders")
     if findings:
         return _complain(parser.prog, findings, 1)
-    return guarded(parser.prog, lambda: [t for path in paths for t in draw(path, options)])
+    return max(guarded(parser.prog, draw, path, options) for path in paths)
 
 
-def guarded(program: str, work: Callable[[], list[Path]]) -> int:
-    """Runs `work`, names on standard output what it wrote, turns errors into message and status."""
+def guarded(program: str, work: Callable[..., list[Path]], *arguments: object) -> int:
+    """Calls `work`, names on standard output what it wrote, turns errors into message and status."""
     try:
-        for target in work():
+        for target in work(*arguments):
             print(target)
     except ResultError as error:
         return _complain(program, [str(error)], 1)

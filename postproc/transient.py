@@ -290,7 +290,7 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     """One result: reads it, draws the parts asked for, returns the names of the figures."""
     result = read_result(path, options.si, with_transient=True)
     if result.transient["time"].values.size < 2:
-        raise ResultError(f"{path}: /transient holds a single time, nothing passes")
+        raise ResultError(f"{path}: /transient holds only T = 0: no time step was completed")
     figure_command.warn_not_converged(PROGRAM, result)
     drawers = {"xt": draw_xt, "film_strip": draw_film_strip, "passage": draw_passage}
     return [target for part in options.parts for target in drawers[part](result, options)]

@@ -64,6 +64,7 @@ def write_result(
     scales = SCALES if has_si else dict.fromkeys(SCALES, ("1", 1.0))
     is_transient = "time" in fields
     last = {name: fields[name][-1] if is_transient else fields[name] for name in ("pressure", "film_thickness")}
+    history = np.geomspace(1e-2, 4e-9, 9) if residuals is None else residuals
     with h5py.File(path, "w") as file:
         file.attrs.update(
             program="asperity",
@@ -85,12 +86,14 @@ def write_result(
         if is_transient:
             for name in ("time", "pressure", "film_thickness"):
                 put(file.require_group("transient"), name, fields[name], *scales[name])
-            put(file["transient"], "residual", np.full(fields["time"].size, 4e-7))
+            put(file["transient"], "residual", np.append(history[-1], np.full(fields["time"].size - 1, 4e-7)))
         write_summary(file, fields, scales)
-        history = np.geomspace(1e-2, 4e-9, 9) if residuals is None else residuals
         report = file.create_group("report")
+        if is_transient:
+            steps = [2e-3, 3e-5, 4e-7] * (fields["time"].size - 1)
+            history = np.concatenate((history, steps, [] if converged else [2e-3, np.finfo(float).max, 3e-2]))
         put(report, "residual_history", history)
-        put(report, "load_error_history", 0.01 * history)
+        put(report, "load_error_history", np.minimum(0.01 * history, 1.0))
         put(report, "tolerance_effective", 1e-8)
         put(report, "cycles", history.size)
     return path

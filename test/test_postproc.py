@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import io
+import re
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -39,6 +40,12 @@ def load(script: str) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+def load_module(name: str) -> ModuleType:
+    """A module that the scripts share."""
+    load("profile")
+    return importlib.import_module(name)
 
 
 def run(script: str, *arguments: object) -> Done:
@@ -144,6 +151,43 @@ def test_not_converged_is_said(tmp_path: Path, script: str) -> None:
     assert done.returncode == 0
     assert "not converged: cycle limit of 12 reached" in done.stderr
     assert len(done.stderr.splitlines()) == 1
+
+
+def test_figures_of_the_program(asperity, tmp_path: Path) -> None:
+    text = (ROOT / "input" / "case3_demo.nml").read_text(encoding="utf-8")
+    text, found = re.subn(r"(intervals = )512", r"\g<1>128", text)
+    text, also_found = re.subn(r"(time_step = )5.37109375e-3", r"\g<1>2.1484375e-2", text)
+    assert (found, also_found) == (1, 1)
+    (tmp_path / "demo.nml").write_text(text, encoding="utf-8")
+    assert asperity("demo.nml", "--quiet").returncode == 0
+    result = tmp_path / "demo.h5"
+    for script in ("profile", "convergence", "transient"):
+        done = run(script, result, "--output", tmp_path / "out", "--format", "png")
+        assert (done.returncode, done.stderr) == (0, "")
+    assert files_of(tmp_path / "out") == [
+        f"demo_{kind}" for kind in ("convergence.png", "film_strip.png", "passage.gif", "profile.png", "xt.png")
+    ]
+    read = load_module("result_file").read_result(result, with_transient=True)
+    (ridge,) = read.features
+    assert (ridge.word, ridge.surface, ridge.position) == ("ridge", 2, -2.5)
+    assert ridge.speed == pytest.approx(11 / 6, rel=1e-12)
+    transient = load("transient")
+    steps, followed = transient.strip_steps(read, [-1.0, 0.0, 1.0])
+    places = followed.centre(read.transient["time"].values[steps])
+    assert places == pytest.approx([-1.0, 0.0, 1.0], abs=0.5 * ridge.speed * 2.1484375e-2)
+    # where the path says the ridge is, the film is thinner than at the start
+    film = read.transient["film_thickness"].values
+    thinner = np.interp(places[1], read.x, film[steps[1]]) / np.interp(places[1], read.x, film[0])
+    assert thinner < 0.8
+
+
+def test_history_of_a_transient_is_cut_at_its_start(moving: Path, tmp_path: Path) -> None:
+    convergence = load("convergence")
+    read = load_module("result_file").read_result
+    assert [part for _, part in convergence.sections(read(moving))] == [slice(0, 9)]
+    bad = result_maker.write_result(tmp_path / "bad.h5", result_maker.passage(), RIDGE, converged=False)
+    parts = convergence.sections(read(bad))
+    assert [part for _, part in parts] == [slice(0, 9), slice(9 + 3 * 80, None)]
 
 
 def refused(script: str, path: Path, tmp_path: Path) -> str:
