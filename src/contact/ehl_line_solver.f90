@@ -11,7 +11,6 @@ module ehl_line_solver
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, total_products
    use line_state, only: line_state_t
    use observer, only: observer_t
-   use solver_choice, only: choose_linear_solver, is_one_level
    use solver_settings, only: solver_settings_t, time_settings_t
    use state_output, only: fill_properties, fill_state
    implicit none (type, external)
@@ -37,10 +36,8 @@ contains
 
       start = clock()
       call choose_domain(contact)
-      call new_hierarchy(hierarchy, contact, merge(1, settings%levels, is_one_level(settings)), error)
+      call new_hierarchy(hierarchy, contact, settings%levels, error)
       if (allocated(error)) return
-      call choose_linear_solver(settings, hierarchy%newton%linear)
-      report%levels = hierarchy%finest - hierarchy%coarsest + 1
       report%phase_seconds(phase_setup) = seconds_since(start)
 
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
@@ -53,6 +50,7 @@ contains
          report%phase_seconds(phase_transient) = seconds_since(start) - sum(report%phase_seconds)
       end if
       if (all(state%film_thickness > 0.0_wp)) call fill_properties(contact, state)
+      report%levels = hierarchy%finest - hierarchy%coarsest + 1
       report%fft_pairs = total_products(hierarchy)
       report%work_units = hierarchy%work_units
       report%wall_seconds = seconds_since(start)

@@ -8,7 +8,7 @@ module ehl_line_steady
    use line_hierarchy, only: line_hierarchy_t, relaxation_t
    use nested_start, only: full_multigrid_start, hertz_start
    use observer, only: observer_t
-   use solver_choice, only: method_name, steady_attempts
+   use solver_choice, only: adopt, method_name, steady_attempts
    use solver_settings, only: solver_settings_t
    use text, only: to_text
    implicit none (type, external)
@@ -36,8 +36,8 @@ contains
       allocate (attempts, source=steady_attempts(contact, settings))
       failures = ""
       do i = 1, size(attempts)
-         hierarchy%relaxation = attempts(i)
-         report%method = method_name(settings, attempts(i))
+         call adopt(hierarchy, attempts(i))
+         report%method = method_name(attempts(i))
          if (settings%start == "hertz") then
             call hertz_start(hierarchy, contact)
             is_sound = .true.

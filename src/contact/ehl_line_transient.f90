@@ -13,7 +13,7 @@ module ehl_line_transient
    use line_state, only: line_state_t
    use observer, only: observer_t
    use reynolds_line, only: evaluate_coefficients
-   use solver_choice, only: method_name, time_step_attempts
+   use solver_choice, only: adopt, method_name, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t
    use state_output, only: fill_state
    use text, only: to_text
@@ -56,7 +56,7 @@ contains
       limits = limits_of(settings, default_tolerance)
       if (settings%max_cycles == 0) limits%max_cycles = min(limits%max_cycles, default_cycles)
       allocate (attempts, source=time_step_attempts(contact, settings))
-      report%method = method_name(settings, attempts(1))
+      report%method = method_name(attempts(1))
       associate (level => hierarchy%levels(hierarchy%finest))
          time_step = merge(time%time_step, level%dx, time%time_step > 0.0_wp)
          steps = nint(time%end_time/time_step)
@@ -126,7 +126,7 @@ contains
       associate (level => hierarchy%levels(hierarchy%finest))
          old_minimum = minval(level%film)
          do attempt = 0, size(attempts)
-            hierarchy%relaxation = attempts(max(attempt, 1))
+            call adopt(hierarchy, attempts(max(attempt, 1)))
             if (attempt == 0) then
                call extrapolate(history, level, hierarchy%rigid_displacement)
             else

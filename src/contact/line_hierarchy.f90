@@ -15,8 +15,13 @@ module line_hierarchy
    !> Smoother words.
    integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, smoother_line = 3, smoother_hybrid = 4
 
-   !> How the cycle relaxes.
+   !> Methods: the cycle; sweeps on the finest level alone; Newton steps on the finest level.
+   integer, parameter, public :: method_fas = 1, method_block_jacobi = 2, method_newton_dense = 3, method_newton_krylov = 4
+
+   !> How a solution is sought: the method, and how its cycle relaxes.
    type :: relaxation_t
+      !> One of the method constants.
+      integer :: method = method_fas
       !> One of the smoother constants.
       integer :: smoother = smoother_block_jacobi
       !> Sweeps before and after the coarse-grid correction.
@@ -41,8 +46,9 @@ module line_hierarchy
    type :: line_hierarchy_t
       !> Levels 1 (coarsest of the nested start) to `finest`.
       type(line_level_t), allocatable :: levels(:)
-      !> Coarsest level of the cycles, and the finest in use.
-      integer :: coarsest = 1, finest = 1
+      !> Coarsest level of the present method's cycles (the finest for a method on one level), the same for FAS, and the
+      !> finest level in use.
+      integer :: coarsest = 1, fas_coarsest = 1, finest = 1
       !> Rigid displacement H0, one number common to all levels.
       real(wp) :: rigid_displacement = 0.0_wp
       type(relaxation_t) :: relaxation
@@ -87,7 +93,8 @@ contains
       coarsest = min(n, max(first, min(largest_coarsest, max(smallest_coarsest, 4*first))))
       if (levels > 0) coarsest = max(n/2**(levels - 1), smallest_grid)
       first = min(first, coarsest)
-      hierarchy%coarsest = 1 + nint(log(real(coarsest, wp)/first)/log(2.0_wp))
+      hierarchy%fas_coarsest = 1 + nint(log(real(coarsest, wp)/first)/log(2.0_wp))
+      hierarchy%coarsest = hierarchy%fas_coarsest
       hierarchy%finest = hierarchy%coarsest + nint(log(real(n, wp)/coarsest)/log(2.0_wp))
       allocate (hierarchy%levels(hierarchy%finest))
       do k = 1, hierarchy%finest

@@ -16,6 +16,8 @@ module nested_start
    !> Accuracy and steps of the exact solutions below the coarsest grid of the cycles.
    real(wp), parameter :: nested_tolerance = 1.0e-2_wp
    integer, parameter :: nested_steps = 60
+   !> First grids that are tried.
+   integer, parameter :: most_firsts = 4
    !> Above this film [b^2/R] the pressure is far from Hertz's and the start is a wide bump.
    real(wp), parameter :: thick_film = 0.5_wp
 
@@ -23,23 +25,18 @@ contains
 
    !> Exact solutions from the coarsest grid that carries a film up to the coarsest of the cycles, then cubic
    !> interpolation and one cycle on each finer level; the finest is left with the interpolated pressure.
-   !> `is_sound` is false if one of the exact solutions fails.
+   !> Where no film is found on the first grid, the next finer ones are tried. `is_sound` is false if that fails too.
    subroutine full_multigrid_start(hierarchy, contact, is_sound)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       logical, intent(out) :: is_sound
-      integer :: finest, k
+      integer :: finest, first, k
 
-      call bump_start(hierarchy, contact, 1)
-      is_sound = .true.
-      do k = 1, hierarchy%coarsest
-         if (k > 1) call refine(hierarchy, k)
-         if (k == size(hierarchy%levels)) return
-         call solve_newton(hierarchy%newton, contact, hierarchy%levels(k), hierarchy%rigid_displacement, &
-            nested_tolerance, nested_steps)
-         is_sound = hierarchy%newton%is_converged
-         if (.not. is_sound) return
+      do first = 1, min(most_firsts, hierarchy%coarsest)
+         call nested_solutions(hierarchy, contact, first, is_sound)
+         if (is_sound) exit
       end do
+      if (.not. is_sound) return
       finest = hierarchy%finest
       do k = hierarchy%coarsest + 1, finest
          call refine(hierarchy, k)
@@ -49,6 +46,27 @@ contains
          hierarchy%finest = finest
       end do
    end subroutine full_multigrid_start
+
+   !> Exact solutions on the levels from `first` to the coarsest of the cycles; if that is the finest level, it is left with
+   !> the interpolated pressure.
+   subroutine nested_solutions(hierarchy, contact, first, is_sound)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: first
+      logical, intent(out) :: is_sound
+      integer :: k
+
+      call bump_start(hierarchy, contact, first)
+      is_sound = .true.
+      do k = first, hierarchy%coarsest
+         if (k > first) call refine(hierarchy, k)
+         if (k == size(hierarchy%levels)) return
+         call solve_newton(hierarchy%newton, contact, hierarchy%levels(k), hierarchy%rigid_displacement, &
+            nested_tolerance, nested_steps)
+         is_sound = hierarchy%newton%is_converged
+         if (.not. is_sound) return
+      end do
+   end subroutine nested_solutions
 
    !> The Hertz pressure (a wide bump for a thick film) on the finest level.
    subroutine hertz_start(hierarchy, contact)

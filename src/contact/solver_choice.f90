@@ -3,105 +3,115 @@ module solver_choice
    use dense_jacobian, only: dense_jacobian_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: relaxation_t, smoother_block_jacobi, smoother_gauss_seidel, smoother_hybrid, smoother_line
-   use linear_solver, only: linear_solver_t
+   use line_hierarchy, only: line_hierarchy_t, method_block_jacobi, method_fas, method_newton_dense, method_newton_krylov, &
+      relaxation_t, smoother_block_jacobi, smoother_gauss_seidel, smoother_hybrid, smoother_line
    use semiseparable_jacobian, only: semiseparable_jacobian_t
    use solver_settings, only: solver_settings_t
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: steady_attempts, time_step_attempts, is_one_level, is_newton, choose_linear_solver, method_name
+   public :: steady_attempts, time_step_attempts, adopt, method_name
 
    !> A Newtonian contact is heavy above one of these (sum velocity): full steps of any smoother then overshoot at the
    !> spike or in the inlet.
    real(wp), parameter :: heavy_m = 4.0_wp, heavy_l = 12.0_wp
+   !> Up to this many intervals the dense Newton method is the last resort of 'auto'.
+   integer, parameter :: largest_dense = 2048
 
 contains
 
-   !> The ways to try in turn for a steady contact (measured: theory page, section on the cycle).
+   !> The ways to try in turn for a steady contact (measured: theory page, section on the methods).
    pure function steady_attempts(contact, settings) result(attempts)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(relaxation_t), allocatable :: attempts(:)
       logical :: is_heavy
-      integer :: i
 
       is_heavy = (contact%moes_m_sum >= heavy_m .or. contact%moes_l_sum >= heavy_l) .and. .not. contact%fluid%is_eyring
-      if (is_one_level(settings)) then
-         attempts = [one_level(settings)]
+      if (is_automatic(settings)) then
+         if (is_heavy) then
+            attempts = [one_level(method_newton_krylov), gauss_seidel(.true.), line(.true.), w_cycle(gauss_seidel(.true.))]
+         else
+            attempts = [one_level(method_newton_krylov), line(.false.), gauss_seidel(.true.), line(.true.)]
+         end if
+         if (contact%domain%intervals <= largest_dense) attempts = [attempts, one_level(method_newton_dense)]
       else
-         select case (settings%smoother)
-         case ("block_jacobi")
-            attempts = [block_jacobi(is_heavy)]
-         case ("gauss_seidel")
-            attempts = [gauss_seidel(is_heavy)]
-         case ("line")
-            attempts = [line(is_heavy)]
-         case ("hybrid")
-            attempts = [hybrid(is_heavy)]
-         case default
-            if (settings%method == "fas_block_jacobi") then
-               attempts = [block_jacobi(is_heavy)]
-            else if (is_heavy) then
-               attempts = [gauss_seidel(.true.), line(.true.), w_cycle(gauss_seidel(.true.)), w_cycle(line(.true.))]
-            else
-               attempts = [line(.false.), gauss_seidel(.true.), line(.true.), w_cycle(gauss_seidel(.true.))]
-            end if
-         end select
+         attempts = [stated_way(settings, is_heavy)]
       end if
-      do i = 1, size(attempts)
-         call override(settings, attempts(i))
-      end do
+      call override(settings, attempts)
    end function steady_attempts
 
-   !> The ways to try in turn for a time step: Gauss-Seidel, as the line smoother diverges with the squeeze term.
+   !> The ways to try in turn for a time step; no line smoother, it diverges with the squeeze term.
    pure function time_step_attempts(contact, settings) result(attempts)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(relaxation_t), allocatable :: attempts(:)
-      integer :: i
 
-      if (settings%method == "auto" .and. settings%smoother == "auto") then
-         attempts = [gauss_seidel_in_time(0.8_wp, 2), gauss_seidel_in_time(0.6_wp, 3), w_cycle(gauss_seidel_in_time(0.5_wp, 5))]
-         do i = 1, size(attempts)
-            call override(settings, attempts(i))
-         end do
+      if (is_automatic(settings)) then
+         attempts = [one_level(method_newton_krylov), gauss_seidel_in_time(0.6_wp, 3), w_cycle(gauss_seidel_in_time(0.5_wp, 5))]
+         if (contact%domain%intervals <= largest_dense) attempts = [attempts, one_level(method_newton_dense)]
       else if (settings%smoother == "gauss_seidel") then
          attempts = [gauss_seidel_in_time(0.8_wp, 2)]
-         call override(settings, attempts(1))
       else
-         attempts = steady_attempts(contact, settings)
+         attempts = [stated_way(settings, is_heavy=.true.)]
       end if
+      call override(settings, attempts)
    end function time_step_attempts
 
-   !> True for the methods that use no coarse grid but in the start: plain Block-Jacobi and the Newton methods.
-   pure function is_one_level(settings) result(one)
+   !> True where neither method nor smoother is stated.
+   pure function is_automatic(settings) result(automatic)
       type(solver_settings_t), intent(in) :: settings
-      logical :: one
+      logical :: automatic
 
-      one = settings%method == "block_jacobi" .or. is_newton(settings)
-   end function is_one_level
+      automatic = settings%method == "auto" .and. settings%smoother == "auto"
+   end function is_automatic
 
-   !> True for the Newton methods.
-   pure function is_newton(settings) result(newton)
+   !> The way that method and smoother of the settings name; 'auto' with a smoother is the cycle with it.
+   pure function stated_way(settings, is_heavy) result(choice)
       type(solver_settings_t), intent(in) :: settings
-      logical :: newton
+      logical, intent(in) :: is_heavy
+      type(relaxation_t) :: choice
 
-      newton = settings%method == "newton_dense" .or. settings%method == "newton_krylov"
-   end function is_newton
+      select case (settings%method)
+      case ("block_jacobi")
+         choice = one_level(method_block_jacobi)
+      case ("newton_dense")
+         choice = one_level(method_newton_dense)
+      case ("newton_krylov")
+         choice = one_level(method_newton_krylov)
+      case default
+         select case (settings%smoother)
+         case ("gauss_seidel")
+            choice = gauss_seidel(is_heavy)
+         case ("line")
+            choice = line(is_heavy)
+         case ("hybrid")
+            choice = hybrid(is_heavy)
+         case default
+            choice = block_jacobi(is_heavy)
+         end select
+      end select
+   end function stated_way
 
-   !> How Newton steps are solved: by LAPACK, on the coarsest grid of the cycles too, or in O(n log n).
-   subroutine choose_linear_solver(settings, linear)
-      type(solver_settings_t), intent(in) :: settings
-      class(linear_solver_t), allocatable, intent(out) :: linear
+   !> Makes the hierarchy follow a way: coarsest level of its cycles, and how its Newton steps are solved.
+   subroutine adopt(hierarchy, choice)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(relaxation_t), intent(in) :: choice
 
-      if (settings%method == "newton_krylov") then
-         allocate (semiseparable_jacobian_t :: linear)
-      else
-         allocate (dense_jacobian_t :: linear)
+      if (allocated(hierarchy%newton%linear) .and. hierarchy%relaxation%method == choice%method) then
+         hierarchy%relaxation = choice
+         return
       end if
-   end subroutine choose_linear_solver
+      hierarchy%relaxation = choice
+      hierarchy%coarsest = merge(hierarchy%fas_coarsest, hierarchy%finest, choice%method == method_fas)
+      if (allocated(hierarchy%newton%linear)) deallocate (hierarchy%newton%linear)
+      if (choice%method == method_newton_krylov) then
+         allocate (semiseparable_jacobian_t :: hierarchy%newton%linear)
+      else
+         allocate (dense_jacobian_t :: hierarchy%newton%linear)
+      end if
+   end subroutine adopt
 
    !> Block-Jacobi: H relaxed with P (thesis) where that converges, recomputed before each sweep where the contact is heavy.
    pure function block_jacobi(is_heavy) result(choice)
@@ -171,21 +181,19 @@ contains
    end function w_cycle
 
    !> One level: blocks of Block-Jacobi sweeps with the force balance relaxed after each, or single Newton steps.
-   pure function one_level(settings) result(choice)
-      type(solver_settings_t), intent(in) :: settings
+   pure function one_level(method) result(choice)
+      integer, intent(in) :: method
       type(relaxation_t) :: choice
 
       choice = block_jacobi(.false.)
+      choice%method = method
       choice%relaxation = 0.7_wp
-      choice%coarse_sweeps = 200
-      if (is_newton(settings)) then
-         choice%coarse_sweeps = 0
-         choice%coarse_steps = 1
-      end if
+      choice%coarse_sweeps = merge(200, 0, method == method_block_jacobi)
+      choice%coarse_steps = 1
    end function one_level
 
    !> What the user gave wins.
-   pure subroutine override(settings, choice)
+   pure elemental subroutine override(settings, choice)
       type(solver_settings_t), intent(in) :: settings
       type(relaxation_t), intent(inout) :: choice
 
@@ -193,23 +201,22 @@ contains
       if (settings%post_sweeps > 0) choice%post_sweeps = settings%post_sweeps
       if (settings%relaxation > 0.0_wp) choice%relaxation = settings%relaxation
       if (settings%load_relaxation > 0.0_wp) choice%load_relaxation = settings%load_relaxation
-      if (settings%coarse_sweeps > 0 .and. .not. is_newton(settings)) choice%coarse_sweeps = settings%coarse_sweeps
+      if (settings%coarse_sweeps > 0 .and. (choice%method == method_fas .or. choice%method == method_block_jacobi)) &
+         choice%coarse_sweeps = settings%coarse_sweeps
    end subroutine override
 
    !> Short name of a way, e.g. `fas gauss_seidel V(2,2)`.
-   pure function method_name(settings, choice) result(name)
-      type(solver_settings_t), intent(in) :: settings
+   pure function method_name(choice) result(name)
       type(relaxation_t), intent(in) :: choice
       character(:), allocatable :: name
-      character(len=12), parameter :: words(4) = &
+      character(len=12), parameter :: smoothers(4) = &
          [character(len=12) :: "block_jacobi", "gauss_seidel", "line", "hybrid"]
+      character(len=13), parameter :: methods(4) = &
+         [character(len=13) :: "fas", "block_jacobi", "newton_dense", "newton_krylov"]
 
-      if (is_one_level(settings)) then
-         name = trim(settings%method)
-      else
-         name = "fas "//trim(words(choice%smoother))//" "//merge("W", "V", choice%visits > 1)//"("// &
-            to_text(choice%pre_sweeps)//","//to_text(choice%post_sweeps)//")"
-      end if
+      name = trim(methods(choice%method))
+      if (choice%method == method_fas) name = name//" "//trim(smoothers(choice%smoother))//" "// &
+         merge("W", "V", choice%visits > 1)//"("//to_text(choice%pre_sweeps)//","//to_text(choice%post_sweeps)//")"
    end function method_name
 
 end module solver_choice

@@ -63,7 +63,7 @@ contains
       integer :: l, n, q, rank, info
 
       n = ubound(kernel, 1)
-      points = sample_points(n)
+      allocate (points, source=sample_points(n))
       q = max(2, ceiling(log(fastest*n/slowest)/spread) + 1)
       allocate (fit%ratio(q), matrix(size(points), q + 1), work(64*(size(points) + q + 1)))
       allocate (pivots(q + 1), source=0)
