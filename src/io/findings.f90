@@ -48,8 +48,8 @@ contains
          call move_alloc(grown, self%items)
       end if
       place = ''
-      if (len_trim(group) > 0) place = '&' // trim(group)
-      if (len_trim(key) > 0) place = place // ' ' // trim(key)
+      if (len_trim(group) > 0) place = '&' // quoted(group)
+      if (len_trim(key) > 0) place = place // ' ' // quoted(key)
       if (len(place) > 0) place = place // ': '
       self%items(self%count)%line = line
       self%items(self%count)%message = place // message

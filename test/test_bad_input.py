@@ -1,0 +1,189 @@
+"""Bad input: each file of bad_input/ ends with status 1 and exactly the findings that its first lines name.
+
+A file begins with lines `! expect: LINE: MESSAGE`, one for each finding, in the order of the report.
+"""
+
+import os
+import pathlib
+import random
+
+import pytest
+from cases import STEADY, TRANSIENT
+
+CORPUS = sorted((pathlib.Path(__file__).parent / "bad_input").glob("*.nml"))
+MARK = "! expect: "
+SECONDS = 10
+
+
+def run(asperity, *arguments, timeout=SECONDS):
+    """Findings, one a list item; the program must end in time, with status 1, without a backtrace."""
+    done = asperity("--check", *arguments, timeout=timeout)
+    assert done.returncode == 1, done.stderr[-2000:]
+    assert "Backtrace" not in done.stderr
+    assert done.stdout == ""
+    return done.stderr.splitlines()
+
+
+def findings_of(asperity, folder, content):
+    path = folder / "bad.nml"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
+    return [line.removeprefix(f"{path}:") for line in run(asperity, path)]
+
+
+def test_corpus_is_large():
+    assert len(CORPUS) >= 150
+
+
+@pytest.mark.parametrize("path", CORPUS, ids=lambda path: path.stem)
+def test_corpus(asperity, path):
+    lines = path.read_text(encoding="utf-8").splitlines()
+    expected = [line.removeprefix(MARK) for line in lines if line.startswith(MARK)]
+    assert expected
+    assert run(asperity, path) == [f"{path}:{message}" for message in expected]
+
+
+def test_all_findings_of_all_files(asperity):
+    chosen = [path for path in CORPUS if path.stem in ("typo_key", "two_loads")]
+    lines = run(asperity, *chosen)
+    assert len(lines) == 3
+    assert all(any(line.startswith(f"{path}:") for line in lines) for path in chosen)
+
+
+def test_one_bad_namelist_and_none_runs(asperity, tmp_path):
+    (tmp_path / "good.nml").write_text(STEADY, encoding="utf-8")
+    (tmp_path / "bad.nml").write_text(STEADY.replace("1e5", "-1e5"), encoding="utf-8")
+    done = asperity("good.nml", "bad.nml")
+    assert done.returncode == 1
+    assert "bad.nml:4: &load load_per_length: found -1e5, expected" in done.stderr
+    assert not list(tmp_path.glob("*.h5*"))
+
+
+def test_empty_file(asperity, tmp_path):
+    assert findings_of(asperity, tmp_path, "") == [
+        "1: found no group, expected &case ... / and others; see asperity --template ehl_line"
+    ]
+
+
+def test_missing_file(asperity, tmp_path):
+    assert run(asperity, tmp_path / "none.nml") == [f"{tmp_path}/none.nml: no such file"]
+
+
+def test_folder_as_file(asperity, tmp_path):
+    assert run(asperity, tmp_path) == [f"{tmp_path}: found a folder, expected a namelist file"]
+
+
+def test_unreadable_file(asperity, tmp_path):
+    if os.geteuid() == 0:
+        pytest.skip("not applicable: root reads every file")
+    path = tmp_path / "secret.nml"
+    path.write_text(STEADY, encoding="utf-8")
+    path.chmod(0)
+    assert "cannot be opened" in run(asperity, path)[0]
+
+
+def test_device_without_end(asperity):
+    assert "found" in run(asperity, "/dev/zero")[0]
+
+
+def test_device_without_content(asperity):
+    assert "found no group" in run(asperity, "/dev/null")[0]
+
+
+def test_file_too_large(asperity, tmp_path):
+    (tmp_path / "large.nml").write_bytes(b"! comment\n" * 2_000_000)
+    assert "expected a namelist of at most 16 MB" in run(asperity, tmp_path / "large.nml")[0]
+
+
+def test_program_as_input(asperity, program):
+    lines = run(asperity, program)
+    assert len(lines) == 1
+
+
+def test_binary_garbage(asperity, tmp_path):
+    garbage = random.Random(1).randbytes(100_000)
+    lines = findings_of(asperity, tmp_path, garbage)
+    assert len(lines) == 1
+    assert "found the byte 0x" in lines[0]
+    assert "expected a text file in UTF-8" in lines[0]
+
+
+def test_zero_byte(asperity, tmp_path):
+    assert findings_of(asperity, tmp_path, "! a\n! b\0\n" + STEADY) == ["2: found the byte 0x00, expected a text file in UTF-8"]
+
+
+def test_utf_16(asperity, tmp_path):
+    assert findings_of(asperity, tmp_path, STEADY.encode("utf-16")) == ["1: found the byte 0xFF, expected a text file in UTF-8"]
+
+
+def test_latin_1_title(asperity, tmp_path):
+    assert findings_of(asperity, tmp_path, STEADY.encode("latin-1")) == ["1: found the byte 0xD6, expected a text file in UTF-8"]
+
+
+def test_cut_off_utf_8(asperity, tmp_path):
+    assert findings_of(asperity, tmp_path, STEADY.encode() + b"! \xc3") == ["8: found the byte 0xC3, expected a text file in UTF-8"]
+
+
+def test_very_long_line(asperity, tmp_path):
+    lines = findings_of(asperity, tmp_path, STEADY + "&time transient = " + "x" * 1_000_000 + " /\n")
+    assert lines == ["8: &time transient: found " + "x" * 48 + "..., expected .true. or .false."]
+
+
+def test_very_long_name(asperity, tmp_path):
+    lines = findings_of(asperity, tmp_path, STEADY + "&" + "x" * 1_000_000 + "\n/\n")
+    assert len(lines) == 1
+    assert len(lines[0]) < 300
+
+
+def test_very_long_string(asperity, tmp_path):
+    lines = findings_of(asperity, tmp_path, STEADY.replace("'ehl_line'", "'" + "x" * 1_000_000 + "'"))
+    assert lines == ["1: &case problem: found '" + "x" * 48 + "...', expected 'ehl_line'"]
+
+
+def test_million_values(asperity, tmp_path):
+    lines = findings_of(asperity, tmp_path, STEADY.replace("1e5", "1, " * 1_000_000))
+    assert len(lines) == 1
+
+
+def test_deep_nesting_of_quotes(asperity, tmp_path):
+    assert len(findings_of(asperity, tmp_path, STEADY.replace("'ehl_line'", "'\"" * 100_001))) <= 3
+
+
+def test_deep_nesting_of_brackets(asperity, tmp_path):
+    assert findings_of(asperity, tmp_path, STEADY.replace("1e5", "(" * 100_000 + ")" * 100_000))
+
+
+def test_hundred_thousand_findings_are_cut(asperity, tmp_path):
+    lines = findings_of(asperity, tmp_path, "rubbish\n" * 100_000)
+    assert len(lines) == 51
+    assert lines[-1] == " ... and 99950 more findings"
+
+
+def test_hundred_thousand_keys(asperity, tmp_path):
+    many = "".join(f"k{i} = 1\n" for i in range(100_000))
+    assert len(findings_of(asperity, tmp_path, STEADY + "&time\n" + many + "/\n")) == 51
+
+
+def test_hundred_thousand_groups(asperity, tmp_path):
+    assert len(findings_of(asperity, tmp_path, "".join(f"&g{i} /\n" for i in range(100_000)))) == 51
+
+
+def mutated(text, source):
+    """`text` with a few characters or words changed, doubled or lost."""
+    for _ in range(source.randint(1, 4)):
+        place = source.randrange(len(text))
+        end = min(len(text), place + source.choice([1, 1, 2, 10, 100]))
+        new = source.choice(
+            ["", "=", "/", "&", "'", '"', "!", ",", "*", "(", ")", "\n", "\t", "1e999", "-", "9" * 40, text[place:end] * 2]
+        )
+        text = text[:place] + new + text[end:]
+    return text
+
+
+def test_random_damage_never_crashes(asperity, tmp_path):
+    source = random.Random(2)
+    for i in range(400):
+        (tmp_path / f"{i}.nml").write_text(mutated(source.choice([STEADY, TRANSIENT]), source), encoding="utf-8")
+    files = [tmp_path / f"{i}.nml" for i in range(400)]
+    lines = run(asperity, *files, timeout=60)
+    assert len(lines) > 300
+    assert all(line.startswith(f"{tmp_path}/") for line in lines)

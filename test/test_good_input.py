@@ -1,0 +1,205 @@
+"""Input that must be accepted, the template, the pages of the key table, and the command line."""
+
+import pathlib
+import tomllib
+
+import pytest
+from cases import MOES, STEADY, TRANSIENT
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+INPUTS = sorted((ROOT / "input").glob("*.nml"))
+
+
+def check(asperity, folder, content):
+    path = folder / "case.nml"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
+    done = asperity("--check", path, timeout=10)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == f"{path}: no findings\n"
+
+
+FORMS = {
+    "as_it_is": STEADY,
+    "transient": TRANSIENT,
+    "moes": MOES,
+    "byte_order_mark": "\ufeff" + STEADY,
+    "utf_8_title": STEADY.replace("Öl", "Öl 油 µm 🛢"),
+    "crlf": STEADY.replace("\n", "\r\n"),
+    "tabs": STEADY.replace(" ", "\t"),
+    "capitals": STEADY.replace("load_per_length", "LOAD_per_Length").replace("&load", "&LOAD").replace("'roelands'", "'Roelands'"),
+    "end_of_group": STEADY.replace("1e5 /", "1e5 &END"),
+    "no_line_feed_at_end": STEADY.rstrip(),
+    "exponent_d": STEADY.replace("1e5", "1.0D+05"),
+    "exponent_without_letter": STEADY.replace("1e5", "1.0+5"),
+    "point_at_end": STEADY.replace("1e5", "100000."),
+    "point_at_start": STEADY.replace("1e5", ".1e6"),
+    "integer_for_real": STEADY.replace("1e5", "+100000"),
+    "trailing_comma": STEADY.replace("1e5", "1e5,"),
+    "repeat_of_one": STEADY.replace("1e5", "1*1e5"),
+    "value_on_next_line": STEADY.replace("= 1e5", "=\n\n   1e5  ! here\n"),
+    "equals_on_next_line": STEADY.replace("= 1e5", "\n = 1e5"),
+    "comments": "! 'comment' & / =\n" + STEADY.replace("1e5", "1e5 ! it's a load / & =\n"),
+    "slash_in_string": STEADY.replace("Öl", "a/b & c = d ! e"),
+    "quote_in_string": STEADY.replace("'Öl, smooth'", "'it''s \"oil\"'"),
+    "double_quotes": STEADY.replace("'ehl_line'", '"ehl_line"'),
+    "empty_title": STEADY.replace("'Öl, smooth'", "''"),
+    "any_order": "".join(line + "\n" for line in reversed(STEADY.replace(",\n", ",").splitlines())),
+    "no_blanks": STEADY.replace(" = ", "="),
+    "short_logical": TRANSIENT.replace(".true.", "T"),
+    "word_logical": TRANSIENT.replace(".true.", ".TRUE."),
+    "array_with_commas": TRANSIENT.replace("0.2e-6", "1e-7, 2e-7").replace("= 1e-4", "= 2*1e-4").replace("-1.5", "-1.5 -2"),
+    "array_by_elements": TRANSIENT.replace("amplitude = 0.2e-6", "amplitude(2) = 1e-7, amplitude( 1 ) = 2e-7")
+    .replace("= 1e-4", "= 2*1e-4")
+    .replace("-1.5", "-1.5 -2"),
+    "array_tail": TRANSIENT.replace("amplitude = 0.2e-6", "amplitude = 1e-7 amplitude(2) = 2e-7, 3e-7")
+    .replace("= 1e-4", "= 3*1e-4")
+    .replace("-1.5", "3*-1.5"),
+    "shapes_mixed": TRANSIENT.replace("'feature'", "'feature', 'sinusoid'")
+    .replace("0.2e-6", "1e-7, 2e-7")
+    .replace("= 1e-4", "= 2*1e-4")
+    .replace("-1.5", "2*-1.5"),
+    "one_field": TRANSIENT + "&output fields = 'pressure' profile_stride = 3 /\n",
+    "still_rough_steady": STEADY.replace("speed_1 = 0.1", "speed_1 = 0")
+    + "&surface_1 shape = 'sinusoid', amplitude = 1e-8, wavelength = 1e-4 /\n",
+    "concave_body": STEADY.replace("radius_2 = 2.0", "radius_2 = -0.02"),
+    "alpha_and_p0": STEADY.replace("roelands_z = 0.6", "pressure_viscosity = 2.1e-8"),
+    "three_that_agree": STEADY.replace("roelands_z = 0.6", "roelands_z = 0.6, pressure_viscosity = 2.3345e-8"),
+    "moes_roelands": MOES.replace("'barus'", "'roelands'").replace("'constant'", "'dowson_higginson'"),
+    "moes_isoviscous": MOES.replace("moes_l = 5.0", "moes_l = 0"),
+    "solver_settings": STEADY + "&solver method = 'fas_block_jacobi', tolerance = 1e-7, levels = 3, relaxation = 0.7 /\n",
+}
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_form_is_accepted(asperity, tmp_path, name):
+    check(asperity, tmp_path, FORMS[name])
+
+
+@pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.stem)
+def test_input_case_is_accepted(asperity, path):
+    done = asperity("--check", path)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_input_cases_are_there():
+    names = {path.stem for path in INPUTS}
+    assert {"case1", "case2", "case3", "case3_demo", "minimal", "moes_barus", "rolling_sinusoid"} <= names
+
+
+def test_template_passes_its_own_check(asperity, tmp_path):
+    check(asperity, tmp_path, asperity("--template", "ehl_line").stdout)
+
+
+def test_template_names_every_key(asperity):
+    template = asperity("--template", "ehl_line").stdout
+    for line in asperity("--keys-markdown").stdout.splitlines():
+        if line.startswith("| `"):
+            key = line.split("`")[1]
+            assert f" {key} = " in template
+
+
+def test_commented_keys_of_the_template_are_good_alternatives(asperity, tmp_path):
+    template = asperity("--template", "ehl_line").stdout
+    for given, other in [
+        (["radius_1", "radius_2"], ["reduced_radius"]),
+        (["youngs_modulus_1", "youngs_modulus_2", "poisson_ratio_1", "poisson_ratio_2"], ["reduced_modulus"]),
+        (["load_per_length"], ["hertz_pressure"]),
+        (["roelands_z"], ["pressure_viscosity"]),
+    ]:
+        text = template
+        for key in given:
+            text = text.replace(f"\n   {key} =", f"\n!  {key} =")
+        for key in other:
+            text = text.replace(f"\n!  {key} =", f"\n   {key} =")
+        check(asperity, tmp_path, text)
+
+
+def test_manual_page_is_up_to_date(asperity):
+    page = (ROOT / "docs" / "input.md").read_text(encoding="utf-8")
+    assert asperity("--keys-markdown").stdout == page, "make the page again: asperity --keys-markdown > docs/input.md"
+
+
+def test_keys_fit_a_terminal(asperity):
+    lines = asperity("--keys").stdout.splitlines()
+    assert len(lines) > 100
+    assert max(map(len, lines)) <= 100
+
+
+def test_help_has_examples_and_every_option(asperity):
+    done = asperity("--help")
+    assert done.returncode == 0
+    words = [
+        "Examples",
+        "--output",
+        "--threads",
+        "--check",
+        "--resume",
+        "--quiet",
+        "--template",
+        "--keys",
+        "--version",
+        "Exit status",
+    ]
+    for word in words:
+        assert word in done.stdout
+
+
+def test_version_is_that_of_the_manifest(asperity):
+    manifest = tomllib.loads((ROOT / "fpm.toml").read_text(encoding="utf-8"))
+    assert asperity("--version").stdout.startswith(f"asperity {manifest['version']} (commit ")
+
+
+BAD_CALLS = {
+    "nothing": ([], "found no namelist file, expected at least one"),
+    "check_of_nothing": (["--check"], "found no namelist file"),
+    "unknown_option": (["--chek", "a.nml"], "found the unknown option --chek; did you mean --check?"),
+    "output_without_folder": (["a.nml", "--output"], "found --output without a value"),
+    "threads_word": (["a.nml", "--threads", "two"], "found --threads two, expected a number of threads"),
+    "no_threads": (["a.nml", "--threads", "0"], "found --threads 0, expected a number of threads"),
+    "resume": (["a.nml", "--resume"], "--resume is not built yet"),
+    "dry_template": (["--template", "dry_line"], "which is not built yet, expected ehl_line"),
+    "unknown_template": (["--template", "wet"], "found --template wet, expected ehl_line"),
+    "no_template": (["--template"], "found --template without a value"),
+    "two_actions": (["--keys", "--version"], "found --keys and --version, expected one of them"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_CALLS)
+def test_bad_call(asperity, name):
+    arguments, message = BAD_CALLS[name]
+    done = asperity(*arguments)
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert message in done.stderr
+
+
+def test_two_cases_with_one_result(asperity, tmp_path):
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "case.nml").write_text(STEADY, encoding="utf-8")
+    done = asperity("a/case.nml", "b/case.nml")
+    assert done.returncode == 1
+    assert done.stderr == "b/case.nml: found the result case.h5, which is also that of a/case.nml, expected different names\n"
+    assert not list(tmp_path.rglob("*.h5*"))
+
+
+def test_result_on_top_of_the_namelist(asperity, tmp_path):
+    path = tmp_path / "case.nml"
+    path.write_text(STEADY.replace("&case", "&case output = 'case.nml'"), encoding="utf-8")
+    done = asperity("case.nml")
+    assert done.returncode == 1
+    assert "found the namelist case.nml as its result" in done.stderr
+
+
+def test_output_key_is_relative_to_the_namelist(asperity, tmp_path):
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "case.nml").write_text(STEADY.replace("&case", "&case output = 'mine.h5'"), encoding="utf-8")
+    assert asperity("a/case.nml", "--quiet").returncode == 0
+    assert (tmp_path / "a" / "mine.h5").is_file()
+
+
+def test_output_folder_wins(asperity, tmp_path):
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "case.nml").write_text(STEADY.replace("&case", "&case output = 'mine.h5'"), encoding="utf-8")
+    assert asperity("a/case.nml", "--quiet", "--output", ".").returncode == 0
+    assert (tmp_path / "mine.h5").is_file()
