@@ -59,8 +59,9 @@ contains
          if (allocated(error)) return
          i = i + 1
       end do
-      if ((command%action == 'run' .or. command%action == 'check') .and. size(command%files) == 0) &
+      if ((command%action == 'run' .or. command%action == 'check') .and. size(command%files) == 0) then
          call fail(error, input_error, 'found no namelist file, expected at least one' // see_help)
+      end if
    end subroutine read_command_line
 
    !> Argument number `i`; empty if there is none.
@@ -105,8 +106,9 @@ contains
       case ('--threads')
          status = 1
          if (verify(value, '0123456789') == 0 .and. len(value) < 5) read (value, *, iostat=status) command%threads
-         if (status /= 0 .or. command%threads < 1) &
+         if (status /= 0 .or. command%threads < 1) then
             call fail(error, input_error, 'found --threads ' // value // ', expected a number of threads, 1 to 9999')
+         end if
       case default
          call set_action(command, 'template', error)
          if (allocated(error)) return

@@ -64,18 +64,18 @@ contains
       problem = ''
       do i = 1, size(cases)
          path = result_path(cases(i), output_dir)
-         do j = 1, size(cases)
+         others: do j = 1, size(cases)
             if (path == files(j)) then
                problem = trim(files(i)) // ': found the namelist ' // path // ' as its result, expected another &case output'
                return
             end if
-            if (j >= i) cycle
+            if (j >= i) cycle others
             if (path == result_path(cases(j), output_dir)) then
                problem = trim(files(i)) // ': found the result ' // path // ', which is also that of ' // trim(files(j)) &
                   // ', expected different names'
                return
             end if
-         end do
+         end do others
       end do
    end function colliding_results
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Check that every call which can fail is followed by a look at its error.
 
-After `call anything(..., error)` the next statement must be `if (allocated(error))`, or the procedure must end there
+After `call anything(..., error)` the next statement must hold `allocated(error)`, or the procedure must end there
 (also through the end of the block that holds the call, or by `return`). The next procedure that takes the error clears
 it, so a forgotten test loses it. Where that is meant, a comment `! error: reason` behind the call says so.
 Prints `file:line: ...`; exit status 1 if anything is found.
@@ -42,7 +42,7 @@ def is_tested(rest, name):
                 depth -= 1
                 skipping = depth >= 0
             continue
-        if LEAVES.match(statement) or re.match(rf"if\s*\(.*\ballocated\s*\(\s*{name}\s*\)", statement):
+        if LEAVES.match(statement) or re.search(rf"\ballocated\s*\(\s*{name}\s*\)", statement):
             return True
         if re.match(r"(else|case\b|type is\b|class (is|default)\b|end\s*(if|select|block|associate)\b)", statement):
             skipping = not statement.startswith("end")

@@ -73,13 +73,13 @@ contains
          end if
          report%reason = obstacle(cycle, last_progress)
          if (present(watcher)) then
-            if (watcher%wants_stop) report%reason = "stopped from outside"
+            if (watcher%wants_stop) report%reason = 'stopped from outside'
          end if
          if (len(report%reason) > 0) return
       end do
-      report%reason = "converged"
-      if (.not. report%converged) report%reason = "cycle limit: "//to_text(limits%max_cycles)// &
-         " cycles left the residual at "//to_text(max(residual%reynolds, residual%load), 2)
+      report%reason = 'converged'
+      if (.not. report%converged) report%reason = 'cycle limit: '//to_text(limits%max_cycles)// &
+         ' cycles left the residual at '//to_text(max(residual%reynolds, residual%load), 2)
 
    contains
 
@@ -88,17 +88,15 @@ contains
          integer, intent(in) :: cycle, last_progress
          character(:), allocatable :: reason
 
-         reason = ""
-         if (.not. (abs(hierarchy%rigid_displacement) < huge(1.0_wp))) then
-            reason = "divergence: the rigid displacement is not a number"
-         else if (cycle - last_progress < limits%patience) then
-            return
-         else if (.not. residual%film_is_open) then
-            reason = "film closed: the film of the pressure is negative and stays so for "//to_text(limits%patience)//" cycles"
+         reason = ''
+         if (.not. (abs(hierarchy%rigid_displacement) < huge(1.0_wp))) reason = 'divergence: the rigid displacement is not a number'
+         if (len(reason) > 0 .or. cycle - last_progress < limits%patience) return
+         if (.not. residual%film_is_open) then
+            reason = 'film closed: the film of the pressure is negative and stays so for '//to_text(limits%patience)//' cycles'
          else if (max(residual%reynolds, residual%load) > divergence_factor*first_residual) then
-            reason = "divergence: the residual has grown to "//to_text(residual%reynolds, 2)
+            reason = 'divergence: the residual has grown to '//to_text(residual%reynolds, 2)
          else
-            reason = "stagnation: "//to_text(limits%patience)//" cycles left the residual at "//to_text(best, 2)
+            reason = 'stagnation: '//to_text(limits%patience)//' cycles left the residual at '//to_text(best, 2)
          end if
       end function obstacle
 

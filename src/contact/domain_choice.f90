@@ -32,8 +32,9 @@ contains
          if (.not. domain%has_outlet) domain%x_outlet = max(1.5_wp, 1 + 0.5_wp*sqrt(2*film))
          domain%has_inlet = .true.
          domain%has_outlet = .true.
-         if (domain%intervals <= 0) &
+         if (domain%intervals <= 0) then
             domain%intervals = min(max(intervals_for(contact, accurate_spacing), fewest_intervals), most_intervals)
+         end if
       end associate
    end subroutine choose_domain
 

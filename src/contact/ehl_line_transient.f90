@@ -66,19 +66,19 @@ contains
          call fill_state(contact, level, hierarchy%rigid_displacement, 0.0_wp, state)
          call watcher%on_step(0, steps, state, report)
          if (any(level%film <= 0.0_wp)) then
-            call refuse(report, "film closed at T = 0: the surfaces at their start are higher than the smooth film")
+            call refuse(report, 'film closed at T = 0: the surfaces at their start are higher than the smooth film')
             return
          end if
          do step = 1, steps
             if (watcher%wants_stop) then
-               call refuse(report, "stopped from outside")
+               call refuse(report, 'stopped from outside')
                return
             end if
             call begin_step(contact, level, step*time_step, time_step)
             call solve_step(hierarchy, contact, attempts, limits, history, report)
             if (.not. report%converged) then
-               call refuse(report, "time step "//to_text(step)//" of "//to_text(steps)//" (T = "// &
-                  to_text(step*time_step)//"): "//report%reason)
+               call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
+                  to_text(step*time_step)//'): '//report%reason)
                return
             end if
             call remember(history, level, hierarchy%rigid_displacement)
@@ -88,7 +88,7 @@ contains
          end do
       end associate
       report%converged = .true.
-      report%reason = "converged"
+      report%reason = 'converged'
    end subroutine march
 
    !> Marks the report as not converged for a reason.

@@ -49,6 +49,7 @@ contains
    end subroutine fluid_mobility
 
    !> Sigma and ln B of the slip factor at the nodes from `first` on.
+   ! allow(too-many-arguments)  one block of the arrays of both callers
    pure subroutine slip_arguments(fluid, dx, p, h, first, ln_mu, sigma, ln_b)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx

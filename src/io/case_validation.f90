@@ -57,9 +57,10 @@ contains
       do i = 1, size(group_rows)
          name = trim(group_rows(i)%group)
          excluded = name == 'bodies' .or. name == 'load'
-         if (values%group_lines(i) == 0 .and. group_rows(i)%needed == 'yes' .and. .not. (has_moes .and. excluded)) &
+         if (values%group_lines(i) == 0 .and. group_rows(i)%needed == 'yes' .and. .not. (has_moes .and. excluded)) then
             call findings%add(values%last_line, name, '', 'found no such group, expected &' // name // ' ... / (' &
             // trim(group_rows(i)%meaning) // ')')
+         end if
          excluded = excluded .or. name == 'surface_1' .or. name == 'surface_2'
          if (has_moes .and. excluded .and. values%group_lines(i) > 0) call findings%add(values%group_lines(i), name, '', &
             'found together with &moes, expected one of the two: &moes is a smooth contact without SI units')
@@ -74,8 +75,9 @@ contains
 
       do i = 1, size(key_rows)
          if (key_rows(i)%default /= is_required .or. values%slots(i)%is_given) cycle
-         if (values%has_group(key_rows(i)%group)) &
+         if (values%has_group(key_rows(i)%group)) then
             call report_missing(values, trim(key_rows(i)%group), trim(key_rows(i)%key), findings)
+         end if
       end do
    end subroutine check_required
 
@@ -209,12 +211,12 @@ contains
       method = trim(values%word_value('solver', 'method'))
       if (method == 'block_jacobi' .or. method == 'newton_dense') then
          do i = 1, size(of_multigrid)
-            call report_unused(values, 'solver', trim(of_multigrid(i)), 'with method = ''' // method // '''', findings)
+            call report_unused(values, 'solver', trim(of_multigrid(i)), "with method = '" // method // "'", findings)
          end do
       end if
       if (method == 'newton_dense') then
          do i = 1, size(of_relaxation)
-            call report_unused(values, 'solver', trim(of_relaxation(i)), 'with method = ''newton_dense''', findings)
+            call report_unused(values, 'solver', trim(of_relaxation(i)), "with method = 'newton_dense'", findings)
          end do
       end if
       levels = values%slot('solver', 'levels')
@@ -241,7 +243,7 @@ contains
       if (.not. fields%has_value) return
       do i = 2, size(fields%words)
          if (any(fields%words(:i - 1) == fields%words(i)) .and. fields%words(i) /= '?') call findings%add(fields%line, &
-            'output', 'fields', 'found ''' // trim(fields%words(i)) // ''' twice, expected ' &
+            'output', 'fields', "found '" // trim(fields%words(i)) // "' twice, expected " &
             // expected_value(key_rows(find_key('output', 'fields'))) // ', each once')
       end do
    end subroutine check_output

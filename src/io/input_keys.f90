@@ -116,7 +116,7 @@ module input_keys
       key_row_t('lubricant', 'rheology', word_kind, '', "'newtonian'", '', 'newtonian eyring', '', &
       'flow law of the oil'), &
       key_row_t('lubricant', 'eyring_stress', real_kind, 'Pa', is_optional, '>= 1e3, <= 1e15', '', '', &
-      'tau_0 of the Eyring law; required with rheology = ''eyring''')]
+      "tau_0 of the Eyring law; required with rheology = 'eyring'")]
 
    type(key_row_t), parameter :: surface_rows(*) = [ &
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid', 'file synthetic parabola', &
@@ -241,8 +241,9 @@ contains
       meaning = ''
       do row = 1, size(later_rows)
          if (later_rows(row)%key /= key) cycle
-         if (later_rows(row)%group == group .or. (later_rows(row)%group == 'surface_1' .and. group == 'surface_2')) &
+         if (later_rows(row)%group == group .or. (later_rows(row)%group == 'surface_1' .and. group == 'surface_2')) then
             meaning = trim(later_rows(row)%meaning)
+         end if
       end do
    end function later_meaning
 
@@ -286,7 +287,7 @@ contains
          else if (len(list) > 0) then
             list = list // ', '
          end if
-         list = list // '''' // rest(:blank - 1) // ''''
+         list = list // "'" // rest(:blank - 1) // "'"
          rest = rest(min(blank + 1, len(rest) + 1):)
       end do
    end function word_list

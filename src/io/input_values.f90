@@ -307,7 +307,7 @@ contains
          words = words(min(blank + 1, len(words) + 1):)
       end do
       hint = nearest_known(word, candidates)
-      if (hint /= '') hint = '; did you mean ''' // hint // '''?'
+      if (hint /= '') hint = "; did you mean '" // hint // "'?"
    end function nearest_word
 
    !> Adds "found ..., expected ..." for an entry.
@@ -330,7 +330,7 @@ contains
       character(:), allocatable :: shown
 
       shown = quoted(piece%text)
-      if (piece%is_string) shown = '''' // shown // ''''
+      if (piece%is_string) shown = "'" // shown // "'"
       if (piece%is_string .and. len_trim(piece%text) == 0) shown = 'an empty string'
    end function shown_piece
 

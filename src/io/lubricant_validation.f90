@@ -31,12 +31,13 @@ contains
       case ('roelands')
          call check_roelands(values, findings)
       case ('barus')
-         if (.not. values%is_given('lubricant', 'pressure_viscosity')) &
-            call report_missing(values, 'lubricant', 'pressure_viscosity', findings, 'with viscosity_law = ''barus''')
-         call unused_roelands(values, 'with viscosity_law = ''barus''', findings)
+         if (.not. values%is_given('lubricant', 'pressure_viscosity')) then
+            call report_missing(values, 'lubricant', 'pressure_viscosity', findings, "with viscosity_law = 'barus'")
+         end if
+         call unused_roelands(values, "with viscosity_law = 'barus'", findings)
       case ('constant')
-         call report_unused(values, 'lubricant', 'pressure_viscosity', 'with viscosity_law = ''constant''', findings)
-         call unused_roelands(values, 'with viscosity_law = ''constant''', findings)
+         call report_unused(values, 'lubricant', 'pressure_viscosity', "with viscosity_law = 'constant'", findings)
+         call unused_roelands(values, "with viscosity_law = 'constant'", findings)
       case default
       end select
    end subroutine check_lubricant
@@ -58,12 +59,13 @@ contains
 
       select case (values%word_value('lubricant', 'rheology'))
       case ('newtonian')
-         call report_unused(values, 'lubricant', 'eyring_stress', 'with rheology = ''newtonian''', findings)
+         call report_unused(values, 'lubricant', 'eyring_stress', "with rheology = 'newtonian'", findings)
       case ('eyring')
-         if (.not. values%is_given('lubricant', 'eyring_stress')) &
-            call report_missing(values, 'lubricant', 'eyring_stress', findings, 'with rheology = ''eyring''')
+         if (.not. values%is_given('lubricant', 'eyring_stress')) then
+            call report_missing(values, 'lubricant', 'eyring_stress', findings, "with rheology = 'eyring'")
+         end if
          if (values%has_group('moes')) call findings%add(values%line_of('lubricant', 'rheology'), 'lubricant', 'rheology', &
-            'found ''eyring'' with &moes, expected ''newtonian'': the Eyring law needs SI units')
+            "found 'eyring' with &moes, expected 'newtonian': the Eyring law needs SI units")
       case default
       end select
    end subroutine check_rheology
@@ -93,10 +95,10 @@ contains
       if (.not. allocated(error)) return
       if (given < 2) then
          call findings%add(values%line_of('lubricant', trim(last)), 'lubricant', trim(last), 'found ' // to_text(given) &
-            // ' of pressure_viscosity, roelands_p0 and roelands_z, expected two with viscosity_law = ''roelands''')
+            // " of pressure_viscosity, roelands_p0 and roelands_z, expected two with viscosity_law = 'roelands'")
       else if (number(1) <= exp(-roelands_log_shift)) then
          call findings%add(values%line_of('lubricant', 'viscosity'), 'lubricant', 'viscosity', 'found ' // to_text(number(1)) &
-            // ', expected more than ' // to_text(exp(-roelands_log_shift), 3) // ' [Pa s] with viscosity_law = ''roelands''')
+            // ', expected more than ' // to_text(exp(-roelands_log_shift), 3) // " [Pa s] with viscosity_law = 'roelands'")
       else
          call findings%add(values%line_of('lubricant', 'pressure_viscosity'), 'lubricant', 'pressure_viscosity', 'found ' &
             // to_text(number(2), 5) // ' beside roelands_p0 and roelands_z, expected ' &
@@ -117,17 +119,18 @@ contains
       has_l = values%real_value('moes', 'moes_l') > 0.0_wp
       if (.not. values%has_value('moes', 'moes_l')) return
       if (has_l .and. law == 'constant') call findings%add(values%line_of('lubricant', 'viscosity_law'), 'lubricant', &
-         'viscosity_law', 'found ''constant'' with moes_l > 0, expected ''roelands'' or ''barus'', or moes_l = 0')
+         'viscosity_law', "found 'constant' with moes_l > 0, expected 'roelands' or 'barus', or moes_l = 0")
       if (.not. has_l) then
-         if (is_compressible .and. values%is_given('lubricant', 'density_law')) &
+         if (is_compressible .and. values%is_given('lubricant', 'density_law')) then
             call findings%add(values%line_of('lubricant', 'density_law'), 'lubricant', 'density_law', &
-            'found ''dowson_higginson'' with moes_l = 0, expected ''constant'': the pressure scale is unknown')
+            "found 'dowson_higginson' with moes_l = 0, expected 'constant': the pressure scale is unknown")
+         end if
          call report_unused(values, 'lubricant', 'pressure_viscosity', 'with moes_l = 0', findings)
          call unused_roelands(values, 'with moes_l = 0', findings)
       else if (law == 'barus') then
          if (.not. is_compressible) call report_unused(values, 'lubricant', 'pressure_viscosity', &
             'with &moes, Barus and constant density', findings)
-         call unused_roelands(values, 'with viscosity_law = ''barus''', findings)
+         call unused_roelands(values, "with viscosity_law = 'barus'", findings)
       end if
    end subroutine check_moes_laws
 

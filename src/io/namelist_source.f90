@@ -62,7 +62,7 @@ contains
             else if (byte == '!') then
                in_comment = .true.
                byte = ' '
-            else if (byte == '''' .or. byte == '"') then
+            else if (byte == "'" .or. byte == '"') then
                mark = byte
                opened = i
                source%in_string(i) = .true.

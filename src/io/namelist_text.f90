@@ -231,8 +231,9 @@ contains
          name = trim(name(:bracket - 1))
          entry%has_subscript = .true.
          status = 1
-         if (verify(trim(adjustl(subscript)), '0123456789') == 0 .and. len_trim(subscript) < 8) &
+         if (verify(trim(adjustl(subscript)), '0123456789') == 0 .and. len_trim(subscript) < 8) then
             read (subscript, *, iostat=status) entry%first
+         end if
          if (status /= 0 .or. entry%first < 1) then
             call findings%add(entry%line, group, to_lower(name), 'found the subscript (' // quoted(subscript) &
                // '), expected one number, as in ' // to_lower(name) // '(2) = ...')

@@ -97,7 +97,7 @@ contains
       if (position <= len(values)) mark = values(position:position)
       if (mark == ' ' .or. mark == ',') then
          problem = 'a repeat count without a value'
-      else if (mark == '''' .or. mark == '"') then
+      else if (mark == "'" .or. mark == '"') then
          call read_string(values, position, piece)
       else
          length = scan(values(position:), ' ,''"') - 1

@@ -23,13 +23,13 @@ contains
       if (.not. shape%has_value .or. .not. values%has_group(group)) return
       if (any(shape%words == '?')) return
       if (all(shape%words == 'smooth')) then
-         call report_unused(values, group, 'amplitude', 'with shape = ''smooth''', findings)
-         call report_unused(values, group, 'wavelength', 'with shape = ''smooth''', findings)
-         call report_unused(values, group, 'position', 'with shape = ''smooth''', findings)
+         call report_unused(values, group, 'amplitude', "with shape = 'smooth'", findings)
+         call report_unused(values, group, 'wavelength', "with shape = 'smooth'", findings)
+         call report_unused(values, group, 'position', "with shape = 'smooth'", findings)
          return
       end if
       if (any(shape%words == 'smooth')) call findings%add(shape%line, group, 'shape', &
-         'found ''smooth'' among other shapes, expected ''feature'' or ''sinusoid'' for each element')
+         "found 'smooth' among other shapes, expected 'feature' or 'sinusoid' for each element")
       if (.not. values%is_given(group, 'amplitude')) call report_missing(values, group, 'amplitude', findings)
       if (.not. values%is_given(group, 'wavelength')) call report_missing(values, group, 'wavelength', findings)
       call check_lengths(values, group, findings)

@@ -31,7 +31,7 @@ module dense_solve
 
    interface
       !> C library: address of a symbol of the running program, null if there is none.
-      function dlsym(handle, symbol) bind(c, name="dlsym") result(address)
+      function dlsym(handle, symbol) bind(c, name='dlsym') result(address)
          import :: c_char, c_funptr, c_ptr
          implicit none (type, external)
          type(c_ptr), value :: handle
@@ -48,7 +48,7 @@ contains
       procedure(set_threads_interface), pointer :: set_threads
       type(c_funptr) :: address
 
-      address = dlsym(c_null_ptr, "openblas_set_num_threads"//c_null_char)
+      address = dlsym(c_null_ptr, 'openblas_set_num_threads'//c_null_char)
       if (.not. c_associated(address)) return
       call c_f_procpointer(address, set_threads)
       call set_threads(1_c_int)
@@ -65,7 +65,7 @@ contains
 
       n = size(right_side)
       call dgesv(n, 1, matrix, n, pivots, right_side, n, info)
-      if (info /= 0) call fail(error, internal_error, "dgesv: matrix is singular, info = "//to_text(info))
+      if (info /= 0) call fail(error, internal_error, 'dgesv: matrix is singular, info = '//to_text(info))
    end subroutine solve_dense
 
 end module dense_solve

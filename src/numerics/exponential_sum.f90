@@ -79,7 +79,7 @@ contains
       call dgelsy(size(points), q + 1, 1, matrix, size(points), values, size(points), pivots, rank_tolerance, rank, &
          work, size(work), info)
       if (info /= 0) then
-         call fail(error, internal_error, "dgelsy: info = "//to_text(info))
+         call fail(error, internal_error, 'dgelsy: info = '//to_text(info))
          return
       end if
       fit%constant = values(1)

@@ -32,27 +32,27 @@ module toeplitz
    integer(c_int), parameter :: fftw_estimate = 64_c_int
 
    interface
-      function fftw_alloc_real(n) bind(c, name="fftw_alloc_real") result(memory)
+      function fftw_alloc_real(n) bind(c, name='fftw_alloc_real') result(memory)
          import :: c_ptr, c_size_t
          implicit none (type, external)
          integer(c_size_t), value :: n
          type(c_ptr) :: memory
       end function fftw_alloc_real
 
-      function fftw_alloc_complex(n) bind(c, name="fftw_alloc_complex") result(memory)
+      function fftw_alloc_complex(n) bind(c, name='fftw_alloc_complex') result(memory)
          import :: c_ptr, c_size_t
          implicit none (type, external)
          integer(c_size_t), value :: n
          type(c_ptr) :: memory
       end function fftw_alloc_complex
 
-      subroutine fftw_free(memory) bind(c, name="fftw_free")
+      subroutine fftw_free(memory) bind(c, name='fftw_free')
          import :: c_ptr
          implicit none (type, external)
          type(c_ptr), value :: memory
       end subroutine fftw_free
 
-      function fftw_plan_dft_r2c_1d(n, in, out, flags) bind(c, name="fftw_plan_dft_r2c_1d") result(plan)
+      function fftw_plan_dft_r2c_1d(n, in, out, flags) bind(c, name='fftw_plan_dft_r2c_1d') result(plan)
          import :: c_double, c_double_complex, c_int, c_ptr
          implicit none (type, external)
          integer(c_int), value :: n
@@ -62,7 +62,7 @@ module toeplitz
          type(c_ptr) :: plan
       end function fftw_plan_dft_r2c_1d
 
-      function fftw_plan_dft_c2r_1d(n, in, out, flags) bind(c, name="fftw_plan_dft_c2r_1d") result(plan)
+      function fftw_plan_dft_c2r_1d(n, in, out, flags) bind(c, name='fftw_plan_dft_c2r_1d') result(plan)
          import :: c_double, c_double_complex, c_int, c_ptr
          implicit none (type, external)
          integer(c_int), value :: n
@@ -72,7 +72,7 @@ module toeplitz
          type(c_ptr) :: plan
       end function fftw_plan_dft_c2r_1d
 
-      subroutine fftw_execute_dft_r2c(plan, in, out) bind(c, name="fftw_execute_dft_r2c")
+      subroutine fftw_execute_dft_r2c(plan, in, out) bind(c, name='fftw_execute_dft_r2c')
          import :: c_double, c_double_complex, c_ptr
          implicit none (type, external)
          type(c_ptr), value :: plan
@@ -80,7 +80,7 @@ module toeplitz
          complex(c_double_complex), intent(out) :: out(*)
       end subroutine fftw_execute_dft_r2c
 
-      subroutine fftw_execute_dft_c2r(plan, in, out) bind(c, name="fftw_execute_dft_c2r")
+      subroutine fftw_execute_dft_c2r(plan, in, out) bind(c, name='fftw_execute_dft_c2r')
          import :: c_double, c_double_complex, c_ptr
          implicit none (type, external)
          type(c_ptr), value :: plan
@@ -88,7 +88,7 @@ module toeplitz
          real(c_double), intent(out) :: out(*)
       end subroutine fftw_execute_dft_c2r
 
-      subroutine fftw_destroy_plan(plan) bind(c, name="fftw_destroy_plan")
+      subroutine fftw_destroy_plan(plan) bind(c, name='fftw_destroy_plan')
          import :: c_ptr
          implicit none (type, external)
          type(c_ptr), value :: plan
@@ -115,13 +115,13 @@ contains
       memory = fftw_alloc_complex(int(n + 1, c_size_t))
       if (c_associated(memory)) call c_f_pointer(memory, self%spectrum, [n + 1])
       if (.not. (associated(self%values) .and. associated(self%spectrum))) then
-         call fail(error, internal_error, "FFTW: no memory for a transform of length "//to_text(m))
+         call fail(error, internal_error, 'FFTW: no memory for a transform of length '//to_text(m))
          return
       end if
       self%forward = fftw_plan_dft_r2c_1d(int(m, c_int), self%values, self%spectrum, fftw_estimate)
       self%backward = fftw_plan_dft_c2r_1d(int(m, c_int), self%spectrum, self%values, fftw_estimate)
       if (.not. (c_associated(self%forward) .and. c_associated(self%backward))) then
-         call fail(error, internal_error, "FFTW: no plan for a transform of length "//to_text(m))
+         call fail(error, internal_error, 'FFTW: no plan for a transform of length '//to_text(m))
          return
       end if
       self%values(1:n) = column(0:n - 1)
