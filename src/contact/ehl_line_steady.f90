@@ -34,11 +34,11 @@ contains
       integer :: i
 
       allocate (attempts, source=steady_attempts(contact, settings))
-      failures = ""
+      failures = ''
       do i = 1, size(attempts)
          call adopt(hierarchy, attempts(i))
          report%method = method_name(attempts(i))
-         if (settings%start == "hertz") then
+         if (settings%start == 'hertz') then
             call hertz_start(hierarchy, contact)
             is_sound = .true.
          else
@@ -49,9 +49,9 @@ contains
             if (report%converged .or. watcher%wants_stop) return
          else
             report%converged = .false.
-            report%reason = "the exact solution of the coarse start grid failed"
+            report%reason = 'the exact solution of the coarse start grid failed'
          end if
-         failures = failures//merge("  ", "; ", i == 1)//report%method//": "//report%reason
+         failures = failures//merge('  ', '; ', i == 1)//report%method//': '//report%reason
       end do
       report%reason = too_coarse(contact)//adjustl(failures)
    end subroutine solve_steady
@@ -64,7 +64,7 @@ contains
 
       limits%tolerance = tolerance
       if (settings%tolerance > 0.0_wp) limits%tolerance = settings%tolerance
-      if (settings%method == "block_jacobi") then
+      if (settings%method == 'block_jacobi') then
          limits%max_cycles = 2000
          limits%patience = 40
       end if
@@ -77,10 +77,10 @@ contains
       character(:), allocatable :: cause
       integer :: needed
 
-      cause = ""
+      cause = ''
       needed = intervals_for(contact, coarsest_spacing)
-      if (contact%domain%intervals < needed) cause = "grid too coarse for the film, needs "//to_text(needed)//" intervals ("
-      if (len(cause) > 0) cause = cause//"has "//to_text(contact%domain%intervals)//"); "
+      if (contact%domain%intervals < needed) cause = 'grid too coarse for the film, needs '//to_text(needed)//' intervals ('
+      if (len(cause) > 0) cause = cause//'has '//to_text(contact%domain%intervals)//'); '
    end function too_coarse
 
 end module ehl_line_steady

@@ -51,7 +51,7 @@ contains
       if (is_automatic(settings)) then
          attempts = [one_level(method_newton_krylov), gauss_seidel_in_time(0.6_wp, 3), w_cycle(gauss_seidel_in_time(0.5_wp, 5))]
          if (contact%domain%intervals <= largest_dense) attempts = [attempts, one_level(method_newton_dense)]
-      else if (settings%smoother == "gauss_seidel") then
+      else if (settings%smoother == 'gauss_seidel') then
          attempts = [gauss_seidel_in_time(0.8_wp, 2)]
       else
          attempts = [stated_way(settings, is_heavy=.true.)]
@@ -64,7 +64,7 @@ contains
       type(solver_settings_t), intent(in) :: settings
       logical :: automatic
 
-      automatic = settings%method == "auto" .and. settings%smoother == "auto"
+      automatic = settings%method == 'auto' .and. settings%smoother == 'auto'
    end function is_automatic
 
    !> The way that method and smoother of the settings name; 'auto' with a smoother is the cycle with it.
@@ -74,19 +74,19 @@ contains
       type(relaxation_t) :: choice
 
       select case (settings%method)
-      case ("block_jacobi")
+      case ('block_jacobi')
          choice = one_level(method_block_jacobi)
-      case ("newton_dense")
+      case ('newton_dense')
          choice = one_level(method_newton_dense)
-      case ("newton_krylov")
+      case ('newton_krylov')
          choice = one_level(method_newton_krylov)
       case default
          select case (settings%smoother)
-         case ("gauss_seidel")
+         case ('gauss_seidel')
             choice = gauss_seidel(is_heavy)
-         case ("line")
+         case ('line')
             choice = line(is_heavy)
-         case ("hybrid")
+         case ('hybrid')
             choice = hybrid(is_heavy)
          case default
             choice = block_jacobi(is_heavy)
@@ -201,8 +201,9 @@ contains
       if (settings%post_sweeps > 0) choice%post_sweeps = settings%post_sweeps
       if (settings%relaxation > 0.0_wp) choice%relaxation = settings%relaxation
       if (settings%load_relaxation > 0.0_wp) choice%load_relaxation = settings%load_relaxation
-      if (settings%coarse_sweeps > 0 .and. (choice%method == method_fas .or. choice%method == method_block_jacobi)) &
+      if (settings%coarse_sweeps > 0 .and. (choice%method == method_fas .or. choice%method == method_block_jacobi)) then
          choice%coarse_sweeps = settings%coarse_sweeps
+      end if
    end subroutine override
 
    !> Short name of a way, e.g. `fas gauss_seidel V(2,2)`.
@@ -210,13 +211,13 @@ contains
       type(relaxation_t), intent(in) :: choice
       character(:), allocatable :: name
       character(len=12), parameter :: smoothers(4) = &
-         [character(len=12) :: "block_jacobi", "gauss_seidel", "line", "hybrid"]
+         [character(len=12) :: 'block_jacobi', 'gauss_seidel', 'line', 'hybrid']
       character(len=13), parameter :: methods(4) = &
-         [character(len=13) :: "fas", "block_jacobi", "newton_dense", "newton_krylov"]
+         [character(len=13) :: 'fas', 'block_jacobi', 'newton_dense', 'newton_krylov']
 
       name = trim(methods(choice%method))
-      if (choice%method == method_fas) name = name//" "//trim(smoothers(choice%smoother))//" "// &
-         merge("W", "V", choice%visits > 1)//"("//to_text(choice%pre_sweeps)//","//to_text(choice%post_sweeps)//")"
+      if (choice%method == method_fas) name = name//' '//trim(smoothers(choice%smoother))//' '// &
+         merge('W', 'V', choice%visits > 1)//'('//to_text(choice%pre_sweeps)//','//to_text(choice%post_sweeps)//')'
    end function method_name
 
 end module solver_choice
