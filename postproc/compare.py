@@ -38,7 +38,7 @@ def draw_field(upper: Axes, lower: Axes, results: list[Result], field: str, opti
     for i, (result, label) in enumerate(zip(results, names(results), strict=True)):
         look = style.SERIES[i % len(style.SERIES)] | {"markevery": (0.03 * i, 0.15)}
         x, values = result.solution["x"].shown(x_axis), result.solution[field].shown(axis)
-        words = style.literal(label) + ("" if i else " (reference)")
+        words = style.literal(label) + when(result, options.si) + ("" if i else " (reference)")
         upper.plot(x, values, label=words, **look)
         if i > 0:
             nodes, difference = difference_of(x, values, x_first, reference)
@@ -53,6 +53,14 @@ def draw_field(upper: Axes, lower: Axes, results: list[Result], field: str, opti
     lower.set(xlabel=x_axis.label, ylabel=axis.difference_label)
     style.few_ticks(lower)
     upper.set(xlim=(left, right), ylim=(0, top_of(results, field, axis)))
+
+
+def when(result: Result, si: bool) -> str:
+    """Time of the fields of a transient result, for the legend."""
+    if result.last_time is None:
+        return ""
+    axis = result.transient["time"].axis(si)
+    return f", ${axis.symbol}$ = {axis.number(result.last_time)}"
 
 
 def difference_of(x: np.ndarray, values: np.ndarray, x_first: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -86,7 +94,7 @@ def draw_figure(results: list[Result], options: argparse.Namespace) -> list[Path
         draw_field(upper, lower, results, field, options)
     figure.align_ylabels(axes)
     longest = max(len(label) for label in names(results))
-    columns = max(1, min(3, len(results), 90 // (longest + 14)))
+    columns = max(1, min(3, len(results), 90 // (longest + 20)))
     style.legend_below(figure, axes[0, 0].get_legend_handles_labels()[0], columns)
     style.mark_not_converged(figure, results)
     stem = results[0].stem
@@ -114,6 +122,8 @@ def table(results: list[Result], si: bool) -> str:
             reference = number(results[0], name, field, axes[field])
             line += f"  {value:14.7g}  {100 * (value / reference - 1):+8.3f}%"
         lines.append(line + ("" if result.converged else "  NOT CONVERGED"))
+    if any(result.last_time is not None for result in results):
+        lines.append("of a transient: the extremes over all stored times; the figure shows the last time")
     return "\n".join(lines)
 
 
