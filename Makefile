@@ -66,7 +66,7 @@ demo: build ## the main job: a ridge passing through an oil film, results and fi
 figures: ## the figures of the demo again, from its result files
 	$(PYTHON) postproc/profile.py $(DEMO)/case1.h5 $(DEMO)/case3_demo.h5 --output $(DEMO)
 	$(PYTHON) postproc/transient.py $(DEMO)/case3_demo.h5 --output $(DEMO)
-	$(PYTHON) postproc/convergence.py $(DEMO)/case1.h5 --output $(DEMO)
+	$(PYTHON) postproc/convergence.py $(DEMO)/case1.h5 $(DEMO)/case3_demo.h5 --output $(DEMO)
 	@echo "figures in $(DEMO):" && ls $(DEMO)
 
 bench: build ## speed and memory (ARGS=--quick: shorter)
