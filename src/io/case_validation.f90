@@ -202,19 +202,20 @@ contains
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
       character(len=16), parameter :: of_multigrid(*) = [character(len=16) :: 'levels', 'pre_sweeps', 'post_sweeps', 'smoother']
-      character(len=16), parameter :: of_relaxation(*) = [character(len=16) :: 'coarse_sweeps', 'relaxation', 'load_relaxation', &
-         'start']
+      character(len=16), parameter :: of_relaxation(*) = [character(len=16) :: 'coarse_sweeps', 'relaxation', 'load_relaxation']
       character(:), allocatable :: method
       type(value_t) :: levels, intervals
+      logical :: is_newton
       integer :: i
 
       method = trim(values%word_value('solver', 'method'))
-      if (method == 'block_jacobi' .or. method == 'newton_dense') then
+      is_newton = method == 'newton_dense' .or. method == 'newton_krylov'
+      if (method == 'block_jacobi' .or. is_newton) then
          do i = 1, size(of_multigrid)
             call report_unused(values, 'solver', trim(of_multigrid(i)), "with method = '" // method // "'", findings)
          end do
       end if
-      if (method == 'newton_dense') then
+      if (is_newton) then
          do i = 1, size(of_relaxation)
             call report_unused(values, 'solver', trim(of_relaxation(i)), "with method = 'newton_dense'", findings)
          end do

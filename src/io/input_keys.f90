@@ -146,8 +146,8 @@ module input_keys
       'time step in T; chosen: the grid spacing dX'), &
       key_row_t('time', 'scheme', word_kind, '', "'backward_euler'", '', 'backward_euler', 'bdf2', &
       'time discretisation'), &
-      key_row_t('solver', 'method', word_kind, '', "'auto'", '', 'auto fas_block_jacobi block_jacobi newton_dense', &
-      'newton_krylov', 'auto: the best that is built; newton_dense: exact reference for small grids'), &
+      key_row_t('solver', 'method', word_kind, '', "'auto'", '', 'auto fas_block_jacobi block_jacobi newton_krylov newton_dense', &
+      '', 'auto: Newton-Krylov, else other ways; newton_dense: exact reference for small grids'), &
       key_row_t('solver', 'smoother', word_kind, '', "'auto'", '', 'auto block_jacobi gauss_seidel line hybrid', '', &
       'smoother of the multigrid cycle'), &
       key_row_t('solver', 'start', word_kind, '', "'fmg'", '', 'fmg hertz', '', &
@@ -155,7 +155,7 @@ module input_keys
       key_row_t('solver', 'tolerance', real_kind, '-', is_chosen, '>= 1e-15, <= 1e-2', '', '', &
       'bound on the dimensionless residuals and the load; chosen: 1e-8, in time steps 1e-6'), &
       key_row_t('solver', 'max_cycles', integer_kind, '-', is_chosen, '>= 1, <= 10000000', '', '', &
-      'most cycles (newton_dense: iterations) for one solution; chosen: by the method'), &
+      'most cycles (Newton: iterations) for one solution; chosen: by the method'), &
       key_row_t('solver', 'levels', integer_kind, '-', is_chosen, '>= 1, <= 22', '', '', &
       'grid levels, the finest counted'), &
       key_row_t('solver', 'pre_sweeps', integer_kind, '-', is_chosen, '>= 1, <= 1000', '', '', &
