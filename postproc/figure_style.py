@@ -111,9 +111,9 @@ def film_limit(film: np.ndarray, pressure: np.ndarray) -> float:
     return 1.6 * float(inside.max()) if inside.size else float(np.nanmax(film))
 
 
-def few_ticks(axes: Axes) -> None:
-    """At most five round numbers along X."""
-    axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+def few_ticks(axes: Axes, most: int = 5) -> None:
+    """Few round numbers along X."""
+    axes.xaxis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10]))
 
 
 def legend_below(figure: Figure, handles: list, columns: int) -> None:

@@ -23,6 +23,7 @@ PARTS = ("xt", "film_strip", "passage")
 STRIP_CENTRES = (-1.0, -0.5, 0.0, 0.5, 1.0)
 MAP_POINTS = 1200
 MAXIMAL_PATHS = 24
+LOADED = 0.9  # |X| up to which the film of the map is shown in full
 LOOKS = (style.FILM, style.PRESSURE)
 PATH = {
     "color": "black",
@@ -85,7 +86,7 @@ def paths_legend(paths: list[Feature]) -> list[Line2D]:
     if not paths:
         return []
     what = list(dict.fromkeys(f"{path.word} of surface {path.surface}" for path in paths))
-    label = ("path of " if len(paths) == 1 else "paths of ") + ", ".join(what)
+    label = ("path of " if len(paths) == 1 else "paths: ") + ", ".join(what)
     look = {key: PATH[key] for key in ("color", "linewidth", "linestyle")}
     return [Line2D([], [], label=label, **look)]
 
@@ -94,10 +95,10 @@ def colour_range(result: Result, name: str, values: np.ndarray) -> tuple[float, 
     """Lowest and highest colour in stored units, and which ends of the bar are open."""
     if name == "pressure":
         return 0.0, float(np.nanmax(values)), "neither"
-    start = result.transient["film_thickness"].values[0]
-    central = float(np.interp(0.0, result.x, start))
     low = float(np.nanmin(values))
-    return low, max(2 * central - low, 1.2 * low), "max"
+    loaded = result.transient["film_thickness"].values[:, np.abs(result.x) <= LOADED]
+    high = float(np.nanpercentile(loaded, 99.5)) if np.isfinite(loaded).any() else float(np.nanmax(values))
+    return low, max(high, 1.01 * low), "max"
 
 
 def draw_map(axes: Axes, result: Result, name: str, options: argparse.Namespace) -> None:
@@ -177,7 +178,7 @@ class Passage:
             panel.plot(self.x, values[0], label=label, **style.REFERENCE)
             panel.set(ylabel=axis.plain_label, ylim=(0, top))
             panel.set_xlim(end * self.x_axis.factor for end in self.window)
-            style.few_ticks(panel)
+            style.few_ticks(panel, 4)
 
     def title(self, step: int) -> str:
         """The time of a step."""
