@@ -15,7 +15,7 @@ module line_hierarchy
    !> Smoother words.
    integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, smoother_line = 3, smoother_hybrid = 4
 
-   !> Methods: the cycle; sweeps on the finest level alone; Newton steps on the finest level.
+   !> The methods are the cycle; sweeps on the finest level alone; Newton steps on the finest level.
    integer, parameter, public :: method_fas = 1, method_block_jacobi = 2, method_newton_dense = 3, method_newton_krylov = 4
 
    !> How a solution is sought: the method, and how its cycle relaxes.

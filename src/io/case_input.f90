@@ -228,7 +228,7 @@ contains
       if (slot%has_value) number = slot%integer
    end function integer_of
 
-   !> Findings: a load for which the contact is wider than the radius, where neither Hertz nor the half-space holds; a
+   !> A finding is a load for which the contact is wider than the radius, where neither Hertz nor the half-space holds; a
    !> contact outside the range of &moes.
    subroutine check_regime(values, case, findings)
       type(input_values_t), intent(in) :: values
