@@ -1,5 +1,10 @@
-!> Time steps of the lubricated line contact, backward Euler:
-!> L_R(P, H) - lambda/dT rho H = -lambda/dT (rho H)_old, with Psi_1, Psi_2 at the new time.
+!> Time steps of the lubricated line contact, with Psi_1, Psi_2 at the new time:
+!>
+!>     backward Euler (thesis)    lambda d(rho H)/dT = lambda/dT ( rho H - (rho H)_old )
+!>     BDF2                       lambda d(rho H)/dT = lambda/(2 dT) ( 3 rho H - 4 (rho H)_old + (rho H)_older )
+!>
+!> Both have the form lambda/dT_eff ( rho H - F ); BDF2 has dT_eff = 2 dT/3, F = (4 (rho H)_old - (rho H)_older)/3, and its
+!> first step is one of backward Euler.
 !>
 !> At T = 0 pressure and H0 are those of the smooth steady contact; the surfaces enter the old film without a new solve.
 module ehl_line_transient
@@ -11,8 +16,8 @@ module ehl_line_transient
    use line_hierarchy, only: line_hierarchy_t, relaxation_t, roughness_at
    use line_level, only: film_of, line_level_t
    use line_state, only: line_state_t
+   use lubricant, only: fluid_density_value
    use observer, only: observer_t
-   use reynolds_line, only: evaluate_coefficients
    use solver_choice, only: adopt, method_name, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t
    use state_output, only: fill_state
@@ -33,6 +38,8 @@ module ehl_line_transient
       !> (0:n, 3)
       real(wp), allocatable :: pressure(:, :)
       real(wp) :: rigid_displacement(3) = 0.0_wp
+      !> rho H of the last two times (0:n, 2), for the squeeze term.
+      real(wp), allocatable :: mass(:, :)
    end type history_t
 
 contains
@@ -62,7 +69,7 @@ contains
          steps = nint(time%end_time/time_step)
          level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, 0.0_wp)
          call film_of(level, hierarchy%rigid_displacement, level%film)
-         call remember(history, level, hierarchy%rigid_displacement)
+         call remember(history, contact, level, hierarchy%rigid_displacement)
          call fill_state(contact, level, hierarchy%rigid_displacement, 0.0_wp, state)
          call watcher%on_step(0, steps, state, report)
          if (any(level%film <= 0.0_wp)) then
@@ -74,14 +81,15 @@ contains
                call refuse(report, 'stopped from outside')
                return
             end if
-            call begin_step(contact, level, step*time_step, time_step)
+            call begin_step(contact, level, history, step*time_step, time_step, &
+               is_second_order=time%scheme == 'bdf2' .and. step > 1)
             call solve_step(hierarchy, contact, attempts, limits, history, report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
                   to_text(step*time_step)//'): '//report%reason)
                return
             end if
-            call remember(history, level, hierarchy%rigid_displacement)
+            call remember(history, contact, level, hierarchy%rigid_displacement)
             call fill_state(contact, level, hierarchy%rigid_displacement, step*time_step, state)
             report%steps = step
             call watcher%on_step(step, steps, state, report)
@@ -100,15 +108,21 @@ contains
       report%reason = reason
    end subroutine refuse
 
-   !> Right sides of the step to `new_time`, from the present pressure and film (those of the old time).
-   subroutine begin_step(contact, level, new_time, time_step)
+   !> Right sides of the step to `new_time`.
+   subroutine begin_step(contact, level, history, new_time, time_step, is_second_order)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
+      type(history_t), intent(in) :: history
       real(wp), intent(in) :: new_time, time_step
+      logical, intent(in) :: is_second_order
 
-      call evaluate_coefficients(contact%fluid, level)
-      level%rhs_reynolds = -contact%lambda/time_step*level%density*level%film
-      level%inverse_time_step = 1.0_wp/time_step
+      if (is_second_order) then
+         level%inverse_time_step = 1.5_wp/time_step
+         level%rhs_reynolds = -contact%lambda/time_step*(2*history%mass(:, 1) - 0.5_wp*history%mass(:, 2))
+      else
+         level%inverse_time_step = 1.0_wp/time_step
+         level%rhs_reynolds = -contact%lambda/time_step*history%mass(:, 1)
+      end if
       level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, new_time)
    end subroutine begin_step
 
@@ -178,16 +192,20 @@ contains
    end subroutine extrapolate
 
    !> Takes the present solution into the history.
-   pure subroutine remember(history, level, rigid_displacement)
+   pure subroutine remember(history, contact, level, rigid_displacement)
       type(history_t), intent(inout) :: history
-      type(line_level_t), intent(in) :: level
+      type(line_contact_t), intent(in) :: contact
+      type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: rigid_displacement
 
-      if (.not. allocated(history%pressure)) allocate (history%pressure(0:level%n, 3), source=0.0_wp)
+      if (.not. allocated(history%pressure)) allocate (history%pressure(0:level%n, 3), history%mass(0:level%n, 2), source=0.0_wp)
       history%pressure(:, 3) = history%pressure(:, 2)
       history%pressure(:, 2) = history%pressure(:, 1)
       history%pressure(:, 1) = level%pressure
       history%rigid_displacement = [rigid_displacement, history%rigid_displacement(1:2)]
+      call fluid_density_value(contact%fluid, level%pressure, level%density)
+      history%mass(:, 2) = history%mass(:, 1)
+      history%mass(:, 1) = level%density*level%film
       history%size = min(history%size + 1, 3)
    end subroutine remember
 
