@@ -13,6 +13,8 @@ module mobility
 
    !> Nodes in a block.
    integer, parameter :: block_size = 128
+   !> Bound of ln(S/mu): a wild iterate (|Sigma| beyond 600 at low pressure) must not overflow. No solution comes near it.
+   real(wp), parameter :: largest_exponent = 600.0_wp
 
    !> Mobility, density and their partial derivatives, each (0:n).
    type :: mobility_slopes_t
@@ -42,7 +44,7 @@ contains
          if (fluid%is_eyring) then
             call slip_arguments(fluid, dx, p, h, first, ln_mu(:m), sigma(:m), ln_b(:m))
             call ln_slip_factors(sigma(:m), ln_b(:m), ln_s(:m))
-            ln_mu(:m) = ln_mu(:m) - ln_s(:m)
+            ln_mu(:m) = max(ln_mu(:m) - ln_s(:m), -largest_exponent)
          end if
          e(first:last) = rho(first:last)*h(first:last)**3*exp(-ln_mu(:m))
       end do
@@ -94,7 +96,7 @@ contains
             call slip_factors(sigma(:m), ln_b(:m), ln_s(:m), s_sigma(:m), s_b(:m))
          end if
          associate (e => slopes%e(first:last), rho => slopes%rho(first:last), film => h(first:last))
-            e = rho*film**3*exp(ln_s(:m) - ln_mu(:m))
+            e = rho*film**3*exp(min(ln_s(:m) - ln_mu(:m), largest_exponent))
             slopes%e_p(first:last) = e*(slopes%rho_p(first:last)/rho + (s_b(:m) - 1)*mu_p(:m))
             slopes%e_h(first:last) = e*(3 + s_sigma(:m)*sigma(:m) - s_b(:m))/film
             slopes%e_slope(first:last) = e*s_sigma(:m)*film*fluid%sigma_scale
