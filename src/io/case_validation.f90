@@ -217,7 +217,7 @@ contains
       end if
       if (is_newton) then
          do i = 1, size(of_relaxation)
-            call report_unused(values, 'solver', trim(of_relaxation(i)), "with method = 'newton_dense'", findings)
+            call report_unused(values, 'solver', trim(of_relaxation(i)), "with method = '" // method // "'", findings)
          end do
       end if
       levels = values%slot('solver', 'levels')

@@ -37,7 +37,7 @@ module input_keys
       character(len=80) :: words
       !> Words that are known but not built yet, separated by blanks.
       character(len=40) :: later_words
-      character(len=100) :: meaning
+      character(len=120) :: meaning
    end type key_row_t
 
    !> A key that is known but not built yet.
