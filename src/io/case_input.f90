@@ -229,7 +229,7 @@ contains
    end function integer_of
 
    !> A finding is a load for which the contact is wider than the radius, where neither Hertz nor the half-space holds; a
-   !> contact outside the range of &moes.
+   !> contact outside the range of &moes is one too.
    subroutine check_regime(values, case, findings)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(in) :: case
