@@ -25,6 +25,8 @@ module cycle_control
 
    !> The bound on the Reynolds residual is at least this many times its round-off floor.
    real(wp), parameter :: floor_factor = 5.0_wp
+   !> Round-off of dX sum P = pi/2: the bound on the load error is not taken below it.
+   real(wp), parameter :: load_floor = 1.0e-13_wp
    !> Residuals that grew by this factor over the first one diverge.
    real(wp), parameter :: divergence_factor = 1.0e6_wp
 
@@ -64,7 +66,7 @@ contains
          if (present(watcher)) call watcher%on_cycle(cycle, residual%reynolds, residual%load)
          if (cycle == 1) first_residual = max(residual%reynolds, residual%load)
          report%converged = residual%film_is_open .and. residual%reynolds <= report%tolerance_effective &
-            .and. residual%load <= limits%tolerance
+            .and. residual%load <= max(limits%tolerance, load_floor)
          if (report%converged) exit
          best = min(best, max(residual%reynolds, residual%load))
          if (best < 0.7_wp*checkpoint) then
