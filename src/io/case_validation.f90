@@ -177,7 +177,6 @@ contains
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
       type(value_t) :: transient
-      real(wp) :: end_time, time_step
 
       transient = values%slot('time', 'transient')
       if (.not. transient%has_value) return
@@ -187,15 +186,34 @@ contains
          call report_unused(values, 'time', 'scheme', 'with transient = .false.', findings)
       else if (.not. values%is_given('time', 'end_time')) then
          call report_missing(values, 'time', 'end_time', findings)
-      else if (values%has_value('time', 'end_time') .and. values%has_value('time', 'time_step')) then
-         end_time = values%real_value('time', 'end_time')
+      else
+         call check_steps(values, findings)
+      end if
+   end subroutine check_time
+
+   !> Findings: a time step longer than the transient, too many steps. A step that the program chooses is the grid spacing,
+   !> here estimated from the narrowest domain.
+   subroutine check_steps(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: intervals
+      real(wp) :: end_time, time_step
+
+      if (.not. values%has_value('time', 'end_time')) return
+      end_time = values%real_value('time', 'end_time')
+      intervals = values%slot('domain', 'intervals')
+      if (values%has_value('time', 'time_step')) then
          time_step = values%real_value('time', 'time_step')
          if (time_step > end_time) call findings%add(values%line_of('time', 'time_step'), 'time', 'time_step', 'found ' &
             // to_text(time_step) // ', expected at most end_time = ' // to_text(end_time) // ' [-]')
-         if (end_time > most_steps*time_step) call findings%add(values%line_of('time', 'time_step'), 'time', 'time_step', &
-            'found ' // to_text(end_time/time_step, 3) // ' time steps, expected at most ' // to_text(most_steps, 1))
+      else if (intervals%has_value) then
+         time_step = 2.0_wp/real(intervals%integer, wp)
+      else
+         return
       end if
-   end subroutine check_time
+      if (end_time > most_steps*time_step) call findings%add(values%line_of('time', 'end_time'), 'time', 'end_time', 'found ' &
+         // to_text(end_time/time_step, 3) // ' time steps, expected at most ' // to_text(most_steps, 1))
+   end subroutine check_steps
 
    !> Findings: keys that the method does not use; more levels than the grid has.
    subroutine check_solver(values, findings)
