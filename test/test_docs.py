@@ -1,0 +1,132 @@
+"""The pages for people: their examples run, their links lead somewhere, the files and keys that they name exist.
+
+Fenced blocks of a page are run in their order, in one folder that looks like a checkout in which `make build` has run:
+`sh` and `python` blocks are executed and must succeed; a `text` block behind one is its output, where `...` stands for what may
+differ; `fortran` blocks with a &case are checked as namelists. A comment `<!-- not run: reason -->` above a block exempts it.
+"""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PAGES = ["README.md", "CONTRIBUTING.md", "docs/guide.md", "docs/theory.md", "docs/developer.md"]
+LINKED_PAGES = [*PAGES, "CHANGELOG.md", "docs/input.md", "docs/ford.md"]
+BLOCK = re.compile(r"^(?P<exempt><!-- not run: .+ -->\n)?```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
+FOLDERS = r"(?:src|app|test|tools|docs|input|postproc|include|bench|cluster|\.ci)"
+
+
+def page_text(page):
+    return (ROOT / page).read_text(encoding="utf-8")
+
+
+def blocks(page):
+    """(language, code, is_exempt, line number) of the fenced blocks of a page."""
+    text = page_text(page)
+    for match in BLOCK.finditer(text):
+        yield match["language"], match["code"], bool(match["exempt"]), text.count("\n", 0, match.start()) + 1
+
+
+def prose(page):
+    """A page without its fenced blocks."""
+    return BLOCK.sub("", page_text(page))
+
+
+@pytest.fixture
+def checkout(program, tmp_path):
+    """A folder that looks like a checkout after `make build`, with the program to test in it."""
+    for name in ("input", "postproc", "test", "docs", "tools", "src"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    (tmp_path / "build" / "bin").mkdir(parents=True)
+    (tmp_path / "build" / "bin" / "asperity").symlink_to(program.resolve())
+    python = tmp_path / ".venv" / "bin" / "python"
+    python.parent.mkdir(parents=True)
+    python.write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n', encoding="utf-8")
+    python.chmod(0o755)
+    return tmp_path
+
+
+def run_block(language, code, folder):
+    """The combined output of one block; fails if the block does."""
+    command = [sys.executable, "-c", code] if language == "python" else ["sh", "-euc", code]
+    environment = {**os.environ, "MPLBACKEND": "agg", "PYTHONDONTWRITEBYTECODE": "1"}
+    result = subprocess.run(
+        command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120, check=False
+    )
+    assert result.returncode == 0, f"{code}\n{result.stdout}"
+    return result.stdout
+
+
+def missing_lines(shown, output):
+    """The lines of `shown` that are not in `output`; `...` stands for anything, blanks at the ends do not count."""
+    lines = [line.strip() for line in output.splitlines()]
+    for line in filter(str.strip, shown.splitlines()):
+        pattern = ".*".join(re.escape(part) for part in line.strip().split("..."))
+        if not any(re.fullmatch(pattern, candidate) for candidate in lines):
+            yield line
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_examples_run_and_show_what_the_page_shows(page, checkout):
+    output = None
+    for language, code, is_exempt, line in blocks(page):
+        if is_exempt:
+            output = None
+        elif language in {"sh", "python"}:
+            output = run_block(language, code, checkout)
+        elif language == "fortran" and "&case" in code:
+            (checkout / "block.nml").write_text(code, encoding="utf-8")
+            run_block("sh", "build/bin/asperity --check block.nml", checkout)
+        elif language == "text" and output is not None:
+            assert list(missing_lines(code, output)) == [], f"{page}:{line}: not in the output\n{output}"
+            output = None
+
+
+def headings(page):
+    """The anchors of a page, as GitHub makes them."""
+    titles = re.findall(r"^#+ (.+)$", prose(page), re.M)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+@pytest.mark.parametrize("page", LINKED_PAGES)
+def test_links_lead_somewhere(page):
+    for target in re.findall(r"\]\(([^)\s]+)\)", prose(page)):
+        if re.match(r"[a-z]+:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        file = (ROOT / page).parent / path if path else ROOT / page
+        assert file.exists(), f"{page}: {target} is not there"
+        if anchor:
+            assert anchor in headings(file.resolve().relative_to(ROOT)), f"{page}: {target} has no such heading"
+
+
+@pytest.mark.parametrize("page", LINKED_PAGES)
+def test_files_that_are_named_exist(page):
+    text = prose(page)
+    named = set(re.findall(rf"`({FOLDERS}/[\w./*-]*|[\w-]+\.(?:toml|cff|txt)|Makefile|bootstrap)`", text))
+    made = ("docs/api", "test/generated")
+    missing = [name for name in named if not name.startswith(made) and not list(ROOT.glob(name.rstrip("/")))]
+    assert missing == [], f"{page} names files that are not there"
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_keys_that_are_named_exist(page):
+    table, group = set(), ""
+    for line in page_text("docs/input.md").splitlines():
+        if line.startswith("## &"):
+            group = line[4:]
+        if found := re.match(r"\| `(\w+)` \|", line):
+            table.add(f"&{group} {found[1]}")
+        if found := re.match(r"- `(&\w+ \w+)`", line):
+            table.add(found[1])
+    named = set(re.findall(r"`(&\w+ \w+)(?: = [^`]*)?`", prose(page)))
+    assert named - table == set(), f"{page} names keys that are not in docs/input.md"
+
+
+def test_minimal_case_of_the_readme_is_the_file():
+    code = [code for language, code, _, _ in blocks("README.md") if language == "fortran"]
+    assert code == [page_text("input/minimal.nml")]
