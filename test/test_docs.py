@@ -130,3 +130,10 @@ def test_keys_that_are_named_exist(page):
 def test_minimal_case_of_the_readme_is_the_file():
     code = [code for language, code, _, _ in blocks("README.md") if language == "fortran"]
     assert code == [page_text("input/minimal.nml")]
+
+
+@pytest.mark.parametrize("page", LINKED_PAGES)
+def test_words_of_make_that_are_named_exist(page):
+    targets = set(re.findall(r"^([a-z-]+):", page_text("Makefile"), re.M))
+    named = set(re.findall(r"(?:`|^|\./)(?:make|bootstrap) ([a-z-]+)", page_text(page), re.M)) - {"-f"}
+    assert named - targets == set(), f"{page} names words of make that the Makefile does not have"
