@@ -18,6 +18,9 @@ module nested_start
    integer, parameter :: nested_steps = 60
    !> First grids that are tried.
    integer, parameter :: most_firsts = 4
+   !> Bound on Sigma in the start of a level, and smoothings at most to reach it.
+   real(wp), parameter :: largest_sigma = 10.0_wp
+   integer, parameter :: most_smoothings = 30
    !> Above this film [b^2/R] the pressure is far from Hertz's and the start is a wide bump.
    real(wp), parameter :: thick_film = 0.5_wp
 
@@ -39,7 +42,7 @@ contains
       if (.not. is_sound) return
       finest = hierarchy%finest
       do k = hierarchy%coarsest + 1, finest
-         call refine(hierarchy, k)
+         call refine(hierarchy, contact, k)
          if (k == finest) exit
          hierarchy%finest = k
          call cycle_from(hierarchy, contact, k)
@@ -59,7 +62,7 @@ contains
       call bump_start(hierarchy, contact, first)
       is_sound = .true.
       do k = first, hierarchy%coarsest
-         if (k > first) call refine(hierarchy, k)
+         if (k > first) call refine(hierarchy, contact, k)
          if (k == size(hierarchy%levels)) return
          call solve_newton(hierarchy%newton, contact, hierarchy%levels(k), hierarchy%rigid_displacement, &
             nested_tolerance, nested_steps)
@@ -77,12 +80,26 @@ contains
    end subroutine hertz_start
 
    !> Pressure of level k from level k - 1 by cubic interpolation, film from the pressure.
-   subroutine refine(hierarchy, k)
+   !>
+   !> A zigzag of the coarse pressure is invisible to its central slopes but not to those of the fine grid, where the
+   !> slip factor would start at exp(100): an Eyring pressure is smoothed until no Sigma is larger than `largest_sigma`.
+   subroutine refine(hierarchy, contact, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: k
+      integer :: pass
 
-      call prolong_cubic(hierarchy%levels(k - 1)%pressure, hierarchy%levels(k)%pressure)
-      call film_of(hierarchy%levels(k), hierarchy%rigid_displacement, hierarchy%levels(k)%film)
+      associate (level => hierarchy%levels(k))
+         call prolong_cubic(hierarchy%levels(k - 1)%pressure, level%pressure)
+         do pass = 0, most_smoothings
+            call film_of(level, hierarchy%rigid_displacement, level%film)
+            if (.not. contact%fluid%is_eyring) exit
+            if (contact%fluid%sigma_scale*maxval(abs(level%film(1:level%n - 1)*(level%pressure(2:) &
+               - level%pressure(:level%n - 2)))) < 2*level%dx*largest_sigma) exit
+            level%pressure(1:level%n - 1) = 0.25_wp*(level%pressure(:level%n - 2) + 2*level%pressure(1:level%n - 1) &
+               + level%pressure(2:))
+         end do
+      end associate
       call count_work(hierarchy, k, 1)
    end subroutine refine
 

@@ -17,6 +17,8 @@ module newton_line
 
    !> A step changes no pressure by more than this share of max(1, P) (largest step), and no film to less than this share.
    real(wp), parameter :: largest_step = 0.3_wp, smallest_film_share = 0.5_wp
+   !> A step changes no Sigma of the slip factor by more than this.
+   real(wp), parameter :: largest_slip_step = 10.0_wp
    !> The step may be halved this often before the method gives up.
    integer, parameter :: most_halvings = 20
    !> A full step below `settled` that is no longer ten times smaller than the one before has reached the round-off.
@@ -28,6 +30,8 @@ module newton_line
       type(reynolds_jacobian_t) :: jacobian
       real(wp), allocatable :: step(:), trial(:), film_trial(:)
       logical, allocatable :: is_cavitated(:)
+      !> Sigma per H dP/dX of the lubricant; 0 for a Newtonian one.
+      real(wp) :: sigma_scale = 0.0_wp
       !> Newton steps of the last call, and steps of the linear solver in all calls.
       integer :: steps = 0, linear_iterations = 0
       !> Size of the last full step in P and H0; below `tolerance` when converged.
@@ -52,6 +56,7 @@ contains
 
       call allocate_work(newton, level%n)
       newton%is_converged = .false.
+      newton%sigma_scale = contact%fluid%sigma_scale
       previous_step = huge(1.0_wp)
       call film_of(level, rigid_displacement, newton%film_trial)
       if (any(newton%film_trial <= 0.0_wp)) return
@@ -128,7 +133,8 @@ contains
          share = 0.0_wp
          return
       end if
-      share = min(1.0_wp, largest_step/max(share, tiny(1.0_wp)))
+      share = min(1.0_wp, largest_step/max(share, tiny(1.0_wp)), &
+         largest_slip_step/max(slip_step(newton, level), tiny(1.0_wp)))
       newton%trial = level%pressure
       do halving = 1, most_halvings
          level%pressure(1:n - 1) = max(newton%trial(1:n - 1) + share*newton%step(1:n - 1), 0.0_wp)
@@ -145,5 +151,19 @@ contains
       level%film = newton%film_trial
       newton%last_step = max(maxval(abs(level%pressure - newton%trial)), abs(share*newton%step(n)))
    end subroutine take_step
+
+   !> Largest change of Sigma in a full step: the slip factor grows like exp(|Sigma|), a Newton step must not run ahead of it.
+   pure function slip_step(newton, level) result(largest)
+      type(newton_t), intent(in) :: newton
+      type(line_level_t), intent(in) :: level
+      real(wp) :: largest
+      integer :: i
+
+      largest = 0.0_wp
+      do i = 2, level%n - 2
+         largest = max(largest, abs(level%film(i)*(newton%step(i + 1) - newton%step(i - 1))))
+      end do
+      largest = 0.5_wp*newton%sigma_scale/level%dx*largest
+   end function slip_step
 
 end module newton_line
