@@ -12,7 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 @pytest.fixture(scope="session")
 def program():
     """Path of the asperity to test: the environment variable ASPERITY, else what `make build` left."""
-    path = pathlib.Path(os.environ.get("ASPERITY", ROOT / "build" / "bin" / "asperity"))
+    path = pathlib.Path(os.environ.get("ASPERITY", ROOT / "build" / "bin" / "asperity")).resolve()
     if not path.is_file():
         pytest.fail(f"{path} is missing: run make build")
     return path
