@@ -12,7 +12,7 @@ TESTS := $(sort $(wildcard test/unit/*/test_*.pf test/verification/test_*.pf))
 # Modules that tests share: plain Fortran, compiled first.
 SHARED := $(sort $(wildcard test/support/*.pf))
 SOURCES := $(addprefix $(B)/,$(addsuffix .F90,$(notdir $(basename $(SHARED) $(TESTS)))))
-LIBRARIES := $(shell pkg-config --libs-only-L hdf5-serial) -lhdf5_fortran -lhdf5 $(shell pkg-config --libs fftw3 openblas)
+LIBRARIES := $(shell pkg-config --libs-only-L hdf5-serial) -lhdf5_fortran -lhdf5 $(shell pkg-config --libs fftw3f fftw3 openblas)
 vpath %.pf $(sort $(dir $(TESTS)))
 
 run: $(B)/unit

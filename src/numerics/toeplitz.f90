@@ -7,6 +7,8 @@ module toeplitz
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_double_complex, c_f_pointer, c_int, c_loc, c_null_ptr, &
       c_ptr, c_size_t
    use errors, only: error_t, fail, internal_error
+   use fftw, only: fftw_alloc_complex, fftw_alloc_real, fftw_destroy_plan, fftw_estimate, fftw_execute_dft_c2r, &
+      fftw_execute_dft_r2c, fftw_free, fftw_plan_dft_c2r_1d, fftw_plan_dft_r2c_1d
    use kinds, only: wp
    use text, only: to_text
    implicit none (type, external)
@@ -28,72 +30,6 @@ module toeplitz
       procedure :: apply
       final :: destroy_toeplitz
    end type toeplitz_t
-
-   integer(c_int), parameter :: fftw_estimate = 64_c_int
-
-   interface
-      function fftw_alloc_real(n) bind(c, name='fftw_alloc_real') result(memory)
-         import :: c_ptr, c_size_t
-         implicit none (type, external)
-         integer(c_size_t), value :: n
-         type(c_ptr) :: memory
-      end function fftw_alloc_real
-
-      function fftw_alloc_complex(n) bind(c, name='fftw_alloc_complex') result(memory)
-         import :: c_ptr, c_size_t
-         implicit none (type, external)
-         integer(c_size_t), value :: n
-         type(c_ptr) :: memory
-      end function fftw_alloc_complex
-
-      subroutine fftw_free(memory) bind(c, name='fftw_free')
-         import :: c_ptr
-         implicit none (type, external)
-         type(c_ptr), value :: memory
-      end subroutine fftw_free
-
-      function fftw_plan_dft_r2c_1d(n, in, out, flags) bind(c, name='fftw_plan_dft_r2c_1d') result(plan)
-         import :: c_double, c_double_complex, c_int, c_ptr
-         implicit none (type, external)
-         integer(c_int), value :: n
-         real(c_double), intent(out) :: in(*)
-         complex(c_double_complex), intent(out) :: out(*)
-         integer(c_int), value :: flags
-         type(c_ptr) :: plan
-      end function fftw_plan_dft_r2c_1d
-
-      function fftw_plan_dft_c2r_1d(n, in, out, flags) bind(c, name='fftw_plan_dft_c2r_1d') result(plan)
-         import :: c_double, c_double_complex, c_int, c_ptr
-         implicit none (type, external)
-         integer(c_int), value :: n
-         complex(c_double_complex), intent(out) :: in(*)
-         real(c_double), intent(out) :: out(*)
-         integer(c_int), value :: flags
-         type(c_ptr) :: plan
-      end function fftw_plan_dft_c2r_1d
-
-      subroutine fftw_execute_dft_r2c(plan, in, out) bind(c, name='fftw_execute_dft_r2c')
-         import :: c_double, c_double_complex, c_ptr
-         implicit none (type, external)
-         type(c_ptr), value :: plan
-         real(c_double), intent(inout) :: in(*)
-         complex(c_double_complex), intent(out) :: out(*)
-      end subroutine fftw_execute_dft_r2c
-
-      subroutine fftw_execute_dft_c2r(plan, in, out) bind(c, name='fftw_execute_dft_c2r')
-         import :: c_double, c_double_complex, c_ptr
-         implicit none (type, external)
-         type(c_ptr), value :: plan
-         complex(c_double_complex), intent(inout) :: in(*)
-         real(c_double), intent(out) :: out(*)
-      end subroutine fftw_execute_dft_c2r
-
-      subroutine fftw_destroy_plan(plan) bind(c, name='fftw_destroy_plan')
-         import :: c_ptr
-         implicit none (type, external)
-         type(c_ptr), value :: plan
-      end subroutine fftw_destroy_plan
-   end interface
 
 contains
 

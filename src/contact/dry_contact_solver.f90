@@ -1,0 +1,163 @@
+!> Solves a dry contact: the closed forms where they hold, else an iteration from a good start.
+module dry_contact_solver
+   use, intrinsic :: iso_fortran_env, only: int64
+   use active_set, only: active_set_t, new_active_set
+   use dry_conjugate_gradient, only: iterate_conjugate_gradient
+   use dry_preconditioner, only: dry_preconditioner_t, new_dry_preconditioner
+   use dry_problem, only: dry_problem_t, kernel_open
+   use dry_solution, only: dry_settings_t, dry_solution_t, method_steepest_descent, take_survey
+   use dry_start, only: nested_start, neighbour_start
+   use dry_steepest_descent, only: iterate_steepest_descent
+   use errors, only: error_t, fail, input_error
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: dry_solver_t
+
+   !> A load that differs from hardness times area by less than this share is all plastic.
+   real(wp), parameter :: plastic_margin = 1.0e-12_wp
+
+   !> A solver for one surface and any number of loads: each starts from the solution before it.
+   type :: dry_solver_t
+      type(dry_settings_t) :: settings
+      type(dry_preconditioner_t), private :: preconditioner
+      logical, private :: is_prepared = .false.
+   contains
+      procedure :: solve
+   end type dry_solver_t
+
+contains
+
+   !> Solves `problem` (its load > 0). `solution` of another load of the same surface, if it holds one, is the start.
+   !> Not converging is told in its report. Fails (input_error) if the load is above hardness times area, (internal_error)
+   !> if FFTW does.
+   subroutine solve(self, problem, solution, error)
+      class(dry_solver_t), intent(inout) :: self
+      type(dry_problem_t), intent(inout) :: problem
+      type(dry_solution_t), intent(inout) :: solution
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: largest_load, pairs_before, pairs_start
+      logical :: is_done
+
+      solution%report = report_t()
+      pairs_start = 0.0_wp
+      if (problem%is_capped()) then
+         largest_load = problem%hardness*size(problem%height)
+         if (problem%load > largest_load*(1.0_wp + plastic_margin)) then
+            call fail(error, input_error, 'found a mean pressure of ' // to_text(problem%load/largest_load) &
+               // ' times the hardness, expected at most 1')
+            return
+         end if
+         if (problem%load >= largest_load*(1.0_wp - plastic_margin)) then
+            call solve_all_plastic(problem, solution)
+            return
+         end if
+      end if
+      pairs_before = real(problem%elastic%pairs, wp)
+      call solve_full_contact(problem, solution, is_done)
+      if (.not. is_done) then
+         call start(problem, solution, pairs_start, error)
+         if (allocated(error)) return
+         call iterate(self, problem, solution, pairs_start, error)
+         if (allocated(error)) return
+      end if
+      solution%report%fft_pairs = nint(pairs_start + real(problem%elastic%pairs, wp) - pairs_before, int64)
+   end subroutine solve
+
+   !> A pressure to begin with.
+   subroutine start(problem, solution, pairs, error)
+      type(dry_problem_t), intent(in) :: problem
+      type(dry_solution_t), intent(inout) :: solution
+      real(wp), intent(out) :: pairs
+      type(error_t), allocatable, intent(out) :: error
+
+      pairs = 0.0_wp
+      if (solution%contacts > 0) then
+         call neighbour_start(problem, solution%v, solution%datum, solution%pressure)
+      else
+         if (.not. allocated(solution%pressure)) allocate (solution%pressure(size(problem%height)))
+         call nested_start(problem, solution%pressure, pairs, error)
+      end if
+   end subroutine start
+
+   !> The iteration of the chosen method; the preconditioner's transforms are added to `pairs`.
+   subroutine iterate(self, problem, solution, pairs, error)
+      class(dry_solver_t), intent(inout) :: self
+      type(dry_problem_t), intent(inout) :: problem
+      type(dry_solution_t), intent(inout) :: solution
+      real(wp), intent(inout) :: pairs
+      type(error_t), allocatable, intent(out) :: error
+
+      if (self%settings%method == method_steepest_descent) then
+         call iterate_steepest_descent(problem, self%settings, solution)
+      else
+         if (.not. self%is_prepared) call new_dry_preconditioner(self%preconditioner, problem%grid, error)
+         if (allocated(error)) return
+         self%is_prepared = .true.
+         pairs = pairs - self%preconditioner%pairs()
+         call iterate_conjugate_gradient(problem, self%preconditioner, self%settings, solution, error)
+         if (allocated(error)) return
+         pairs = pairs + self%preconditioner%pairs()
+      end if
+      solution%report%tolerance_effective = self%settings%tolerance
+   end subroutine iterate
+
+   !> Full contact of a periodic surface, p = mean + K^-1 z, if it keeps the bounds (`is_done`).
+   subroutine solve_full_contact(problem, solution, is_done)
+      type(dry_problem_t), intent(inout) :: problem
+      type(dry_solution_t), intent(inout) :: solution
+      logical, intent(out) :: is_done
+      type(active_set_t) :: set
+      real(wp), allocatable :: inverse(:, :), p(:), v(:)
+      real(wp) :: mean_pressure, weight
+
+      is_done = .false.
+      if (problem%grid%kernel == kernel_open) return
+      mean_pressure = problem%load/size(problem%height)
+      weight = 1.0_wp/size(problem%height)
+      allocate (inverse, mold=problem%elastic%symbol)
+      inverse = 0.0_wp
+      where (problem%elastic%symbol > 0.0_wp) inverse = weight*weight/problem%elastic%symbol
+      allocate (p(size(problem%height)), v(size(problem%height)))
+      call problem%elastic%apply_symbol(inverse, problem%height, p)
+      p = p + mean_pressure
+      is_done = minval(p) >= 0.0_wp .and. maxval(p) <= problem%hardness
+      if (.not. is_done) return
+      call problem%deflect(p, v)
+      v = v - problem%height
+      call new_active_set(set, size(p))
+      call set%survey(problem, p, v)
+      call move_alloc(p, solution%pressure)
+      call move_alloc(v, solution%v)
+      solution%report%method = 'full_contact'
+      solution%report%converged = .true.
+      solution%report%reason = 'full contact, closed form'
+      call take_survey(set, solution)
+   end subroutine solve_full_contact
+
+   !> p = H everywhere; the datum is the one with the least plastic deformation, zero at one node.
+   subroutine solve_all_plastic(problem, solution)
+      type(dry_problem_t), intent(inout) :: problem
+      type(dry_solution_t), intent(inout) :: solution
+      integer :: n
+
+      n = size(problem%height)
+      solution%pressure = [spread(problem%hardness, 1, n)]
+      if (.not. allocated(solution%v)) allocate (solution%v(n))
+      call problem%deflect(solution%pressure, solution%v)
+      solution%v = solution%v - problem%height
+      solution%datum = maxval(solution%v)
+      solution%contacts = n
+      solution%capped = n
+      solution%kkt = 0.0_wp
+      solution%report%method = 'all_plastic'
+      solution%report%converged = .true.
+      solution%report%reason = 'all plastic, closed form'
+      solution%report%residual = 0.0_wp
+      solution%report%load_error = 0.0_wp
+   end subroutine solve_all_plastic
+
+end module dry_contact_solver

@@ -1,0 +1,100 @@
+!> The dry contact of a rough surface as one quadratic programme, dimensionless, for lines and areas:
+!>
+!>    min 1/2 p.K p - p.z   over  0 <= p <= H  and  sum p = load,
+!>
+!> whose optimality conditions are those of contact: gap h = v - datum >= 0 where p < H (v = K p - z), p h = 0, and v - datum
+!> = -d_p <= 0 where p = H. Lengths in units of the domain, heights in their rms value s (or as `new_dry_problem` is told),
+!> pressures in E' s/(4 L): then K has the transfer function 1/q.
+module dry_problem
+   use errors, only: error_t
+   use half_space_response, only: band_limited_response, element_response, open_area_kernel, open_line_kernel, wavenumbers
+   use kinds, only: wp
+   use spectral_product, only: new_convolution, new_spectral_product, spectral_product_t
+   implicit none (type, external)
+   private
+
+   public :: dry_problem_t, dry_grid_t, new_dry_problem
+
+   !> Kinds of kernel.
+   integer, parameter, public :: kernel_band_limited = 1, kernel_element = 2, kernel_open = 3
+   !> Hardness of an elastic contact.
+   real(wp), parameter, public :: no_hardness = huge(1.0_wp)
+
+   !> Nodes, size and kernel.
+   type :: dry_grid_t
+      !> Nodes; a line has ny = 1.
+      integer :: nx, ny
+      !> Ly/Lx (1 for a line).
+      real(wp) :: aspect
+      !> `kernel_band_limited`, `kernel_element` or `kernel_open`.
+      integer :: kernel
+   end type dry_grid_t
+
+   !> One surface on its grid and what presses on it. `hardness` and `load` may be changed between solves.
+   type :: dry_problem_t
+      type(dry_grid_t) :: grid
+      !> z, positive out of the material, its mean removed (nx*ny), x fastest.
+      real(wp), allocatable :: height(:)
+      !> H.
+      real(wp) :: hardness
+      !> Sum of p over the nodes.
+      real(wp) :: load
+      !> Unit of gaps in the error measure: rms of z; of a flat surface p_c dx.
+      real(wp) :: height_scale
+      !> K; open kernels have padded transforms.
+      type(spectral_product_t) :: elastic
+   contains
+      procedure :: deflect
+      procedure :: is_capped
+   end type dry_problem_t
+
+contains
+
+   !> Prepares a problem on `grid` with the heights z (nx*ny); hardness none and load 0. FFTW times its plans if
+   !> `is_measured`. Fails (internal_error) if FFTW does.
+   subroutine new_dry_problem(self, grid, height, is_measured, error)
+      type(dry_problem_t), intent(inout) :: self
+      type(dry_grid_t), intent(in) :: grid
+      real(wp), intent(in) :: height(:)
+      logical, intent(in) :: is_measured
+      type(error_t), allocatable, intent(out) :: error
+
+      self%grid = grid
+      self%hardness = no_hardness
+      self%load = 0.0_wp
+      self%height = height - sum(height)/size(height)
+      self%height_scale = norm2(self%height)/sqrt(real(size(height), wp))
+      associate (nx => grid%nx, ny => grid%ny, aspect => grid%aspect)
+         select case (grid%kernel)
+         case (kernel_band_limited)
+            call new_spectral_product(self%elastic, nx, ny, band_limited_response(nx, ny, 1.0_wp, aspect), is_measured, error)
+         case (kernel_element)
+            call new_spectral_product(self%elastic, nx, ny, element_response(nx, ny, 1.0_wp, aspect), is_measured, error)
+         case default
+            if (ny == 1) then
+               call new_convolution(self%elastic, open_line_kernel(nx, 1.0_wp/nx), is_measured, error)
+            else
+               call new_convolution(self%elastic, open_area_kernel(nx, ny, 1.0_wp/nx, aspect/ny), is_measured, error)
+            end if
+         end select
+      end associate
+   end subroutine new_dry_problem
+
+   !> u = K p, both (nx*ny).
+   subroutine deflect(self, p, u)
+      class(dry_problem_t), intent(inout) :: self
+      real(wp), contiguous, intent(in) :: p(:)
+      real(wp), contiguous, intent(out) :: u(:)
+
+      call self%elastic%apply(p, u)
+   end subroutine deflect
+
+   !> True if the pressure has an upper bound.
+   pure function is_capped(self)
+      class(dry_problem_t), intent(in) :: self
+      logical :: is_capped
+
+      is_capped = self%hardness < no_hardness
+   end function is_capped
+
+end module dry_problem

@@ -1,0 +1,51 @@
+!> How a dry contact is to be solved, and its solution for one load.
+module dry_solution
+   use active_set, only: active_set_t
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: dry_settings_t, dry_solution_t, take_survey
+
+   !> Methods.
+   integer, parameter, public :: method_conjugate_gradient = 1, method_steepest_descent = 2
+
+   !> How to solve.
+   type :: dry_settings_t
+      integer :: method = method_conjugate_gradient
+      !> Bound on the error measure.
+      real(wp) :: tolerance = 1.0e-8_wp
+      !> Most iterations.
+      integer :: max_cycles = 10000
+   end type dry_settings_t
+
+   !> Pressure and gaps for one load, dimensionless, fields (nx*ny).
+   type :: dry_solution_t
+      real(wp), allocatable :: pressure(:)
+      !> v = K p - z: gap = v - datum where p < H, plastic deformation datum - v where p = H.
+      real(wp), allocatable :: v(:)
+      real(wp) :: datum = 0.0_wp
+      !> Nodes with p > 0, with p = H; 0 contacts: there is no solution yet.
+      integer :: contacts = 0, capped = 0
+      !> Error measure.
+      real(wp) :: kkt = huge(1.0_wp)
+      type(report_t) :: report
+   end type dry_solution_t
+
+contains
+
+   !> Takes datum, counts and error from the last survey.
+   pure subroutine take_survey(set, solution)
+      type(active_set_t), intent(in) :: set
+      type(dry_solution_t), intent(inout) :: solution
+
+      solution%datum = set%datum
+      solution%contacts = set%contacts
+      solution%capped = set%capped
+      solution%kkt = set%error
+      solution%report%residual = set%error
+      solution%report%load_error = set%load_error
+   end subroutine take_survey
+
+end module dry_solution

@@ -1,0 +1,123 @@
+!> First guesses of the contact pressure: from coarser grids, or from the solution for a neighbouring load.
+module dry_start
+   use dry_conjugate_gradient, only: iterate_conjugate_gradient
+   use dry_preconditioner, only: dry_preconditioner_t, new_dry_preconditioner
+   use constants, only: pi
+   use dry_problem, only: dry_grid_t, dry_problem_t, kernel_band_limited, kernel_element, new_dry_problem
+   use dry_solution, only: dry_settings_t, dry_solution_t
+   use errors, only: error_t
+   use kinds, only: wp
+   use load_projection, only: shift_into_bounds
+   implicit none (type, external)
+   private
+
+   public :: nested_start, neighbour_start
+
+   !> Fewest nodes a side of a coarser grid.
+   integer, parameter :: coarsest = 32
+   !> Error to which the coarser grids are solved, and their most iterations.
+   type(dry_settings_t), parameter :: coarse_settings = dry_settings_t(tolerance=0.1_wp, max_cycles=200)
+   !> Step from a neighbouring solution against its gaps, as a share of the largest wavenumber of the grid.
+   real(wp), parameter :: neighbour_step = 0.3_wp
+
+contains
+
+   !> A pressure `p` (nx*ny) within its bounds and with its load: solutions to E = 0.1 on grids of half the nodes each, the
+   !> coarsest first, each node's pressure handed to the 2 or 4 nodes below it. `pairs` counts the transforms in pairs of
+   !> the full grid. Fails (internal_error) if FFTW does.
+   recursive subroutine nested_start(problem, p, pairs, error)
+      type(dry_problem_t), intent(in) :: problem
+      real(wp), contiguous, intent(out) :: p(:)
+      real(wp), intent(out) :: pairs
+      type(error_t), allocatable, intent(out) :: error
+      type(dry_problem_t) :: coarse
+      type(dry_preconditioner_t) :: preconditioner
+      type(dry_solution_t) :: solution
+      integer :: n
+
+      pairs = 0.0_wp
+      n = size(p)
+      p = problem%load/n
+      if (.not. can_be_halved(problem%grid)) return
+      call halve(problem, coarse, error)
+      if (allocated(error)) return
+      allocate (solution%pressure(size(coarse%height)))
+      call nested_start(coarse, solution%pressure, pairs, error)
+      if (allocated(error)) return
+      call new_dry_preconditioner(preconditioner, coarse%grid, error)
+      if (allocated(error)) return
+      call iterate_conjugate_gradient(coarse, preconditioner, coarse_settings, solution, error)
+      if (allocated(error)) return
+      pairs = (pairs + real(coarse%elastic%pairs, wp) + preconditioner%pairs())*size(coarse%height)/n
+      if (.not. solution%kkt < 1.0_wp) return
+      call hand_down(coarse%grid, solution%pressure, problem%grid, p)
+   end subroutine nested_start
+
+   !> True if both sides are even and large enough.
+   pure function can_be_halved(grid)
+      type(dry_grid_t), intent(in) :: grid
+      logical :: can_be_halved
+
+      can_be_halved = mod(grid%nx, 2) == 0 .and. grid%nx >= 2*coarsest
+      if (grid%ny > 1) can_be_halved = can_be_halved .and. mod(grid%ny, 2) == 0 .and. grid%ny >= 2*coarsest
+   end function can_be_halved
+
+   !> The problem on half the nodes: heights averaged over 2 or 4 nodes, mean pressure and hardness kept.
+   subroutine halve(problem, coarse, error)
+      type(dry_problem_t), intent(in) :: problem
+      type(dry_problem_t), intent(inout) :: coarse
+      type(error_t), allocatable, intent(out) :: error
+      type(dry_grid_t) :: grid
+      real(wp), allocatable :: height(:)
+      integer :: i, j, jf, nx, share
+
+      grid = problem%grid
+      nx = grid%nx
+      grid%nx = nx/2
+      if (grid%ny > 1) grid%ny = grid%ny/2
+      share = size(problem%height)/(grid%nx*grid%ny)
+      allocate (height(grid%nx*grid%ny))
+      do j = 1, grid%ny
+         jf = (j - 1)*(share/2)
+         do i = 1, grid%nx
+            height(i + grid%nx*(j - 1)) = sum(problem%height(2*i - 1 + nx*jf:2*i + nx*jf))/share
+            if (share == 4) height(i + grid%nx*(j - 1)) = height(i + grid%nx*(j - 1)) &
+               + sum(problem%height(2*i - 1 + nx*(jf + 1):2*i + nx*(jf + 1)))/share
+         end do
+      end do
+      ! A guess needs no exact element kernel, whose sums take longer than the guess.
+      if (grid%kernel == kernel_element) grid%kernel = kernel_band_limited
+      call new_dry_problem(coarse, grid, height, .false., error)
+      if (allocated(error)) return
+      coarse%load = problem%load/share
+      coarse%hardness = problem%hardness
+   end subroutine halve
+
+   !> Every node of the fine grid gets the pressure of the coarse node it belongs to.
+   pure subroutine hand_down(coarse, p_coarse, fine, p)
+      type(dry_grid_t), intent(in) :: coarse, fine
+      real(wp), intent(in) :: p_coarse(:)
+      real(wp), intent(out) :: p(:)
+      integer :: i, j, row
+
+      do j = 0, fine%ny - 1
+         row = coarse%nx*(j*coarse%ny/fine%ny)
+         do i = 0, fine%nx - 1
+            p(1 + i + fine%nx*j) = p_coarse(1 + i/2 + row)
+         end do
+      end do
+   end subroutine hand_down
+
+   !> Moves the pressure `p` of another load to the load of `problem`: a step against the gaps `v` - `datum`, then the
+   !> nearest pressure within the bounds and with the load.
+   subroutine neighbour_start(problem, v, datum, p)
+      type(dry_problem_t), intent(in) :: problem
+      real(wp), contiguous, intent(in) :: v(:)
+      real(wp), intent(in) :: datum
+      real(wp), contiguous, intent(inout) :: p(:)
+
+      p = p - neighbour_step*pi*problem%grid%nx*(v - datum)
+      call shift_into_bounds(p, problem%hardness, problem%load)
+   end subroutine neighbour_start
+
+end module dry_start
