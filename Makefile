@@ -15,11 +15,12 @@ COMMON := -std=f2018 -g -fbacktrace -fmax-errors=20 -Wall -Wextra -Wno-maybe-uni
 RELEASE := $(COMMON) -O3 -funroll-loops -fno-semantic-interposition $(if $(filter 1,$(NATIVE)),-march=native)
 DEBUG := $(COMMON) -O1 -fcheck=all,no-array-temps -finit-real=snan -finit-integer=-99999999 -ffpe-trap=invalid,zero,overflow
 
+BENCH := bench/bench_jobs.f90 bench/bench_recorder.f90 bench/bench_measure.f90 bench/asperity_bench.f90
 DEMO_CASES := input/case3_demo.nml input/case1.nml
 DEMO := results/demo
 
 .DEFAULT_GOAL := help
-.PHONY: help build debug test test-debug unit unit-debug lint demo figures bench docs clean prepare generate
+.PHONY: help build debug test test-debug unit unit-debug lint demo figures bench bench-program chart stability docs clean prepare generate
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
@@ -69,8 +70,20 @@ figures: ## the figures of the demo again, from its result files
 	$(PYTHON) postproc/convergence.py $(DEMO)/case1.h5 $(DEMO)/case3_demo.h5 --output $(DEMO)
 	@echo "figures in $(DEMO):" && ls $(DEMO)
 
-bench: build ## speed and memory (ARGS=--quick: shorter)
+bench: bench-program ## speed and memory, in results/bench/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/run.py $(ARGS)
+
+chart: bench-program ## error against wall time of all methods, in results/chart/ (ARGS=--quick: shorter)
+	$(PYTHON) bench/chart.py $(ARGS)
+
+stability: bench-program ## maps of where each method converges, in results/stability/ (ARGS=--quick: shorter)
+	$(PYTHON) bench/stability.py $(ARGS)
+
+# The program that bench, chart and stability use: many cases in one process. Made from the library that `make build` leaves.
+bench-program: build
+	@mkdir -p build/bench
+	@gfortran $(RELEASE) -J build/bench -I build/include $(BENCH) -L build/lib -lasperity \
+	   $$(pkg-config --libs-only-L hdf5) -lhdf5_fortran -lhdf5 $$(pkg-config --libs fftw3 openblas) -o build/bin/asperity-bench
 
 docs: ## the pages of the programming interface, docs/api/index.html; a warning is an error
 	@sh tools/build_docs.sh

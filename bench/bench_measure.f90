@@ -1,0 +1,195 @@
+!> Runs one job: the same contact solved many times in one process, timed by phase.
+module bench_measure
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: int64
+   use bench_jobs, only: job_t
+   use bench_recorder, only: clock, largest_difference, record_steady, recorder_t, seconds_since, start_recorder
+   use case_input, only: read_case
+   use case_record, only: case_t
+   use domain_choice, only: choose_domain
+   use ehl_line_solver, only: solve_ehl_line
+   use ehl_line_steady, only: solve_steady
+   use errors, only: error_t, fail, input_error
+   use findings, only: findings_t
+   use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
+   use kinds, only: wp
+   use line_case, only: build_line_contact
+   use line_contact, only: line_contact_t
+   use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem
+   use line_state, only: line_state_t
+   use scaling, only: scaling_t
+   implicit none (type, external)
+   private
+
+   public :: measurement_t, measure
+
+   !> Phases that are timed: setup, steady, transient, all.
+   integer, parameter, public :: timed_phases = 4
+
+   !> What came out of a job.
+   type :: measurement_t
+      type(report_t) :: report
+      !> The first run, with its fields if asked for.
+      type(recorder_t) :: first
+      type(line_contact_t) :: contact
+      !> Runs done.
+      integer :: runs = 0
+      !> Least and median wall time of the runs by phase [s].
+      real(wp) :: least(timed_phases) = 0.0_wp, median(timed_phases) = 0.0_wp
+      !> Largest difference in P to the reference; NaN without one.
+      real(wp) :: difference = 0.0_wp
+      !> Time that the kernel products (FFT pairs) of the steady solution take [s]; NaN if not asked for.
+      real(wp) :: product_seconds = 0.0_wp
+   end type measurement_t
+
+   !> Calls in one measurement of a kernel product, and measurements; the least one counts.
+   integer, parameter :: product_calls = 20, product_batches = 10
+
+contains
+
+   !> Runs `job`. `reference` (nx, 0:steps) is compared with, and replaced, as the job says.
+   subroutine measure(job, reference, outcome, error)
+      type(job_t), intent(in) :: job
+      real(wp), allocatable, intent(inout) :: reference(:, :)
+      type(measurement_t), intent(out) :: outcome
+      type(error_t), allocatable, intent(out) :: error
+      type(case_t) :: case
+      type(findings_t) :: findings
+      type(scaling_t) :: scaling
+      real(wp), allocatable :: times(:, :)
+      integer(int64) :: start
+      integer :: run
+
+      call read_case(job%text, job%name, case, findings)
+      if (findings%count > 0) then
+         call fail(error, input_error, findings%report(job%name))
+         return
+      end if
+      call build_line_contact(case, scaling, outcome%contact)
+      allocate (times(job%runs, timed_phases))
+      start = clock()
+      do run = 1, job%runs
+         call run_once(job, case, run == 1, outcome, times(run, :), error)
+         if (allocated(error)) return
+         outcome%runs = run
+         if (seconds_since(start) > job%seconds) exit
+      end do
+      outcome%least = minval(times(:outcome%runs, :), 1)
+      outcome%median = medians(times(:outcome%runs, :))
+      call compare_fields(job, reference, outcome)
+      outcome%product_seconds = not_known()
+      if (job%shows_products) call measure_products(case, outcome, error)
+   end subroutine measure
+
+   !> One run; the first one is kept.
+   subroutine run_once(job, case, is_first, outcome, times, error)
+      type(job_t), intent(in) :: job
+      type(case_t), intent(in) :: case
+      logical, intent(in) :: is_first
+      type(measurement_t), intent(inout) :: outcome
+      real(wp), intent(out) :: times(:)
+      type(error_t), allocatable, intent(out) :: error
+      type(recorder_t) :: watcher
+      type(line_contact_t) :: contact
+      type(line_state_t) :: state
+      type(report_t) :: report
+
+      contact = outcome%contact
+      call start_recorder(watcher, is_first .and. (job%is_reference .or. job%is_compared .or. case%time%is_transient), job%limit)
+      call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
+      times = 0.0_wp
+      if (allocated(error)) return
+      times = [report%phase_seconds(phase_setup), report%phase_seconds(phase_steady), report%phase_seconds(phase_transient), &
+         report%wall_seconds]
+      if (.not. is_first) return
+      if (.not. case%time%is_transient) then
+         call record_steady(watcher, state)
+         watcher%residual = report%residual
+      end if
+      outcome%contact%domain = contact%domain
+      outcome%report = report
+      outcome%first = watcher
+   end subroutine run_once
+
+   !> Difference to the reference, and the new reference.
+   subroutine compare_fields(job, reference, outcome)
+      type(job_t), intent(in) :: job
+      real(wp), allocatable, intent(inout) :: reference(:, :)
+      type(measurement_t), intent(inout) :: outcome
+
+      outcome%difference = not_known()
+      if (job%is_compared .and. allocated(reference) .and. allocated(outcome%first%pressure)) then
+         outcome%difference = largest_difference(outcome%first%pressure, reference)
+      end if
+      if (job%is_reference .and. allocated(outcome%first%pressure)) reference = outcome%first%pressure
+   end subroutine compare_fields
+
+   !> Time of the kernel products of the steady solution: their number on each level times the time of one, measured here.
+   subroutine measure_products(case, outcome, error)
+      type(case_t), intent(in) :: case
+      type(measurement_t), intent(inout) :: outcome
+      type(error_t), allocatable, intent(out) :: error
+      type(line_hierarchy_t) :: hierarchy
+      type(line_contact_t) :: contact
+      type(recorder_t) :: watcher
+      type(report_t) :: report
+      integer(int64) :: start
+      real(wp) :: least
+      integer :: batch, call, k, products
+
+      contact = outcome%contact
+      call choose_domain(contact)
+      call new_hierarchy(hierarchy, contact, case%solver%levels, error)
+      if (allocated(error)) return
+      call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
+      call start_recorder(watcher, .false., huge(1.0_wp))
+      call solve_steady(hierarchy, contact, case%solver, watcher, report)
+      outcome%product_seconds = 0.0_wp
+      do k = 1, size(hierarchy%levels)
+         associate (level => hierarchy%levels(k))
+            products = level%products
+            least = huge(1.0_wp)
+            do batch = 1, product_batches
+               start = clock()
+               do call = 1, product_calls
+                  call level%convolution%apply(level%pressure, level%deflection)
+               end do
+               least = min(least, seconds_since(start)/product_calls)
+            end do
+            outcome%product_seconds = outcome%product_seconds + products*least
+         end associate
+      end do
+   end subroutine measure_products
+
+   !> Median of each column.
+   pure function medians(values) result(middle)
+      real(wp), intent(in) :: values(:, :)
+      real(wp) :: middle(size(values, 2))
+      real(wp) :: sorted(size(values, 1)), value
+      integer :: column, i, j, n
+
+      n = size(values, 1)
+      do column = 1, size(values, 2)
+         sorted = values(:, column)
+         do i = 2, n
+            value = sorted(i)
+            j = i - 1
+            shift: do while (j >= 1)
+               if (sorted(j) <= value) exit shift
+               sorted(j + 1) = sorted(j)
+               j = j - 1
+            end do shift
+            sorted(j + 1) = value
+         end do
+         middle(column) = 0.5_wp*(sorted((n + 1)/2) + sorted(n/2 + 1))
+      end do
+   end function medians
+
+   !> A quiet NaN.
+   pure function not_known() result(value)
+      real(wp) :: value
+
+      value = ieee_value(value, ieee_quiet_nan)
+   end function not_known
+
+end module bench_measure

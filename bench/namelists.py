@@ -1,0 +1,112 @@
+"""Namelists of the contacts that bench, chart and stability solve."""
+
+from __future__ import annotations
+
+import math
+
+# Thesis, Table 5.1.
+CASE_1 = {
+    "bodies": {
+        "radius_1": 0.01,
+        "radius_2": 2.0,
+        "youngs_modulus_1": 206e9,
+        "youngs_modulus_2": 206e9,
+        "poisson_ratio_1": 0.3,
+        "poisson_ratio_2": 0.3,
+        "speed_1": 0.1,
+        "speed_2": 1.1,
+    },
+    "load": {"load_per_length": 1e5},
+    "lubricant": {
+        "viscosity": 0.14,
+        "viscosity_law": "roelands",
+        "roelands_z": 0.6,
+        "roelands_p0": 1.98e8,
+        "density_law": "dowson_higginson",
+        "rheology": "eyring",
+        "eyring_stress": 3.3e6,
+    },
+}
+RIDGE = {"shape": "feature", "amplitude": 0.2e-6, "wavelength": 0.1e-3, "position": -2.5}
+# Half-width and central film of Case 1 [m].
+CASE_1_HALF_WIDTH = 1.05797e-4
+CASE_1_FILM = 0.469 * CASE_1_HALF_WIDTH**2 / (1 / (1 / 0.01 + 1 / 2.0))
+WINDOW = {"x_inlet": -4.0, "x_outlet": 1.5}
+
+# A steel contact with a mineral oil, for contacts in SI with given Moes numbers.
+STEEL_MODULUS = 226.4e9
+OIL_ALPHA = 2.2e-8
+OIL_VISCOSITY = 0.04
+RADIUS = 0.01
+
+
+def value_text(value: object) -> str:
+    """A value as a namelist has it."""
+    if isinstance(value, bool):
+        return ".true." if value else ".false."
+    if isinstance(value, str):
+        return f"'{value}'"
+    return repr(value)
+
+
+def namelist(groups: dict[str, dict[str, object]]) -> str:
+    """The text of a namelist; empty groups and values that are None are left out."""
+    lines = []
+    for name, keys in ({"case": {"problem": "ehl_line"}} | groups).items():
+        kept = {key: value for key, value in keys.items() if value is not None}
+        if kept:
+            lines += [f"&{name}", *(f"   {key} = {value_text(value)}" for key, value in kept.items()), "/"]
+    return "\n".join(lines) + "\n"
+
+
+def case_1(intervals: int | None, solver: dict | None = None, **others: dict) -> str:
+    """Chapter 5, Case 1 on X in [-4, 1.5]; `others` are further groups, or changes of its own."""
+    groups = {name: dict(keys) for name, keys in CASE_1.items()}
+    groups["domain"] = WINDOW | {"intervals": intervals}
+    groups["solver"] = solver or {}
+    for name, keys in others.items():
+        groups[name] = groups.get(name, {}) | keys
+    return namelist(groups)
+
+
+def case_3(intervals: int, solver: dict | None = None, steps_per_dx: float = 2, end_time: float = 2.181818, **time: object) -> str:
+    """Chapter 5, Case 3: the ridge on the fast surface; time steps of dX/steps_per_dx."""
+    step = 5.5 / intervals / steps_per_dx
+    settings = {"transient": True, "end_time": end_time, "time_step": step} | time
+    return case_1(intervals, solver, surface_2=RIDGE, time=settings)
+
+
+def moes(m: float, l: float, intervals: int | None, solver: dict | None = None, **options: object) -> str:  # noqa: E741
+    """A smooth Newtonian contact by Moes' numbers (speed sum): Barus and incompressible unless `lubricant` says otherwise.
+
+    The domain is chosen by the program unless `domain` is given.
+    """
+    oil = {"viscosity_law": "barus" if l > 0 else "constant", "density_law": "constant"}
+    return namelist(
+        {
+            "moes": {"moes_m": m, "moes_l": l, "velocity": "sum"},
+            "lubricant": oil | options.get("lubricant", {}),
+            "domain": options.get("domain", {}) | {"intervals": intervals},
+            "solver": solver or {},
+        }
+    )
+
+
+def steel(m: float, l: float, slide_to_roll: float = 0.0, eyring_stress: float | None = None) -> dict[str, dict]:  # noqa: E741
+    """Groups of a contact in SI with the Moes numbers (speed sum) M and L: steel, mineral oil, u2 faster than u1."""
+    speed_number = (l / (OIL_ALPHA * STEEL_MODULUS)) ** 4  # mu_0 u_s/(E' R)
+    speed_sum = speed_number * STEEL_MODULUS * RADIUS / OIL_VISCOSITY
+    load = m * math.sqrt(speed_number) * STEEL_MODULUS * RADIUS
+    oil = {"viscosity": OIL_VISCOSITY, "pressure_viscosity": OIL_ALPHA, "roelands_p0": 1.96e8}
+    if eyring_stress is not None:
+        oil |= {"rheology": "eyring", "eyring_stress": eyring_stress}
+    return {
+        "bodies": {
+            "reduced_radius": RADIUS,
+            "reduced_modulus": STEEL_MODULUS,
+            "speed_1": 0.5 * speed_sum * (1 - 0.5 * slide_to_roll),
+            "speed_2": 0.5 * speed_sum * (1 + 0.5 * slide_to_roll),
+        },
+        "load": {"load_per_length": load},
+        "lubricant": oil,
+    }
