@@ -10,6 +10,7 @@ The last line is `N passed, N failed`; exit status 0 only if none failed.
 """
 
 import ast
+import importlib.util
 import os
 import pathlib
 import re
@@ -71,6 +72,8 @@ def run_python_tests(program):
     report.unlink(missing_ok=True)
     environment = {**os.environ, "ASPERITY": str(program.resolve()), "PYTHONDONTWRITEBYTECODE": "1"}
     command = [sys.executable, "-m", "pytest", "--tb=short", f"--junitxml={report}", "test"]
+    if importlib.util.find_spec("xdist"):
+        command += ["--numprocesses", "2", "--dist", "worksteal"]
     status = subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode
     if not report.exists():
         return 0, 1
