@@ -1,0 +1,299 @@
+#!/usr/bin/env python3
+"""Charts the error of every method over its wall time: steady, in time, heavily loaded.
+
+The error is the true one, against the contact solved two levels finer than the finest grid shown, to a tolerance far
+below. Steady panels: the larger one of the relative errors of h_min and h at X = 0. In time: the largest error in P over
+all nodes and times. Times are medians of one core without planning, input and output. Each run writes chart.png, .pdf,
+chart.csv and conclusion.txt, which is made from the same numbers.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import math
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import bench_program
+import namelists
+from bench_program import ROOT, Answer, Job, job
+
+sys.path.append(str(ROOT / "postproc"))
+
+import figure_style as style
+from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+METHODS: dict[str, dict[str, object]] = {
+    "auto": {},
+    "newton_krylov": {"method": "newton_krylov"},
+    "FAS, line": {"method": "fas_block_jacobi", "smoother": "line"},
+    "FAS, Gauss-Seidel": {"method": "fas_block_jacobi", "smoother": "gauss_seidel"},
+    "FAS, Block-Jacobi": {"method": "fas_block_jacobi", "smoother": "block_jacobi"},
+    "newton_dense": {"method": "newton_dense"},
+    "block_jacobi": {"method": "block_jacobi"},
+}
+LOOKS = {
+    "auto": {"color": "#f0b000", "linestyle": "-", "linewidth": 4.0, "marker": "", "zorder": 1},
+    **dict(zip(list(METHODS)[1:], style.SERIES, strict=True)),
+    "newton_krylov, BDF2": {"color": "#d02060", "linestyle": "-", "marker": "P", "markersize": 5},
+}
+# Nothing larger is tried: their cost grows with the cube and faster.
+LARGEST = {"newton_dense": 1024, "block_jacobi": 128}
+# No line smoother in time: it diverges with the squeeze term.
+IN_TIME = ("auto", "newton_krylov", "FAS, Gauss-Seidel", "FAS, Block-Jacobi", "newton_dense")
+TARGETS = (1e-1, 1e-2, 1e-3, 1e-4)
+HEAVY = (100, 10)
+SHORT_WINDOW = 0.55
+RIDGE_START = -1.5
+
+
+@dataclass
+class Point:
+    """One method on one grid."""
+
+    method: str
+    intervals: int
+    seconds: float
+    error: float
+    answer: Answer
+
+
+@dataclass
+class Panel:
+    """One contact: its name, the measure of error, and the points by method."""
+
+    key: str
+    title: str
+    measure: str
+    curves: dict[str, list[Point]] = field(default_factory=dict)
+
+
+def largest_grid(method: str, sizes: list[int]) -> list[int]:
+    """The grids on which a method is run."""
+    return [n for n in sizes if n <= LARGEST.get(method, n)]
+
+
+def steady_panel(panel: Panel, text: object, sizes: list[int], effort: dict[str, float]) -> list[Answer]:
+    """Solves a steady contact by all methods; `text(intervals, solver)` makes its namelist."""
+    finest = 4 * sizes[-1]
+    jobs: list[Job] = [job("reference", text(finest, {"method": "newton_krylov", "tolerance": 1e-12}))]
+    names = {}
+    for method, solver in METHODS.items():
+        for n in largest_grid(method, sizes):
+            names[f"{method}:{n}"] = (method, n)
+            jobs.append(job(f"{method}:{n}".replace(" ", "_"), text(n, solver), **effort))
+    answers = bench_program.run(jobs)
+    reference = answers["reference"]
+    for name, (method, n) in names.items():
+        answer = answers[name.replace(" ", "_")]
+        if answer.converged:
+            error = max(abs(answer[value] / reference[value] - 1) for value in ("h_min", "h_central"))
+            panel.curves.setdefault(method, []).append(Point(method, n, answer["steady_median"], error, answer))
+    return [answer for answer in answers.values() if not answer.converged]
+
+
+def time_methods() -> dict[str, tuple[dict, dict]]:
+    """Methods in time: settings of the solver and of the time steps."""
+    methods = {name: (METHODS[name], {}) for name in IN_TIME}
+    methods["newton_krylov, BDF2"] = (METHODS["newton_krylov"], {"scheme": "bdf2"})
+    return methods
+
+
+def transient_panel(panel: Panel, sizes: list[int], effort: dict[str, float]) -> list[Answer]:
+    """A ridge enters the contact of Case 1 on the fast surface; time steps dX/2."""
+
+    def text(n: int, solver: dict, time: dict) -> str:
+        steps = round(SHORT_WINDOW / (5.5 / sizes[0] / 2)) * n // sizes[0]
+        ridge = namelists.RIDGE | {"position": RIDGE_START}
+        settings = {"transient": True, "end_time": steps * 2.75 / n, "time_step": 2.75 / n} | time
+        return namelists.case_1(n, solver, surface_2=ridge, time=settings)
+
+    finest = 4 * sizes[-1]
+    jobs = [job("reference", text(finest, {"method": "newton_krylov", "tolerance": 1e-8}, {"scheme": "bdf2"}), reference=1)]
+    names = {}
+    for method, (solver, time) in time_methods().items():
+        for n in largest_grid(method, sizes):
+            if method == "newton_dense" and n > 256:
+                continue
+            names[f"{method}:{n}"] = (method, n)
+            jobs.append(job(f"{method}:{n}".replace(" ", "_"), text(n, solver, time), compare=1, **effort))
+    answers = bench_program.run(jobs)
+    for name, (method, n) in names.items():
+        answer = answers[name.replace(" ", "_")]
+        if answer.converged:
+            seconds = answer["steady_median"] + answer["transient_median"]
+            panel.curves.setdefault(method, []).append(Point(method, n, seconds, answer["difference"], answer))
+    return [answer for answer in answers.values() if not answer.converged]
+
+
+def fastest(panel: Panel, target: float) -> dict[str, Point]:
+    """Of each method the quickest run whose error is within the target."""
+    best = {}
+    for method, points in panel.curves.items():
+        good = [point for point in points if point.error <= target]
+        if good:
+            best[method] = min(good, key=lambda point: point.seconds)
+    return best
+
+
+def show_time(seconds: float) -> str:
+    """Seconds or milliseconds with three digits."""
+    return f"{seconds:.3g} s" if seconds >= 1 else f"{seconds * 1e3:.3g} ms"
+
+
+def percent(value: float) -> str:
+    """0.01 as 1 %."""
+    return f"{100 * value:.3g} %"
+
+
+def is_default(point: Point, default: Point | None) -> bool:
+    """Whether a point is what the default does too, so that only noise is between their times."""
+    same = default is not None and (point.intervals, point.answer["method"]) == (default.intervals, default.answer["method"])
+    return same and "BDF2" not in point.method
+
+
+def conclusions(panels: list[Panel], failures: list[Answer]) -> str:
+    """What the numbers say, made from nothing else."""
+    lines = []
+    for panel in panels:
+        lines.append(f"{panel.title} (error: {panel.measure})")
+        for target in TARGETS:
+            best = fastest(panel, target)
+            if not best:
+                lines.append(f"  {percent(target)}: no run shown here is that accurate")
+                continue
+            first = min(best.values(), key=lambda point: point.seconds)
+            first = best["auto"] if is_default(first, best.get("auto")) else first
+            text = f"  for {percent(target)} use {first.method} with {first.intervals} intervals: {show_time(first.seconds)}"
+            default = best.get("auto")
+            if default is None:
+                text += "; the default does not reach it on these grids"
+            elif default is not first:
+                ratio = default.seconds / first.seconds
+                text += f" (default: {default.intervals} intervals, {show_time(default.seconds)}, {ratio:.2f} x)"
+            others = [p for p in best.values() if p is not first and p is not default and not is_default(p, default)]
+            others.sort(key=lambda point: point.seconds)
+            ratios = [f"{point.method} {point.seconds / first.seconds:.1f} x" for point in others]
+            lines.append(text + (f"; {', '.join(ratios)}" if ratios else ""))
+        lines.append(f"  observed order in 1/intervals: {orders(panel)}")
+    if failures:
+        lines.append("Not converged, not shown:")
+        lines += [f"  {answer['name']}: {answer['reason'].strip()}" for answer in failures]
+    return "\n".join(lines) + "\n"
+
+
+def orders(panel: Panel) -> str:
+    """Order of the error between the last two grids of each method that has its own discretisation."""
+    texts = []
+    for method in ("auto", "newton_krylov, BDF2"):
+        points = panel.curves.get(method, [])
+        if len(points) > 1:
+            coarse, fine = points[-2:]
+            order = math.log(coarse.error / fine.error) / math.log(fine.intervals / coarse.intervals)
+            texts.append(f"{method} {order:.2f}")
+    return ", ".join(texts)
+
+
+def draw_panel(axes: Axes, panel: Panel) -> None:
+    """The curves of one contact; the points of one method are labelled with their intervals."""
+    for method, points in panel.curves.items():
+        axes.loglog([p.seconds * 1e3 for p in points], [100 * p.error for p in points], label=method, **LOOKS[method])
+    for point in panel.curves.get("newton_krylov", []):
+        _label(axes, point, (-4, -8))
+    for name in ("block_jacobi", "newton_krylov, BDF2"):
+        for point in panel.curves.get(name, []):
+            _label(axes, point, (-4, -8) if "BDF2" in name else (5, 2))
+    axes.set(title=panel.title, xlabel="Wall time [ms]", ylabel=f"Error of {panel.measure} [%]")
+    axes.title.set_fontsize(8.5)
+    axes.grid(which="major", color="0.9", linewidth=0.5)
+    axes.margins(x=0.16, y=0.1)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(10, numticks=12))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
+
+
+def _label(axes: Axes, point: Point, shift: tuple[int, int]) -> None:
+    axes.annotate(
+        str(point.intervals),
+        (point.seconds * 1e3, 100 * point.error),
+        xytext=shift,
+        textcoords="offset points",
+        fontsize=7,
+        ha="right" if shift[0] < 0 else "left",
+        path_effects=[withStroke(linewidth=1.5, foreground="white")],
+    )
+
+
+def draw(panels: list[Panel], folder: Path) -> None:
+    """The figure of all panels with one legend."""
+    figure, axes = style.new_figure(style.TWO_COLUMNS, 92, ncols=len(panels))
+    for one, panel in zip(axes, panels, strict=True):
+        draw_panel(one, panel)
+    handles = {}
+    for one in axes:
+        for handle, label in zip(*one.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    style.legend_below(figure, list(handles.values()), 4)
+    style.save_figure(figure, [folder / "chart.png", folder / "chart.pdf"])
+
+
+def save(panels: list[Panel], path: Path) -> None:
+    """All points as CSV."""
+    columns = ("cycles", "steps", "residual", "fft_pairs", "work_units", "runs", "setup_median", "h_min", "h_central", "p_max")
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(("panel", "method", "intervals", "seconds", "seconds_least", "error", "way", *columns))
+        for panel in panels:
+            for point in (point for points in panel.curves.values() for point in points):
+                answer = point.answer
+                least = answer["steady_least"] + answer["transient_least"]
+                values = (answer[column] for column in columns)
+                writer.writerow(
+                    (panel.key, point.method, point.intervals, point.seconds, least, point.error, answer["method"], *values)
+                )
+
+
+def grids(first: int, last: int) -> list[int]:
+    """Powers of two from first to last."""
+    return [2**k for k in range(int(math.log2(first)), int(math.log2(last)) + 1)]
+
+
+def main() -> int:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="coarser grids and fewer runs, under 3 minutes")
+    parser.add_argument("--output", default="results/chart", metavar="DIR", help="folder of the chart (default: results/chart)")
+    options = parser.parse_args()
+    folder = ROOT / options.output
+    folder.mkdir(parents=True, exist_ok=True)
+    quick = options.quick
+    effort = {"runs": 15 if quick else 101, "seconds": 0.5 if quick else 6}
+    window = {"domain": namelists.WINDOW}
+    panels = [
+        Panel("steady", "Steady: Case 1 (Eyring)", "film thickness"),
+        Panel("transient", "In time: ridge, Case 3", "pressure"),
+        Panel("heavy", f"Heavily loaded: Barus, M {HEAVY[0]}, L {HEAVY[1]}", "film thickness"),
+    ]
+    failures = steady_panel(panels[0], namelists.case_1, grids(32, 1024 if quick else 4096), effort)
+    once = {"runs": 3 if quick else 9, "seconds": 2 if quick else 20}
+    failures += transient_panel(panels[1], grids(64, 256 if quick else 1024), once)
+    failures += steady_panel(
+        panels[2], lambda n, solver: namelists.moes(*HEAVY, n, solver, **window), grids(128, 2048 if quick else 8192), effort
+    )
+    save(panels, folder / "chart.csv")
+    draw(panels, folder)
+    text = conclusions(panels, failures)
+    (folder / "conclusion.txt").write_text(text, encoding="utf-8")
+    print(text, end="")
+    for name in ("chart.png", "chart.pdf", "chart.csv", "conclusion.txt"):
+        print(folder / name)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
