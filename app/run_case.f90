@@ -1,9 +1,11 @@
 !> One case from its record to its result file and its exit status.
 module run_case
+   use, intrinsic :: iso_fortran_env, only: int64
    use case_record, only: case_t, result_path, set_effective
    use ehl_line_solver, only: solve_ehl_line
+   use error_bars, only: choose_resolution, run_companions
    use errors, only: error_t, output_error
-   use iteration_report, only: phase_output, phase_transient, report_t
+   use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_case, only: build_line_contact
    use line_contact, only: line_contact_t
@@ -35,6 +37,7 @@ contains
       type(report_t) :: report
       type(scaling_t) :: scaling
       type(error_t), allocatable :: error
+      real(wp) :: seconds
 
       watcher%log = new_progress_log(is_quiet)
       call build_line_contact(case, scaling, contact)
@@ -44,13 +47,15 @@ contains
          call give_up(error, watcher%log, status)
          return
       end if
-      call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
+      call prepare_error_bars(case, contact, watcher, seconds, error)
+      if (.not. allocated(error)) call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
       if (allocated(error)) then
          call watcher%writer%discard()
          call give_up(error, watcher%log, status)
          return
       end if
       call refuse_nonsense(state, report)
+      report%phase_seconds(phase_error_bars) = seconds
       report%phase_seconds(phase_output) = watcher%output_seconds
       report%phase_seconds(phase_transient) = max(report%phase_seconds(phase_transient) - watcher%output_seconds, 0.0_wp)
       call set_effective(case, 'solver', 'levels', to_text(report%levels), '-')
@@ -63,6 +68,25 @@ contains
       call watcher%log%close_case(watcher%writer%summary, report, watcher%writer%path)
       status = merge(status_converged, status_not_converged, report%converged)
    end subroutine run_one_case
+
+   !> Companions on coarser grids; with a target, intervals and time step too.
+   subroutine prepare_error_bars(case, contact, watcher, seconds, error)
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(inout) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      real(wp), intent(out) :: seconds
+      type(error_t), allocatable, intent(out) :: error
+      integer(int64) :: start, finish, rate
+
+      call system_clock(start, rate)
+      if (case%accuracy%target > 0.0_wp) then
+         call choose_resolution(watcher%writer%bars, contact, case%solver, case%time, case%accuracy%target, error)
+      else if (case%accuracy%has_error_bars) then
+         call run_companions(watcher%writer%bars, contact, case%solver, case%time, error)
+      end if
+      call system_clock(finish)
+      seconds = real(finish - start, wp)/real(rate, wp)
+   end subroutine prepare_error_bars
 
    !> Opens the result of `case` and writes what is known before the run. Error: it cannot be written.
    subroutine start_result(case, output_dir, scaling, writer, error)

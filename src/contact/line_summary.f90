@@ -18,6 +18,8 @@ module line_summary
       real(wp) :: time
       !> Estimated discretisation error of `value`; NaN = not estimated.
       real(wp) :: error_estimate
+      !> Richardson's extrapolation of `value`; NaN = not known.
+      real(wp) :: extrapolated
    end type figure_t
 
    !> Figures of one time, or the extremes over several.
@@ -141,6 +143,7 @@ contains
       figure%value = value
       figure%time = time
       figure%error_estimate = not_known()
+      figure%extrapolated = not_known()
    end function new_figure
 
    !> Takes `other` if it is smaller, or not known.

@@ -61,7 +61,7 @@ contains
       call list_effective(values, case)
    end subroutine read_case
 
-   !> &case and &output.
+   !> &case, &output and &accuracy.
    subroutine fill_case(values, case)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case
@@ -77,6 +77,9 @@ contains
       case%output_settings%profile_stride = slot%integer
       slot = values%slot('output', 'fields')
       case%output_settings%fields = slot%words
+      case%accuracy%target = values%real_value('accuracy', 'target')
+      slot = values%slot('accuracy', 'error_bars')
+      case%accuracy%has_error_bars = slot%logical
    end subroutine fill_case
 
    !> &bodies and &load, or &moes.

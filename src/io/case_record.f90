@@ -8,7 +8,7 @@ module case_record
    implicit none (type, external)
    private
 
-   public :: case_t, effective_t, output_settings_t, result_path, set_effective
+   public :: accuracy_t, case_t, effective_t, output_settings_t, result_path, set_effective
 
    !> A value that is used, given or default, for /input/effective/<group>/<key> of the result.
    type :: effective_t
@@ -26,6 +26,14 @@ module case_record
       !> Stored profiles: 'pressure', 'film_thickness'.
       character(len=word_length), allocatable :: fields(:)
    end type output_settings_t
+
+   !> What is asked of the accuracy.
+   type :: accuracy_t
+      !> Relative error of h_min for which the program chooses intervals and time step; 0: not asked.
+      real(wp) :: target
+      !> Companions on coarser grids are run for error estimates.
+      logical :: has_error_bars
+   end type accuracy_t
 
    !> One case. Made by `read_case` of module case_input.
    type :: case_t
@@ -55,6 +63,7 @@ module case_record
       type(time_settings_t) :: time
       type(solver_settings_t) :: solver
       type(output_settings_t) :: output_settings
+      type(accuracy_t) :: accuracy
       !> Every value used, given or default or derived.
       type(effective_t), allocatable :: effective(:)
    end type case_t

@@ -43,6 +43,7 @@ contains
       call check_time(values, findings)
       call check_solver(values, findings)
       call check_output(values, findings)
+      call check_accuracy(values, findings)
    end subroutine validate
 
    !> Findings: groups that are missing, and groups that &moes replaces or excludes.
@@ -266,5 +267,19 @@ contains
             // expected_value(key_rows(find_key('output', 'fields'))) // ', each once')
       end do
    end subroutine check_output
+
+   !> Findings: a target together with what it chooses, or without the error bars that it needs.
+   subroutine check_accuracy(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: error_bars
+
+      if (.not. values%is_given('accuracy', 'target')) return
+      call report_unused(values, 'domain', 'intervals', 'with &accuracy target, which chooses it', findings)
+      call report_unused(values, 'time', 'time_step', 'with &accuracy target, which chooses it', findings)
+      error_bars = values%slot('accuracy', 'error_bars')
+      if (error_bars%has_value .and. .not. error_bars%logical) call findings%add(error_bars%line, 'accuracy', 'error_bars', &
+         'found .false., expected .true. with &accuracy target')
+   end subroutine check_accuracy
 
 end module case_validation

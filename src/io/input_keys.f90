@@ -59,7 +59,7 @@ module input_keys
       group_row_t('time', 'no', 'steady, or a transient from the smooth steady solution; T = t (u1+u2)/(2 half-width)'), &
       group_row_t('solver', 'no', 'method and accuracy of the numerical solution'), &
       group_row_t('output', 'no', 'what is stored of a transient'), &
-      group_row_t('accuracy', 'later', 'target accuracy from which the program chooses grid and time step')]
+      group_row_t('accuracy', 'no', 'error bars, and an accuracy from which the program chooses grid and time step')]
 
    type(key_row_t), parameter :: case_rows(*) = [ &
       key_row_t('case', 'title', text_kind, '', "''", '', '', '', 'free text, stored in the result'), &
@@ -171,7 +171,11 @@ module input_keys
       key_row_t('output', 'profile_stride', integer_kind, '-', '1', '>= 1, <= 1000000000', '', '', &
       'every how many time steps profiles are stored (transient)'), &
       key_row_t('output', 'fields', words_kind, '', "'pressure', 'film_thickness'", '', &
-      'pressure film_thickness', '', 'the profiles that are stored (transient)')]
+      'pressure film_thickness', '', 'the profiles that are stored (transient)'), &
+      key_row_t('accuracy', 'target', real_kind, '-', is_optional, '>= 1e-7, <= 0.1', '', '', &
+      'relative error of h_min for which intervals and time step are chosen'), &
+      key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', '', '', '', &
+      'runs the case on half and a quarter of the intervals too, for error estimates')]
 
    !> Every key that is built, in the order of the manual.
    type(key_row_t), parameter, public :: key_rows(*) = [case_rows, bodies_rows, load_rows, lubricant_rows, surface_rows, &
@@ -205,7 +209,6 @@ module input_keys
       later_row_t('domain', 'kernel', 'dry contacts'), &
       later_row_t('solver', 'film_floor', 'film breakdown'), &
       later_row_t('solver', 'on_film_breakdown', 'film breakdown'), &
-      later_row_t('accuracy', 'target', 'grid and time step chosen by accuracy'), &
       later_row_t('output', 'film_thresholds', 'film statistics'), &
       later_row_t('output', 'checkpoint_interval', 'checkpoints'), &
       later_row_t('output', 'adequacy', 'lean models')]

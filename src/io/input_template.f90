@@ -62,7 +62,8 @@ module input_template
       example_t('solver', 'relaxation', '0.8', .false.), &
       example_t('solver', 'load_relaxation', '0.5', .false.), &
       example_t('output', 'profile_stride', '1', .false.), &
-      example_t('output', 'fields', "'pressure', 'film_thickness'", .false.)]
+      example_t('output', 'fields', "'pressure', 'film_thickness'", .false.), &
+      example_t('accuracy', 'target', '1e-3', .false.)]
 
    character(*), parameter :: nl = new_line('a')
    !> Column of the units.

@@ -1,6 +1,6 @@
 !> The closing sections of a result file: /scaling, /solution, /summary and /report.
 module result_sections
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use constants, only: pi
    use hdf5_attribute, only: write_attribute
@@ -129,6 +129,7 @@ contains
          scaled = figure
          scaled%value = figure%value*moes_unit
          scaled%error_estimate = figure%error_estimate*moes_unit
+         scaled%extrapolated = figure%extrapolated*moes_unit
       end function in_unit
 
       !> One figure; `scale` gives its unit.
@@ -144,8 +145,23 @@ contains
          call write_attribute(file, path, 'units', scale%si_units)
          call write_attribute(file, path, 'dimensionless', figure%value)
          call write_attribute(file, path, 'error_estimate', figure%error_estimate*scale%si_scale)
+         if (ieee_is_finite(figure%extrapolated)) call write_extrapolated(path//'_extrapolated', name, figure, scale)
          if (is_transient .and. index(name, '_moes') == 0) call write_time(path//'_time', name, figure)
       end subroutine write_figure
+
+      !> What a figure tends to on ever finer grids and time steps.
+      subroutine write_extrapolated(path, name, figure, scale)
+         character(*), intent(in) :: path
+         character(*), intent(in) :: name
+         type(figure_t), intent(in) :: figure
+         type(label_t), intent(in) :: scale
+
+         call write_dataset(file, path, figure%extrapolated*scale%si_scale, &
+                            new_label(name//' by Richardson extrapolation from n and n/2 intervals', scale%si_units))
+         call write_attribute(file, path, 'units', scale%si_units)
+         call write_attribute(file, path, 'dimensionless', figure%extrapolated)
+         call write_attribute(file, path, 'error_estimate', figure%error_estimate*scale%si_scale)
+      end subroutine write_extrapolated
 
       !> When a figure was reached.
       subroutine write_time(path, name, figure)

@@ -13,6 +13,7 @@ module result_writer
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
+   use error_bars, only: apply_error_bars, error_bars_t
    use line_summary, only: keep_extremes, line_summary_t, summary_of
    use observer, only: observer_t
    use operating_system, only: ignore_file_size_signal, is_folder, is_locked, remove_file, rename_file
@@ -37,6 +38,8 @@ module result_writer
       character(len=field_name_length), allocatable :: fields(:)
       !> Figures of the stored times, or of the solution if there are none.
       type(line_summary_t) :: summary
+      !> Companions that tell how far off the figures may be.
+      type(error_bars_t) :: bars
       type(hdf5_file_t), private :: file
       type(scaling_t), private :: scaling
       type(series_t), allocatable, private :: profiles(:)
@@ -222,6 +225,7 @@ contains
       character(:), allocatable :: reason
 
       if (.not. self%is_transient) self%summary = summary_of(state)
+      if (report%converged) call apply_error_bars(self%bars, state%x(2) - state%x(1), self%summary)
       call write_solution(self%file, state, self%scaling)
       call write_summary(self%file, self%summary, self%scaling, self%is_transient)
       call write_report(self%file, report)

@@ -10,7 +10,7 @@ module iteration_report
    public :: report_t
 
    !> Number of phases whose wall time is kept apart.
-   integer, parameter, public :: phase_count = 4
+   integer, parameter, public :: phase_count = 5
    !> Index of a phase in `report_t%phase_seconds`: kernels, levels, plans and storage.
    integer, parameter, public :: phase_setup = 1
    !> The steady solution (also the one that a transient starts from).
@@ -19,9 +19,11 @@ module iteration_report
    integer, parameter, public :: phase_transient = 3
    !> Storing time steps.
    integer, parameter, public :: phase_output = 4
+   !> The companions on coarser grids from which errors are estimated.
+   integer, parameter, public :: phase_error_bars = 5
    !> Names of the phases, in the order of their index.
    character(len=*), parameter, public :: phase_names(phase_count) = &
-      [character(len=9) :: 'setup', 'steady', 'transient', 'output']
+      [character(len=10) :: 'setup', 'steady', 'transient', 'output', 'error_bars']
 
    !> Outcome, history and cost of one solve.
    type :: report_t
