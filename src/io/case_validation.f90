@@ -192,7 +192,7 @@ contains
       end if
    end subroutine check_time
 
-   !> Findings: a time step longer than the transient, too many steps. A step that the program chooses is the grid spacing,
+   !> Adds findings: a time step longer than the transient, too many steps. A step that the program chooses is the grid spacing,
    !> here estimated from the narrowest domain.
    subroutine check_steps(values, findings)
       type(input_values_t), intent(in) :: values
