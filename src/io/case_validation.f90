@@ -46,7 +46,7 @@ contains
       call check_accuracy(values, findings)
    end subroutine validate
 
-   !> Findings: groups that are missing, and groups that &moes replaces or excludes.
+   !> Finds groups that are missing, and groups that &moes replaces or excludes.
    subroutine check_groups(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
@@ -68,7 +68,7 @@ contains
       end do
    end subroutine check_groups
 
-   !> Findings: required keys that are not in their group.
+   !> Finds required keys that are not in their group.
    subroutine check_required(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
@@ -159,7 +159,7 @@ contains
       end if
    end subroutine check_speeds
 
-   !> Findings: no load, or two.
+   !> Finds no load, or two.
    subroutine check_load(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
@@ -173,7 +173,7 @@ contains
       end if
    end subroutine check_load
 
-   !> Findings: a transient without end, too many steps, keys of a transient in a steady case.
+   !> Finds a transient without end, too many steps, keys of a transient in a steady case.
    subroutine check_time(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
@@ -192,7 +192,11 @@ contains
       end if
    end subroutine check_time
 
+<<<<<<< Updated upstream
    !> Adds findings: a time step longer than the transient, too many steps. A step that the program chooses is the grid spacing,
+=======
+   !> Finds a time step longer than the transient, too many steps. A step that the program chooses is the grid spacing,
+>>>>>>> Stashed changes
    !> here estimated from the narrowest domain.
    subroutine check_steps(values, findings)
       type(input_values_t), intent(in) :: values
@@ -216,7 +220,7 @@ contains
          // to_text(end_time/time_step, 3) // ' time steps, expected at most ' // to_text(most_steps, 1))
    end subroutine check_steps
 
-   !> Findings: keys that the method does not use; more levels than the grid has.
+   !> Finds keys that the method does not use; more levels than the grid has.
    subroutine check_solver(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
@@ -247,7 +251,7 @@ contains
          // to_text(fewest_intervals) // ' intervals on the coarsest grid')
    end subroutine check_solver
 
-   !> Findings: keys of a transient in a steady case; a field named twice.
+   !> Finds keys of a transient in a steady case; a field named twice.
    subroutine check_output(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
@@ -268,7 +272,7 @@ contains
       end do
    end subroutine check_output
 
-   !> Findings: a target together with what it chooses, or without the error bars that it needs.
+   !> Finds a target together with what it chooses, or without the error bars that it needs.
    subroutine check_accuracy(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings

@@ -57,7 +57,7 @@ contains
 
    !> Fills `values` with the defaults of the table and the entries of `pieces`.
    !>
-   !> Findings: unknown or not built groups, keys and words, values of the wrong type or number or out of range.
+   !> Finds unknown or not built groups, keys and words, values of the wrong type or number or out of range.
    subroutine read_values(pieces, values, findings)
       type(namelist_text_t), intent(in) :: pieces
       type(input_values_t), intent(out) :: values

@@ -42,7 +42,7 @@ contains
       end select
    end subroutine check_lubricant
 
-   !> Findings: z or P0 given where the law has none.
+   !> Finds z or P0 given where the law has none.
    subroutine unused_roelands(values, reason, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: reason
@@ -52,7 +52,7 @@ contains
       call report_unused(values, 'lubricant', 'roelands_p0', reason, findings)
    end subroutine unused_roelands
 
-   !> Findings: Eyring without its stress or with &moes; a stress without Eyring.
+   !> Finds Eyring without its stress or with &moes; a stress without Eyring.
    subroutine check_rheology(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
@@ -70,7 +70,7 @@ contains
       end select
    end subroutine check_rheology
 
-   !> Findings: fewer than two of alpha, P0, z, or three that contradict each other by (2.27).
+   !> Finds fewer than two of alpha, P0, z, or three that contradict each other by (2.27).
    subroutine check_roelands(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings

@@ -210,7 +210,7 @@ contains
    end subroutine split_group
 
    !> Adds the entry with its key from place(1), its `=` at place(2) and its values up to place(3) - 1.
-   !> Findings: no key, a subscript that is not one positive number, a repeated key.
+   !> Finds no key, a subscript that is not one positive number, a repeated key.
    subroutine add_entry(source, place, group, pieces, findings)
       type(source_t), intent(in) :: source
       integer, intent(in) :: place(3)

@@ -36,7 +36,7 @@ contains
       call check_motion(values, group, speed, findings)
    end subroutine check_surface
 
-   !> Findings: arrays that have not as many values as `amplitude`; `shape` may have one for all.
+   !> Finds arrays that have not as many values as `amplitude`; `shape` may have one for all.
    subroutine check_lengths(values, group, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
