@@ -192,11 +192,7 @@ contains
       end if
    end subroutine check_time
 
-<<<<<<< Updated upstream
-   !> Adds findings: a time step longer than the transient, too many steps. A step that the program chooses is the grid spacing,
-=======
    !> Finds a time step longer than the transient, too many steps. A step that the program chooses is the grid spacing,
->>>>>>> Stashed changes
    !> here estimated from the narrowest domain.
    subroutine check_steps(values, findings)
       type(input_values_t), intent(in) :: values
