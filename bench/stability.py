@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Maps where each method converges, is slow, stalls or fails; iterations as colour; one frame for all methods.
+
+A cell is converged (at most 30 iterations on the finest grid, in time: per step), slow (more, or still falling at the
+limit of iterations or of 20 s), stalled, failed, or has a grid that is too coarse for a discrete film, which is the
+right answer. Results for each map: stability_NAME.png, .pdf, .csv; conclusion.txt counts cells and lists those where
+`auto` does not converge, whose namelists go to not_converged/.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import bench_program
+import stability_cells
+from bench_program import ROOT, Answer, job
+from stability_cells import Cell, StabilityMap
+from stability_figure import draw_map
+
+LIMIT = 20.0
+MANY = 30
+SOLVED = ("converged", "slow")
+
+
+def status(answer: Answer | None) -> str:
+    """The class of a cell."""
+    if answer is None:
+        return "blank"
+    reason = answer["reason"]
+    if answer.converged:
+        return "converged" if iterations(answer) <= MANY else "slow"
+    words = {
+        "grid too coarse": "too coarse",
+        "refused": "refused",
+        "stopped from outside": "slow",
+        "stagnation": "stalled",
+        "cycle limit": "slow",
+    }
+    return next((name for text, name in words.items() if text in reason), "failed")
+
+
+def iterations(answer: Answer) -> float:
+    """Iterations on the finest grid, in time per step."""
+    return answer["cycles"] / max(answer["steps"], 1)
+
+
+def solve_map(each: StabilityMap, processes: int) -> dict[tuple[str, int, int], Answer]:
+    """Answers of all cells of a map by method, column and row."""
+    jobs = {}
+    for cell in each.cells():
+        name = f"{len(jobs)}"
+        jobs[name] = (cell, job(name, cell.namelist, limit=LIMIT))
+    answers = bench_program.run_parallel([one for _, one in jobs.values()], processes, patience=3 * LIMIT)
+    return {(cell.method, cell.column, cell.row): answers[name] for name, (cell, _) in jobs.items()}
+
+
+def save(each: StabilityMap, answers: dict[tuple[str, int, int], Answer], path: Path) -> None:
+    """All cells of a map as CSV."""
+    columns = ("intervals", "cycles", "steps", "residual", "load_error", "tolerance", "all_least", "h_min", "h_central", "p_max")
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(("method", each.x.key, each.y.key, "status", "way", *columns, "reason"))
+        for (method, column, row), answer in answers.items():
+            values = (answer.get(name, "") for name in columns)
+            place = (method, each.x.values[column], each.y.values[row])
+            writer.writerow((*place, status(answer), answer["method"], *values, answer["reason"].strip()))
+
+
+def report(each: StabilityMap, answers: dict[tuple[str, int, int], Answer], cells: list[Cell], folder: Path) -> list[str]:
+    """Counts by method, and the cells where `auto` is not right."""
+    lines = [f"{each.title}: {each.x.label} x {each.y.label}"]
+    for method in each.methods:
+        counts = Counter(status(answer) for (name, _, _), answer in answers.items() if name == method)
+        total = sum(counts.values())
+        solved = sum(counts[word] for word in SOLVED)
+        right = solved + counts["too coarse"]
+        words = ", ".join(f"{count} {word}" for word, count in counts.most_common())
+        lines.append(f"  {method}: {right} of {total} right ({words})")
+    for cell in cells:
+        answer = answers[cell.method, cell.column, cell.row]
+        if not cell.method.startswith("auto") or status(answer) in {"converged", "too coarse"}:
+            continue
+        place = f"{each.x.key} = {each.x.values[cell.column]}, {each.y.key} = {each.y.values[cell.row]}"
+        target = folder / f"{each.key}_{cell.method.replace(' ', '_').replace(',', '')}_{cell.column}_{cell.row}.nml"
+        folder.mkdir(exist_ok=True)
+        target.write_text(cell.namelist, encoding="utf-8")
+        lines.append(f"    {cell.method}: {place}: {status(answer)}: {answer['reason'].strip()} [{target.name}]")
+    return lines
+
+
+def main() -> int:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="fewer cells and coarser grids, under 3 minutes")
+    parser.add_argument("--only", nargs="+", metavar="MAP", help=f"only these maps: {', '.join(stability_cells.NAMES)}")
+    parser.add_argument("--processes", type=int, default=2, metavar="N", help="processes side by side (default: 2)")
+    parser.add_argument("--output", default="results/stability", metavar="DIR", help="folder (default: results/stability)")
+    options = parser.parse_args()
+    unknown = set(options.only or []) - set(stability_cells.NAMES)
+    if unknown:
+        parser.error(f"no map is named {', '.join(sorted(unknown))}")
+    folder = ROOT / options.output
+    folder.mkdir(parents=True, exist_ok=True)
+    lines = []
+    for each in stability_cells.all_maps(options.quick):
+        if options.only and each.key not in options.only:
+            continue
+        start = time.perf_counter()
+        answers = solve_map(each, options.processes)
+        save(each, answers, folder / f"stability_{each.key}.csv")
+        classes = {place: (status(answer), iterations(answer) if answer.converged else 0) for place, answer in answers.items()}
+        draw_map(each, classes, folder)
+        part = report(each, answers, list(each.cells()), folder / "not_converged")
+        print("\n".join(part), f"\n  {time.perf_counter() - start:.0f} s", flush=True)
+        lines += part
+    (folder / "conclusion.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    print(folder)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
