@@ -133,8 +133,7 @@ contains
          share = 0.0_wp
          return
       end if
-      share = min(1.0_wp, largest_step/max(share, tiny(1.0_wp)), &
-         largest_slip_step/max(slip_step(newton, level), tiny(1.0_wp)))
+      share = min(1.0_wp, largest_step/max(share, largest_step), largest_slip_step/max(slip_step(newton, level), largest_slip_step))
       newton%trial = level%pressure
       do halving = 1, most_halvings
          level%pressure(1:n - 1) = max(newton%trial(1:n - 1) + share*newton%step(1:n - 1), 0.0_wp)
