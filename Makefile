@@ -23,7 +23,7 @@ DEMO := results/demo
 .PHONY: help build debug test test-debug unit unit-debug lint demo figures bench bench-program chart stability docs clean prepare generate
 
 help: ## this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
 
 build: prepare ## the program, build/bin/asperity (NATIVE=1: for this processor only)
 	fpm build --flag "$(RELEASE)"
@@ -69,6 +69,10 @@ figures: ## the figures of the demo again, from its result files
 	$(PYTHON) postproc/transient.py $(DEMO)/case3_demo.h5 --output $(DEMO)
 	$(PYTHON) postproc/convergence.py $(DEMO)/case1.h5 $(DEMO)/case3_demo.h5 --output $(DEMO)
 	@echo "figures in $(DEMO):" && ls $(DEMO)
+
+.PHONY: chapter6
+chapter6: build ## thesis, chapter 6: every overtaking of ridges and dents, figures, statements (ARGS=--quick)
+	$(PYTHON) studies/chapter6.py $(ARGS)
 
 bench: bench-program ## speed and memory, in results/bench/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/run.py $(ARGS)
