@@ -80,7 +80,8 @@ contains
 
       call system_clock(start, rate)
       if (case%accuracy%target > 0.0_wp) then
-         call choose_resolution(watcher%writer%bars, contact, case%solver, case%time, case%accuracy%target, error)   ! error: the caller looks
+         call choose_resolution(watcher%writer%bars, contact, case%solver, case%time, case%accuracy%target, &
+            error)   ! error: the caller looks
       else if (case%accuracy%has_error_bars) then
          call run_companions(watcher%writer%bars, contact, case%solver, case%time, error)   ! error: the caller looks
       end if
