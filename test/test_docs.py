@@ -17,7 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGES = ["README.md", "CONTRIBUTING.md", "docs/guide.md", "docs/theory.md", "docs/developer.md"]
 LINKED_PAGES = [*PAGES, "CHANGELOG.md", "docs/input.md", "docs/ford.md"]
 BLOCK = re.compile(r"^(?P<exempt><!-- not run: .+ -->\n)?```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
-FOLDERS = r"(?:src|app|test|tools|docs|input|postproc|include|bench|cluster|\.ci)"
+FOLDERS = r"(?:src|app|test|tools|docs|input|postproc|include|bench|cluster|studies|\.ci)"
 
 
 def page_text(page):
@@ -134,6 +134,6 @@ def test_minimal_case_of_the_readme_is_the_file():
 
 @pytest.mark.parametrize("page", LINKED_PAGES)
 def test_words_of_make_that_are_named_exist(page):
-    targets = set(re.findall(r"^([a-z-]+):", page_text("Makefile"), re.M))
-    named = set(re.findall(r"(?:`|^|\./)(?:make|bootstrap) ([a-z-]+)", page_text(page), re.M)) - {"-f"}
+    targets = set(re.findall(r"^([a-z0-9-]+):", page_text("Makefile"), re.M))
+    named = set(re.findall(r"(?:`|^|\./)(?:make|bootstrap) ([a-z0-9-]+)", page_text(page), re.M)) - {"-f"}
     assert named - targets == set(), f"{page} names words of make that the Makefile does not have"
