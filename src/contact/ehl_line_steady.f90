@@ -1,7 +1,7 @@
 !> The steady lubricated line contact: start, cycles, and the next way when one does not converge.
 module ehl_line_steady
    use cycle_control, only: cycle_limits_t, iterate
-   use domain_choice, only: coarsest_spacing, intervals_for
+   use domain_choice, only: intervals_for_film
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -78,7 +78,7 @@ contains
       integer :: needed
 
       cause = ''
-      needed = intervals_for(contact, coarsest_spacing)
+      needed = intervals_for_film(contact)
       if (contact%domain%intervals < needed) cause = 'grid too coarse for the film, needs '//to_text(needed)//' intervals ('
       if (len(cause) > 0) cause = cause//'has '//to_text(contact%domain%intervals)//'); '
    end function too_coarse

@@ -4,7 +4,7 @@ module nested_start
    use fas_cycle, only: cycle_from
    use kinds, only: wp
    use line_contact, only: film_estimate, line_contact_t
-   use line_hierarchy, only: count_work, line_hierarchy_t
+   use line_hierarchy, only: coarsest_for_film, count_work, line_hierarchy_t
    use line_level, only: film_of, line_level_t, start_from_pressure
    use newton_line, only: solve_newton
    use transfer, only: prolong_cubic
@@ -33,9 +33,10 @@ contains
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       logical, intent(out) :: is_sound
-      integer :: finest, first, k
+      integer :: finest, first, k, sound
 
-      do first = 1, min(most_firsts, hierarchy%coarsest)
+      sound = first_with_film(hierarchy, contact)
+      do first = sound, min(sound + most_firsts - 1, hierarchy%coarsest)
          call nested_solutions(hierarchy, contact, first, is_sound)
          if (is_sound) exit
       end do
@@ -49,6 +50,19 @@ contains
          hierarchy%finest = finest
       end do
    end subroutine full_multigrid_start
+
+   !> The coarsest level that carries a film, at most the coarsest of the cycles. It is level 1 unless the user's number of
+   !> levels makes that one coarser.
+   pure function first_with_film(hierarchy, contact) result(first)
+      type(line_hierarchy_t), intent(in) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      integer :: first
+
+      first = 1
+      do while (first < hierarchy%coarsest .and. hierarchy%levels(first)%n < coarsest_for_film(contact))
+         first = first + 1
+      end do
+   end function first_with_film
 
    !> Exact solutions on the levels from `first` to the coarsest of the cycles; if that is the finest level, it is left with
    !> the interpolated pressure.
