@@ -114,6 +114,9 @@ def main() -> int:
         answers = solve_map(each, options.processes)
         save(each, answers, folder / f"stability_{each.key}.csv")
         classes = {place: (status(answer), iterations(answer) if answer.converged else 0) for place, answer in answers.items()}
+        for place, answer in answers.items():
+            if place[0].startswith("FAS") and answer.converged and answer["levels"] == 1:
+                classes[place] = ("no cycle", 1)
         draw_map(each, classes, folder)
         part = report(each, answers, list(each.cells()), folder / "not_converged")
         print("\n".join(part), f"\n  {time.perf_counter() - start:.0f} s", flush=True)

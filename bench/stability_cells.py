@@ -25,6 +25,7 @@ NAMES = (
     "moes_eyring",
     "eyring_stress",
     "slide_to_roll",
+    "intervals",
     "relaxation",
     "coarsest",
     "time_step",
@@ -140,21 +141,39 @@ def eyring_maps(quick: bool) -> Iterator[StabilityMap]:
     yield StabilityMap("slide_to_roll", f"$M$ = 100, $L$ = 10, {intervals} intervals", x, y, methods, sliding)
 
 
+def intervals_map(quick: bool) -> StabilityMap:
+    """The given number of intervals against the load, for four lubricants."""
+    counts = [2**k for k in ((6, 8, 10, 12) if quick else (6, 7, 8, 9, 10, 12, 14, 16, 18, 20))]
+    loads = [0.01, 1, 100, 2000] if quick else [0.01, 0.1, 1, 5, 20, 100, 500, 2000]
+    lubricants = {"L = 10": (10, None), "L = 40": (40, None), "L = 10, 3.3 MPa": (10, 3.3e6), "L = 40, 1 MPa": (40, 1e6)}
+    methods = {f"auto, {name}": {} for name in lubricants} | {"FAS, Gauss-Seidel, L = 10": CYCLES["FAS, Gauss-Seidel"]}
+
+    def text(intervals: float, m: float, solver: dict, name: str) -> str | None:
+        if name.startswith("FAS") and intervals > 2**14:
+            return None
+        oil, stress = lubricants[name.split(", ", 2 if name.startswith("FAS") else 1)[-1]]
+        return with_numerics(namelists.steel(m, oil, 5 / 3, stress), solver, int(intervals))
+
+    x, y = Axis("intervals", "Intervals", counts), Axis("moes_m", "$M$ (speed sum)", loads)
+    return StabilityMap("intervals", "Slide-to-roll 5/3, Roelands, compressible", x, y, methods, text)
+
+
 def relaxation_map(quick: bool) -> StabilityMap:
     """Relaxation against sweeps, for each smoother on a light and a heavy contact."""
-    intervals = 256 if quick else 1024
+    intervals, levels = (256, 3) if quick else (1024, 5)
     relaxations = [0.2, 0.4, 0.6, 0.8, 1.0] if quick else [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1]
     sweeps = [1, 2, 5, 10] if quick else [1, 2, 3, 5, 7, 10, 15]
     methods = {f"{name}: {case}": solver for case in ("Case 1", "Barus 20, 10") for name, solver in CYCLES.items()}
 
     def text(relaxation: float, count: float, solver: dict, name: str) -> str:
-        settings = solver | {"relaxation": relaxation, "pre_sweeps": int(count), "post_sweeps": int(count)}
+        cycle = {"relaxation": relaxation, "pre_sweeps": int(count), "post_sweeps": int(count), "levels": levels}
+        settings = solver | cycle
         if name.endswith("Case 1"):
             return namelists.case_1(intervals, settings)
         return namelists.moes(20, 10, intervals, settings, domain=namelists.WINDOW)
 
     x, y = Axis("relaxation", "Relaxation", relaxations), Axis("sweeps", "Sweeps before and after", sweeps)
-    return StabilityMap("relaxation", f"Relaxation and sweeps, {intervals} intervals", x, y, methods, text)
+    return StabilityMap("relaxation", f"Relaxation and sweeps, {intervals} intervals, {levels} levels", x, y, methods, text)
 
 
 def coarsest_map(quick: bool) -> StabilityMap:
@@ -235,6 +254,7 @@ def all_maps(quick: bool) -> Iterator[StabilityMap]:
     """All maps in the order of NAMES."""
     yield from moes_maps(quick)
     yield from eyring_maps(quick)
+    yield intervals_map(quick)
     yield relaxation_map(quick)
     yield coarsest_map(quick)
     yield time_step_map(quick)

@@ -53,10 +53,12 @@ def draw_map(each: StabilityMap, classes: dict[tuple[str, int, int], tuple[str, 
     figure.suptitle(each.title, fontsize=9)
     seen = {word for word, _ in classes.values()}
     handles = [Patch(facecolor=GREEN(0.5), label="converged")]
+    if "no cycle" in seen:
+        handles.append(Patch(facecolor=GREEN(0.0), edgecolor="0.4", linewidth=0.4, label="one level, solved exactly (e)"))
     for word, (colour, sign, label) in CLASSES.items():
         if word in seen:
             handles.append(Patch(facecolor=colour, edgecolor="0.4", linewidth=0.4, label=f"{label} ({sign})"))
-    style.legend_below(figure, handles, 5)
+    style.legend_below(figure, handles, 4)
     style.save_figure(figure, [folder / f"stability_{each.key}.png", folder / f"stability_{each.key}.pdf"])
 
 
@@ -67,8 +69,11 @@ def draw_panel(axes: Axes, each: StabilityMap, method: str, classes: dict[tuple[
     for (name, column, row), (word, iterations) in classes.items():
         if name != method:
             continue
-        if word == "converged":
+        if word in {"converged", "no cycle"}:
             image[row, column] = GREEN(SCALE(max(iterations, 1)))
+            if word == "converged":
+                continue
+            axes.text(column, row, "e", ha="center", va="center_baseline", fontsize=5.5, color="0.45")
             continue
         colour, sign, _ = CLASSES[word]
         image[row, column] = [*(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)), 1]
@@ -90,4 +95,11 @@ def set_ticks(setter: object, axis: Axis, most: int) -> None:
     """Values at some of the cells."""
     count = len(axis.values)
     places = list(range(0, count, max(1, math.ceil(count / most))))
-    setter(places, labels=["∞" if math.isinf(axis.values[i]) else f"{axis.values[i]:g}" for i in places])
+    setter(places, labels=[value_label(axis, axis.values[i]) for i in places])
+
+
+def value_label(axis: Axis, value: float) -> str:
+    """A value on an axis; numbers of intervals as powers of two."""
+    if axis.key == "intervals":
+        return f"$2^{{{round(math.log2(value))}}}$"
+    return "∞" if math.isinf(value) else f"{value:g}"
