@@ -75,8 +75,12 @@ contains
       type(time_settings_t), intent(inout) :: time
       real(wp), intent(in) :: target
       type(error_t), allocatable, intent(out) :: error
+      real(wp) :: order, eighth
+      logical :: has_eighth
 
       call bound_order(bars, contact, time)
+      order = bars%lowest_order
+      has_eighth = .false.
       contact%domain%intervals = 0
       call choose_domain(contact)
       time%time_step = 0.0_wp
@@ -86,22 +90,26 @@ contains
          call run_companion(contact, settings, time, 2, bars%half, bars%has_half, error)
          if (allocated(error)) return
          if (bars%has_half .and. bars%has_quarter) then
-            if (predicted_error(bars) <= target*bars%half%h_min%value) return
+            if (has_eighth) order = observed_order(bars%half%h_min%value, bars%quarter%h_min%value, eighth, &
+               [bars%lowest_order, bars%highest_order])
+            if (predicted_error(bars, order) <= target*bars%half%h_min%value) return
          end if
          if (2*contact%domain%intervals > most_intervals) return
          contact%domain%intervals = 2*contact%domain%intervals
+         has_eighth = bars%has_quarter
+         if (has_eighth) eighth = bars%quarter%h_min%value
          bars%quarter = bars%half
          bars%has_quarter = bars%has_half
       end do
    end subroutine choose_resolution
 
-   !> Error of h_min to be expected on n intervals, from the companions alone and the lowest order.
-   pure function predicted_error(bars) result(error)
+   !> Error of h_min to be expected on n intervals, from the companions alone and a believed order.
+   pure function predicted_error(bars, order) result(error)
       type(error_bars_t), intent(in) :: bars
+      real(wp), intent(in) :: order
       real(wp) :: error
 
-      error = safety*abs(bars%half%h_min%value - bars%quarter%h_min%value) &
-         /(2.0_wp**bars%lowest_order*(2.0_wp**bars%lowest_order - 1.0_wp))
+      error = error_from_levels(bars%half%h_min%value, bars%quarter%h_min%value, order)/2.0_wp**order
    end function predicted_error
 
    !> Error estimates and Richardson's values for the figures of a result on n intervals of width `dx`.
