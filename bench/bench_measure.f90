@@ -9,6 +9,7 @@ module bench_measure
    use domain_choice, only: choose_domain
    use ehl_line_solver, only: solve_ehl_line
    use ehl_line_steady, only: solve_steady
+   use error_bars, only: choose_resolution, error_bars_t
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
@@ -17,6 +18,7 @@ module bench_measure
    use line_contact, only: line_contact_t
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem
    use line_state, only: line_state_t
+   use solver_settings, only: time_settings_t
    use scaling, only: scaling_t
    implicit none (type, external)
    private
@@ -81,7 +83,7 @@ contains
       if (job%shows_products) call measure_products(case, outcome, error)
    end subroutine measure
 
-   !> One run; the first one is kept.
+   !> One run; the first one is kept. With a wanted accuracy, the time of the choice of the grid is in that of all phases.
    subroutine run_once(job, case, is_first, outcome, times, error)
       type(job_t), intent(in) :: job
       type(case_t), intent(in) :: case
@@ -93,14 +95,23 @@ contains
       type(line_contact_t) :: contact
       type(line_state_t) :: state
       type(report_t) :: report
+      type(time_settings_t) :: time
+      type(error_bars_t) :: bars
+      integer(int64) :: start
 
       contact = outcome%contact
-      call start_recorder(watcher, is_first .and. (job%is_reference .or. job%is_compared .or. case%time%is_transient), job%limit)
-      call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
+      time = case%time
       times = 0.0_wp
+      call start_recorder(watcher, is_first .and. (job%is_reference .or. job%is_compared .or. case%time%is_transient), job%limit)
+      start = clock()
+      if (case%accuracy%target > 0.0_wp) then
+         call choose_resolution(bars, contact, case%solver, time, case%accuracy%target, error)
+         if (allocated(error)) return
+      end if
+      call solve_ehl_line(contact, case%solver, time, watcher, state, report, error)
       if (allocated(error)) return
       times = [report%phase_seconds(phase_setup), report%phase_seconds(phase_steady), report%phase_seconds(phase_transient), &
-         report%wall_seconds]
+         seconds_since(start)]
       if (.not. is_first) return
       if (.not. case%time%is_transient) then
          call record_steady(watcher, state)

@@ -13,7 +13,7 @@ import argparse
 import csv
 import math
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import bench_program
@@ -39,6 +39,14 @@ METHODS: dict[str, dict[str, object]] = {
 LOOKS = {
     "auto": {"color": "#f0b000", "linestyle": "-", "linewidth": 4.0, "marker": "", "zorder": 1},
     **dict(zip(list(METHODS)[1:], style.SERIES, strict=True)),
+    "auto, target given": {"color": "#7a3fb0", "linestyle": "-", "linewidth": 0.8, "marker": "*", "markersize": 6},
+    "auto, extrapolated": {
+        "color": "#404040",
+        "linestyle": (0, (1, 1)),
+        "linewidth": 0.8,
+        "marker": "o",
+        "markerfacecolor": "white",
+    },
     "newton_krylov, BDF2": {"color": "#d02060", "linestyle": "-", "marker": "P", "markersize": 5},
 }
 # Nothing larger is tried: their cost grows with the cube and faster.
@@ -46,6 +54,8 @@ LARGEST = {"newton_dense": 1024, "block_jacobi": 128}
 # No line smoother in time: it diverges with the squeeze term.
 IN_TIME = ("auto", "newton_krylov", "FAS, Gauss-Seidel", "FAS, Block-Jacobi", "newton_dense")
 TARGETS = (1e-1, 1e-2, 1e-3, 1e-4)
+# Wanted accuracy (&accuracy target) for which the program chooses the grid.
+WANTED = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4)
 HEAVY = (100, 10)
 SHORT_WINDOW = 0.55
 RIDGE_START = -1.5
@@ -78,7 +88,7 @@ def largest_grid(method: str, sizes: list[int]) -> list[int]:
 
 
 def steady_panel(panel: Panel, text: object, sizes: list[int], effort: dict[str, float]) -> list[Answer]:
-    """Solves a steady contact by all methods; `text(intervals, solver)` makes its namelist."""
+    """Solves a steady contact by all methods; `text(intervals, solver, accuracy)` makes its namelist."""
     finest = 4 * sizes[-1]
     jobs: list[Job] = [job("reference", text(finest, {"method": "newton_krylov", "tolerance": 1e-12}))]
     names = {}
@@ -86,14 +96,43 @@ def steady_panel(panel: Panel, text: object, sizes: list[int], effort: dict[str,
         for n in largest_grid(method, sizes):
             names[f"{method}:{n}"] = (method, n)
             jobs.append(job(f"{method}:{n}".replace(" ", "_"), text(n, solver), **effort))
+    for target in WANTED:
+        jobs.append(job(f"target:{target:g}", text(None, {}, {"target": target}), **effort))
     answers = bench_program.run(jobs)
     reference = answers["reference"]
     for name, (method, n) in names.items():
         answer = answers[name.replace(" ", "_")]
         if answer.converged:
-            error = max(abs(answer[value] / reference[value] - 1) for value in ("h_min", "h_central"))
+            error = film_error(answer, reference)
             panel.curves.setdefault(method, []).append(Point(method, n, answer["steady_median"], error, answer))
+    add_extrapolated(panel, reference)
+    for target in WANTED:
+        answer = answers[f"target:{target:g}"]
+        if answer.converged and 4 * answer["intervals"] <= finest:
+            point = Point(
+                "auto, target given", int(answer["intervals"]), answer["all_median"], film_error(answer, reference), answer
+            )
+            panel.curves.setdefault(point.method, []).append(point)
     return [answer for answer in answers.values() if not answer.converged]
+
+
+def film_error(values: dict[str, float], reference: dict[str, float]) -> float:
+    """The larger one of the relative errors of smallest and central film."""
+    return max(abs(values[name] / reference[name] - 1) for name in ("h_min", "h_central"))
+
+
+def add_extrapolated(panel: Panel, reference: Answer) -> None:
+    """The default on n, n/2 and n/4 intervals, extrapolated with the observed order between 1 and 2, as in /summary."""
+    points = panel.curves.get("auto", [])
+    for quarter, half, full in zip(points, points[1:], points[2:], strict=False):
+        values = {}
+        for name in ("h_min", "h_central"):
+            q1, q2, q4 = (point.answer[name] for point in (full, half, quarter))
+            order = min(max(math.log2(abs((q2 - q4) / (q1 - q2))), 1.0), 2.0)
+            values[name] = q1 + (q1 - q2) / (2**order - 1)
+        seconds = sum(point.seconds for point in (quarter, half, full))
+        point = Point("auto, extrapolated", full.intervals, seconds, film_error(values, reference), full.answer)
+        panel.curves.setdefault(point.method, []).append(point)
 
 
 def time_methods() -> dict[str, tuple[dict, dict]]:
@@ -152,6 +191,8 @@ def percent(value: float) -> str:
 
 def is_default(point: Point, default: Point | None) -> bool:
     """Whether a point is what the default does too, so that only noise is between their times."""
+    if point.method.startswith("auto,"):
+        return False
     same = default is not None and (point.intervals, point.answer["method"]) == (default.intervals, default.answer["method"])
     return same and "BDF2" not in point.method
 
@@ -167,7 +208,9 @@ def conclusions(panels: list[Panel], failures: list[Answer]) -> str:
                 lines.append(f"  {percent(target)}: no run shown here is that accurate")
                 continue
             first = min(best.values(), key=lambda point: point.seconds)
-            first = best["auto"] if is_default(first, best.get("auto")) else first
+            if is_default(first, best.get("auto")):
+                first = replace(first, method="auto")
+                best["auto"] = first
             text = f"  for {percent(target)} use {first.method} with {first.intervals} intervals: {show_time(first.seconds)}"
             default = best.get("auto")
             if default is None:
@@ -273,18 +316,22 @@ def main() -> int:
     folder.mkdir(parents=True, exist_ok=True)
     quick = options.quick
     effort = {"runs": 15 if quick else 101, "seconds": 0.5 if quick else 6}
-    window = {"domain": namelists.WINDOW}
     panels = [
         Panel("steady", "Steady: Case 1 (Eyring)", "film thickness"),
         Panel("transient", "In time: ridge, Case 3", "pressure"),
         Panel("heavy", f"Heavily loaded: Barus, M {HEAVY[0]}, L {HEAVY[1]}", "film thickness"),
     ]
-    failures = steady_panel(panels[0], namelists.case_1, grids(32, 1024 if quick else 4096), effort)
+
+    def case_1(n: int | None, solver: dict, accuracy: dict | None = None) -> str:
+        return namelists.case_1(n, solver, accuracy=accuracy or {})
+
+    def heavy(n: int | None, solver: dict, accuracy: dict | None = None) -> str:
+        return namelists.moes(*HEAVY, n, solver, domain=namelists.WINDOW, accuracy=accuracy or {})
+
+    failures = steady_panel(panels[0], case_1, grids(32, 1024 if quick else 4096), effort)
     once = {"runs": 3 if quick else 9, "seconds": 2 if quick else 20}
     failures += transient_panel(panels[1], grids(64, 256 if quick else 1024), once)
-    failures += steady_panel(
-        panels[2], lambda n, solver: namelists.moes(*HEAVY, n, solver, **window), grids(128, 2048 if quick else 8192), effort
-    )
+    failures += steady_panel(panels[2], heavy, grids(128, 2048 if quick else 8192), effort)
     save(panels, folder / "chart.csv")
     draw(panels, folder)
     text = conclusions(panels, failures)

@@ -88,6 +88,7 @@ def moes(m: float, l: float, intervals: int | None, solver: dict | None = None, 
             "lubricant": oil | options.get("lubricant", {}),
             "domain": options.get("domain", {}) | {"intervals": intervals},
             "solver": solver or {},
+            "accuracy": options.get("accuracy", {}),
         }
     )
 

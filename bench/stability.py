@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Maps where each method converges, is slow, stalls or fails; iterations as colour; one frame for all methods.
 
-A cell is converged (at most 30 iterations on the finest grid, in time: per step), slow (more, or still falling at the
-limit of iterations or of 20 s), stalled, failed, or has a grid that is too coarse for a discrete film, which is the
+A cell is converged (at most 30 iterations on the finest grid, in time: per step), slow (more, or left below 0.01 by
+the limit of iterations or of 20 s), stalled, failed, or has a grid that is too coarse for a discrete film, which is the
 right answer. Results for each map: stability_NAME.png, .pdf, .csv; conclusion.txt counts cells and lists those where
 `auto` does not converge, whose namelists go to not_converged/.
 """
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import math
 import sys
 import time
 from collections import Counter
@@ -32,14 +33,15 @@ def status(answer: Answer | None) -> str:
     if answer is None:
         return "blank"
     reason = answer["reason"]
+    is_near = answer.get("residual", math.inf) < 1e-2
     if answer.converged:
         return "converged" if iterations(answer) <= MANY else "slow"
     words = {
         "grid too coarse": "too coarse",
         "refused": "refused",
-        "stopped from outside": "slow",
+        "stopped from outside": "slow" if is_near else "failed",
         "stagnation": "stalled",
-        "cycle limit": "slow",
+        "cycle limit": "slow" if is_near else "failed",
     }
     return next((name for text, name in words.items() if text in reason), "failed")
 
@@ -86,7 +88,8 @@ def report(each: StabilityMap, answers: dict[tuple[str, int, int], Answer], cell
         if not cell.method.startswith("auto") or status(answer) in {"converged", "too coarse"}:
             continue
         place = f"{each.x.key} = {each.x.values[cell.column]}, {each.y.key} = {each.y.values[cell.row]}"
-        target = folder / f"{each.key}_{cell.method.replace(' ', '_').replace(',', '')}_{cell.column}_{cell.row}.nml"
+        method = "".join(sign if sign.isalnum() else "_" for sign in cell.method)
+        target = folder / f"{each.key}_{method}_{cell.column}_{cell.row}.nml"
         folder.mkdir(exist_ok=True)
         target.write_text(cell.namelist, encoding="utf-8")
         lines.append(f"    {cell.method}: {place}: {status(answer)}: {answer['reason'].strip()} [{target.name}]")
