@@ -5,7 +5,7 @@ module ehl_line_steady
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: line_hierarchy_t, relaxation_t
+   use line_hierarchy, only: line_hierarchy_t, method_block_jacobi, method_newton_dense, method_newton_krylov, relaxation_t
    use nested_start, only: full_multigrid_start, hertz_start
    use observer, only: observer_t
    use solver_choice, only: adopt, method_name, steady_attempts
@@ -45,7 +45,7 @@ contains
             call full_multigrid_start(hierarchy, contact, is_sound)
          end if
          if (is_sound) then
-            call iterate(hierarchy, contact, limits_of(settings, default_tolerance), report, watcher)
+            call iterate(hierarchy, contact, limits_of(settings, default_tolerance, attempts(i)%method), report, watcher)
             if (report%converged .or. watcher%wants_stop) return
          else
             report%converged = .false.
@@ -56,18 +56,24 @@ contains
       report%reason = too_coarse(contact)//adjustl(failures)
    end subroutine solve_steady
 
-   !> Cycle limits: what the settings say, else by method. Plain Block-Jacobi counts blocks of sweeps and needs many.
-   pure function limits_of(settings, tolerance) result(limits)
+   !> Cycle limits: what the settings say, else by method. Plain Block-Jacobi counts blocks of sweeps and needs many; the
+   !> residual of a Newton iteration may rise for long while a spike grows.
+   pure function limits_of(settings, tolerance, method) result(limits)
       type(solver_settings_t), intent(in) :: settings
       real(wp), intent(in) :: tolerance
+      integer, intent(in) :: method
       type(cycle_limits_t) :: limits
 
       limits%tolerance = tolerance
       if (settings%tolerance > 0.0_wp) limits%tolerance = settings%tolerance
-      if (settings%method == 'block_jacobi') then
+      select case (method)
+      case (method_block_jacobi)
          limits%max_cycles = 2000
          limits%patience = 40
-      end if
+      case (method_newton_krylov, method_newton_dense)
+         limits%max_cycles = 120
+         limits%patience = 40
+      end select
       if (settings%max_cycles > 0) limits%max_cycles = settings%max_cycles
    end function limits_of
 

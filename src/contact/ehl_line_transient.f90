@@ -60,9 +60,9 @@ contains
       real(wp) :: time_step
       integer :: step, steps
 
-      limits = limits_of(settings, default_tolerance)
-      if (settings%max_cycles == 0) limits%max_cycles = min(limits%max_cycles, default_cycles)
       allocate (attempts, source=time_step_attempts(contact, settings))
+      limits = limits_of(settings, default_tolerance, attempts(1)%method)
+      if (settings%max_cycles == 0) limits%max_cycles = min(limits%max_cycles, default_cycles)
       report%method = method_name(attempts(1))
       associate (level => hierarchy%levels(hierarchy%finest))
          time_step = merge(time%time_step, level%dx, time%time_step > 0.0_wp)
