@@ -21,8 +21,6 @@ module semiseparable
       real(wp), allocatable :: lower(:, :), upper(:, :), diagonal(:)
       !> Factors (q+2, n), and the inverse pivots (n).
       real(wp), allocatable, private :: carry(:, :), inverse_pivot(:)
-      !> Work (q+2, q+2).
-      real(wp), allocatable, private :: state(:, :), moved(:, :)
    end type semiseparable_t
 
 contains
@@ -40,51 +38,56 @@ contains
       matrix%ratio = ratio
       if (allocated(matrix%lower)) then
          deallocate (matrix%lower, matrix%upper, matrix%diagonal, matrix%carry, matrix%inverse_pivot)
-         deallocate (matrix%state, matrix%moved)
       end if
       allocate (matrix%lower(m, n), matrix%upper(m, n), matrix%diagonal(n), matrix%carry(m, n), matrix%inverse_pivot(n))
-      allocate (matrix%state(m, m), matrix%moved(m, m))
    end subroutine new_semiseparable
 
    !> Factors the matrix in place. `smallest_pivot` is the smallest |pivot|: 0 means singular.
    pure subroutine factor_semiseparable(matrix, smallest_pivot)
       type(semiseparable_t), intent(inout) :: matrix
       real(wp), intent(out) :: smallest_pivot
-      real(wp) :: sums(matrix%q + 2), row(matrix%q + 2), pivot
-      integer :: i, m, q, r
+      real(wp), dimension(matrix%q + 2, matrix%q + 2) :: w, z
+      real(wp), dimension(matrix%q + 2) :: sums, row, eta
+      real(wp) :: rho(matrix%q), pivot, factor, total
+      integer :: i, l, m, q, r
 
       q = matrix%q
       m = q + 2
+      rho = matrix%ratio
       smallest_pivot = huge(1.0_wp)
-      matrix%state = 0.0_wp
-      associate (w => matrix%state, z => matrix%moved, rho => matrix%ratio, eta => matrix%carry)
-         z = 0.0_wp
-         do i = 1, matrix%n
-            do r = 1, m
-               z(1:q, r) = w(1:q, r)*rho
-               sums(r) = sum(z(1:q, r)) + w(q + 1, r)
-               z(q + 1, r) = w(q + 2, r)
+      w = 0.0_wp
+      z = 0.0_wp
+      do i = 1, matrix%n
+         row = matrix%upper(:, i)
+         pivot = matrix%diagonal(i)
+         do r = 1, m
+            factor = matrix%lower(r, i)
+            total = w(q + 1, r)
+            do l = 1, q
+               z(l, r) = w(l, r)*rho(l)
+               total = total + z(l, r)
+               row(l) = row(l) + factor*z(l, r)
             end do
-            pivot = matrix%diagonal(i) + dot_product(matrix%lower(:, i), sums)
-            smallest_pivot = min(smallest_pivot, abs(pivot))
-            if (.not. smallest_pivot > 0.0_wp) return
-            row = matrix%upper(:, i)
-            do r = 1, m
-               row = row + matrix%lower(r, i)*z(:, r)
-            end do
-            matrix%inverse_pivot(i) = 1.0_wp/pivot
-            row = row/pivot
-            eta(1:q, i) = rho*(sums(1:q) + 1.0_wp)
-            eta(q + 1, i) = 1.0_wp
-            eta(q + 2, i) = sums(q + 1)
-            do r = 1, q
-               w(:, r) = rho(r)*z(:, r) - eta(r, i)*row
-            end do
-            w(:, q + 2) = z(:, q + 1) - eta(q + 2, i)*row
-            w(:, q + 1) = -row
-            matrix%upper(:, i) = row
+            sums(r) = total
+            z(q + 1, r) = w(q + 2, r)
+            row(q + 1) = row(q + 1) + factor*z(q + 1, r)
+            pivot = pivot + factor*total
          end do
-      end associate
+         smallest_pivot = min(smallest_pivot, abs(pivot))
+         if (.not. smallest_pivot > 0.0_wp) return
+         row = row/pivot
+         eta(1:q) = rho*(sums(1:q) + 1.0_wp)
+         eta(q + 1) = 1.0_wp
+         eta(q + 2) = sums(q + 1)
+         do r = 1, q
+            w(:, r) = rho(r)*z(:, r) - eta(r)*row
+         end do
+         w(:, q + 2) = z(:, q + 1) - eta(q + 2)*row
+         w(:, q + 1) = -row
+         matrix%inverse_pivot(i) = 1.0_wp/pivot
+         matrix%carry(:, i) = eta
+         matrix%upper(:, i) = row
+      end do
    end subroutine factor_semiseparable
 
    !> Solves A x = b with the factors; `x` (n) holds b on entry.
