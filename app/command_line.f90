@@ -1,6 +1,7 @@
 !> The arguments of the program.
 module command_line
    use errors, only: error_t, fail, input_error
+   use input_keys, only: every, has_word
    use nearest_name, only: nearest_known
    implicit none (type, external)
    private
@@ -11,6 +12,8 @@ module command_line
    type :: command_t
       !> 'run', 'check', 'template', 'keys', 'keys-markdown', 'version' or 'help'.
       character(:), allocatable :: action
+      !> Problem of the template.
+      character(:), allocatable :: problem
       !> Namelist files.
       character(len=4096), allocatable :: files(:)
       !> Folder of the results; empty: not given.
@@ -112,11 +115,9 @@ contains
       case default
          call set_action(command, 'template', error)
          if (allocated(error)) return
-         if (value == 'dry_line' .or. value == 'dry_area') then
-            call fail(error, input_error, 'found --template ' // value // ', which is not built yet, expected ehl_line')
-         else if (value /= 'ehl_line') then
-            call fail(error, input_error, 'found --template ' // value // ', expected ehl_line')
-         end if
+         command%problem = value
+         if (has_word(every, value)) return
+         call fail(error, input_error, 'found --template ' // value // ', expected ehl_line, dry_line or dry_area')
       end select
    end subroutine read_option_value
 
@@ -143,10 +144,11 @@ contains
       character(:), allocatable :: text
       character(*), parameter :: nl = new_line('a')
 
-      text = 'asperity - contacts between rough surfaces: the lubricated (elastohydrodynamic) line contact' // nl // nl &
+      text = 'asperity - contacts between rough surfaces: lubricated (elastohydrodynamic) lines, dry profiles and areas' // nl &
+         // nl &
          // 'Usage:' // nl &
          // '  asperity CASE.nml [CASE2.nml ...] [--output DIR] [--threads N] [--check] [--quiet]' // nl &
-         // '  asperity --template ehl_line     write a commented, complete namelist with units and defaults' // nl &
+         // '  asperity --template PROBLEM      write a commented, complete namelist: ehl_line, dry_line or dry_area' // nl &
          // '  asperity --keys                  every group and key: unit, default, range, meaning' // nl &
          // '  asperity --version | --help' // nl // nl &
          // 'Options:' // nl &

@@ -42,7 +42,7 @@ contains
       case ('version')
          write (output_unit, '(a)') program_name // ' ' // program_version // ' (commit ' // git_commit() // ')'
       case ('template')
-         write (output_unit, '(a)', advance='no') template_text()
+         write (output_unit, '(a)', advance='no') template_text(command%problem)
       case ('keys')
          write (output_unit, '(a)', advance='no') keys_text()
       case ('keys-markdown')

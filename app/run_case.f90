@@ -1,17 +1,20 @@
 !> One case from its record to its result file and its exit status.
 module run_case
    use, intrinsic :: iso_fortran_env, only: int64
+   use case_outcome, only: give_up, status_converged, status_not_converged, store_input
    use case_record, only: case_t, result_path, set_effective
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: choose_resolution, run_companions
-   use errors, only: error_t, output_error
+   use errors, only: error_t
+   use input_keys, only: lubricated
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_case, only: build_line_contact
    use line_contact, only: line_contact_t
    use line_state, only: all_finite, line_state_t
-   use progress_log, only: new_progress_log, progress_log_t
+   use progress_log, only: new_progress_log
    use result_writer, only: field_name_length, open_result, result_writer_t
+   use run_dry_case, only: solve_and_write
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
    use text, only: to_text
@@ -19,9 +22,6 @@ module run_case
    private
 
    public :: run_one_case
-
-   !> Exit status of one case: converged and written; failed inside; not converged, but written; not written.
-   integer, parameter, public :: status_converged = 0, status_failed = 1, status_not_converged = 2, status_not_written = 3
 
 contains
 
@@ -39,6 +39,10 @@ contains
       type(error_t), allocatable :: error
       real(wp) :: seconds
 
+      if (case%problem /= lubricated) then
+         call solve_and_write(case, output_dir, is_quiet, status)
+         return
+      end if
       watcher%log = new_progress_log(is_quiet)
       call build_line_contact(case, scaling, contact)
       call watcher%log%start_case(case%file, scaling)
@@ -106,16 +110,6 @@ contains
       call writer%describe(trim(case%problem), case%title, case%namelist, scaling)
    end subroutine start_result
 
-   !> Tells an error and turns it into an exit status.
-   subroutine give_up(error, log, status)
-      type(error_t), intent(in) :: error
-      type(progress_log_t), intent(inout) :: log
-      integer, intent(out) :: status
-
-      call log%say_error(error%message)
-      status = merge(status_not_written, status_failed, error%kind == output_error)
-   end subroutine give_up
-
    !> A solution that is not made of numbers is not converged, whatever the solver says.
    subroutine refuse_nonsense(state, report)
       type(line_state_t), intent(in) :: state
@@ -125,18 +119,5 @@ contains
       report%converged = .false.
       report%reason = 'the solution holds values that are not finite'
    end subroutine refuse_nonsense
-
-   !> /input/effective.
-   subroutine store_input(case, writer)
-      type(case_t), intent(in) :: case
-      type(result_writer_t), intent(inout) :: writer
-      integer :: i
-
-      do i = 1, size(case%effective)
-         associate (entry => case%effective(i))
-            call writer%add_input(entry%group, entry%key, entry%value, entry%unit)
-         end associate
-      end do
-   end subroutine store_input
 
 end module run_case

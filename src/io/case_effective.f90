@@ -2,7 +2,7 @@
 module case_effective
    use case_record, only: case_t, set_effective
    use input_keys, only: key_rows, key_row_t, real_kind, integer_kind, logical_kind, word_kind, reals_kind, words_kind, &
-      is_chosen
+      is_chosen, has_word, lubricated
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
    use lubricant, only: viscosity_constant, viscosity_roelands, density_constant
@@ -25,6 +25,7 @@ contains
 
       do i = 1, size(key_rows)
          associate (row => key_rows(i), slot => values%slots(i))
+            if (.not. has_word(row%problems, trim(values%problem))) cycle
             if (.not. is_used(values, trim(row%group), trim(row%key))) cycle
             if (slot%has_value) then
                call set_effective(case, trim(row%group), trim(row%key), value_text(row, slot), trim(row%unit))
@@ -33,7 +34,7 @@ contains
             end if
          end associate
       end do
-      call list_derived(case)
+      if (values%problem == lubricated) call list_derived(case)
    end subroutine list_effective
 
    !> False for groups that &moes replaces (or that are only there with it) and for keys of a transient or of roughness
@@ -44,8 +45,13 @@ contains
       logical :: is_used
       type(value_t) :: transient
 
-      transient = values%slot('time', 'transient')
       is_used = .true.
+      if (values%problem /= lubricated) then
+         ! What a surface uses depends on its shape: only what is given tells.
+         if (group(:min(7, len(group))) == 'surface') is_used = values%is_given(group, key)
+         return
+      end if
+      transient = values%slot('time', 'transient')
       select case (group)
       case ('moes')
          is_used = values%has_group('moes')

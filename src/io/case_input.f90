@@ -2,13 +2,14 @@
 module case_input
    use bodies, only: reduced_radius, reduced_modulus
    use case_effective, only: list_effective
-   use case_record, only: case_t
+   use case_record, only: case_t, set_effective
    use case_validation, only: validate
+   use dry_input, only: fill_dry_case
    use errors, only: error_t
    use features, only: rough_surface_t, feature_ridge, feature_sinusoid
    use findings, only: findings_t
    use hertz, only: line_load_from_pressure
-   use input_keys, only: key_rows, find_key
+   use input_keys, only: key_rows, find_key, lubricated
    use input_values, only: input_values_t, value_t, read_values
    use key_range, only: is_in_range
    use kinds, only: wp
@@ -46,10 +47,14 @@ contains
          return
       end if
       call read_values(pieces, values, findings)
-      call validate(values, findings)
-      if (findings%count > 0) return
       case%file = file
       case%namelist = content
+      if (values%problem /= lubricated) then
+         call read_dry_case(values, case, findings)
+         return
+      end if
+      call validate(values, findings)
+      if (findings%count > 0) return
       case%has_moes = values%has_group('moes')
       call fill_case(values, case)
       call fill_bodies(values, case)
@@ -60,6 +65,33 @@ contains
       call check_regime(values, case, findings)
       call list_effective(values, case)
    end subroutine read_case
+
+   !> The rest of a dry case. Findings: see module dry_input.
+   subroutine read_dry_case(values, case, findings)
+      type(input_values_t), intent(in) :: values
+      type(case_t), intent(inout) :: case
+      type(findings_t), intent(inout) :: findings
+      integer, parameter :: all_digits = 17
+
+      if (findings%count > 0) return
+      call fill_dry_case(values, case%file(:index(case%file, '/', back=.true.)), case%dry, findings)
+      if (findings%count > 0) return
+      call fill_case(values, case)
+      case%has_moes = .false.
+      call list_effective(values, case)
+      associate (dry => case%dry)
+         call set_effective(case, 'bodies', 'reduced_modulus', to_text(dry%reduced_modulus, all_digits), 'Pa')
+         if (dry%grid%ny == 1) then
+            call set_effective(case, 'domain', 'length', to_text(dry%lengths(1), all_digits), 'm')
+            call set_effective(case, 'domain', 'intervals', to_text(dry%grid%nx), '-')
+         else
+            call set_effective(case, 'domain', 'length_x', to_text(dry%lengths(1), all_digits), 'm')
+            call set_effective(case, 'domain', 'length_y', to_text(dry%lengths(2), all_digits), 'm')
+            call set_effective(case, 'domain', 'intervals_x', to_text(dry%grid%nx), '-')
+            call set_effective(case, 'domain', 'intervals_y', to_text(dry%grid%ny), '-')
+         end if
+      end associate
+   end subroutine read_dry_case
 
    !> &case, &output and &accuracy.
    subroutine fill_case(values, case)
@@ -73,6 +105,7 @@ contains
       case%output = trim(slot%text)
       case%problem = values%word_value('case', 'problem')
       case%model = values%word_value('case', 'model')
+      if (case%problem /= lubricated) return
       slot = values%slot('output', 'profile_stride')
       case%output_settings%profile_stride = slot%integer
       slot = values%slot('output', 'fields')

@@ -1,6 +1,7 @@
 !> One case as the user describes it, in SI, and the name of its result file.
 module case_record
    use bodies, only: bodies_t
+   use dry_case, only: dry_case_t
    use features, only: rough_surface_t
    use kinds, only: wp
    use lubricant, only: lubricant_t
@@ -39,7 +40,7 @@ module case_record
    type :: case_t
       !> Free text of the user, UTF-8.
       character(:), allocatable :: title
-      !> 'ehl_line'.
+      !> 'ehl_line', 'dry_line' or 'dry_area'.
       character(len=word_length) :: problem
       !> 'full'.
       character(len=word_length) :: model
@@ -63,6 +64,8 @@ module case_record
       type(time_settings_t) :: time
       type(solver_settings_t) :: solver
       type(output_settings_t) :: output_settings
+      !> Filled for dry problems, which use nothing of the above but title, problem, model, output, file and namelist.
+      type(dry_case_t) :: dry
       type(accuracy_t) :: accuracy
       !> Every value used, given or default or derived.
       type(effective_t), allocatable :: effective(:)

@@ -13,12 +13,18 @@ module input_keys
    !> Defaults that are no value: must be given; chosen by the program; only with certain other keys.
    character(*), parameter, public :: is_required = 'required', is_chosen = 'chosen', is_optional = '-'
 
+   !> Problems: lubricated line; dry profiles and areas; all of them.
+   character(*), parameter, public :: lubricated = 'ehl_line', dry_line = 'dry_line', dry_area = 'dry_area', &
+      dry = 'dry_line dry_area', every = 'ehl_line dry_line dry_area'
+
    !> One group.
    type, public :: group_row_t
       character(len=12) :: group
       !> 'yes', 'no' or 'later' (known, but not built yet).
       character(len=8) :: needed
       character(len=100) :: meaning
+      !> Problems that know the group, separated by blanks.
+      character(len=32) :: problems = lubricated
    end type group_row_t
 
    !> One key.
@@ -38,6 +44,8 @@ module input_keys
       !> Words that are known but not built yet, separated by blanks.
       character(len=40) :: later_words
       character(len=120) :: meaning
+      !> Problems that use the key, separated by blanks. A key may have a row for each of several problems.
+      character(len=32) :: problems = lubricated
    end type key_row_t
 
    !> A key that is known but not built yet.
@@ -48,41 +56,43 @@ module input_keys
    end type later_row_t
 
    type(group_row_t), parameter, public :: group_rows(*) = [ &
-      group_row_t('case', 'yes', 'what is computed and where the result goes'), &
-      group_row_t('bodies', 'yes', 'geometry, elasticity and speeds of the two bodies (not with &moes)'), &
-      group_row_t('load', 'yes', 'the load (not with &moes)'), &
+      group_row_t('case', 'yes', 'what is computed and where the result goes', every), &
+      group_row_t('bodies', 'yes', 'geometry, elasticity and speeds of the two bodies (not with &moes)', every), &
+      group_row_t('load', 'yes', 'the load (not with &moes)', every), &
       group_row_t('moes', 'no', 'dimensionless smooth Newtonian studies: replaces bodies, load and viscosity'), &
       group_row_t('lubricant', 'yes', 'the oil'), &
-      group_row_t('surface_1', 'no', 'roughness of surface 1, moving at speed_1; heights count positive out of the material'), &
-      group_row_t('surface_2', 'no', 'roughness of surface 2, moving at speed_2; heights count positive out of the material'), &
-      group_row_t('domain', 'no', 'the computed stretch of the contact and its grid'), &
+      group_row_t('surface_1', 'no', &
+      'roughness of surface 1, moving at speed_1; heights count positive out of the material', every), &
+      group_row_t('surface_2', 'no', &
+      'roughness of surface 2, moving at speed_2; heights count positive out of the material', every), &
+      group_row_t('domain', 'no', 'the computed stretch of the contact and its grid', every), &
       group_row_t('time', 'no', 'steady, or a transient from the smooth steady solution; T = t (u1+u2)/(2 half-width)'), &
-      group_row_t('solver', 'no', 'method and accuracy of the numerical solution'), &
+      group_row_t('solver', 'no', 'method and accuracy of the numerical solution', every), &
       group_row_t('output', 'no', 'what is stored of a transient'), &
       group_row_t('accuracy', 'no', 'error bars, and an accuracy from which the program chooses grid and time step')]
 
    type(key_row_t), parameter :: case_rows(*) = [ &
-      key_row_t('case', 'title', text_kind, '', "''", '', '', '', 'free text, stored in the result'), &
-      key_row_t('case', 'problem', word_kind, '', is_required, '', 'ehl_line', 'dry_line dry_area', &
-      'the problem: ehl_line is the lubricated line contact'), &
+      key_row_t('case', 'title', text_kind, '', "''", '', '', '', 'free text, stored in the result', every), &
+      key_row_t('case', 'problem', word_kind, '', is_required, '', every, '', &
+      'ehl_line: lubricated line contact; dry_line, dry_area: dry contact of profiles and of areas', every), &
       key_row_t('case', 'output', text_kind, '', is_chosen, '', '', '', &
-      'result file, relative to the namelist; chosen: name of the namelist + .h5, in the current folder'), &
-      key_row_t('case', 'model', word_kind, '', "'full'", '', 'full', 'auto', 'full: every ingredient of the model')]
+      'result file, relative to the namelist; chosen: name of the namelist + .h5, in the current folder', every), &
+      key_row_t('case', 'model', word_kind, '', "'full'", '', 'full', 'auto', 'full: every ingredient of the model', every)]
 
    type(key_row_t), parameter :: bodies_rows(*) = [ &
       key_row_t('bodies', 'radius_1', real_kind, 'm', is_optional, '/= 0, >= -1e12, <= 1e12', '', '', &
-      'radius of body 1, negative if concave; radius_1 and radius_2, or reduced_radius'), &
+      'radius of body 1, negative if concave; radius_1 and radius_2, or reduced_radius', every), &
       key_row_t('bodies', 'radius_2', real_kind, 'm', is_optional, '/= 0, >= -1e12, <= 1e12', '', '', &
-      'radius of body 2, negative if concave'), &
+      'radius of body 2, negative if concave', every), &
       key_row_t('bodies', 'reduced_radius', real_kind, 'm', is_optional, '>= 1e-9, <= 1e9', '', '', &
-      'R of 1/R = 1/R1 + 1/R2'), &
+      'R of 1/R = 1/R1 + 1/R2', every), &
       key_row_t('bodies', 'youngs_modulus_1', real_kind, 'Pa', is_optional, '>= 1e3, <= 1e15', '', '', &
-      'of body 1; both moduli and Poisson ratios, or reduced_modulus'), &
-      key_row_t('bodies', 'youngs_modulus_2', real_kind, 'Pa', is_optional, '>= 1e3, <= 1e15', '', '', 'of body 2'), &
-      key_row_t('bodies', 'poisson_ratio_1', real_kind, '-', is_optional, '>= 0, <= 0.5', '', '', 'of body 1'), &
-      key_row_t('bodies', 'poisson_ratio_2', real_kind, '-', is_optional, '>= 0, <= 0.5', '', '', 'of body 2'), &
+      'of body 1; both moduli and Poisson ratios, or reduced_modulus', every), &
+      key_row_t('bodies', 'youngs_modulus_2', real_kind, 'Pa', is_optional, '>= 1e3, <= 1e15', '', '', 'of body 2', every), &
+      key_row_t('bodies', 'poisson_ratio_1', real_kind, '-', is_optional, '>= 0, <= 0.5', '', '', 'of body 1', every), &
+      key_row_t('bodies', 'poisson_ratio_2', real_kind, '-', is_optional, '>= 0, <= 0.5', '', '', 'of body 2', every), &
       key_row_t('bodies', 'reduced_modulus', real_kind, 'Pa', is_optional, '>= 1e3, <= 1e15', '', '', &
-      "E' of 2/E' = (1-nu1^2)/E1 + (1-nu2^2)/E2"), &
+      "E' of 2/E' = (1-nu1^2)/E1 + (1-nu2^2)/E2", every), &
       key_row_t('bodies', 'speed_1', real_kind, 'm/s', is_required, '>= -1e4, <= 1e4', '', '', &
       'surface speed u1 of body 1; the oil flows towards +x: u1 + u2 > 0'), &
       key_row_t('bodies', 'speed_2', real_kind, 'm/s', is_required, '>= -1e4, <= 1e4', '', '', &
@@ -90,7 +100,7 @@ module input_keys
 
    type(key_row_t), parameter :: load_rows(*) = [ &
       key_row_t('load', 'load_per_length', real_kind, 'N/m', is_optional, '>= 1e-6, <= 1e12', '', '', &
-      'load w per length of the line; this or hertz_pressure'), &
+      'load w per length of the line; this or hertz_pressure', 'ehl_line dry_line'), &
       key_row_t('load', 'hertz_pressure', real_kind, 'Pa', is_optional, '>= 1, <= 1e13', '', '', &
       'greatest Hertzian pressure p_h of the same load'), &
       key_row_t('moes', 'moes_m', real_kind, '-', is_required, '>= 1e-3, <= 1e6', '', '', &
@@ -122,15 +132,15 @@ module input_keys
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid', 'file synthetic parabola', &
       'feature: ridge or dent (5.4); sinusoid: A cos(2 pi (x-xc)/Lambda); one word, or one for each element'), &
       key_row_t('surface_1', 'amplitude', reals_kind, 'm', is_optional, '>= -1, <= 1', '', '', &
-      'height A of each element; a ridge is positive, a dent negative'), &
+      'height A of each element; a ridge is positive, a dent negative', every), &
       key_row_t('surface_1', 'wavelength', reals_kind, 'm', is_optional, '>= 1e-12, <= 1e3', '', '', &
-      'wavelength Lambda of each element'), &
+      'wavelength Lambda of each element', every), &
       key_row_t('surface_1', 'position', reals_kind, 'half-widths', '0.0', '>= -1e6, <= 1e6', '', '', &
       'centre xc of each element at time 0'), &
       key_row_t('surface_2', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid', 'file synthetic parabola', &
       'as in &surface_1'), &
-      key_row_t('surface_2', 'amplitude', reals_kind, 'm', is_optional, '>= -1, <= 1', '', '', 'as in &surface_1'), &
-      key_row_t('surface_2', 'wavelength', reals_kind, 'm', is_optional, '>= 1e-12, <= 1e3', '', '', 'as in &surface_1'), &
+      key_row_t('surface_2', 'amplitude', reals_kind, 'm', is_optional, '>= -1, <= 1', '', '', 'as in &surface_1', every), &
+      key_row_t('surface_2', 'wavelength', reals_kind, 'm', is_optional, '>= 1e-12, <= 1e3', '', '', 'as in &surface_1', every), &
       key_row_t('surface_2', 'position', reals_kind, 'half-widths', '0.0', '>= -1e6, <= 1e6', '', '', 'as in &surface_1')]
 
    type(key_row_t), parameter :: numeric_rows(*) = [ &
@@ -177,17 +187,100 @@ module input_keys
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', '', '', '', &
       'runs the case on half and a quarter of the intervals too, for error estimates')]
 
+   type(key_row_t), parameter :: dry_surface_rows(*) = [ &
+      key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid file synthetic parabola', '', &
+      'file, synthetic, parabola (radius of &bodies), or features and sinusoids, one for each element', dry), &
+      key_row_t('surface_1', 'position', reals_kind, 'm', '0.0', '>= -1e3, <= 1e3', '', '', &
+      'centre xc of each element, from x = 0 of the domain', dry), &
+      key_row_t('surface_1', 'file', text_kind, '', is_optional, '', '', '', &
+      'file of heights: CSV with a header line, x in the first column; or HDF5 (.h5, .hdf5)', dry), &
+      key_row_t('surface_1', 'dataset', text_kind, '', is_optional, '', '', '', &
+      'name of the column (default: the second), or path in the HDF5 file', dry), &
+      key_row_t('surface_1', 'harmonics', integer_kind, '-', is_optional, '>= 1, <= 16777216', '', '', &
+      'keep the harmonics 1 to n of the periodic heights, drop the mean (4.1)', dry), &
+      key_row_t('surface_1', 'seed', integer_kind, '-', '1', '>= 0, <= 2147483647', '', '', &
+      'synthetic: the same seed gives the same surface everywhere', dry), &
+      key_row_t('surface_1', 'hurst', real_kind, '-', '0.8', '>= 0, <= 1', '', '', &
+      'synthetic: Hurst exponent of the self-affine part', dry), &
+      key_row_t('surface_1', 'rms_height', real_kind, 'm', is_optional, '>= 1e-12, <= 1', '', '', &
+      'synthetic: rms height Rq, required', dry), &
+      key_row_t('surface_1', 'wavelength_long', real_kind, 'm', is_chosen, '>= 1e-12, <= 1e3', '', '', &
+      'synthetic: longest wave; chosen: the longest that fits', dry), &
+      key_row_t('surface_1', 'wavelength_rolloff', real_kind, 'm', is_chosen, '>= 1e-12, <= 1e3', '', '', &
+      'synthetic: below it the spectrum falls by the power law; chosen: wavelength_long', dry), &
+      key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_chosen, '>= 1e-12, <= 1e3', '', '', &
+      'synthetic: shortest wave; chosen: two node spacings', dry), &
+      key_row_t('surface_1', 'skewness', real_kind, '-', '0.0', '>= -3, <= 3', '', '', &
+      'synthetic: Rsk', dry), &
+      key_row_t('surface_1', 'kurtosis', real_kind, '-', '3.0', '>= 1, <= 20', '', '', &
+      'synthetic: Rku', dry), &
+      key_row_t('surface_2', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid file synthetic parabola', '', &
+      'as in &surface_1', dry), &
+      key_row_t('surface_2', 'position', reals_kind, 'm', '0.0', '>= -1e3, <= 1e3', '', '', &
+      'as in &surface_1', dry), &
+      key_row_t('surface_2', 'file', text_kind, '', is_optional, '', '', '', &
+      'as in &surface_1', dry), &
+      key_row_t('surface_2', 'dataset', text_kind, '', is_optional, '', '', '', &
+      'as in &surface_1', dry), &
+      key_row_t('surface_2', 'harmonics', integer_kind, '-', is_optional, '>= 1, <= 16777216', '', '', &
+      'as in &surface_1', dry), &
+      key_row_t('surface_2', 'seed', integer_kind, '-', '1', '>= 0, <= 2147483647', '', '', &
+      'as in &surface_1', dry), &
+      key_row_t('surface_2', 'hurst', real_kind, '-', '0.8', '>= 0, <= 1', '', '', &
+      'as in &surface_1', dry), &
+      key_row_t('surface_2', 'rms_height', real_kind, 'm', is_optional, '>= 1e-12, <= 1', '', '', &
+      'as in &surface_1', dry), &
+      key_row_t('surface_2', 'wavelength_long', real_kind, 'm', is_chosen, '>= 1e-12, <= 1e3', '', '', &
+      'as in &surface_1', dry), &
+      key_row_t('surface_2', 'wavelength_rolloff', real_kind, 'm', is_chosen, '>= 1e-12, <= 1e3', '', '', &
+      'as in &surface_1', dry), &
+      key_row_t('surface_2', 'wavelength_short', real_kind, 'm', is_chosen, '>= 1e-12, <= 1e3', '', '', &
+      'as in &surface_1', dry), &
+      key_row_t('surface_2', 'skewness', real_kind, '-', '0.0', '>= -3, <= 3', '', '', &
+      'as in &surface_1', dry), &
+      key_row_t('surface_2', 'kurtosis', real_kind, '-', '3.0', '>= 1, <= 20', '', '', &
+      'as in &surface_1', dry)]
+
+   type(key_row_t), parameter :: dry_rows(*) = [ &
+      key_row_t('bodies', 'hardness', real_kind, 'Pa', is_optional, '>= 1, <= 1e15', '', '', &
+      'H, the largest pressure of an elastic-perfectly plastic contact; not given: elastic', dry), &
+      key_row_t('load', 'mean_pressure', reals_kind, 'Pa', is_optional, '> 0, <= 1e15', '', '', &
+      'load over nominal area; several values: a sweep; or load_per_length, load, hertz_pressure', dry), &
+      key_row_t('load', 'load', real_kind, 'N', is_optional, '> 0, <= 1e15', '', '', 'load of an area', dry_area), &
+      key_row_t('load', 'hertz_pressure', real_kind, 'Pa', is_optional, '>= 1, <= 1e13', '', '', &
+      "greatest Hertzian pressure of the same load; with shape = 'parabola'", dry), &
+      key_row_t('load', 'loading', word_kind, '', "'virgin'", '', 'virgin history', '', &
+      'virgin: each load acts on the virgin surface; history: on what the load before left', dry), &
+      key_row_t('domain', 'length', real_kind, 'm', is_optional, '>= 1e-12, <= 1e6', '', '', &
+      'length of the profile; from the file if the surface is one', dry_line), &
+      key_row_t('domain', 'intervals', integer_kind, '-', is_optional, '>= 2, <= 16777216', '', '', &
+      'number of nodes; from the file if the surface is one', dry_line), &
+      key_row_t('domain', 'length_x', real_kind, 'm', is_optional, '>= 1e-12, <= 1e6', '', '', &
+      'length of the area in x; from the file if the surface is one', dry_area), &
+      key_row_t('domain', 'length_y', real_kind, 'm', is_optional, '>= 1e-12, <= 1e6', '', '', &
+      'length of the area in y; from the file if the surface is one', dry_area), &
+      key_row_t('domain', 'intervals_x', integer_kind, '-', is_optional, '>= 2, <= 65536', '', '', &
+      'number of nodes in x; from the file if the surface is one', dry_area), &
+      key_row_t('domain', 'intervals_y', integer_kind, '-', is_optional, '>= 2, <= 65536', '', '', &
+      'number of nodes in y; from the file if the surface is one', dry_area), &
+      key_row_t('domain', 'periodic', logical_kind, '', '.true.', '', '', '', &
+      'periodic surface; or an open half-space, pressed on the domain only', dry), &
+      key_row_t('domain', 'kernel', word_kind, '', "'band_limited'", '', 'band_limited element', '', &
+      'periodic: transfer function sampled, or pressure constant over each element; open: element', dry), &
+      key_row_t('solver', 'method', word_kind, '', "'auto'", '', 'auto conjugate_gradient steepest_descent', '', &
+      'auto: conjugate_gradient; steepest_descent: the method of the thesis, a baseline', dry), &
+      key_row_t('solver', 'tolerance', real_kind, '-', '1e-8', '>= 1e-15, <= 1e-1', '', '', &
+      'bound on the violation of the contact conditions', dry), &
+      key_row_t('solver', 'max_cycles', integer_kind, '-', '10000', '>= 1, <= 10000000', '', '', &
+      'most iterations for one load', dry)]
+
    !> Every key that is built, in the order of the manual.
    type(key_row_t), parameter, public :: key_rows(*) = [case_rows, bodies_rows, load_rows, lubricant_rows, surface_rows, &
-      numeric_rows]
+      numeric_rows, dry_rows, dry_surface_rows]
 
    !> Keys that are known but not built yet; those of the surfaces hold for both.
    type(later_row_t), parameter, public :: later_rows(*) = [ &
-      later_row_t('bodies', 'hardness', 'dry contacts'), &
-      later_row_t('load', 'load', 'areal contacts'), &
-      later_row_t('load', 'mean_pressure', 'dry contacts'), &
       later_row_t('load', 'separation', 'dry contacts'), &
-      later_row_t('load', 'loading', 'dry contacts'), &
       later_row_t('surface_1', 'file', 'measured roughness'), &
       later_row_t('surface_1', 'dataset', 'measured roughness'), &
       later_row_t('surface_1', 'harmonics', 'measured roughness'), &
@@ -200,13 +293,6 @@ module input_keys
       later_row_t('surface_1', 'wavelength_short', 'synthetic roughness'), &
       later_row_t('surface_1', 'skewness', 'synthetic roughness'), &
       later_row_t('surface_1', 'kurtosis', 'synthetic roughness'), &
-      later_row_t('domain', 'length', 'dry contacts'), &
-      later_row_t('domain', 'length_x', 'areal contacts'), &
-      later_row_t('domain', 'length_y', 'areal contacts'), &
-      later_row_t('domain', 'intervals_x', 'areal contacts'), &
-      later_row_t('domain', 'intervals_y', 'areal contacts'), &
-      later_row_t('domain', 'periodic', 'dry contacts'), &
-      later_row_t('domain', 'kernel', 'dry contacts'), &
       later_row_t('solver', 'film_floor', 'film breakdown'), &
       later_row_t('solver', 'on_film_breakdown', 'film breakdown'), &
       later_row_t('output', 'film_thresholds', 'film statistics'), &
@@ -215,13 +301,18 @@ module input_keys
 
 contains
 
-   !> Row of a key in `key_rows`; 0: not there.
-   pure function find_key(group, key) result(row)
+   !> Row of a key in `key_rows` for a problem (default: ehl_line); 0: the problem has no such key.
+   pure function find_key(group, key, problem) result(row)
       character(*), intent(in) :: group, key
+      character(*), intent(in), optional :: problem
       integer :: row
+      character(len=16) :: wanted
 
+      wanted = lubricated
+      if (present(problem)) wanted = problem
       do row = size(key_rows), 1, -1
-         if (key_rows(row)%group == group .and. key_rows(row)%key == key) return
+         if (key_rows(row)%group /= group .or. key_rows(row)%key /= key) cycle
+         if (has_word(key_rows(row)%problems, trim(wanted))) return
       end do
    end function find_key
 

@@ -1,7 +1,7 @@
 !> The key table as text for a terminal (`asperity --keys`) and as the page docs/input.md.
 module input_manual
    use input_keys, only: key_rows, key_row_t, group_rows, later_rows, word_list, logical_kind, text_kind, real_kind, &
-      reals_kind, integer_kind
+      reals_kind, integer_kind, every
    implicit none (type, external)
    private
 
@@ -20,8 +20,8 @@ contains
       character(:), allocatable :: text
       integer :: group, i
 
-      text = 'Groups and keys of a namelist for the problem ehl_line. Of each key: type [unit], default,' // nl &
-         // 'range or words, meaning. "chosen" = chosen by the program; "-" = no default.' // nl
+      text = 'Groups and keys of a namelist. Of each key: type [unit], default, range or words, meaning,' // nl &
+         // 'and the problems that use it if not all do. "chosen" = chosen by the program; "-" = no default.' // nl
       do group = 1, size(group_rows)
          text = text // nl
          if (group_rows(group)%needed == 'later') then
@@ -48,8 +48,17 @@ contains
       if (row%range /= '') head = head // ', ' // trim(row%range)
       text = wrapped(head, 8)
       if (row%words /= '') text = text // wrapped(repeat(' ', indent) // words_text(row), 8)
-      text = text // wrapped(repeat(' ', indent) // trim(row%meaning), 8)
+      text = text // wrapped(repeat(' ', indent) // trim(row%meaning) // problems_text(row), 8)
    end function terminal_entry
+
+   !> The problems that use a key, if not all of them do.
+   pure function problems_text(row) result(text)
+      type(key_row_t), intent(in) :: row
+      character(:), allocatable :: text
+
+      text = ''
+      if (row%problems /= every) text = ' (' // trim(row%problems) // ')'
+   end function problems_text
 
    !> Words of a key, and those not built yet.
    pure function words_text(row) result(text)
@@ -166,7 +175,7 @@ contains
       range = trim(row%range)
       if (row%words /= '') range = words_text(row)
       text = '| `' // trim(row%key) // '` | ' // type_text(row) // ' | ' // trim(row%unit) // ' | ' // trim(row%default) // ' | ' &
-         // range // ' | ' // trim(row%meaning) // ' |' // nl
+         // range // ' | ' // trim(row%meaning) // problems_text(row) // ' |' // nl
    end function markdown_entry
 
    !> `string` with a capital first letter.

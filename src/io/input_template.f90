@@ -1,6 +1,7 @@
 !> The commented, complete namelist of `asperity --template`: every key of the table, with the values of an example.
 module input_template
-   use input_keys, only: key_rows, key_row_t, group_rows, word_list, is_required, is_chosen, is_optional, words_kind
+   use input_keys, only: key_rows, key_row_t, group_rows, has_word, lubricated, dry_area, word_list, is_required, &
+      is_chosen, is_optional, words_kind
    implicit none (type, external)
    private
 
@@ -65,28 +66,68 @@ module input_template
       example_t('output', 'fields', "'pressure', 'film_thickness'", .false.), &
       example_t('accuracy', 'target', '1e-3', .false.)]
 
+   !> A synthetic rough surface, elastic-perfectly plastic, against a rigid plane, under three loads. The keys of &surface_2
+   !> are shown like those of &surface_1, all as comments.
+   type(example_t), parameter :: dry_examples(*) = [ &
+      example_t('case', 'title', "'Rough surface against a rigid plane'", .true.), &
+      example_t('case', 'problem', "'dry_line'", .true.), &
+      example_t('case', 'output', "'rough.h5'", .false.), &
+      example_t('bodies', 'radius_1', '0.01', .false.), &
+      example_t('bodies', 'radius_2', '2.0', .false.), &
+      example_t('bodies', 'reduced_radius', '9.950e-3', .false.), &
+      example_t('bodies', 'youngs_modulus_1', '210e9', .true.), &
+      example_t('bodies', 'poisson_ratio_1', '0.3', .true.), &
+      example_t('bodies', 'youngs_modulus_2', '210e9', .false.), &
+      example_t('bodies', 'poisson_ratio_2', '0.3', .false.), &
+      example_t('bodies', 'reduced_modulus', '230.8e9', .false.), &
+      example_t('bodies', 'hardness', '4e9', .true.), &
+      example_t('load', 'mean_pressure', '50e6, 100e6, 250e6', .true.), &
+      example_t('load', 'load_per_length', '100e3', .false.), &
+      example_t('load', 'load', '10.0', .false.), &
+      example_t('load', 'hertz_pressure', '1e9', .false.), &
+      example_t('surface_1', 'shape', "'synthetic'", .true.), &
+      example_t('surface_1', 'amplitude', '1e-6', .false.), &
+      example_t('surface_1', 'wavelength', '1e-4', .false.), &
+      example_t('surface_1', 'position', '0.0', .false.), &
+      example_t('surface_1', 'file', "'profile.csv'", .false.), &
+      example_t('surface_1', 'dataset', "'z'", .false.), &
+      example_t('surface_1', 'harmonics', '50', .false.), &
+      example_t('surface_1', 'rms_height', '1e-6', .true.), &
+      example_t('surface_1', 'wavelength_long', '4e-4', .false.), &
+      example_t('surface_1', 'wavelength_rolloff', '1e-4', .true.), &
+      example_t('surface_1', 'wavelength_short', '6.25e-6', .true.), &
+      example_t('domain', 'length', '4e-4', .true.), &
+      example_t('domain', 'intervals', '512', .true.), &
+      example_t('domain', 'length_x', '4e-4', .true.), &
+      example_t('domain', 'length_y', '4e-4', .true.), &
+      example_t('domain', 'intervals_x', '256', .true.), &
+      example_t('domain', 'intervals_y', '256', .true.)]
+
    character(*), parameter :: nl = new_line('a')
    !> Column of the units.
    integer, parameter :: unit_column = 44
 
 contains
 
-   !> The template of the problem `ehl_line`.
-   pure function template_text() result(template)
+   !> The template of a `problem`.
+   pure function template_text(problem) result(template)
+      character(*), intent(in) :: problem
       character(:), allocatable :: template
       integer :: i
 
-      template = '! A lubricated line contact (chapter 5, Case 1); asperity --keys shows the ranges too. Lines with ! in' // nl &
+      template = '! A lubricated line contact (chapter 5, Case 1)'
+      if (problem /= lubricated) template = '! A dry rough contact'
+      template = template // '; asperity --keys shows the ranges too. Lines with ! in' // nl &
          // '! the first column hold keys that are optional here or replace others. The order of all is free.' // nl
       do i = 1, size(group_rows)
-         if (group_rows(i)%needed /= 'later') template = template // nl // group_text(trim(group_rows(i)%group), &
-            trim(group_rows(i)%meaning))
+         if (group_rows(i)%needed == 'later' .or. .not. has_word(group_rows(i)%problems, problem)) cycle
+         template = template // nl // group_text(problem, trim(group_rows(i)%group), trim(group_rows(i)%meaning))
       end do
    end function template_text
 
    !> One group; commented out altogether if no key of it is active.
-   pure function group_text(group, meaning) result(text)
-      character(*), intent(in) :: group, meaning
+   pure function group_text(problem, group, meaning) result(text)
+      character(*), intent(in) :: problem, group, meaning
       character(:), allocatable :: text
       character(:), allocatable :: lines, mark
       type(example_t) :: example
@@ -96,8 +137,12 @@ contains
       lines = ''
       is_active = .false.
       do i = 1, size(key_rows)
-         if (key_rows(i)%group /= group) cycle
-         example = example_of(key_rows(i))
+         if (key_rows(i)%group /= group .or. .not. has_word(key_rows(i)%problems, problem)) cycle
+         if (problem == lubricated) then
+            example = example_of(key_rows(i), examples)
+         else
+            example = dry_example_of(key_rows(i), problem)
+         end if
          is_active = is_active .or. example%is_active
          lines = lines // key_text(key_rows(i), example)
       end do
@@ -106,18 +151,33 @@ contains
       text = '! ' // meaning // nl // mark // '&' // group // nl // lines // mark // '/' // nl
    end function group_text
 
-   !> The example of a key; its default where none is listed.
-   pure function example_of(row) result(example)
+   !> The example of a key in `list`; its default where none is listed.
+   pure function example_of(row, list) result(example)
       type(key_row_t), intent(in) :: row
+      type(example_t), intent(in) :: list(:)
       type(example_t) :: example
       integer :: i
 
-      do i = 1, size(examples)
-         example = examples(i)
+      do i = 1, size(list)
+         example = list(i)
          if (example%group == row%group .and. example%key == row%key) return
       end do
       example = example_t(row%group, row%key, row%default, .true.)
    end function example_of
+
+   !> The example of a key of a dry `problem`.
+   pure function dry_example_of(row, problem) result(example)
+      type(key_row_t), intent(in) :: row
+      character(*), intent(in) :: problem
+      type(example_t) :: example
+      type(key_row_t) :: likewise
+
+      likewise = row
+      if (row%group == 'surface_2') likewise%group = 'surface_1'
+      example = example_of(likewise, dry_examples)
+      if (row%group == 'surface_2') example%is_active = .false.
+      if (row%key == 'problem' .and. problem == dry_area) example%value = "'dry_area'"
+   end function dry_example_of
 
    !> Two lines: the meaning; key, value, unit, default, words.
    pure function key_text(row, example) result(text)

@@ -6,7 +6,7 @@ module input_values
    use findings, only: findings_t, quoted
    use input_keys, only: key_rows, key_row_t, group_rows, later_rows, find_key, find_group, later_meaning, expected_value, &
       has_word, real_kind, integer_kind, logical_kind, word_kind, text_kind, reals_kind, words_kind, is_required, is_chosen, &
-      is_optional
+      is_optional, lubricated, every
    use key_range, only: is_in_range
    use kinds, only: wp
    use namelist_text, only: namelist_text_t, entry_t
@@ -41,6 +41,8 @@ module input_values
       type(value_t) :: slots(size(key_rows))
       !> Line of each group of `group_rows`; 0: not in the file.
       integer :: group_lines(size(group_rows)) = 0
+      !> The problem, as far as it could be read; else the lubricated one.
+      character(len=word_length) :: problem = lubricated
       !> Last line of the file, where missing groups are reported.
       integer :: last_line = 0
    contains
@@ -65,21 +67,22 @@ contains
       integer :: i, row
 
       values%last_line = pieces%lines
+      values%problem = problem_of(pieces)
       do i = 1, size(key_rows)
          call read_default(key_rows(i), values%slots(i), findings)
       end do
       do i = 1, pieces%group_count
          row = find_group(pieces%groups(i)%name)
          if (row > 0) values%group_lines(row) = pieces%groups(i)%line
-         call check_group(pieces%groups(i)%name, pieces%groups(i)%line, row, findings)
+         call check_group(pieces%groups(i)%name, pieces%groups(i)%line, row, values%problem, findings)
       end do
       do i = 1, pieces%entry_count
          associate (entry => pieces%entries(i))
-            row = find_key(entry%group, entry%key)
+            row = find_key(entry%group, entry%key, values%problem)
             if (row > 0) then
                call read_entry(entry, key_rows(row), values%slots(row), findings)
             else if (find_group(entry%group) > 0) then
-               call report_unknown_key(entry, findings)
+               call report_unknown_key(entry, values%problem, findings)
             end if
          end associate
       end do
@@ -88,16 +91,40 @@ contains
       end do
    end subroutine read_values
 
-   !> Finding: a group that is unknown, or known and not built yet.
-   subroutine check_group(name, line, row, findings)
+   !> The problem that the file names; the lubricated one if that cannot be read.
+   function problem_of(pieces) result(problem)
+      type(namelist_text_t), intent(in) :: pieces
+      character(len=word_length) :: problem
+      character(:), allocatable :: word
+      character(len=2), parameter :: quotes = achar(39) // achar(34)
+      integer :: i
+
+      problem = lubricated
+      do i = 1, pieces%entry_count
+         associate (entry => pieces%entries(i))
+            if (entry%group /= 'case' .or. entry%key /= 'problem' .or. len(entry%values) < 3) cycle
+            word = to_lower(entry%values(scan(entry%values, quotes) + 1:))
+            word = word(:scan(word // "'", quotes) - 1)
+            if (has_word(every, word)) problem = word
+         end associate
+      end do
+   end function problem_of
+
+   !> Finding: a group that is unknown, not used by the problem, or known and not built yet.
+   subroutine check_group(name, line, row, problem, findings)
       character(*), intent(in) :: name
       integer, intent(in) :: line, row
+      character(*), intent(in) :: problem
       type(findings_t), intent(inout) :: findings
       character(:), allocatable :: hint
 
       if (row > 0) then
          if (group_rows(row)%needed == 'later') call findings%add(line, name, '', &
             'found a group that is not built yet (' // trim(group_rows(row)%meaning) // ')')
+         if (group_rows(row)%needed /= 'later' .and. .not. has_word(group_rows(row)%problems, trim(problem))) then
+            call findings%add(line, name, '', "found a group that problem = '" // trim(problem) &
+               // "' does not use, expected it left out")
+         end if
          return
       end if
       hint = nearest_known(name, group_rows%group)
@@ -106,8 +133,9 @@ contains
    end subroutine check_group
 
    !> Finding: a key that is unknown, belongs to another group, or is known and not built yet.
-   subroutine report_unknown_key(entry, findings)
+   subroutine report_unknown_key(entry, problem, findings)
       type(entry_t), intent(in) :: entry
+      character(*), intent(in) :: problem
       type(findings_t), intent(inout) :: findings
       character(len=len(key_rows%key)) :: names(size(key_rows))
       character(:), allocatable :: hint, shown
@@ -120,10 +148,17 @@ contains
          return
       end if
       row = find_group(entry%group)
-      if (group_rows(row)%needed == 'later') return
+      if (group_rows(row)%needed == 'later' .or. .not. has_word(group_rows(row)%problems, trim(problem))) return
+      do i = 1, size(key_rows)
+         if (key_rows(i)%group /= entry%group .or. key_rows(i)%key /= entry%key) cycle
+         call findings%add(entry%line, entry%group, shown, "found a key that problem = '" // trim(problem) &
+            // "' does not use, expected it left out")
+         return
+      end do
       hint = ''
       do i = 1, size(key_rows)
          names(i) = ''
+         if (.not. has_word(key_rows(i)%problems, trim(problem))) cycle
          if (key_rows(i)%group == entry%group) names(i) = key_rows(i)%key
          if (key_rows(i)%key == entry%key .and. hint == '') hint = '; it belongs to &' // trim(key_rows(i)%group)
       end do
@@ -351,7 +386,7 @@ contains
       character(*), intent(in) :: group, key
       type(value_t) :: slot
 
-      slot = self%slots(find_key(group, key))
+      slot = self%slots(find_key(group, key, self%problem))
    end function slot
 
    !> The real value of a key; 0 if there is none.
@@ -362,7 +397,7 @@ contains
       integer :: row
 
       value = 0.0_wp
-      row = find_key(group, key)
+      row = find_key(group, key, self%problem)
       if (self%slots(row)%has_value) value = self%slots(row)%reals(1)
    end function real_value
 
@@ -374,7 +409,7 @@ contains
       integer :: row
 
       word = '?'
-      row = find_key(group, key)
+      row = find_key(group, key, self%problem)
       if (self%slots(row)%has_value) word = self%slots(row)%words(1)
    end function word_value
 
@@ -384,7 +419,7 @@ contains
       character(*), intent(in) :: group, key
       logical :: is_given
 
-      is_given = self%slots(find_key(group, key))%is_given
+      is_given = self%slots(find_key(group, key, self%problem))%is_given
    end function is_given
 
    !> True if the key has a value, given or default.
@@ -393,7 +428,7 @@ contains
       character(*), intent(in) :: group, key
       logical :: has_value
 
-      has_value = self%slots(find_key(group, key))%has_value
+      has_value = self%slots(find_key(group, key, self%problem))%has_value
    end function has_value
 
    !> True if the group is in the file.
@@ -412,7 +447,7 @@ contains
       integer :: line
 
       line = 0
-      if (len_trim(key) > 0) line = self%slots(find_key(group, key))%line
+      if (len_trim(key) > 0) line = self%slots(find_key(group, key, self%problem))%line
       if (line == 0) line = self%group_lines(find_group(group))
       if (line == 0) line = self%last_line
    end function line_of

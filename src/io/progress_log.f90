@@ -49,6 +49,8 @@ module progress_log
       procedure :: start_case
       !> A case is done: its table.
       procedure :: close_case
+      !> A line about the case, unless quiet.
+      procedure :: say
       !> Something went wrong; said in any case.
       procedure :: say_error
       procedure, private :: update, write_line, clear
@@ -194,6 +196,16 @@ contains
       end function figure_line
 
    end subroutine close_case
+
+   !> A line of its own, unless quiet.
+   subroutine say(self, message)
+      class(progress_log_t), intent(inout) :: self
+      character(*), intent(in) :: message
+
+      if (self%is_quiet) return
+      call self%clear()
+      call self%write_line(message)
+   end subroutine say
 
    !> Something went wrong: `message` as it is, in any case.
    subroutine say_error(self, message)

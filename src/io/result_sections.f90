@@ -199,8 +199,10 @@ contains
       call write_count('fft_pairs', report%fft_pairs, 'pairs of forward and backward transforms')
       call write_dataset(file, '/report/work_units', report%work_units, &
                          new_label('sweeps, each weighted by its share of the nodes of the finest level', '1'))
-      call write_dataset(file, '/report/residual', report%residual, new_label('last residual, unit of d(rho H)/dX', '1'))
-      call write_dataset(file, '/report/load_error', report%load_error, new_label('last |dX sum P - pi/2|', '1'))
+      call write_dataset(file, '/report/residual', report%residual, &
+                         new_label('last residual, unit of d(rho H)/dX; dry: violation of the contact conditions', '1'))
+      call write_dataset(file, '/report/load_error', report%load_error, &
+                         new_label('last |dX sum P - pi/2|; dry: relative error of the load', '1'))
       call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, &
                          new_label('bound on residual and load error: max(tolerance, 5 x round-off floor)', '1'))
       call write_dataset(file, '/report/residual_history', report%residual_history(), &

@@ -40,7 +40,8 @@ module result_writer
       type(line_summary_t) :: summary
       !> Companions that tell how far off the figures may be.
       type(error_bars_t) :: bars
-      type(hdf5_file_t), private :: file
+      !> The open file.
+      type(hdf5_file_t) :: file
       type(scaling_t), private :: scaling
       type(series_t), allocatable, private :: profiles(:)
       type(series_t), private :: time, rigid_displacement, h_min, p_max, residual
@@ -54,6 +55,8 @@ module result_writer
       procedure :: add_input
       !> Writes solution, summary and report, closes, and gives the file its name.
       procedure :: finish
+      !> Says whether and why the run ended, closes, and gives the file its name.
+      procedure :: publish
       !> Gives the file up; nothing of it stays.
       procedure :: discard
    end type result_writer_t
@@ -87,21 +90,22 @@ contains
       if (allocated(error) .and. .not. has_leftover) is_removed = remove_file(path//'.part')
    end subroutine open_result
 
-   !> Program, problem and title (UTF-8), the text of the input, the reference values.
+   !> Program, problem and title (UTF-8), the text of the input; the reference values of a lubricated contact.
    subroutine describe(self, problem, title, namelist, scaling)
       class(result_writer_t), intent(inout) :: self
       character(*), intent(in) :: problem
       character(*), intent(in) :: title
       character(*), intent(in) :: namelist
-      type(scaling_t), intent(in) :: scaling
+      type(scaling_t), intent(in), optional :: scaling
 
-      self%scaling = scaling
       call write_attribute(self%file, '/', 'program', program_name)
       call write_attribute(self%file, '/', 'version', program_version)
       call write_attribute(self%file, '/', 'git_commit', git_commit())
       call write_attribute(self%file, '/', 'problem', problem)
       call write_attribute(self%file, '/', 'title', title)
       call write_dataset(self%file, '/input/namelist', namelist, new_label('the input: as a file it repeats this run', '1'))
+      if (.not. present(scaling)) return
+      self%scaling = scaling
       call write_scaling(self%file, scaling)
    end subroutine describe
 
@@ -222,12 +226,22 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: reason
 
       if (.not. self%is_transient) self%summary = summary_of(state)
       if (report%converged) call apply_error_bars(self%bars, state%x(2) - state%x(1), self%summary)
       call write_solution(self%file, state, self%scaling)
       call write_summary(self%file, self%summary, self%scaling, self%is_transient)
+      call self%publish(report, error)
+   end subroutine finish
+
+   !> Writes the report and its outcome, closes the file and gives it its final name. On an error nothing is left but an older
+   !> result.
+   subroutine publish(self, report, error)
+      class(result_writer_t), intent(inout) :: self
+      type(report_t), intent(in) :: report
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: reason
+
       call write_report(self%file, report)
       reason = ''
       if (allocated(report%reason)) reason = trim(report%reason)
@@ -240,7 +254,7 @@ contains
          end if
       end if
       if (allocated(error)) call self%discard()
-   end subroutine finish
+   end subroutine publish
 
    !> Gives the file up: closes it whatever its state and removes it.
    subroutine discard(self)

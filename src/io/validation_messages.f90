@@ -18,7 +18,7 @@ contains
       character(*), intent(in), optional :: reason
       character(:), allocatable :: message
 
-      message = 'found nothing, expected ' // expected_value(key_rows(find_key(group, key)))
+      message = 'found nothing, expected ' // expected_value(key_rows(find_key(group, key, values%problem)))
       if (present(reason)) message = message // ' ' // reason
       call findings%add(values%line_of(group, ''), group, key, message)
    end subroutine report_missing

@@ -1,11 +1,11 @@
-!> Dry line contact of smooth elastic bodies (H. Hertz, 1881), with E' as in `bodies` (2/E' = sum of (1 - nu^2)/E).
+!> Dry line and point contact of smooth elastic bodies (H. Hertz, 1881), with E' as in `bodies` (2/E' = sum of (1 - nu^2)/E).
 module hertz
    use constants, only: pi
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: line_half_width, line_peak_pressure, line_load_from_pressure, line_pressure
+   public :: line_half_width, line_peak_pressure, line_load_from_pressure, line_pressure, point_load_from_pressure
 
 contains
 
@@ -42,5 +42,14 @@ contains
 
       pressure = sqrt(max((1.0_wp - x)*(1.0_wp + x), 0.0_wp))
    end function line_pressure
+
+   !> Load P [N] of a point contact of bodies of revolution that gives the peak pressure `hertz_pressure` p_0 [Pa] >= 0:
+   !> P = (2/3) pi a^2 p_0 with a = pi p_0 R/E'; R [m] of 1/R = 1/R_1 + 1/R_2.
+   pure elemental function point_load_from_pressure(hertz_pressure, reduced_radius, reduced_modulus) result(load)
+      real(wp), intent(in) :: hertz_pressure, reduced_radius, reduced_modulus
+      real(wp) :: load
+
+      load = 2.0_wp/3.0_wp*pi*(pi*hertz_pressure*reduced_radius/reduced_modulus)**2*hertz_pressure
+   end function point_load_from_pressure
 
 end module hertz

@@ -1,0 +1,193 @@
+!> A dry contact under a series of loads, and the figures of each, in SI.
+module dry_sweep
+   use constants, only: pi
+   use dry_contact_solver, only: dry_solver_t
+   use dry_problem, only: dry_grid_t, dry_problem_t, new_dry_problem
+   use dry_scaling, only: dry_scaling_t
+   use dry_solution, only: dry_settings_t, dry_solution_t
+   use errors, only: error_t
+   use kinds, only: wp
+   use roughness, only: roughness_of, roughness_t
+   implicit none (type, external)
+   private
+
+   public :: dry_fields_t, dry_loads_t, dry_outcome_t, dry_row_t, solve_dry_sweep
+
+   !> What presses and what yields, SI.
+   type :: dry_loads_t
+      !> Mean pressures, in the order in which they act [Pa].
+      real(wp), allocatable :: mean_pressure(:)
+      !> Hardness [Pa]; huge: elastic.
+      real(wp) :: hardness
+      !> True: each load finds the surface that the one before left; else the virgin one.
+      logical :: has_history = .false.
+   end type dry_loads_t
+
+   !> Figures of one load, SI; loads and energies of a line per metre of its length.
+   type :: dry_row_t
+      real(wp) :: mean_pressure, load
+      real(wp) :: contact_area_fraction, plastic_area_fraction
+      !> Plastic over contact area.
+      real(wp) :: plasticity_index
+      !> Plane to mean of the loaded surface [m].
+      real(wp) :: mean_separation
+      !> Mean of u - z under 0 < p < H [m].
+      real(wp) :: datum
+      real(wp) :: p_max
+      !> Largest and mean plastic deformation [m].
+      real(wp) :: dp_max, dp_mean
+      real(wp) :: elastic_energy, dissipated_energy
+      !> Error measure reached [-].
+      real(wp) :: kkt
+      integer :: fft_pairs, cycles
+      logical :: is_converged
+      !> Contact area less (pi - 1 + ln 2)/24 of its perimeter (areas), as a fraction.
+      real(wp) :: contact_area_corrected
+      type(roughness_t) :: undeformed, loaded, unloaded
+   end type dry_row_t
+
+   !> Fields of the last load, SI, each (nx*ny).
+   type :: dry_fields_t
+      real(wp), allocatable :: pressure(:), gap(:), height_undeformed(:), height_loaded(:), height_unloaded(:), &
+         plastic_deformation(:)
+   end type dry_fields_t
+
+   !> Figures of all loads, fields and solution of the last.
+   type :: dry_outcome_t
+      type(dry_row_t), allocatable :: rows(:)
+      type(dry_fields_t) :: fields
+      type(dry_solution_t) :: solution
+   end type dry_outcome_t
+
+contains
+
+   !> Solves all `loads` of the heights `z` (nx*ny) [m] on `grid`. Not converging is told in rows and report.
+   !> Errors: a load above hardness times area (input_error); FFTW (internal_error).
+   subroutine solve_dry_sweep(grid, z, scaling, loads, settings, outcome, error)
+      type(dry_grid_t), intent(in) :: grid
+      real(wp), intent(in) :: z(:)
+      type(dry_scaling_t), intent(in) :: scaling
+      type(dry_loads_t), intent(in) :: loads
+      type(dry_settings_t), intent(in) :: settings
+      type(dry_outcome_t), intent(out) :: outcome
+      type(error_t), allocatable, intent(out) :: error
+      type(dry_problem_t) :: problem
+      type(dry_solver_t) :: solver
+      real(wp), allocatable :: plastic(:), yielded(:)
+      integer :: i
+
+      solver%settings = settings
+      call new_dry_problem(problem, grid, z/scaling%height, .false., error)
+      if (allocated(error)) return
+      if (loads%hardness < huge(1.0_wp)) problem%hardness = loads%hardness/scaling%pressure
+      allocate (outcome%rows(size(loads%mean_pressure)))
+      allocate (yielded(size(z)), plastic(size(z)), source=0.0_wp)
+      associate (rows => outcome%rows, fields => outcome%fields, solution => outcome%solution)
+         do i = 1, size(rows)
+            problem%load = loads%mean_pressure(i)/scaling%pressure*size(z)
+            call solver%solve(problem, solution, error)
+            if (allocated(error)) return
+            plastic = 0.0_wp
+            where (solution%pressure >= problem%hardness) plastic = max(solution%datum - solution%v, 0.0_wp)
+            call fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
+            call fill_row(grid, scaling, loads, solution, fields, problem, rows(i))
+            rows(i)%mean_pressure = loads%mean_pressure(i)
+            rows(i)%load = loads%mean_pressure(i)*area_of(grid, scaling)
+            rows(i)%dissipated_energy = 0.0_wp
+            if (solution%capped > 0) rows(i)%dissipated_energy = loads%hardness*area_of(grid, scaling)*rows(i)%dp_mean
+            if (loads%has_history) then
+               yielded = yielded + plastic
+               problem%height = problem%height - plastic
+               solution%v = solution%v + plastic
+            end if
+         end do
+      end associate
+   end subroutine solve_dry_sweep
+
+   !> Area of the domain [m^2], length of a line [m].
+   pure function area_of(grid, scaling) result(area)
+      type(dry_grid_t), intent(in) :: grid
+      type(dry_scaling_t), intent(in) :: scaling
+      real(wp) :: area
+
+      area = scaling%length
+      if (grid%ny > 1) area = area*scaling%length*grid%aspect
+   end function area_of
+
+   !> Pressure, gap and profiles in SI. `plastic` is the deformation of this load, `yielded` that of the loads before which
+   !> the heights of `problem` already have (history).
+   pure subroutine fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
+      type(dry_problem_t), intent(in) :: problem
+      type(dry_scaling_t), intent(in) :: scaling
+      real(wp), intent(in) :: z(:), plastic(:), yielded(:)
+      type(dry_solution_t), intent(in) :: solution
+      type(dry_fields_t), intent(inout) :: fields
+
+      fields%pressure = scaling%pressure*solution%pressure
+      fields%gap = scaling%height*max(solution%v + plastic - solution%datum, 0.0_wp)
+      where (solution%pressure > 0.0_wp) fields%gap = 0.0_wp
+      fields%height_undeformed = z(:)
+      fields%plastic_deformation = scaling%height*(plastic + yielded)
+      fields%height_unloaded = z - fields%plastic_deformation
+      fields%height_loaded = fields%height_unloaded - scaling%height*(solution%v + problem%height)
+   end subroutine fill_fields
+
+   !> Figures of one load from its fields.
+   subroutine fill_row(grid, scaling, loads, solution, fields, problem, row)
+      type(dry_grid_t), intent(in) :: grid
+      type(dry_scaling_t), intent(in) :: scaling
+      type(dry_loads_t), intent(in) :: loads
+      type(dry_solution_t), intent(in) :: solution
+      type(dry_fields_t), intent(in) :: fields
+      type(dry_problem_t), intent(in) :: problem
+      type(dry_row_t), intent(out) :: row
+      integer :: n
+
+      n = size(fields%pressure)
+      row%contact_area_fraction = real(solution%contacts, wp)/n
+      row%plastic_area_fraction = real(solution%capped, wp)/n
+      row%plasticity_index = real(solution%capped, wp)/solution%contacts
+      row%p_max = maxval(fields%pressure)
+      if (solution%capped > 0) row%p_max = loads%hardness
+      row%dp_max = maxval(fields%plastic_deformation)
+      row%dp_mean = sum(fields%plastic_deformation)/n
+      ! The problem's heights have no mean; the datum is that of the heights as given.
+      row%datum = scaling%height*solution%datum - sum(fields%height_undeformed)/n
+      row%mean_separation = scaling%height*(sum(solution%v)/n - solution%datum + mean_plastic(solution, problem))
+      row%elastic_energy = 0.5_wp*area_of(grid, scaling)/n*scaling%pressure*scaling%height &
+                           *dot_product(solution%pressure, solution%v + problem%height)
+      row%kkt = solution%kkt
+      row%fft_pairs = int(solution%report%fft_pairs)
+      row%cycles = solution%report%cycles
+      row%is_converged = solution%report%converged
+      row%contact_area_corrected = row%contact_area_fraction
+      if (grid%ny > 1) row%contact_area_corrected = row%contact_area_fraction - perimeter_share(grid, solution%pressure)
+      row%undeformed = roughness_of(fields%height_undeformed, grid%ny == 1)
+      row%loaded = roughness_of(fields%height_loaded, grid%ny == 1)
+      row%unloaded = roughness_of(fields%height_unloaded, grid%ny == 1)
+   end subroutine fill_row
+
+   !> Mean plastic deformation of this load alone, dimensionless.
+   pure function mean_plastic(solution, problem) result(mean)
+      type(dry_solution_t), intent(in) :: solution
+      type(dry_problem_t), intent(in) :: problem
+      real(wp) :: mean
+
+      mean = sum(max(solution%datum - solution%v, 0.0_wp), mask=solution%pressure >= problem%hardness)/size(solution%v)
+   end function mean_plastic
+
+   !> (pi - 1 + ln 2)/24 S/(nx ny), S the number of edges between nodes in and out of contact, of the periodic grid
+   !> (V. A. Yastrebov, G. Anciaux and J.-F. Molinari, Tribol. Lett. 56, 2014, 171).
+   pure function perimeter_share(grid, pressure) result(share)
+      type(dry_grid_t), intent(in) :: grid
+      real(wp), intent(in) :: pressure(:)
+      real(wp) :: share
+      real(wp), parameter :: factor = (pi - 1.0_wp + log(2.0_wp))/24.0_wp
+      logical, allocatable :: touches(:, :)
+
+      touches = reshape(pressure > 0.0_wp, [grid%nx, grid%ny])
+      share = factor*(count(touches .neqv. cshift(touches, 1, 1)) + count(touches .neqv. cshift(touches, 1, 2))) &
+              /(real(grid%nx, wp)*real(grid%ny, wp))
+   end function perimeter_share
+
+end module dry_sweep

@@ -1,0 +1,200 @@
+!> The sections of a dry result: /scaling, /solution, /sweep and /summary, all in SI.
+module dry_result
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: int64
+   use analytic_heights, only: node_positions
+   use dry_case, only: dry_case_t
+   use dry_sweep, only: dry_fields_t, dry_row_t
+   use hdf5_attribute, only: write_attribute
+   use hdf5_dataset, only: new_label, write_dataset
+   use hdf5_file, only: hdf5_file_t
+   use kinds, only: wp
+   use roughness, only: bearing_ratio, power_spectrum, rms_curvature, rms_slope, roughness_t
+   implicit none (type, external)
+   private
+
+   public :: write_dry_result
+
+   !> Levels of the bearing curves.
+   integer, parameter :: bearing_levels = 201
+
+contains
+
+   !> Writes the figures of every load and the fields of the last.
+   subroutine write_dry_result(file, dry, rows, fields)
+      class(hdf5_file_t), intent(inout) :: file
+      type(dry_case_t), intent(in) :: dry
+      type(dry_row_t), intent(in) :: rows(:)
+      type(dry_fields_t), intent(in) :: fields
+
+      call file%create_group('/scaling')
+      call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus)
+      call write_attribute(file, '/scaling', 'reduced_modulus_units', 'Pa')
+      call write_fields(file, dry, fields)
+      call write_sweep(file, dry%grid%ny == 1, rows)
+      call write_roughness(file, 'ra', 'arithmetic mean height', 'm', rows%undeformed%ra, rows%loaded%ra, rows%unloaded%ra)
+      call write_roughness(file, 'rq', 'rms height', 'm', rows%undeformed%rq, rows%loaded%rq, rows%unloaded%rq)
+      call write_roughness(file, 'rz', trim(merge('highest less lowest, mean of five parts', &
+         'highest less lowest                    ', dry%grid%ny == 1)), 'm', rows%undeformed%rz, rows%loaded%rz, rows%unloaded%rz)
+      call write_roughness(file, 'rsk', 'skewness', '1', rows%undeformed%rsk, rows%loaded%rsk, rows%unloaded%rsk)
+      call write_roughness(file, 'rku', 'kurtosis', '1', rows%undeformed%rku, rows%loaded%rku, rows%unloaded%rku)
+      call write_surface(file, dry, fields)
+      call write_summary(file, rows(size(rows)))
+   end subroutine write_dry_result
+
+   !> /solution.
+   subroutine write_fields(file, dry, fields)
+      class(hdf5_file_t), intent(inout) :: file
+      type(dry_case_t), intent(in) :: dry
+      type(dry_fields_t), intent(in) :: fields
+
+      call write_dataset(file, '/solution/x', node_positions(dry%grid%nx, dry%lengths(1), dry%is_periodic), &
+         new_label('position', 'm'))
+      if (dry%grid%ny > 1) call write_dataset(file, '/solution/y', &
+         node_positions(dry%grid%ny, dry%lengths(2), dry%is_periodic), new_label('position across', 'm'))
+      call write_field('pressure', fields%pressure, 'contact pressure', 'Pa')
+      call write_field('gap', fields%gap, 'gap between the surfaces', 'm')
+      call write_field('height_undeformed', fields%height_undeformed, 'composite height before loading', 'm')
+      call write_field('height_loaded', fields%height_loaded, 'composite height under load', 'm')
+      call write_field('height_unloaded', fields%height_unloaded, 'composite height after unloading', 'm')
+      call write_field('plastic_deformation', fields%plastic_deformation, 'plastic deformation', 'm')
+
+   contains
+
+      !> One field: (nx), or (nx, ny).
+      subroutine write_field(name, values, long_name, units)
+         character(*), intent(in) :: name, long_name, units
+         real(wp), intent(in) :: values(:)
+
+         if (dry%grid%ny == 1) then
+            call write_dataset(file, '/solution/' // name, values, new_label(long_name, units))
+         else
+            call write_dataset(file, '/solution/' // name, reshape(values, [dry%grid%nx, dry%grid%ny]), &
+               new_label(long_name, units))
+         end if
+      end subroutine write_field
+
+   end subroutine write_fields
+
+   !> /sweep without roughness: one value for each load.
+   subroutine write_sweep(file, is_line, rows)
+      class(hdf5_file_t), intent(inout) :: file
+      logical, intent(in) :: is_line
+      type(dry_row_t), intent(in) :: rows(:)
+      character(:), allocatable :: energy_unit, load_unit
+
+      load_unit = trim(merge('N/m', 'N  ', is_line))
+      energy_unit = trim(merge('J/m', 'J  ', is_line))
+      call write_column('mean_pressure', rows%mean_pressure, 'load over nominal area', 'Pa')
+      call write_column('load', rows%load, 'load', load_unit)
+      call write_column('contact_area_fraction', rows%contact_area_fraction, 'nodes with p > 0 over all', '1')
+      if (.not. is_line) call write_column('contact_area_fraction_corrected', rows%contact_area_corrected, &
+         'contact area less (pi - 1 + ln 2)/24 of its perimeter', '1')
+      call write_column('plastic_area_fraction', rows%plastic_area_fraction, 'nodes with p = hardness over all', '1')
+      call write_column('plasticity_index', rows%plasticity_index, 'plastic over contact area', '1')
+      call write_column('mean_separation', rows%mean_separation, 'plane to mean of the loaded surface', 'm')
+      call write_column('datum', rows%datum, 'mean of deflection less height where 0 < p < hardness', 'm')
+      call write_column('p_max', rows%p_max, 'largest pressure', 'Pa')
+      call write_column('dp_max', rows%dp_max, 'largest plastic deformation', 'm')
+      call write_column('dp_mean', rows%dp_mean, 'mean plastic deformation', 'm')
+      call write_column('elastic_energy', rows%elastic_energy, 'stored elastic energy', energy_unit)
+      call write_column('dissipated_energy', rows%dissipated_energy, 'energy dissipated by plastic deformation', energy_unit)
+      call write_column('kkt', rows%kkt, 'violation of the contact conditions', '1')
+      call write_dataset(file, '/sweep/fft_pairs', int(rows%fft_pairs, int64), &
+         new_label('pairs of transforms, in pairs of the full grid', '1'))
+
+   contains
+
+      !> One column.
+      subroutine write_column(name, values, long_name, units)
+         character(*), intent(in) :: name, long_name, units
+         real(wp), intent(in) :: values(:)
+         real(wp) :: copy(size(values))
+
+         copy = values
+         call write_dataset(file, '/sweep/' // name, copy, new_label(long_name, units))
+      end subroutine write_column
+
+   end subroutine write_sweep
+
+   !> /sweep/<name>_undeformed, _loaded, _unloaded: a roughness parameter for each load.
+   subroutine write_roughness(file, name, long_name, units, undeformed, loaded, unloaded)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: name, long_name, units
+      real(wp), intent(in) :: undeformed(:), loaded(:), unloaded(:)
+      real(wp) :: copy(size(loaded))
+
+      copy = undeformed
+      call write_dataset(file, '/sweep/' // name // '_undeformed', copy, new_label(long_name // ' before loading', units))
+      copy = loaded
+      call write_dataset(file, '/sweep/' // name // '_loaded', copy, new_label(long_name // ' under load', units))
+      copy = unloaded
+      call write_dataset(file, '/sweep/' // name // '_unloaded', copy, new_label(long_name // ' after unloading', units))
+   end subroutine write_roughness
+
+   !> /surface: slope, curvature, bearing curves and spectrum of the undeformed, loaded and unloaded surface.
+   subroutine write_surface(file, dry, fields)
+      class(hdf5_file_t), intent(inout) :: file
+      type(dry_case_t), intent(in) :: dry
+      type(dry_fields_t), intent(in) :: fields
+      real(wp) :: dx, dy, levels(bearing_levels)
+      integer :: i
+
+      dx = dry%lengths(1)/dry%grid%nx
+      dy = dx
+      if (dry%grid%ny > 1) dy = dry%lengths(2)/dry%grid%ny
+      associate (z => fields%height_undeformed)
+         levels = [(minval(z) + (maxval(z) - minval(z))*real(i, wp)/(bearing_levels - 1), i=0, bearing_levels - 1)]
+      end associate
+      call write_dataset(file, '/surface/level', levels, new_label('height of the bearing curves', 'm'))
+      call write_state('undeformed', fields%height_undeformed)
+      call write_state('loaded', fields%height_loaded)
+      call write_state('unloaded', fields%height_unloaded)
+
+   contains
+
+      !> One state of the surface.
+      subroutine write_state(state, z)
+         character(*), intent(in) :: state
+         real(wp), intent(in) :: z(:)
+         real(wp) :: map(dry%grid%nx, dry%grid%ny)
+
+         map = reshape(z, [dry%grid%nx, dry%grid%ny])
+         call write_dataset(file, '/surface/bearing_ratio_' // state, bearing_ratio(z, levels), &
+            new_label('share of the surface at or above each level', '1'))
+         if (.not. dry%is_periodic) return
+         call write_dataset(file, '/surface/rms_slope_' // state, rms_slope(map, dx, dy), new_label('rms slope', '1'))
+         call write_dataset(file, '/surface/rms_curvature_' // state, rms_curvature(map, dx, dy), &
+            new_label('rms curvature', '1/m'))
+         if (size(z) > 4096) return
+         call write_dataset(file, '/surface/power_' // state, power_spectrum(map), &
+            new_label('mean square height in harmonics 1, 2, ... along x', 'm^2'))
+      end subroutine write_state
+
+   end subroutine write_surface
+
+   !> /summary of the last load.
+   subroutine write_summary(file, row)
+      class(hdf5_file_t), intent(inout) :: file
+      type(dry_row_t), intent(in) :: row
+
+      call write_figure('p_max', row%p_max, 'largest pressure', 'Pa')
+      call write_figure('contact_area_fraction', row%contact_area_fraction, 'contact over nominal area', '1')
+      call write_figure('plastic_area_fraction', row%plastic_area_fraction, 'plastic over nominal area', '1')
+      call write_figure('mean_separation', row%mean_separation, 'plane to mean of the loaded surface', 'm')
+
+   contains
+
+      !> One figure; its discretisation error is not estimated.
+      subroutine write_figure(name, value, long_name, units)
+         character(*), intent(in) :: name, long_name, units
+         real(wp), intent(in) :: value
+
+         call write_dataset(file, '/summary/' // name, value, new_label(long_name, units))
+         call write_attribute(file, '/summary/' // name, 'units', units)
+         call write_attribute(file, '/summary/' // name, 'error_estimate', ieee_value(0.0_wp, ieee_quiet_nan))
+      end subroutine write_figure
+
+   end subroutine write_summary
+
+end module dry_result

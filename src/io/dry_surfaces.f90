@@ -1,0 +1,318 @@
+!> Grid and composite heights of a dry case from &domain and the two surfaces.
+module dry_surfaces
+   use analytic_heights, only: feature_heights, node_positions, parabola_heights
+   use dry_case, only: dry_case_t
+   use errors, only: error_t
+   use features, only: feature_ridge, feature_sinusoid, feature_t
+   use findings, only: findings_t
+   use height_file, only: heights_t, read_heights
+   use input_values, only: input_values_t, value_t
+   use kinds, only: wp
+   use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
+   use text, only: to_text
+   use validation_messages, only: report_missing, report_unused
+   implicit none (type, external)
+   private
+
+   public :: add_surface, find_grid
+
+   !> Relative difference of two lengths that are the same.
+   real(wp), parameter :: same_length = 1.0e-3_wp
+   !> Keys of one shape only.
+   character(len=20), parameter :: file_keys(*) = [character(len=20) :: 'file', 'dataset']
+   character(len=20), parameter :: feature_keys(*) = [character(len=20) :: 'amplitude', 'wavelength', 'position']
+   character(len=20), parameter :: synthetic_keys(*) = [character(len=20) :: 'seed', 'hurst', 'rms_height', 'wavelength_long', &
+      'wavelength_rolloff', 'wavelength_short', 'skewness', 'kurtosis']
+
+contains
+
+   !> Nodes and lengths, from &domain or from the file of a surface. Findings: missing or contradictory sizes; the file.
+   subroutine find_grid(values, folder, dry, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: folder
+      type(dry_case_t), intent(inout) :: dry
+      type(findings_t), intent(inout) :: findings
+      character(len=12) :: counts(2), lengths(2)
+      type(heights_t) :: heights
+      type(value_t) :: slot
+      integer :: i, nodes(2)
+
+      slot = values%slot('domain', 'periodic')
+      dry%is_periodic = slot%logical
+      counts = ['intervals_x ', 'intervals_y ']
+      lengths = ['length_x    ', 'length_y    ']
+      nodes = [1, 1]
+      dry%lengths = 0.0_wp
+      if (values%problem == 'dry_line') then
+         counts(1) = 'intervals'
+         lengths(1) = 'length'
+      end if
+      call load_first_file(values, folder, heights, findings)
+      if (findings%count > 0) return
+      do i = 1, merge(1, 2, values%problem == 'dry_line')
+         slot = values%slot('domain', trim(counts(i)))
+         if (heights%grid(i) > 0) nodes(i) = heights%grid(i)
+         dry%lengths(i) = nodes(i)*heights%spacing(i)
+         if (slot%is_given .and. heights%grid(i) > 0 .and. slot%integer /= nodes(i)) then
+            call findings%add(slot%line, 'domain', trim(counts(i)), 'found ' // to_text(slot%integer) // ', expected the ' &
+               // to_text(nodes(i)) // ' nodes of the file (resampling is not built yet)')
+         else if (slot%is_given) then
+            nodes(i) = slot%integer
+         else if (heights%grid(i) <= 0) then
+            call report_missing(values, 'domain', trim(counts(i)), findings)
+         end if
+         slot = values%slot('domain', trim(lengths(i)))
+         if (.not. slot%is_given .and. dry%lengths(i) <= 0.0_wp) then
+            call report_missing(values, 'domain', trim(lengths(i)), findings)
+         else if (slot%is_given .and. dry%lengths(i) > 0.0_wp &
+            .and. abs(slot%reals(1) - dry%lengths(i)) > same_length*dry%lengths(i)) then
+            call findings%add(slot%line, 'domain', trim(lengths(i)), 'found ' // to_text(slot%reals(1)) // ' m, expected ' &
+               // to_text(dry%lengths(i)) // ' m, nodes times spacing of the file')
+         else if (slot%is_given .and. dry%lengths(i) <= 0.0_wp) then
+            dry%lengths(i) = slot%reals(1)
+         end if
+      end do
+      dry%grid%nx = nodes(1)
+      dry%grid%ny = nodes(2)
+      dry%grid%aspect = 1.0_wp
+      if (findings%count == 0 .and. nodes(2) > 1) dry%grid%aspect = dry%lengths(2)/dry%lengths(1)
+   end subroutine find_grid
+
+   !> The heights of the first surface that is a file; nothing if none is.
+   subroutine load_first_file(values, folder, heights, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: folder
+      type(heights_t), intent(out) :: heights
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: shape
+      integer :: i
+      character(len=9), parameter :: groups(2) = ['surface_1', 'surface_2']
+
+      do i = 1, 2
+         shape = values%slot(groups(i), 'shape')
+         if (.not. shape%has_value) cycle
+         if (.not. any(shape%words == 'file')) cycle
+         call load_file(values, groups(i), folder, heights, findings)
+         return
+      end do
+   end subroutine load_first_file
+
+   !> The heights of the file of one surface.
+   subroutine load_file(values, group, folder, heights, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group, folder
+      type(heights_t), intent(out) :: heights
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: dataset, name
+      type(error_t), allocatable :: error
+      character(:), allocatable :: path
+
+      name = values%slot(group, 'file')
+      dataset = values%slot(group, 'dataset')
+      if (.not. name%is_given) then
+         call report_missing(values, group, 'file', findings)
+         return
+      end if
+      path = trim(name%text)
+      if (index(path, '/') /= 1) path = folder // path
+      call read_heights(path, trim(dataset%text), heights, error)
+      if (allocated(error)) then
+         call findings%add(name%line, group, 'file', error%message)
+      else if (values%problem == 'dry_line' .and. heights%grid(2) > 1) then
+         call findings%add(name%line, group, 'file', "found an area, expected a profile: problem = 'dry_area' takes areas")
+      else if (values%problem == 'dry_area' .and. heights%grid(2) == 1) then
+         call findings%add(name%line, group, 'file', "found a profile, expected an area: problem = 'dry_line' takes profiles")
+      end if
+   end subroutine load_file
+
+   !> Adds the heights of the surface `group` to those of `dry`. `radius` [m] is that of a parabola.
+   !> Findings: keys that are missing or not used by the shape; what the surface itself finds.
+   subroutine add_surface(values, group, folder, radius, dry, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group, folder
+      real(wp), intent(in) :: radius
+      type(dry_case_t), intent(inout) :: dry
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: shape
+      real(wp), allocatable :: z(:)
+      character(:), allocatable :: word
+
+      shape = values%slot(group, 'shape')
+      if (.not. shape%has_value) return
+      word = trim(shape%words(1))
+      if (size(shape%words) > 1 .and. any(shape%words /= 'feature' .and. shape%words /= 'sinusoid')) then
+         call findings%add(shape%line, group, 'shape', "found several shapes, expected 'feature' and 'sinusoid' among several")
+         return
+      end if
+      call check_keys(values, group, word, findings)
+      if (findings%count > 0) return
+      allocate (z(size(dry%height)), source=0.0_wp)
+      select case (word)
+      case ('file')
+         call add_file(values, group, folder, dry, z, findings)
+      case ('synthetic')
+         call add_synthetic(values, group, dry, z, findings)
+      case ('parabola')
+         z = parabola_heights(radius, positions(dry, 1), positions(dry, 2), dry%lengths, dry%is_periodic)
+      case ('feature', 'sinusoid')
+         call add_features(values, group, dry, z, findings)
+      case default
+         return
+      end select
+      if (findings%count > 0) return
+      if (values%is_given(group, 'harmonics')) call truncate(values, group, dry, z, findings)
+      dry%height = dry%height + z
+   end subroutine add_surface
+
+   !> Positions of the nodes in x (1) or y (2); a line has y = 0 alone.
+   pure function positions(dry, direction) result(x)
+      type(dry_case_t), intent(in) :: dry
+      integer, intent(in) :: direction
+      real(wp), allocatable :: x(:)
+
+      if (direction == 1) then
+         x = node_positions(dry%grid%nx, dry%lengths(1), dry%is_periodic)
+      else if (dry%grid%ny > 1) then
+         x = node_positions(dry%grid%ny, dry%lengths(2), dry%is_periodic)
+      else
+         x = [0.0_wp]
+      end if
+   end function positions
+
+   !> Findings: keys of another shape than `word`; harmonics of an open surface.
+   subroutine check_keys(values, group, word, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group, word
+      type(findings_t), intent(inout) :: findings
+      character(:), allocatable :: reason
+      integer :: i
+
+      reason = "with shape = '" // word // "'"
+      do i = 1, size(file_keys)
+         if (word /= 'file') call report_unused(values, group, trim(file_keys(i)), reason, findings)
+      end do
+      do i = 1, size(feature_keys)
+         if (word == 'feature' .or. word == 'sinusoid') exit
+         call report_unused(values, group, trim(feature_keys(i)), reason, findings)
+      end do
+      do i = 1, size(synthetic_keys)
+         if (word /= 'synthetic') call report_unused(values, group, trim(synthetic_keys(i)), reason, findings)
+      end do
+      if (word == 'smooth' .or. word == 'parabola') call report_unused(values, group, 'harmonics', reason, findings)
+   end subroutine check_keys
+
+   !> Heights of the file. Finding: another grid than that of the case.
+   subroutine add_file(values, group, folder, dry, z, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group, folder
+      type(dry_case_t), intent(in) :: dry
+      real(wp), intent(inout) :: z(:)
+      type(findings_t), intent(inout) :: findings
+      type(heights_t) :: heights
+
+      call load_file(values, group, folder, heights, findings)
+      if (findings%count > 0) return
+      if (any(heights%grid /= [dry%grid%nx, dry%grid%ny])) then
+         call findings%add(values%line_of(group, 'file'), group, 'file', 'found ' // to_text(heights%grid(1)) // ' x ' &
+            // to_text(heights%grid(2)) // ' nodes, expected ' // to_text(dry%grid%nx) // ' x ' // to_text(dry%grid%ny) &
+            // ' as in the other surface')
+      else
+         z = heights%z
+      end if
+   end subroutine add_file
+
+   !> Heights with a wanted spectrum. Findings: an open domain; wavelengths out of order; what the synthesis finds.
+   subroutine add_synthetic(values, group, dry, z, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      type(dry_case_t), intent(in) :: dry
+      real(wp), allocatable, intent(inout) :: z(:)
+      type(findings_t), intent(inout) :: findings
+      type(synthesis_t) :: wanted
+      type(value_t) :: seed
+      type(error_t), allocatable :: error
+
+      if (.not. values%is_given(group, 'rms_height')) then
+         call report_missing(values, group, 'rms_height', findings)
+         return
+      end if
+      seed = values%slot(group, 'seed')
+      wanted%seed = seed%integer
+      wanted%hurst = values%real_value(group, 'hurst')
+      wanted%rms_height = values%real_value(group, 'rms_height')
+      wanted%skewness = values%real_value(group, 'skewness')
+      wanted%kurtosis = values%real_value(group, 'kurtosis')
+      wanted%wavelength_long = maxval(dry%lengths)
+      if (values%is_given(group, 'wavelength_long')) wanted%wavelength_long = values%real_value(group, 'wavelength_long')
+      wanted%wavelength_rolloff = wanted%wavelength_long
+      if (values%is_given(group, 'wavelength_rolloff')) wanted%wavelength_rolloff = values%real_value(group, 'wavelength_rolloff')
+      wanted%wavelength_short = 2.0_wp*dry%lengths(1)/dry%grid%nx
+      if (values%is_given(group, 'wavelength_short')) wanted%wavelength_short = values%real_value(group, 'wavelength_short')
+      if (wanted%wavelength_short > wanted%wavelength_rolloff .or. wanted%wavelength_rolloff > wanted%wavelength_long) then
+         call findings%add(values%line_of(group, 'shape'), group, 'wavelength_rolloff', 'found ' &
+            // to_text(wanted%wavelength_rolloff) // ' m, expected wavelength_short <= wavelength_rolloff <= wavelength_long')
+         return
+      end if
+      call synthetic_heights(wanted, [dry%grid%nx, dry%grid%ny], dry%lengths(1), max(dry%lengths(2), tiny(1.0_wp)), z, error)
+      if (allocated(error)) call findings%add(values%line_of(group, 'shape'), group, 'shape', error%message)
+   end subroutine add_synthetic
+
+   !> Ridges, dents and sinusoids. Findings: arrays that do not belong together.
+   subroutine add_features(values, group, dry, z, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      type(dry_case_t), intent(in) :: dry
+      real(wp), intent(inout) :: z(:)
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: amplitude, position, shape, wavelength
+      type(feature_t), allocatable :: features(:)
+      integer :: i, n
+
+      shape = values%slot(group, 'shape')
+      amplitude = values%slot(group, 'amplitude')
+      wavelength = values%slot(group, 'wavelength')
+      position = values%slot(group, 'position')
+      if (.not. amplitude%is_given) call report_missing(values, group, 'amplitude', findings)
+      if (.not. wavelength%is_given) call report_missing(values, group, 'wavelength', findings)
+      if (findings%count > 0) return
+      n = size(amplitude%reals)
+      if (size(wavelength%reals) /= n .or. (size(position%reals) /= n .and. position%is_given) &
+         .or. (size(shape%words) /= n .and. size(shape%words) /= 1)) then
+         call findings%add(amplitude%line, group, 'amplitude', 'found ' // to_text(n) // ' values, expected as many of shape ' &
+            // '(or one), wavelength and position')
+         return
+      end if
+      allocate (features(n))
+      do i = 1, n
+         features(i) = feature_t(merge(feature_sinusoid, feature_ridge, shape%words(min(i, size(shape%words))) == 'sinusoid'), &
+            amplitude%reals(i), wavelength%reals(i), position%reals(min(i, size(position%reals))))
+      end do
+      z = feature_heights(features, positions(dry, 1), dry%grid%ny, dry%lengths(1), dry%is_periodic)
+   end subroutine add_features
+
+   !> Truncated Fourier series, (4.1). Findings: an open domain; more harmonics than the grid has.
+   subroutine truncate(values, group, dry, z, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      type(dry_case_t), intent(in) :: dry
+      real(wp), allocatable, intent(inout) :: z(:)
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: harmonics
+      type(error_t), allocatable :: error
+      integer :: most
+
+      harmonics = values%slot(group, 'harmonics')
+      most = dry%grid%nx/2 - 1
+      if (dry%grid%ny > 1) most = min(most, dry%grid%ny/2 - 1)
+      if (.not. dry%is_periodic) then
+         call findings%add(harmonics%line, group, 'harmonics', 'found a truncation with periodic = .false., expected .true.')
+      else if (harmonics%integer > most) then
+         call findings%add(harmonics%line, group, 'harmonics', 'found ' // to_text(harmonics%integer) // ', expected at most ' &
+            // to_text(most) // ', half the nodes less one')
+      else
+         call truncate_harmonics(harmonics%integer, [dry%grid%nx, dry%grid%ny], z, error)
+         if (allocated(error)) call findings%add(harmonics%line, group, 'harmonics', error%message)
+      end if
+   end subroutine truncate
+
+end module dry_surfaces

@@ -1,0 +1,104 @@
+!> Roughness parameters of profiles and areas (chapter 4 of the thesis; ISO 4287, ISO 25178), about the arithmetic mean.
+module roughness
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: roughness_t, roughness_of, bearing_ratio, rms_slope, rms_curvature, power_spectrum
+
+   !> Equal parts of a profile over which Rz is averaged.
+   integer, parameter :: parts = 5
+
+   !> Height parameters in the unit of the heights. Of an area: Sa, Sq, Sz, Ssk, Sku.
+   type :: roughness_t
+      !> Mean of |z|.
+      real(wp) :: ra = 0.0_wp
+      !> Root of the mean of z^2.
+      real(wp) :: rq = 0.0_wp
+      !> Profile: mean of highest less lowest over five equal parts. Area: highest less lowest.
+      real(wp) :: rz = 0.0_wp
+      !> Skewness and kurtosis, (4.2), (4.3); 0 for a flat surface.
+      real(wp) :: rsk = 0.0_wp, rku = 0.0_wp
+   end type roughness_t
+
+contains
+
+   !> Parameters of the heights `z` (nx*ny), a profile if `is_line`. Parts of a profile differ by at most one node, the
+   !> longer ones first.
+   pure function roughness_of(z, is_line) result(values)
+      real(wp), intent(in) :: z(:)
+      logical, intent(in) :: is_line
+      type(roughness_t) :: values
+      real(wp) :: mean
+      integer :: first, i, n, nodes
+
+      n = size(z)
+      mean = sum(z)/n
+      values%ra = sum(abs(z - mean))/n
+      values%rq = sqrt(sum((z - mean)**2)/n)
+      if (values%rq > 0.0_wp) then
+         values%rsk = sum(((z - mean)/values%rq)**3)/n
+         values%rku = sum(((z - mean)/values%rq)**4)/n
+      end if
+      values%rz = maxval(z) - minval(z)
+      if (.not. is_line .or. n < parts) return
+      values%rz = 0.0_wp
+      first = 1
+      do i = 1, parts
+         nodes = n/parts + merge(1, 0, i <= mod(n, parts))
+         values%rz = values%rz + (maxval(z(first:first + nodes - 1)) - minval(z(first:first + nodes - 1)))/parts
+         first = first + nodes
+      end do
+   end function roughness_of
+
+   !> Share of the nodes that are at or above each of `levels` (Abbott and Firestone, Mech. Eng. 55, 1933, 569).
+   pure function bearing_ratio(z, levels) result(ratio)
+      real(wp), intent(in) :: z(:), levels(:)
+      real(wp) :: ratio(size(levels))
+      integer :: i
+
+      ratio = [(real(count(z >= levels(i)), wp)/size(z), i=1, size(levels))]
+   end function bearing_ratio
+
+   !> Root mean square of the slope of a periodic surface (nx, ny) from differences of neighbours; of an area of the gradient.
+   pure function rms_slope(z, dx, dy) result(slope)
+      real(wp), intent(in) :: z(:, :), dx, dy
+      real(wp) :: slope
+
+      slope = sum(((cshift(z, 1, 1) - z)/dx)**2)
+      if (size(z, 2) > 1) slope = slope + sum(((cshift(z, 1, 2) - z)/dy)**2)
+      slope = sqrt(slope/size(z))
+   end function rms_slope
+
+   !> Root mean square of the second difference of a periodic surface (nx, ny); of an area of half the Laplacian.
+   pure function rms_curvature(z, dx, dy) result(curvature)
+      real(wp), intent(in) :: z(:, :), dx, dy
+      real(wp) :: curvature
+      real(wp) :: second(size(z, 1), size(z, 2))
+
+      second = (cshift(z, 1, 1) - 2.0_wp*z + cshift(z, -1, 1))/dx**2
+      if (size(z, 2) > 1) second = 0.5_wp*(second + (cshift(z, 1, 2) - 2.0_wp*z + cshift(z, -1, 2))/dy**2)
+      curvature = sqrt(sum(second**2)/size(z))
+   end function rms_curvature
+
+   !> Mean square of the heights in harmonic 1 ... nx/2 along x of a periodic surface (nx, ny), averaged over y: its sum is
+   !> the variance of the profiles. By direct summation: for profiles and small areas.
+   pure function power_spectrum(z) result(power)
+      real(wp), intent(in) :: z(:, :)
+      real(wp) :: power(size(z, 1)/2)
+      real(wp), parameter :: two_pi = 8.0_wp*atan(1.0_wp)
+      real(wp) :: c, s
+      integer :: i, j, k, n
+
+      n = size(z, 1)
+      power = 0.0_wp
+      do j = 1, size(z, 2)
+         do k = 1, n/2
+            c = sum([(z(i, j)*cos(two_pi*mod(k*(i - 1), n)/n), i=1, n)])/n
+            s = sum([(z(i, j)*sin(two_pi*mod(k*(i - 1), n)/n), i=1, n)])/n
+            power(k) = power(k) + merge(1.0_wp, 2.0_wp, 2*k == n)*(c*c + s*s)/size(z, 2)
+         end do
+      end do
+   end function power_spectrum
+
+end module roughness

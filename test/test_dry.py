@@ -1,0 +1,289 @@
+"""Dry contacts end to end: reference data, energy, loading paths, surfaces from files and from seeds."""
+
+import csv
+import pathlib
+
+import h5py
+import numpy as np
+import pytest
+from cases import write
+
+DATA = pathlib.Path(__file__).resolve().parent / "data"
+
+CASE = """&case problem = '{problem}' /
+&bodies youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3{bodies} /
+&load mean_pressure = {loads}{loading} /
+&surface_1 {surface} /
+{more}
+&solver tolerance = 1e-12 /
+"""
+STEEL = ", youngs_modulus_2 = 210e9, poisson_ratio_2 = 0.3"
+HARD = ", hardness = 4e9"
+
+
+def profile(name, harmonics=None):
+    """A surface of the reference profiles."""
+    more = f", harmonics = {harmonics}" if harmonics else ""
+    return f"shape = 'file', file = '{DATA}/profiles_ABCD.csv', dataset = 'z{name}_m'{more}"
+
+
+def solve(asperity, folder, surface, loads, bodies=HARD, more="", problem="dry_line", loading=""):
+    """Runs a case and returns its open result."""
+    text = CASE.format(
+        problem=problem,
+        bodies=bodies,
+        loads=", ".join(repr(float(load)) for load in loads),
+        loading=loading,
+        surface=surface,
+        more=more,
+    )
+    write(folder, "case.nml", text)
+    done = asperity("case.nml", "--quiet")
+    assert (done.returncode, done.stderr) == (0, "")
+    return h5py.File(folder / "case.h5")
+
+
+def rows(name):
+    """Rows of a reference table."""
+    with (DATA / name).open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def close(found, expected, tolerance=1e-6):
+    """Whether two lists agree relative to the largest of the expected values."""
+    found, expected = np.asarray(found), np.asarray(expected, dtype=float)
+    np.testing.assert_allclose(found, expected, rtol=tolerance, atol=tolerance * np.abs(expected).max() * 1e-3)
+
+
+@pytest.mark.parametrize("counter", ["rigid", "steel"])
+@pytest.mark.parametrize("name", ["A", "C"])
+def test_sweep_of_a_profile(asperity, tmp_path, name, counter):
+    table = [row for row in rows("sweep_AC.csv") if row["profile"] == name and row["counter"] == counter]
+    loads = [float(row["pbar_MPa"]) * 1e6 for row in table]
+    assert len(loads) == 13
+    second = STEEL if counter == "steel" else ""
+    with solve(asperity, tmp_path, profile(name), loads, HARD + second) as file:
+        sweep = {key: value[()] for key, value in file["sweep"].items()}
+    for key, column in {
+        "contact_area_fraction": "Ar_An_ep",
+        "plastic_area_fraction": "Ap_An",
+        "plasticity_index": "Ap_Ar",
+        "mean_separation": "mean_gap_ep",
+        "datum": "datum_ep",
+        "dp_max": "dp_max",
+        "dp_mean": "dp_mean",
+        "elastic_energy": "U_el_J_m",
+        "dissipated_energy": "D_pl_J_m",
+        "ra_unloaded": "unl_Ra",
+        "rq_unloaded": "unl_Rq",
+        "rz_unloaded": "unl_Rz",
+        "rsk_unloaded": "unl_Rsk",
+        "rku_unloaded": "unl_Rk",
+        "ra_loaded": "lep_Ra",
+        "rz_loaded": "lep_Rz",
+        "rku_loaded": "lep_Rk",
+    }.items():
+        close(sweep[key], [row[column] for row in table])
+    assert sweep["kkt"].max() <= 1e-12
+    with solve(asperity, tmp_path, profile(name), loads, second) as file:
+        sweep = {key: value[()] for key, value in file["sweep"].items()}
+    close(sweep["contact_area_fraction"], [row["Ar_An_el"] for row in table])
+    close(sweep["p_max"] / 1e9, [row["pmax_el_GPa"] for row in table])
+    close(sweep["mean_separation"], [row["mean_gap_el"] for row in table])
+    close(sweep["rsk_loaded"], [row["lel_Rsk"] for row in table])
+
+
+@pytest.mark.parametrize("row", rows("truncation_A_100kN.csv")[::6], ids=lambda row: row["n"])
+def test_truncated_profile(asperity, tmp_path, row):
+    surface = profile(row["profile"], int(row["n"]))
+    with solve(asperity, tmp_path, surface, [250e6]) as file:
+        sweep = {key: value[0] for key, value in file["sweep"].items()}
+        slope = np.diff(file["solution/height_undeformed"][:])
+    close(sweep["contact_area_fraction"], float(row["Ar_An_ep"]))
+    # Where the contact carries its load at the hardness exactly, the last node may be at the hardness or just below it and
+    # the separation lies anywhere between two values.
+    if float(row["Ar_An_ep"]) * 4e9 != 250e6:
+        close(sweep["plasticity_index"], float(row["Ap_Ar"]))
+        close(sweep["mean_separation"], float(row["mean_gap_ep"]))
+    close(sweep["ra_undeformed"], float(row["und_Ra"]))
+    close(sweep["rz_undeformed"], float(row["und_Rz"]))
+    assert len(slope) == 511
+
+
+def test_work_is_stored_and_dissipated(asperity, tmp_path):
+    loads = np.linspace(0.002, 1.0, 250) * 250e6
+    with solve(asperity, tmp_path, profile("C"), loads) as file:
+        sweep = file["sweep"]
+        load = np.concatenate([[0.0], sweep["load"][:]])
+        datum = sweep["datum"][:]
+        datum = np.concatenate([[-file["solution/height_undeformed"][:].max()], datum])
+        energy = sweep["elastic_energy"][-1] + sweep["dissipated_energy"][-1]
+    work = np.sum(np.diff(datum) * 0.5 * (load[1:] + load[:-1]))
+    assert work == pytest.approx(energy, rel=2e-4)
+
+
+def test_running_in(asperity, tmp_path):
+    loads = [250e6, 50e6, 150e6, 250e6]
+    with solve(asperity, tmp_path, profile("C"), loads, loading=", loading = 'history'") as file:
+        history = {key: value[()] for key, value in file["sweep"].items()}
+    # Below the earlier maximum nothing yields; back at the maximum everything is as it was.
+    close(history["dp_mean"][1:], np.full(3, history["dp_mean"][0]), 1e-9)
+    assert list(history["plastic_area_fraction"][1:3]) == [0.0, 0.0]
+    close(history["datum"][3], history["datum"][0], 1e-9)
+    close(history["mean_separation"][3], history["mean_separation"][0], 1e-9)
+
+
+def test_order_of_loads_does_not_matter(asperity, tmp_path):
+    with solve(asperity, tmp_path, profile("A"), [250e6, 12.5e6, 100e6]) as file:
+        mixed = file["sweep/contact_area_fraction"][:], file["sweep/datum"][:]
+    with solve(asperity, tmp_path, profile("A"), [12.5e6, 100e6, 250e6]) as file:
+        rising = file["sweep/contact_area_fraction"][:], file["sweep/datum"][:]
+    order = [2, 0, 1]
+    assert list(mixed[0]) == list(rising[0][order])
+    close(mixed[1], rising[1][order], 1e-9)
+
+
+BALL = """&case problem = 'dry_area' /
+&bodies reduced_radius = 0.005, reduced_modulus = 230e9 /
+&load hertz_pressure = 1e9 /
+&surface_1 shape = 'parabola' /
+&domain length_x = 2.4e-4, length_y = 2.4e-4, intervals_x = {n}, intervals_y = {n}, periodic = .false. /
+"""
+
+
+@pytest.mark.parametrize("nodes", [64, 101])
+def test_ball_on_a_flat(asperity, tmp_path, nodes):
+    write(tmp_path, "ball.nml", BALL.format(n=nodes))
+    assert asperity("ball.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "ball.h5") as file:
+        pressure, x, y = (file[f"solution/{name}"][:] for name in ("pressure", "x", "y"))
+        peak = file["summary/p_max"][()]
+        load = file["sweep/load"][0]
+    radius = np.pi * 1e9 * 0.005 / 230e9
+    assert pressure.shape == (nodes, nodes)
+    assert load == pytest.approx(2 / 3 * np.pi * radius**2 * 1e9)
+    assert peak == pytest.approx(1e9, rel=3e-3)
+    hertz = 1e9 * np.sqrt(np.maximum(1 - (x[None, :] ** 2 + y[:, None] ** 2) / radius**2, 0))
+    assert np.abs(pressure - hertz).sum() / hertz.sum() < 0.02
+
+
+SYNTHETIC = """shape = 'synthetic', rms_height = 1e-6, wavelength_rolloff = 1e-4, wavelength_short = 1.25e-5, seed = {seed},
+   skewness = {skewness}, kurtosis = {kurtosis}"""
+
+
+@pytest.mark.parametrize("problem", ["dry_line", "dry_area"])
+def test_synthetic_surface_is_as_wanted(asperity, tmp_path, problem):
+    sizes = {
+        "dry_line": "&domain length = 4e-4, intervals = 512 /",
+        "dry_area": "&domain length_x = 4e-4, length_y = 3e-4, intervals_x = 96, intervals_y = 72 /",
+    }
+    heights = []
+    for seed in (1, 1, 2):
+        surface = SYNTHETIC.format(seed=seed, skewness=-0.5, kurtosis=3.5)
+        with solve(asperity, tmp_path, surface, [1e7], "", sizes[problem], problem) as file:
+            heights.append(file["solution/height_undeformed"][:])
+            assert file["sweep/rq_undeformed"][0] == pytest.approx(1e-6, rel=1e-12)
+            assert file["sweep/rsk_undeformed"][0] == pytest.approx(-0.5, abs=1e-6)
+            assert file["sweep/rku_undeformed"][0] == pytest.approx(3.5, abs=1e-6)
+    assert np.array_equal(heights[0], heights[1])
+    assert not np.array_equal(heights[0], heights[2])
+
+
+def test_synthetic_spectrum(asperity, tmp_path):
+    surface = SYNTHETIC.format(seed=3, skewness=0.0, kurtosis=3.0)
+    with solve(asperity, tmp_path, surface, [1e7], "", "&domain length = 4e-4, intervals = 512 /") as file:
+        power = np.abs(np.fft.rfft(file["solution/height_undeformed"][:])) ** 2
+        stored = file["surface/power_undeformed"][:]
+    assert power[33:].max() < 1e-20 * power.max()
+    assert stored.sum() == pytest.approx(1e-12)
+    np.testing.assert_allclose(stored[:30], 2 * power[1:31] / 512**2, rtol=1e-9)
+
+
+def test_area_from_hdf5(asperity, tmp_path):
+    generator = np.random.default_rng(1)
+    heights = generator.standard_normal((24, 32)) * 1e-7
+    with h5py.File(tmp_path / "area.h5", "w") as file:
+        dataset = file.create_dataset("maps/z", data=heights)
+        dataset.attrs["spacing_x"] = 1e-6
+        dataset.attrs["spacing_y"] = 2e-6
+    surface = "shape = 'file', file = 'area.h5', dataset = '/maps/z'"
+    with solve(asperity, tmp_path, surface, [1e8], problem="dry_area") as file:
+        assert np.array_equal(file["solution/height_undeformed"][:], heights)
+        assert file["solution/x"][-1] == pytest.approx(31e-6)
+        assert file["solution/y"][-1] == pytest.approx(46e-6)
+        pressure = file["solution/pressure"][:]
+        assert pressure.mean() == pytest.approx(1e8)
+        plastic = file["solution/plastic_deformation"][:]
+    assert np.all((pressure >= 0) & (pressure <= 4e9))
+    assert np.all((plastic == 0) | (pressure == 4e9))
+
+
+BAD_FILES = {
+    "no_file": (None, "no such file"),
+    "gap": ("x,z\n0,1e-6\n1,NaN\n2,0\n", "found a height that is no number (a gap) at node 2"),
+    "empty": ("x,z\n0,1e-6\n1,\n2,0\n", "bad.csv:3: found '', expected a number"),
+    "word": ("x,z\n0,1e-6\n1,one\n2,0\n", "bad.csv:3: found 'one', expected a number"),
+    "uneven": ("x,z\n0,1e-6\n1,0\n2.5,0\n", "found uneven positions"),
+    "falling": ("x,z\n2,1e-6\n1,0\n0,0\n", "found positions that do not rise"),
+    "one_node": ("x,z\n0,1e-6\n", "found 1 node"),
+    "no_column": ("x,height\n0,1e-6\n1,0\n", "found no column z in the header"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_FILES)
+def test_bad_file(asperity, tmp_path, name):
+    content, message = BAD_FILES[name]
+    if content:
+        write(tmp_path, "bad.csv", content)
+    surface = "shape = 'file', file = 'bad.csv', dataset = 'z'"
+    write(
+        tmp_path,
+        "case.nml",
+        CASE.format(problem="dry_line", bodies="", loads="1e6", loading="", surface=surface, more=""),
+    )
+    done = asperity("case.nml")
+    assert done.returncode == 1
+    assert done.stderr.startswith("case.nml:4: &surface_1 file: ")
+    assert message in done.stderr
+
+
+def test_constant_surface_carries_the_mean_pressure(asperity, tmp_path):
+    write(tmp_path, "flat.csv", "x,z\n" + "".join(f"{i},3e-6\n" for i in range(16)))
+    surface = "shape = 'file', file = 'flat.csv'"
+    with solve(asperity, tmp_path, surface, [1e8], more="&domain length = 16.0 /") as file:
+        np.testing.assert_allclose(file["solution/pressure"][:], 1e8)
+        assert file["sweep/mean_separation"][0] == pytest.approx(0, abs=1e-12)
+
+
+def test_all_plastic(asperity, tmp_path):
+    with solve(asperity, tmp_path, profile("C"), [4e9]) as file:
+        assert file["sweep/plastic_area_fraction"][0] == 1.0
+        assert np.all(file["solution/pressure"][:] == 4e9)
+        assert file["solution/plastic_deformation"][:].min() == pytest.approx(0, abs=1e-15)
+
+
+def test_methods_agree(asperity, tmp_path):
+    text = CASE.format(problem="dry_line", bodies=HARD, loads="100e6", loading="", surface=profile("C", 20), more="")
+    pressures = []
+    for method in ("conjugate_gradient", "steepest_descent"):
+        write(
+            tmp_path,
+            "case.nml",
+            text.replace("tolerance = 1e-12", f"method = '{method}', tolerance = 1e-6, max_cycles = 200000"),
+        )
+        assert asperity("case.nml", "--quiet").returncode == 0
+        with h5py.File(tmp_path / "case.h5") as file:
+            pressures.append(file["solution/pressure"][:])
+            assert file["report/method"][()].decode() == method
+    np.testing.assert_allclose(pressures[0], pressures[1], atol=1e-3 * 4e9)
+
+
+def test_not_converged_is_said(asperity, tmp_path):
+    text = CASE.format(problem="dry_line", bodies=HARD, loads="100e6", loading="", surface=profile("C"), more="")
+    write(tmp_path, "case.nml", text.replace("tolerance = 1e-12", "tolerance = 1e-12, max_cycles = 3"))
+    done = asperity("case.nml", "--quiet")
+    assert done.returncode == 2
+    assert "NOT CONVERGED" in done.stderr
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert file.attrs["converged"] == 0
+        assert len(file["report/residual_history"][:]) == 4
