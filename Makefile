@@ -27,29 +27,33 @@ help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
 
 build: prepare ## the program, build/bin/asperity (NATIVE=1: for this processor only)
-	fpm build --flag "$(RELEASE)"
+	@tools/fpm_build.sh --flag "$(RELEASE)"
 	@fpm install --flag "$(RELEASE)" --prefix build > build/install.log
 
 debug: prepare ## the checked program, build/bin/asperity-debug (bounds, NaN initialisation, floating-point traps)
-	fpm build --flag "$(DEBUG)"
+	@tools/fpm_build.sh --flag "$(DEBUG)"
 	@fpm install --flag "$(DEBUG)" --prefix build/debug > build/install.log
 	@mkdir -p build/bin && cp build/debug/bin/asperity build/bin/asperity-debug
 
 test: build generate ## all tests: unit tests, then end-to-end tests of build/bin/asperity
-	$(PYTHON) tools/run_tests.py build/bin/asperity fpm test --flag "$(RELEASE)" -- -v
+	@tools/fpm_build.sh --tests --flag "$(RELEASE)"
+	@$(PYTHON) tools/run_tests.py build/bin/asperity fpm test --flag "$(RELEASE)" -- -v
 
 test-debug: debug generate ## all tests with the checked build
-	$(PYTHON) tools/run_tests.py build/bin/asperity-debug fpm test --flag "$(DEBUG)" -- -v
+	@tools/fpm_build.sh --tests --flag "$(DEBUG)"
+	@$(PYTHON) tools/run_tests.py build/bin/asperity-debug fpm test --flag "$(DEBUG)" -- -v
 
 unit: prepare generate ## the unit tests alone (ARGS="-f NAME -v" chooses and lists; PFUNIT_DIR=... uses real pFUnit)
 ifdef PFUNIT_DIR
 	$(MAKE) -f tools/pfunit.mk FLAGS="$(RELEASE)" ARGS="$(ARGS)"
 else
-	fpm test --flag "$(RELEASE)" -- $(ARGS)
+	@tools/fpm_build.sh --tests --flag "$(RELEASE)"
+	@fpm test --flag "$(RELEASE)" -- $(ARGS)
 endif
 
 unit-debug: prepare generate ## the unit tests alone, checked build
-	fpm test --flag "$(DEBUG)" -- $(ARGS)
+	@tools/fpm_build.sh --tests --flag "$(DEBUG)"
+	@fpm test --flag "$(DEBUG)" -- $(ARGS)
 
 lint: ## style of Fortran, Python and shell, order of the layers, errors that nobody looks at
 	fortitude check --quiet --output-format concise

@@ -37,4 +37,5 @@ $(B):
 
 .PHONY: run library
 library:
+	tools/fpm_build.sh --flag "$(FLAGS)"
 	fpm install --flag "$(FLAGS)" --prefix $(B) > build/install.log

@@ -118,6 +118,7 @@ contains
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
 
+      if (.not. bars%has_half) return
       call estimate(bars, bars%half%h_min, bars%quarter%h_min, bars%lowest_order, summary%h_min)
       call estimate(bars, bars%half%h_min_node, bars%quarter%h_min_node, bars%lowest_order, summary%h_min_node)
       call estimate(bars, bars%half%h_central, bars%quarter%h_central, bars%lowest_order, summary%h_central)

@@ -41,7 +41,7 @@ contains
       do i = 1, size(features)
          one%features = [features(i)]
          one%features(1)%position = 0.0_wp
-         row = row + surface_height(one, nearest(x - features(i)%position, length, is_periodic), 0.0_wp)
+         row = row + surface_height(one, nearest_image(x - features(i)%position, length, is_periodic), 0.0_wp)
       end do
       do j = 1, ny
          z((j - 1)*size(x) + 1:j*size(x)) = row
@@ -56,19 +56,19 @@ contains
       integer :: j
 
       do j = 1, size(y)
-         z((j - 1)*size(x) + 1:j*size(x)) = -(nearest(x, lengths(1), is_periodic)**2 &
-                                              + nearest(y(j), lengths(2), is_periodic)**2)/(2.0_wp*radius)
+         z((j - 1)*size(x) + 1:j*size(x)) = -(nearest_image(x, lengths(1), is_periodic)**2 &
+                                              + nearest_image(y(j), lengths(2), is_periodic)**2)/(2.0_wp*radius)
       end do
    end function parabola_heights
 
    !> `distance`, on a periodic domain that to the nearest image, -L/2 ... L/2.
-   pure elemental function nearest(distance, length, is_periodic)
+   pure elemental function nearest_image(distance, length, is_periodic)
       real(wp), intent(in) :: distance, length
       logical, intent(in) :: is_periodic
-      real(wp) :: nearest
+      real(wp) :: nearest_image
 
-      nearest = distance
-      if (is_periodic) nearest = modulo(distance + 0.5_wp*length, length) - 0.5_wp*length
-   end function nearest
+      nearest_image = distance
+      if (is_periodic) nearest_image = modulo(distance + 0.5_wp*length, length) - 0.5_wp*length
+   end function nearest_image
 
 end module analytic_heights
