@@ -62,7 +62,7 @@ contains
       report%phase_seconds(phase_error_bars) = seconds
       report%phase_seconds(phase_output) = watcher%output_seconds
       report%phase_seconds(phase_transient) = max(report%phase_seconds(phase_transient) - watcher%output_seconds, 0.0_wp)
-      call set_effective(case, 'solver', 'levels', to_text(report%levels), '-')
+      call fill_chosen(case, contact, report)
       call store_input(case, watcher%writer)
       call watcher%writer%finish(state, report, error)
       if (allocated(error)) then
@@ -109,6 +109,26 @@ contains
       end if
       call writer%describe(trim(case%problem), case%title, case%namelist, scaling)
    end subroutine start_result
+
+   !> What the program has chosen in place of the user goes into the list of effective values; 0: not used by the method.
+   subroutine fill_chosen(case, contact, report)
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(report_t), intent(in) :: report
+      integer, parameter :: all_digits = 17
+
+      call set_effective(case, 'domain', 'x_inlet', to_text(contact%domain%x_inlet, all_digits), 'half-widths')
+      call set_effective(case, 'domain', 'x_outlet', to_text(contact%domain%x_outlet, all_digits), 'half-widths')
+      call set_effective(case, 'domain', 'intervals', to_text(contact%domain%intervals), '-')
+      call set_effective(case, 'solver', 'levels', to_text(report%levels), '-')
+      call set_effective(case, 'solver', 'tolerance', to_text(report%tolerance, all_digits), '-')
+      call set_effective(case, 'solver', 'max_cycles', to_text(report%max_cycles), '-')
+      call set_effective(case, 'solver', 'pre_sweeps', to_text(report%pre_sweeps), '-')
+      call set_effective(case, 'solver', 'post_sweeps', to_text(report%post_sweeps), '-')
+      call set_effective(case, 'solver', 'coarse_sweeps', to_text(report%coarse_sweeps), '-')
+      call set_effective(case, 'solver', 'relaxation', to_text(report%relaxation, all_digits), '-')
+      call set_effective(case, 'solver', 'load_relaxation', to_text(report%load_relaxation, all_digits), '-')
+   end subroutine fill_chosen
 
    !> A solution that is not made of numbers is not converged, whatever the solver says.
    subroutine refuse_nonsense(state, report)

@@ -1,7 +1,8 @@
 !> Domain and grid from the regime, where the user leaves them open.
 !>
 !> With S = sqrt(2 H_c) and H_c from the Moes fit, an inlet at X = -(1 + c S), c^2 = 9.5^2 + 42^2 r^3, r = rigid film over
-!> fit, leaves h_min starved by 1e-3 or less (measured over M 0.01-2000; 0.3-1.05e-3 in 29 runs).
+!> fit, leaves h_min starved by 1e-3 or less (measured over M 0.01-2000; 0.3-1.05e-3 in 29 runs). For another tolerance t:
+!> c^2 = (9.5 (1e-3/t)^0.4)^2 + 42^2 r^3 (1e-3/t).
 module domain_choice
    use kinds, only: wp
    use line_contact, only: film_estimate, line_contact_t
@@ -9,12 +10,14 @@ module domain_choice
    implicit none (type, external)
    private
 
-   public :: choose_domain, intervals_for, intervals_for_film
+   public :: choose_domain, inlet_error, intervals_for, intervals_for_film
 
    !> Spacing that gives 1 % in the central film: dX <= 0.045 sqrt(H_c).
    real(wp), parameter, public :: accurate_spacing = 0.045_wp
    !> Largest spacing with a positive discrete film: dX <= 0.3 sqrt(H_c), about (see `intervals_for_film`).
    real(wp), parameter, public :: coarsest_spacing = 0.3_wp
+   !> Share by which a chosen inlet may starve the film.
+   real(wp), parameter :: default_inlet_error = 1.0e-3_wp
    integer, parameter :: fewest_intervals = 256, most_intervals = 2**20
 
 contains
@@ -22,11 +25,10 @@ contains
    !> Fills what `contact%domain` leaves open: inlet, outlet, intervals.
    pure subroutine choose_domain(contact)
       type(line_contact_t), intent(inout) :: contact
-      real(wp) :: film, reach, share
+      real(wp) :: film, reach
 
       film = film_estimate(contact)
-      share = rigid_film(contact%moes_m_sum)/film
-      reach = sqrt(9.5_wp**2 + 42.0_wp**2*share**3)
+      reach = inlet_reach(contact, default_inlet_error)
       associate (domain => contact%domain)
          if (.not. domain%has_inlet) domain%x_inlet = -(1 + reach*sqrt(2*film))
          if (.not. domain%has_outlet) domain%x_outlet = max(1.5_wp, 1 + 0.5_wp*sqrt(2*film))
@@ -37,6 +39,37 @@ contains
          end if
       end associate
    end subroutine choose_domain
+
+   !> c of an inlet at X = -(1 + c S) that starves the film by the share `tolerance`.
+   pure function inlet_reach(contact, tolerance) result(reach)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: tolerance
+      real(wp) :: reach, rigid_share, ratio
+
+      rigid_share = rigid_film(contact%moes_m_sum)/film_estimate(contact)
+      ratio = default_inlet_error/tolerance
+      reach = sqrt((9.5_wp*ratio**0.4_wp)**2 + 42.0_wp**2*rigid_share**3*ratio)
+   end function inlet_reach
+
+   !> Relative error of the film thickness because the inlet is where it is and not far away: the inverse of the rule
+   !> above, by bisection, between 1e-6 and 1.
+   pure function inlet_error(contact) result(error)
+      type(line_contact_t), intent(in) :: contact
+      real(wp) :: error, reach, lower, upper
+      integer :: i
+
+      reach = (-contact%domain%x_inlet - 1)/sqrt(2*film_estimate(contact))
+      lower = log(1.0e-6_wp)
+      upper = 0.0_wp
+      do i = 1, 40
+         error = exp(0.5_wp*(lower + upper))
+         if (inlet_reach(contact, error) > reach) then
+            lower = log(error)
+         else
+            upper = log(error)
+         end if
+      end do
+   end function inlet_error
 
    !> Smallest 2^k with dX <= factor sqrt(H_c), on the contact's domain.
    pure function intervals_for(contact, factor) result(intervals)

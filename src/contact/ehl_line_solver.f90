@@ -1,7 +1,7 @@
 !> The lubricated line contact from its data to its fields: the page to read beside chapter 2 of the thesis.
 module ehl_line_solver
    use, intrinsic :: iso_fortran_env, only: int64
-   use domain_choice, only: choose_domain
+   use domain_choice, only: choose_domain, inlet_error
    use ehl_line_steady, only: solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
@@ -38,6 +38,7 @@ contains
       call choose_domain(contact)
       call new_hierarchy(hierarchy, contact, settings%levels, error)
       if (allocated(error)) return
+      report%inlet_error = inlet_error(contact)
       report%phase_seconds(phase_setup) = seconds_since(start)
 
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)

@@ -8,7 +8,7 @@ module ehl_line_steady
    use line_hierarchy, only: line_hierarchy_t, method_block_jacobi, method_newton_dense, method_newton_krylov, relaxation_t
    use nested_start, only: full_multigrid_start, hertz_start
    use observer, only: observer_t
-   use solver_choice, only: adopt, method_name, steady_attempts
+   use solver_choice, only: adopt, note_choice, steady_attempts
    use solver_settings, only: solver_settings_t
    use text, only: to_text
    implicit none (type, external)
@@ -29,6 +29,7 @@ contains
       class(observer_t), intent(inout) :: watcher
       type(report_t), intent(inout) :: report
       type(relaxation_t), allocatable :: attempts(:)
+      type(cycle_limits_t) :: limits
       character(:), allocatable :: failures
       logical :: is_sound
       integer :: i
@@ -37,7 +38,8 @@ contains
       failures = ''
       do i = 1, size(attempts)
          call adopt(hierarchy, attempts(i))
-         report%method = method_name(attempts(i))
+         limits = limits_of(settings, default_tolerance, attempts(i)%method)
+         call note_choice(report, attempts(i), limits)
          if (settings%start == 'hertz') then
             call hertz_start(hierarchy, contact)
             is_sound = .true.
@@ -45,7 +47,7 @@ contains
             call full_multigrid_start(hierarchy, contact, is_sound)
          end if
          if (is_sound) then
-            call iterate(hierarchy, contact, limits_of(settings, default_tolerance, attempts(i)%method), report, watcher)
+            call iterate(hierarchy, contact, limits, report, watcher)
             if (report%converged .or. watcher%wants_stop) return
          else
             report%converged = .false.

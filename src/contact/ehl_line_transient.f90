@@ -18,7 +18,7 @@ module ehl_line_transient
    use line_state, only: line_state_t
    use lubricant, only: fluid_density_value
    use observer, only: observer_t
-   use solver_choice, only: adopt, method_name, time_step_attempts
+   use solver_choice, only: adopt, note_choice, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t
    use state_output, only: fill_state
    use text, only: to_text
@@ -63,7 +63,7 @@ contains
       allocate (attempts, source=time_step_attempts(contact, settings))
       limits = limits_of(settings, default_tolerance, attempts(1)%method)
       if (settings%max_cycles == 0) limits%max_cycles = min(limits%max_cycles, default_cycles)
-      report%method = method_name(attempts(1))
+      call note_choice(report, attempts(1), limits)
       associate (level => hierarchy%levels(hierarchy%finest))
          time_step = merge(time%time_step, level%dx, time%time_step > 0.0_wp)
          steps = nint(time%end_time/time_step)

@@ -1,6 +1,8 @@
 !> From the words of the settings to the way the cycle relaxes, and what is tried next when it does not converge.
 module solver_choice
+   use cycle_control, only: cycle_limits_t
    use dense_jacobian, only: dense_jacobian_t
+   use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: line_hierarchy_t, method_block_jacobi, method_fas, method_newton_dense, method_newton_krylov, &
@@ -11,7 +13,7 @@ module solver_choice
    implicit none (type, external)
    private
 
-   public :: steady_attempts, time_step_attempts, adopt, method_name
+   public :: steady_attempts, time_step_attempts, adopt, method_name, note_choice
 
    !> A Newtonian contact is heavy above one of these (sum velocity): full steps of any smoother then overshoot at the
    !> spike or in the inlet.
@@ -205,6 +207,22 @@ contains
          choice%coarse_sweeps = settings%coarse_sweeps
       end if
    end subroutine override
+
+   !> Writes into the report what a way uses.
+   pure subroutine note_choice(report, choice, limits)
+      type(report_t), intent(inout) :: report
+      type(relaxation_t), intent(in) :: choice
+      type(cycle_limits_t), intent(in) :: limits
+
+      report%method = method_name(choice)
+      report%tolerance = limits%tolerance
+      report%max_cycles = limits%max_cycles
+      report%pre_sweeps = merge(choice%pre_sweeps, 0, choice%method == method_fas)
+      report%post_sweeps = merge(choice%post_sweeps, 0, choice%method == method_fas)
+      report%coarse_sweeps = choice%coarse_sweeps
+      report%relaxation = merge(choice%relaxation, 0.0_wp, choice%method == method_fas .or. choice%method == method_block_jacobi)
+      report%load_relaxation = merge(choice%load_relaxation, 0.0_wp, choice%coarse_sweeps > 0)
+   end subroutine note_choice
 
    !> Short name of a way, e.g. `fas gauss_seidel V(2,2)`.
    pure function method_name(choice) result(name)

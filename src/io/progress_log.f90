@@ -27,6 +27,9 @@ module progress_log
    !> Longest silence in a log during time steps [s].
    real(wp), parameter :: log_seconds = 60.0_wp
 
+   !> A starved inlet is told from this share of the film on.
+   real(wp), parameter :: telling_inlet_error = 5.0e-3_wp
+
    !> Progress of one case after another.
    type, extends(observer_t) :: progress_log_t
       !> Unit that is written.
@@ -174,6 +177,8 @@ contains
       call self%write_line(figure_line('p_max', summary%p_max, self%scaling%hertz_pressure, 'Pa'))
       call self%write_line('  residual  '//number_text(report%residual, 2)//'   load error '// &
                            number_text(report%load_error, 2)//'   bound '//number_text(report%tolerance_effective, 2))
+      if (report%inlet_error > telling_inlet_error) call self%write_line('  inlet     starves the film by '// &
+                           number_text(100*report%inlet_error, 2)//' % (x_inlet further out cures it)')
       call self%write_line('  result    '//path)
 
    contains
@@ -185,13 +190,16 @@ contains
          real(wp), intent(in) :: si_scale
          character(*), intent(in) :: unit
          character(:), allocatable :: line
-         character(len=56) :: row
+         character(len=72) :: row
 
          row = '  '//name
          row(13:) = '-'
          if (self%scaling%is_dimensional) row(13:) = prefixed_text(figure%value*si_scale, unit)
          row(29:) = number_text(figure%value, 6)
-         if (report%steps > 0 .and. ieee_is_finite(figure%time)) row(41:) = 'at T '//number_text(figure%time, 4)
+         if (ieee_is_finite(figure%error_estimate) .and. abs(figure%value) > 0.0_wp) then
+            row(40:) = '+- '//number_text(100*abs(figure%error_estimate/figure%value), 2)//' %'
+         end if
+         if (report%steps > 0 .and. ieee_is_finite(figure%time)) row(53:) = 'at T '//number_text(figure%time, 4)
          line = trim(row)
       end function figure_line
 

@@ -203,6 +203,8 @@ contains
                          new_label('last residual, unit of d(rho H)/dX; dry: violation of the contact conditions', '1'))
       call write_dataset(file, '/report/load_error', report%load_error, &
                          new_label('last |dX sum P - pi/2|; dry: relative error of the load', '1'))
+      call write_dataset(file, '/report/inlet_error', report%inlet_error, &
+                         new_label('relative error of the film thickness because the domain ends at its inlet (estimate)', '1'))
       call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, &
                          new_label('bound on residual and load error: max(tolerance, 5 x round-off floor)', '1'))
       call write_dataset(file, '/report/residual_history', report%residual_history(), &

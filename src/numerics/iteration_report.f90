@@ -33,6 +33,9 @@ module iteration_report
       character(:), allocatable :: reason
       !> Method that was used, 'auto' resolved.
       character(:), allocatable :: method
+      !> What the method used, in a transient that of the time steps: bounds, sweeps, under-relaxation; 0: not used by it.
+      real(wp) :: tolerance = 0.0_wp, relaxation = 0.0_wp, load_relaxation = 0.0_wp
+      integer :: max_cycles = 0, pre_sweeps = 0, post_sweeps = 0, coarse_sweeps = 0
       !> Cycles (or iterations) on the finest level, time steps included.
       integer :: cycles = 0
       !> Grid levels, the finest counted.
@@ -45,6 +48,8 @@ module iteration_report
       real(wp) :: load_error = huge(1.0_wp)
       !> max(tolerance, 5 x round-off floor of the residual) [-].
       real(wp) :: tolerance_effective = 0.0_wp
+      !> Relative error of the film thickness because the domain ends at its inlet [-].
+      real(wp) :: inlet_error = 0.0_wp
       !> Pairs of forward and backward transforms.
       integer(int64) :: fft_pairs = 0_int64
       !> Sweeps, each weighted by its share of the nodes of the finest level [-].
