@@ -70,7 +70,7 @@ def test_terminal_shows_one_updating_line(program, tmp_path):
     os.close(reader)
     assert running.returncode == 0
     lines = shown.decode().replace("\r\n", "\n").split("\n")
-    assert len(lines) == 8  # the updating line with the table's first line, six more, and what follows the last
+    assert len(lines) == 9  # the updating line with the table's first line, seven more, and what follows the last
     assert "\r" in lines[0]
     assert "cycle 1" in lines[0]
     assert lines[0].split("\r")[-1].startswith("a.nml: converged")

@@ -56,7 +56,7 @@ module progress_log
       procedure :: say
       !> Something went wrong; said in any case.
       procedure :: say_error
-      procedure, private :: update, write_line, clear
+      procedure, private :: update, write_line, write_table, clear
    end type progress_log_t
 
 contains
@@ -170,7 +170,16 @@ contains
          outcome = outcome//', '//number_text(report%wall_seconds, 3)//' s'
       end if
       if (.not. report%converged .or. .not. self%is_quiet) call self%write_line(wrapped(outcome, columns))
-      if (self%is_quiet) return
+      if (.not. self%is_quiet) call self%write_table(summary, report, path)
+   end subroutine close_case
+
+   !> The closing table: figures in SI and dimensionless with their errors, residuals, the cost of the inlet, the file.
+   subroutine write_table(self, summary, report, path)
+      class(progress_log_t), intent(inout) :: self
+      type(line_summary_t), intent(in) :: summary
+      type(report_t), intent(in) :: report
+      character(*), intent(in) :: path
+
       call self%write_line('            SI              dimensionless')
       call self%write_line(figure_line('h_min', summary%h_min, self%scaling%film, 'm'))
       call self%write_line(figure_line('h_c', summary%h_central, self%scaling%film, 'm'))
@@ -203,7 +212,7 @@ contains
          line = trim(row)
       end function figure_line
 
-   end subroutine close_case
+   end subroutine write_table
 
    !> A line of its own, unless quiet.
    subroutine say(self, message)
