@@ -75,6 +75,8 @@ contains
       case (method_newton_krylov, method_newton_dense)
          limits%max_cycles = 120
          limits%patience = 40
+      case default
+         continue
       end select
       if (settings%max_cycles > 0) limits%max_cycles = settings%max_cycles
    end function limits_of
