@@ -28,11 +28,9 @@ module dry_conjugate_gradient
       type(active_set_t) :: set
       !> v = K p - z.
       real(wp), allocatable :: v(:)
-      !> Direction t, zero off the active set, and K t.
-      real(wp), allocatable :: t(:), kt(:)
-      !> Last residual, zero off the active set.
-      real(wp), allocatable :: r(:)
-      !> s = M r; pressure on the list.
+      !> Direction t and residual r of the last iteration, zero off its active set.
+      real(wp), allocatable :: t(:), r(:)
+      !> s = M r on the list; direction, then change of p on the list.
       real(wp), allocatable :: s(:), q(:)
       !> r.s of the last iteration; 0: there is no direction yet.
       real(wp) :: descent
@@ -95,7 +93,7 @@ contains
       integer, intent(in) :: n
 
       call new_active_set(work%set, n)
-      allocate (work%v(n), work%kt(n), work%s(n), work%q(n), work%old_node(n))
+      allocate (work%v(n), work%s(n), work%q(n), work%old_node(n))
       allocate (work%t(n), work%r(n), source=0.0_wp)
       work%descent = 0.0_wp
       work%old_count = 0
@@ -111,38 +109,39 @@ contains
       v = v - problem%height
    end subroutine refresh
 
-   !> One iteration: direction, step, back into the bounds.
+   !> One iteration: direction, step, back into the bounds. Products are in single precision: they only change v, which is
+   !> computed anew now and then.
    subroutine step(problem, preconditioner, p, work, error)
       type(dry_problem_t), intent(inout) :: problem
       type(dry_preconditioner_t), intent(inout) :: preconditioner
       real(wp), contiguous, intent(inout) :: p(:)
       type(work_t), intent(inout) :: work
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: curvature, slope, length
+      real(wp) :: curvature, scale, slope, length
       logical :: is_clipped
 
-      associate (n => work%set%count)
+      associate (n => work%set%count, elastic => problem%elastic)
          call preconditioner%precondition(problem%grid, work%set%node(:n), work%set%residual(:n), work%s(:n), error)
          if (allocated(error)) return
          call find_direction(work, slope)
-         call problem%deflect(work%t, work%kt)
-         curvature = list_product(work%set%node(:n), work%t, work%kt)
-         if (.not. (curvature > 0.0_wp .and. slope > 0.0_wp)) then
-            length = 0.0_wp
-            work%descent = 0.0_wp
-         else
-            length = slope/curvature
-         end if
+         call elastic%apply_single(work%set%node(:n), work%q(:n), scale, error)
+         if (allocated(error)) return
+         curvature = scale*elastic%dot_single(work%set%node(:n), work%q(:n))
+         length = 0.0_wp
+         if (curvature > 0.0_wp .and. slope > 0.0_wp) length = slope/curvature
+         if (.not. length > 0.0_wp) work%descent = 0.0_wp
          call move(problem, p, length, work, is_clipped)
          if (is_clipped) then
-            call deflect_change(problem, work)
+            call elastic%apply_single(work%set%node(:n), work%q(:n), length, error)
+            if (allocated(error)) return
+            call elastic%add_single(length, work%v)
          else
-            work%v = work%v + length*work%kt
+            call elastic%add_single(length*scale, work%v)
          end if
       end associate
    end subroutine step
 
-   !> t = s - mean s + beta (old t on F, its mean removed), beta = max(0, s.(r - r_old)/(r.s)_old); `slope` = r.t.
+   !> t = s - mean s + beta (old t on F, its mean removed), beta = max(0, s.(r - r_old)/(r.s)_old), on the list q; `slope` = r.t.
    subroutine find_direction(work, slope)
       type(work_t), intent(inout) :: work
       real(wp), intent(out) :: slope
@@ -218,37 +217,6 @@ contains
          p(i) = p_new
       end do
    end subroutine move
-
-   !> v = v + K dp for the change of p in the list q.
-   subroutine deflect_change(problem, work)
-      type(dry_problem_t), intent(inout) :: problem
-      type(work_t), intent(inout) :: work
-      integer :: k
-
-      ! t is wanted again: it waits in s while its place holds the change.
-      do k = 1, work%set%count
-         work%s(k) = work%t(work%set%node(k))
-         work%t(work%set%node(k)) = work%q(k)
-      end do
-      call problem%deflect(work%t, work%kt)
-      work%v = work%v + work%kt
-      do k = 1, work%set%count
-         work%t(work%set%node(k)) = work%s(k)
-      end do
-   end subroutine deflect_change
-
-   !> Sum of a b over the listed nodes.
-   pure function list_product(node, a, b) result(total)
-      integer, contiguous, intent(in) :: node(:)
-      real(wp), contiguous, intent(in) :: a(:), b(:)
-      real(wp) :: total
-      integer :: k
-
-      total = 0.0_wp
-      do k = 1, size(node)
-         total = total + a(node(k))*b(node(k))
-      end do
-   end function list_product
 
    !> Why the iteration ended.
    function reason_of(report, error, stalled, max_cycles) result(reason)

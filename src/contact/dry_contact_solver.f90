@@ -25,8 +25,13 @@ module dry_contact_solver
       type(dry_settings_t) :: settings
       type(dry_preconditioner_t), private :: preconditioner
       logical, private :: is_prepared = .false.
+      !> Least and largest pressure of full contact without load; the surface must stay the same.
+      real(wp), private :: full_range(2)
+      logical, private :: has_full_range = .false.
    contains
+      procedure :: prepare
       procedure :: solve
+      procedure :: forget_surface
    end type dry_solver_t
 
 contains
@@ -56,16 +61,36 @@ contains
             return
          end if
       end if
-      pairs_before = real(problem%elastic%pairs, wp)
-      call solve_full_contact(problem, solution, is_done)
+      pairs_before = problem%elastic%pair_weight()
+      call solve_full_contact(self, problem, solution, is_done)
       if (.not. is_done) then
          call start(problem, solution, pairs_start, error)
          if (allocated(error)) return
          call iterate(self, problem, solution, pairs_start, error)
          if (allocated(error)) return
       end if
-      solution%report%fft_pairs = nint(pairs_start + real(problem%elastic%pairs, wp) - pairs_before, int64)
+      solution%report%fft_pairs = nint(pairs_start + problem%elastic%pair_weight() - pairs_before, int64)
    end subroutine solve
+
+   !> Plans the transforms, which the first solve would do otherwise. Fails (internal_error) if FFTW does.
+   subroutine prepare(self, problem, error)
+      class(dry_solver_t), intent(inout) :: self
+      type(dry_problem_t), intent(inout) :: problem
+      type(error_t), allocatable, intent(out) :: error
+
+      if (self%is_prepared) return
+      call new_dry_preconditioner(self%preconditioner, problem%grid, error)
+      if (allocated(error)) return
+      call problem%elastic%plan_single(error)
+      self%is_prepared = .true.
+   end subroutine prepare
+
+   !> The heights of the problem have changed.
+   pure subroutine forget_surface(self)
+      class(dry_solver_t), intent(inout) :: self
+
+      self%has_full_range = .false.
+   end subroutine forget_surface
 
    !> A pressure to begin with.
    subroutine start(problem, solution, pairs, error)
@@ -94,9 +119,8 @@ contains
       if (self%settings%method == method_steepest_descent) then
          call iterate_steepest_descent(problem, self%settings, solution)
       else
-         if (.not. self%is_prepared) call new_dry_preconditioner(self%preconditioner, problem%grid, error)
+         call self%prepare(problem, error)
          if (allocated(error)) return
-         self%is_prepared = .true.
          pairs = pairs - self%preconditioner%pairs()
          call iterate_conjugate_gradient(problem, self%preconditioner, self%settings, solution, error)
          if (allocated(error)) return
@@ -106,37 +130,53 @@ contains
    end subroutine iterate
 
    !> Full contact of a periodic surface, p = mean + K^-1 z, if it keeps the bounds (`is_done`).
-   subroutine solve_full_contact(problem, solution, is_done)
+   subroutine solve_full_contact(self, problem, solution, is_done)
+      class(dry_solver_t), intent(inout) :: self
       type(dry_problem_t), intent(inout) :: problem
       type(dry_solution_t), intent(inout) :: solution
       logical, intent(out) :: is_done
       type(active_set_t) :: set
-      real(wp), allocatable :: inverse(:, :), p(:), v(:)
-      real(wp) :: mean_pressure, weight
+      real(wp), allocatable :: p(:)
+      real(wp) :: mean_pressure
 
       is_done = .false.
       if (problem%grid%kernel == kernel_open) return
       mean_pressure = problem%load/size(problem%height)
-      weight = 1.0_wp/size(problem%height)
-      allocate (inverse, mold=problem%elastic%symbol)
-      inverse = 0.0_wp
-      where (problem%elastic%symbol > 0.0_wp) inverse = weight*weight/problem%elastic%symbol
-      allocate (p(size(problem%height)), v(size(problem%height)))
-      call problem%elastic%apply_symbol(inverse, problem%height, p)
+      if (self%has_full_range) then
+         if (mean_pressure + self%full_range(1) < 0.0_wp .or. mean_pressure + self%full_range(2) > problem%hardness) return
+      end if
+      call flatten(problem, p)
+      self%full_range = [minval(p), maxval(p)]
+      self%has_full_range = .true.
       p = p + mean_pressure
       is_done = minval(p) >= 0.0_wp .and. maxval(p) <= problem%hardness
       if (.not. is_done) return
-      call problem%deflect(p, v)
-      v = v - problem%height
-      call new_active_set(set, size(p))
-      call set%survey(problem, p, v)
       call move_alloc(p, solution%pressure)
-      call move_alloc(v, solution%v)
+      if (.not. allocated(solution%v)) allocate (solution%v(size(problem%height)))
+      call problem%deflect(solution%pressure, solution%v)
+      solution%v = solution%v - problem%height
+      call new_active_set(set, size(problem%height))
+      call set%survey(problem, solution%pressure, solution%v)
       solution%report%method = 'full_contact'
       solution%report%converged = .true.
       solution%report%reason = 'full contact, closed form'
       call take_survey(set, solution)
    end subroutine solve_full_contact
+
+   !> p = K^-1 z, the pressure of mean 0 that makes the surface flat.
+   subroutine flatten(problem, p)
+      type(dry_problem_t), intent(inout) :: problem
+      real(wp), allocatable, intent(out) :: p(:)
+      real(wp), allocatable :: inverse(:, :)
+      real(wp) :: weight
+
+      weight = 1.0_wp/size(problem%height)
+      allocate (inverse, mold=problem%elastic%symbol)
+      inverse = 0.0_wp
+      where (problem%elastic%symbol > 0.0_wp) inverse = weight*weight/problem%elastic%symbol
+      allocate (p(size(problem%height)))
+      call problem%elastic%apply_symbol(inverse, problem%height, p)
+   end subroutine flatten
 
    !> p = H everywhere; the datum is the one with the least plastic deformation, zero at one node.
    subroutine solve_all_plastic(problem, solution)

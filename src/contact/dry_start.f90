@@ -48,7 +48,7 @@ contains
       if (allocated(error)) return
       call iterate_conjugate_gradient(coarse, preconditioner, coarse_settings, solution, error)
       if (allocated(error)) return
-      pairs = (pairs + real(coarse%elastic%pairs, wp) + preconditioner%pairs())*size(coarse%height)/n
+      pairs = (pairs + coarse%elastic%pair_weight() + preconditioner%pairs())*size(coarse%height)/n
       if (.not. solution%kkt < 1.0_wp) return
       call hand_down(coarse%grid, solution%pressure, problem%grid, p)
    end subroutine nested_start

@@ -99,6 +99,7 @@ contains
                yielded = yielded + plastic
                problem%height = problem%height - plastic
                solution%v = solution%v + plastic
+               call solver%forget_surface()
             end if
          end do
       end associate
