@@ -95,7 +95,7 @@ stability: bench-program ## maps of where each method converges, in results/stab
 bench-program: build
 	@mkdir -p build/bench
 	@gfortran $(RELEASE) -J build/bench -I build/include $(BENCH) -L build/lib -lasperity \
-	   $$(pkg-config --libs-only-L hdf5) -lhdf5_fortran -lhdf5 $$(pkg-config --libs fftw3 openblas) -o build/bin/asperity-bench
+	   $$(pkg-config --libs-only-L hdf5) -lhdf5_fortran -lhdf5 $$(pkg-config --libs fftw3f fftw3 openblas) -o build/bin/asperity-bench
 
 docs: ## the pages of the programming interface, docs/api/index.html; a warning is an error
 	@sh tools/build_docs.sh
