@@ -75,12 +75,15 @@ figures: ## the figures of the demo again, from its result files
 	$(PYTHON) postproc/convergence.py $(DEMO)/case1.h5 $(DEMO)/case3_demo.h5 --output $(DEMO)
 	@echo "figures in $(DEMO):" && ls $(DEMO)
 
-.PHONY: chapter5 chapter6
+.PHONY: chapter5 chapter6 amplitude
 chapter5: build ## thesis, chapter 5: Cases 1 to 3, error tables, figures, statements (ARGS=--quick)
 	$(PYTHON) studies/chapter5.py $(ARGS)
 
 chapter6: build ## thesis, chapter 6: every overtaking of ridges and dents, figures, statements (ARGS=--quick)
 	$(PYTHON) studies/chapter6.py $(ARGS)
+
+amplitude: build ## what an oil film leaves of a waviness, rolling and sliding, beside published values (ARGS=--quick)
+	$(PYTHON) studies/amplitude.py $(ARGS)
 
 bench: bench-program ## speed and memory, in results/bench/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/run.py $(ARGS)
