@@ -13,6 +13,7 @@ if [ "$status" != 0 ]; then
   exit 1
 fi
 if grep -i -A 1 'warning' "$log" | grep -Ev "Undocumented ($need_no_text)|^--|^ *Parsing" >&2; then
+  echo "docs: (a text that begins with \`word:\` is taken for metadata)" >&2
   echo "docs: ford found something to complain about" >&2
   exit 1
 fi

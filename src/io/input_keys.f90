@@ -13,7 +13,7 @@ module input_keys
    !> Defaults that are no value: must be given; chosen by the program; only with certain other keys.
    character(*), parameter, public :: is_required = 'required', is_chosen = 'chosen', is_optional = '-'
 
-   !> Problems: lubricated line; dry profiles and areas; all of them.
+   !> The problems: lubricated line; dry profiles and areas; all of them.
    character(*), parameter, public :: lubricated = 'ehl_line', dry_line = 'dry_line', dry_area = 'dry_area', &
       dry = 'dry_line dry_area', every = 'ehl_line dry_line dry_area'
 
