@@ -1,6 +1,5 @@
 !> One case from its record to its result file and its exit status.
 module run_case
-   use, intrinsic :: iso_fortran_env, only: int64
    use case_outcome, only: give_up, status_converged, status_not_converged, store_input
    use case_record, only: case_t, result_path, set_effective
    use ehl_line_solver, only: solve_ehl_line
@@ -18,6 +17,7 @@ module run_case
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
    use text, only: to_text
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
@@ -80,17 +80,16 @@ contains
       type(run_observer_t), intent(inout) :: watcher
       real(wp), intent(out) :: seconds
       type(error_t), allocatable, intent(out) :: error
-      integer(int64) :: start, finish, rate
+      real(wp) :: start
 
-      call system_clock(start, rate)
+      start = wall_seconds()
       if (case%accuracy%target > 0.0_wp) then
          call choose_resolution(watcher%writer%bars, contact, case%solver, case%time, case%accuracy%target, &
             error)   ! error: the caller looks
       else if (case%accuracy%has_error_bars) then
          call run_companions(watcher%writer%bars, contact, case%solver, case%time, error)   ! error: the caller looks
       end if
-      call system_clock(finish)
-      seconds = real(finish - start, wp)/real(rate, wp)
+      seconds = wall_seconds() - start
    end subroutine prepare_error_bars
 
    !> Opens the result of `case` and writes what is known before the run. Error: it cannot be written.

@@ -13,6 +13,7 @@ module run_dry_case
    use progress_log, only: new_progress_log, progress_log_t
    use result_writer, only: open_result, result_writer_t
    use text, only: to_text
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
@@ -32,7 +33,7 @@ contains
       type(dry_scaling_t) :: scaling
       type(dry_outcome_t) :: outcome
       type(error_t), allocatable :: error
-      integer(int64) :: start, finish, rate
+      real(wp) :: start
 
       log = new_progress_log(is_quiet)
       call open_result(writer, result_path(case, output_dir), error)
@@ -41,7 +42,7 @@ contains
          return
       end if
       call writer%describe(trim(case%problem), case%title, case%namelist)
-      call system_clock(start, rate)
+      start = wall_seconds()
       associate (dry => case%dry)
          scaling = new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus)
          call solve_dry_sweep(dry%grid, dry%height, scaling, dry%loads, dry%settings, outcome, error)
@@ -51,8 +52,7 @@ contains
          call give_up(error, log, status)
          return
       end if
-      call system_clock(finish)
-      outcome%solution%report%wall_seconds = real(finish - start, wp)/real(rate, wp)
+      outcome%solution%report%wall_seconds = wall_seconds() - start
       outcome%solution%report%phase_seconds(phase_steady) = outcome%solution%report%wall_seconds
       call judge_sweep(outcome%rows, outcome%solution)
       call store_input(case, writer)

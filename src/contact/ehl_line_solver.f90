@@ -1,6 +1,5 @@
 !> The lubricated line contact from its data to its fields: the page to read beside chapter 2 of the thesis.
 module ehl_line_solver
-   use, intrinsic :: iso_fortran_env, only: int64
    use domain_choice, only: choose_domain, inlet_error
    use ehl_line_steady, only: solve_steady
    use ehl_line_transient, only: march
@@ -13,6 +12,7 @@ module ehl_line_solver
    use observer, only: observer_t
    use solver_settings, only: solver_settings_t, time_settings_t
    use state_output, only: fill_properties, fill_state
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
@@ -32,46 +32,29 @@ contains
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       type(line_hierarchy_t) :: hierarchy
-      integer(int64) :: start
+      real(wp) :: start
 
-      start = clock()
+      start = wall_seconds()
       call choose_domain(contact)
       call new_hierarchy(hierarchy, contact, settings%levels, error)
       if (allocated(error)) return
       report%inlet_error = inlet_error(contact)
-      report%phase_seconds(phase_setup) = seconds_since(start)
+      report%phase_seconds(phase_setup) = wall_seconds() - start
 
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
       call solve_steady(hierarchy, contact, settings, watcher, report)
       call fill_state(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, 0.0_wp, state)
-      report%phase_seconds(phase_steady) = seconds_since(start) - report%phase_seconds(phase_setup)
+      report%phase_seconds(phase_steady) = wall_seconds() - start - report%phase_seconds(phase_setup)
 
       if (time%is_transient .and. report%converged) then
          call march(hierarchy, contact, settings, time, watcher, state, report)
-         report%phase_seconds(phase_transient) = seconds_since(start) - sum(report%phase_seconds)
+         report%phase_seconds(phase_transient) = wall_seconds() - start - sum(report%phase_seconds)
       end if
       if (all(state%film_thickness > 0.0_wp)) call fill_properties(contact, state)
       report%levels = hierarchy%finest - hierarchy%coarsest + 1
       report%fft_pairs = total_products(hierarchy)
       report%work_units = hierarchy%work_units
-      report%wall_seconds = seconds_since(start)
+      report%wall_seconds = wall_seconds() - start
    end subroutine solve_ehl_line
-
-   !> Ticks of the system clock.
-   function clock() result(count)
-      integer(int64) :: count
-
-      call system_clock(count)
-   end function clock
-
-   !> Seconds since `start`.
-   function seconds_since(start) result(seconds)
-      integer(int64), intent(in) :: start
-      real(wp) :: seconds
-      integer(int64) :: rate
-
-      call system_clock(count_rate=rate)
-      seconds = real(clock() - start, wp)/real(rate, wp)
-   end function seconds_since
 
 end module ehl_line_solver

@@ -13,7 +13,7 @@ module error_bars
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: figure_t, keep_extremes, line_summary_t, summary_of
-   use observer, only: observer_t
+   use observer, only: silent_observer_t
    use solver_settings, only: solver_settings_t, time_settings_t
    implicit none (type, external)
    private
@@ -42,11 +42,10 @@ module error_bars
    integer, parameter :: fewest_intervals = 32, most_intervals = 2**20
 
    !> Collects the figures of a run: of its state, or the extremes over its time steps.
-   type, extends(observer_t) :: collector_t
+   type, extends(silent_observer_t) :: collector_t
       type(line_summary_t) :: summary
       logical :: is_empty = .true.
    contains
-      procedure :: on_cycle => ignore_cycle
       procedure :: on_step => collect_step
    end type collector_t
 
@@ -216,17 +215,6 @@ contains
       summary = summary_of(state)
       if (time%is_transient) summary = collector%summary
    end subroutine run_companion
-
-   !> Cycles are of no interest here.
-   subroutine ignore_cycle(self, cycle, residual, load_error)
-      class(collector_t), intent(inout) :: self
-      integer, intent(in) :: cycle
-      real(wp), intent(in) :: residual
-      real(wp), intent(in) :: load_error
-
-      associate (unused_self => self, unused_cycle => cycle, unused_residual => residual, unused_load_error => load_error)
-      end associate
-   end subroutine ignore_cycle
 
    !> Widens the extremes by one time step.
    subroutine collect_step(self, step, steps, state, report)

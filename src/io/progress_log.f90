@@ -13,6 +13,7 @@ module progress_log
    use operating_system, only: is_terminal, standard_error_descriptor
    use quantity_text, only: duration_text, number_text, prefixed_text, shortened, wrapped
    use scaling, only: scaling_t
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
@@ -92,7 +93,7 @@ contains
 
       if (self%is_quiet) return
       is_due = popcnt(cycle) == 1
-      if (self%is_updating) is_due = cycle == 1 .or. clock() - self%last_line >= update_seconds
+      if (self%is_updating) is_due = cycle == 1 .or. wall_seconds() - self%last_line >= update_seconds
       if (.not. is_due) return
       call self%update('cycle '//number_text(real(cycle, wp), 9)//'  residual '//number_text(residual, 3)// &
                        '  load error '//number_text(load_error, 3))
@@ -109,7 +110,7 @@ contains
       logical :: is_due
 
       if (self%is_quiet) return
-      now = clock()
+      now = wall_seconds()
       if (step == 0) then
          self%steps_start = now
          self%last_line = now
@@ -141,7 +142,7 @@ contains
       real(wp) :: remaining, h_min
 
       h_min = parabola_minimum(state%film_thickness)
-      remaining = (clock() - log%steps_start)*real(steps - step, wp)/real(step, wp)
+      remaining = (wall_seconds() - log%steps_start)*real(steps - step, wp)/real(step, wp)
       line = 'step '//number_text(real(step, wp), 9)//'/'//number_text(real(steps, wp), 9)//'  T '//number_text(state%time, 4)
       if (log%scaling%is_dimensional) then
          line = line//'  h_min '//prefixed_text(h_min*log%scaling%film, 'm')
@@ -241,7 +242,7 @@ contains
       integer :: status
 
       full = shortened(self%name, name_columns)//': '//line
-      self%last_line = clock()
+      self%last_line = wall_seconds()
       if (self%is_updating) then
          full = full(:min(len(full), columns - 1))
          write (self%unit, '(3a)', advance='no', iostat=status) achar(13), full, repeat(' ', max(self%shown - len(full), 0))
@@ -271,14 +272,5 @@ contains
       write (self%unit, '(a)', iostat=status) line
       flush (self%unit, iostat=status)
    end subroutine write_line
-
-   !> Seconds of a clock that only runs forwards.
-   function clock() result(seconds)
-      real(wp) :: seconds
-      integer(int64) :: ticks, rate
-
-      call system_clock(ticks, rate)
-      seconds = real(ticks, wp)/real(rate, wp)
-   end function clock
 
 end module progress_log

@@ -1,12 +1,12 @@
 !> Listens to a solver for two: the result file, which stores time steps, and the progress log.
 module run_observer
-   use, intrinsic :: iso_fortran_env, only: int64
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
    use observer, only: observer_t
    use progress_log, only: progress_log_t
    use result_writer, only: result_writer_t
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
@@ -42,14 +42,13 @@ contains
       integer, intent(in) :: steps
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
-      integer(int64) :: start, finish, rate
+      real(wp) :: start
 
-      call system_clock(start, rate)
+      start = wall_seconds()
       call self%writer%on_step(step, steps, state, report)
       self%wants_stop = self%writer%wants_stop
       call self%log%on_step(step, steps, state, report)
-      call system_clock(finish)
-      self%output_seconds = self%output_seconds + real(finish - start, wp)/real(rate, wp)
+      self%output_seconds = self%output_seconds + wall_seconds() - start
    end subroutine on_step
 
 end module run_observer

@@ -1,0 +1,21 @@
+!> Wall time.
+module wall_clock
+   use, intrinsic :: iso_fortran_env, only: int64
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: wall_seconds
+
+contains
+
+   !> Seconds on a clock of no particular zero: take differences.
+   function wall_seconds() result(seconds)
+      real(wp) :: seconds
+      integer(int64) :: ticks, rate
+
+      call system_clock(ticks, rate)
+      seconds = real(ticks, wp)/real(rate, wp)
+   end function wall_seconds
+
+end module wall_clock
