@@ -82,7 +82,7 @@ contains
       call new_dry_preconditioner(self%preconditioner, problem%grid, error)
       if (allocated(error)) return
       call problem%elastic%plan_single(error)
-      self%is_prepared = .true.
+      self%is_prepared = .not. allocated(error)
    end subroutine prepare
 
    !> The heights of the problem have changed.
