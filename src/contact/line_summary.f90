@@ -64,12 +64,13 @@ contains
       call keep_larger(summary%x_cavitation, other%x_cavitation)
    end subroutine keep_extremes
 
-   !> Smallest value of a curve on a uniform grid: vertex of the parabola through the smallest node and its neighbours, the node
-   !> itself at an end; NaN if a value is not finite. h (nx).
+   !> Smallest value of a positive curve on a uniform grid: vertex of the parabola through the smallest node and its neighbours;
+   !> the node itself at an end, or where the vertex of a film that nearly closes would be negative; NaN if a value is not
+   !> finite. h (nx).
    pure function parabola_minimum(h) result(h_min)
       real(wp), intent(in) :: h(:)
       real(wp) :: h_min
-      real(wp) :: slope, curvature
+      real(wp) :: slope, curvature, vertex
       integer :: i
 
       h_min = node_minimum(h)
@@ -78,7 +79,9 @@ contains
       if (i == 1 .or. i == size(h)) return
       slope = 0.5_wp*(h(i + 1) - h(i - 1))
       curvature = h(i + 1) - 2.0_wp*h(i) + h(i - 1)
-      if (curvature > 0.0_wp) h_min = h(i) - 0.5_wp*slope**2/curvature
+      if (curvature <= 0.0_wp) return
+      vertex = h(i) - 0.5_wp*slope**2/curvature
+      if (vertex > 0.0_wp .or. h_min <= 0.0_wp) h_min = vertex
    end function parabola_minimum
 
    !> Smallest nodal value; NaN if a value is not finite. h (nx).
