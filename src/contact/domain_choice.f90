@@ -1,7 +1,8 @@
 !> Domain and grid from the regime, where the user leaves them open.
 !>
 !> With S = sqrt(2 H_c) and H_c from the Moes fit, an inlet at X = -(1 + c S), c^2 = 9.5^2 + 42^2 r^3, r = rigid film over
-!> fit, leaves h_min starved by 1e-3 or less (measured over M 0.01-2000; 0.3-1.05e-3 in 29 runs). For another tolerance t:
+!> fit, leaves h_min starved by about 1e-3 (against twice the domain, M 0.01-1000, L 0-30: 0.05-1.27e-3 in 71 runs, most
+!> where the regimes meet, M 0.3-1). For another tolerance t:
 !> c^2 = (9.5 (1e-3/t)^0.4)^2 + 42^2 r^3 (1e-3/t).
 module domain_choice
    use kinds, only: wp
