@@ -2,6 +2,8 @@
 
 import csv
 import pathlib
+import subprocess
+import sys
 
 import h5py
 import numpy as np
@@ -287,3 +289,37 @@ def test_not_converged_is_said(asperity, tmp_path):
     with h5py.File(tmp_path / "case.h5") as file:
         assert file.attrs["converged"] == 0
         assert len(file["report/residual_history"][:]) == 4
+
+
+def figures(*arguments):
+    """Runs the figure script."""
+    command = [sys.executable, DATA.parent.parent / "postproc" / "dry.py", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_figures_of_a_profile_and_an_area(asperity, tmp_path):
+    with solve(asperity, tmp_path, profile("A"), [1e8, 2e8]):
+        pass
+    (tmp_path / "case.h5").rename(tmp_path / "profile.h5")
+    area = SYNTHETIC.format(seed=1, skewness=0.0, kurtosis=3.0)
+    more = "&domain length_x = 4e-4, length_y = 4e-4, intervals_x = 64, intervals_y = 64 /"
+    with solve(asperity, tmp_path, area, [1e8], more=more, problem="dry_area"):
+        pass
+    (tmp_path / "case.h5").rename(tmp_path / "area.h5")
+    done = figures(tmp_path / "profile.h5", tmp_path / "area.h5", "--output", tmp_path / "figures", "--format", "png")
+    assert (done.returncode, done.stderr) == (0, "")
+    names = {path.name for path in (tmp_path / "figures").iterdir()}
+    assert names == {
+        "profile_profile.png",
+        "profile_sweep.png",
+        "profile_surface.png",
+        "area_maps.png",
+        "area_surface.png",
+    }
+
+
+def test_figures_refuse_other_files(tmp_path):
+    write(tmp_path, "no.h5", "no HDF5")
+    done = figures(tmp_path / "no.h5", "--output", tmp_path)
+    assert done.returncode == 1
+    assert "no.h5" in done.stderr

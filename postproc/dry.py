@@ -1,0 +1,201 @@
+#!/usr/bin/env python3
+"""Draws dry contacts: the profile with pressure, or maps of pressure and contact; the load sweep; bearing curves and spectrum."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import figure_command
+import figure_style as style
+import h5py
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from result_file import PREFIXES, ResultError
+
+PROGRAM = "dry.py"
+EXAMPLE = "python postproc/dry.py results/dry_profile.h5 --output results"
+STATES = ("undeformed", "loaded", "unloaded")
+
+
+@dataclass
+class DryResult:
+    """What a dry result holds, in SI: datasets by name of each group."""
+
+    path: Path
+    converged: bool
+    reason: str
+    solution: dict[str, np.ndarray]
+    sweep: dict[str, np.ndarray]
+    surface: dict[str, np.ndarray]
+    hardness: float | None
+
+    @property
+    def stem(self) -> str:
+        """Name of the file without its ending."""
+        return self.path.stem
+
+    @property
+    def is_line(self) -> bool:
+        """A profile, not an area."""
+        return self.solution["pressure"].ndim == 1
+
+
+def read_dry(path: Path) -> DryResult:
+    """Reads a result; ResultError if it is not one of a dry contact."""
+    try:
+        with h5py.File(path) as file:
+            problem = file.attrs.get("problem", b"")
+            problem = problem.decode() if isinstance(problem, bytes) else str(problem)
+            if not problem.startswith("dry_") or "sweep" not in file:
+                raise ResultError(f"{path}: not a dry result of asperity (problem is '{problem}')")
+            groups = [{name: item[()] for name, item in file[group].items()} for group in ("solution", "sweep", "surface")]
+            hardness = file.get("input/effective/bodies/hardness")
+            reason = file.attrs.get("reason", b"")
+            return DryResult(
+                path,
+                bool(file.attrs.get("converged", 0)),
+                reason.decode() if isinstance(reason, bytes) else str(reason),
+                *groups,
+                None if hardness is None else float(hardness[()]),
+            )
+    except OSError as error:
+        raise ResultError(f"{path}: cannot read: {error.strerror or 'not an HDF5 file'}") from error
+
+
+def unit(values: np.ndarray, name: str) -> tuple[float, str]:
+    """Factor and prefixed unit that suit the largest of the values."""
+    largest = float(np.max(np.abs(values), initial=0.0))
+    size, prefix = next((p for p in PREFIXES if largest >= 0.9999 * p[0]), PREFIXES[-1])
+    return 1 / size, prefix + name
+
+
+def draw_profile(result: DryResult) -> Figure:
+    """Pressure above, heights below: undeformed, under load, after load."""
+    figure, (top, bottom) = style.new_figure(style.TWO_COLUMNS, 95, nrows=2, sharex=True)
+    solution = result.solution
+    fx, ux = unit(solution["x"], "m")
+    fp, up = unit(solution["pressure"], "Pa")
+    fz, uz = unit(solution["height_undeformed"], "m")
+    x = solution["x"] * fx
+    top.plot(x, solution["pressure"] * fp, **style.PRESSURE)
+    if result.hardness and solution["pressure"].max() >= result.hardness:
+        top.axhline(result.hardness * fp, **style.REFERENCE)
+        top.annotate("hardness", (x[0], result.hardness * fp), (2, -9), textcoords="offset points", fontsize=8)
+    top.set_ylabel(f"Pressure $p$ [{up}]")
+    top.set_ylim(bottom=0)
+    lines = []
+    for state, series in zip(STATES, style.SERIES, strict=False):
+        look = {key: series[key] for key in ("color", "linestyle")}
+        lines += bottom.plot(x, solution[f"height_{state}"] * fz, label=state, **look)
+    plane = (solution["height_loaded"] + solution["gap"]).mean() * fz
+    lines.append(bottom.axhline(plane, label="counterbody", **style.REFERENCE))
+    bottom.set(xlabel=f"Position $x$ [{ux}]", ylabel=f"Height $z$ [{uz}]", xlim=(x[0], x[-1]))
+    style.legend_below(figure, lines, 4)
+    return figure
+
+
+def draw_maps(result: DryResult) -> Figure:
+    """Maps of the pressure and of the contact with its plastic part."""
+    figure, (left, right) = style.new_figure(style.TWO_COLUMNS, 78, ncols=2, sharey=True)
+    solution = result.solution
+    fx, ux = unit(solution["x"], "m")
+    fp, up = unit(solution["pressure"], "Pa")
+    half = 0.5 * (solution["x"][1] - solution["x"][0]), 0.5 * (solution["y"][1] - solution["y"][0])
+    extent = [
+        (solution["x"][0] - half[0]) * fx,
+        (solution["x"][-1] + half[0]) * fx,
+        (solution["y"][0] - half[1]) * fx,
+        (solution["y"][-1] + half[1]) * fx,
+    ]
+    look = {"origin": "lower", "extent": extent, "interpolation": "nearest"}
+    pressure = solution["pressure"]
+    image = left.imshow(np.ma.masked_equal(pressure * fp, 0), cmap=style.COLOUR_MAP, **look)
+    figure.colorbar(image, ax=left, label=f"Pressure $p$ [{up}]", shrink=0.8)
+    kinds = (pressure > 0).astype(int)
+    if result.hardness:
+        kinds += pressure >= result.hardness
+    image = right.imshow(kinds, cmap="Greys", vmin=0, vmax=2, **look)
+    bar = figure.colorbar(image, ax=right, ticks=[0, 1, 2], shrink=0.8)
+    bar.ax.set_yticklabels(["open", "elastic", "plastic"])
+    left.set(xlabel=f"$x$ [{ux}]", ylabel=f"$y$ [{ux}]")
+    right.set_xlabel(f"$x$ [{ux}]")
+    return figure
+
+
+def draw_sweep(result: DryResult) -> Figure:
+    """Areas, separation and roughness over the load."""
+    figure, axes = style.new_figure(style.TWO_COLUMNS, 62, ncols=3)
+    sweep = result.sweep
+    order = np.argsort(sweep["mean_pressure"])
+    fp, up = unit(sweep["mean_pressure"], "Pa")
+    load = sweep["mean_pressure"][order] * fp
+    curves: list[tuple[Axes, str, str, str]] = [
+        (axes[0], "contact_area_fraction", "contact", "1"),
+        (axes[0], "plastic_area_fraction", "plastic", "1"),
+        (axes[1], "mean_separation", "mean separation", "m"),
+        (axes[2], "ra_undeformed", "undeformed", "m"),
+        (axes[2], "ra_loaded", "loaded", "m"),
+        (axes[2], "ra_unloaded", "unloaded", "m"),
+    ]
+    for panel, labels in zip(axes, ("Area over nominal area [-]", "Mean separation", "$Ra$"), strict=True):
+        mine = [curve for curve in curves if curve[0] is panel]
+        factor, name = (1.0, "") if mine[0][3] == "1" else unit(np.concatenate([sweep[curve[1]] for curve in mine]), "m")
+        for (_, key, label, _), series in zip(mine, style.SERIES, strict=False):
+            panel.plot(load, sweep[key][order] * factor, label=label, markevery=max(1, len(load) // 12), **series)
+        panel.set(xlabel=f"Mean pressure [{up}]", ylabel=labels + (f" [{name}]" if name else ""))
+        if len(mine) > 1:
+            panel.legend()
+    axes[0].set_ylim(bottom=0)
+    return figure
+
+
+def draw_surface(result: DryResult) -> Figure:
+    """Bearing curves and, where it is stored, the spectrum."""
+    has_power = "power_undeformed" in result.surface
+    figure, axes = style.new_figure(style.TWO_COLUMNS if has_power else style.ONE_COLUMN, 66, ncols=1 + has_power)
+    panels = np.atleast_1d(axes)
+    fz, uz = unit(result.surface["level"], "m")
+    for state, series in zip(STATES, style.SERIES, strict=False):
+        look = {key: series[key] for key in ("color", "linestyle")}
+        ratio = result.surface[f"bearing_ratio_{state}"]
+        panels[0].plot(100 * ratio, result.surface["level"] * fz, label=state, **look)
+        if has_power:
+            power = result.surface[f"power_{state}"]
+            shown = power > 1e-16 * power.max()
+            panels[1].loglog(np.flatnonzero(shown) + 1, power[shown], label=state, **look)
+    panels[0].set(xlabel="Bearing ratio [%]", ylabel=f"Height [{uz}]", xlim=(0, 100))
+    panels[0].legend()
+    if has_power:
+        panels[1].set(xlabel="Harmonic $n$ [-]", ylabel="Mean square height [m$^2$]")
+    return figure
+
+
+def draw(path: Path, options: argparse.Namespace) -> list[Path]:
+    """All figures of one result; returns their names."""
+    result = read_dry(path)
+    figure_command.warn_not_converged(PROGRAM, result)
+    kinds = {"profile": draw_profile} if result.is_line else {"maps": draw_maps}
+    if len(result.sweep["mean_pressure"]) > 1:
+        kinds["sweep"] = draw_sweep
+    kinds["surface"] = draw_surface
+    names = []
+    for kind, drawing in kinds.items():
+        figure = drawing(result)
+        style.mark_not_converged(figure, [result])
+        names += style.save_figure(figure, figure_command.targets(options, result.stem, kind))
+    return names
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Command line; returns the exit status."""
+    parser = figure_command.new_parser(PROGRAM, __doc__, EXAMPLE)
+    options = parser.parse_args(arguments)
+    return max(figure_command.guarded(PROGRAM, draw, Path(name), options) for name in options.results)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
