@@ -1,7 +1,7 @@
 !> The lubricated line contact from its data to its fields: the page to read beside chapter 2 of the thesis.
 module ehl_line_solver
    use domain_choice, only: choose_domain, inlet_error
-   use ehl_line_steady, only: solve_steady
+   use ehl_line_steady, only: coarse_grid, solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
@@ -9,14 +9,19 @@ module ehl_line_solver
    use line_contact, only: line_contact_t
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, total_products
    use line_state, only: line_state_t
-   use observer, only: observer_t
+   use observer, only: observer_t, silent_observer_t
    use solver_settings, only: solver_settings_t, time_settings_t
    use state_output, only: fill_properties, fill_state
+   use text, only: to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
    public :: solve_ehl_line
+
+   !> Methods whose failure is looked into on finer grids, up to this many intervals.
+   character(len=*), parameter :: blaming_methods(2) = [character(len=13) :: 'auto', 'newton_krylov']
+   integer, parameter :: largest_blame = 2**14
 
 contains
 
@@ -43,6 +48,7 @@ contains
 
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
       call solve_steady(hierarchy, contact, settings, watcher, report)
+      if (.not. (report%converged .or. watcher%wants_stop)) call blame_grid(contact, settings, .not. time%is_transient, report)
       call fill_state(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, 0.0_wp, state)
       report%phase_seconds(phase_steady) = wall_seconds() - start - report%phase_seconds(phase_setup)
 
@@ -56,5 +62,47 @@ contains
       report%work_units = hierarchy%work_units
       report%wall_seconds = wall_seconds() - start
    end subroutine solve_ehl_line
+
+   !> Where Newton's method finds no solution, but does so on a finer grid, the grid is to blame: says so in the reason.
+   !> Fit of film and grid (solve_steady) only know Newtonian contacts; shear thinning leaves less film.
+   subroutine blame_grid(contact, settings, with_roughness, report)
+      type(line_contact_t), intent(in) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      logical, intent(in) :: with_roughness
+      type(report_t), intent(inout) :: report
+      type(line_contact_t) :: finer
+      logical :: is_solved
+
+      if (index(report%reason, coarse_grid) == 1 .or. .not. any(settings%method == blaming_methods)) return
+      finer = contact
+      do while (finer%domain%intervals < min(largest_blame, 8*contact%domain%intervals))
+         finer%domain%intervals = 2*finer%domain%intervals
+         call try_grid(finer, with_roughness, is_solved)
+         if (.not. is_solved) cycle
+         report%reason = coarse_grid//', needs '//to_text(finer%domain%intervals)//' intervals (has '// &
+            to_text(contact%domain%intervals)//'); '//report%reason
+         return
+      end do
+   end subroutine blame_grid
+
+   !> Whether Newton's method solves a steady contact on its grid.
+   subroutine try_grid(contact, with_roughness, is_solved)
+      type(line_contact_t), intent(in) :: contact
+      logical, intent(in) :: with_roughness
+      logical, intent(out) :: is_solved
+      type(line_hierarchy_t) :: hierarchy
+      type(solver_settings_t) :: settings
+      type(silent_observer_t) :: nobody
+      type(report_t) :: report
+      type(error_t), allocatable :: error
+
+      call new_hierarchy(hierarchy, contact, 0, error)
+      is_solved = .not. allocated(error)
+      if (.not. is_solved) return
+      call pose_steady_problem(hierarchy, contact, with_roughness)
+      settings%method = 'newton_krylov'
+      call solve_steady(hierarchy, contact, settings, nobody, report)
+      is_solved = report%converged
+   end subroutine try_grid
 
 end module ehl_line_solver

@@ -16,8 +16,13 @@ module ehl_line_steady
 
    public :: solve_steady, limits_of
 
+   !> Words with which the reason begins where the grid carries no discrete film.
+   character(len=*), parameter, public :: coarse_grid = 'grid too coarse for the film'
    !> Default bound on the residuals of a steady solution.
    real(wp), parameter :: default_tolerance = 1.0e-8_wp
+   !> Lowering the Eyring stress: ratio of two steps, accuracy and cycles of each.
+   real(wp), parameter :: stress_step = 1.4_wp, rough_tolerance = 1.0e-3_wp
+   integer, parameter :: stress_cycles = 40
 
 contains
 
@@ -43,6 +48,8 @@ contains
          if (settings%start == 'hertz') then
             call hertz_start(hierarchy, contact)
             is_sound = .true.
+         else if (attempts(i)%first_stress > 1.0_wp) then
+            call start_from_stress(hierarchy, contact, attempts(i)%first_stress, is_sound)
          else
             call full_multigrid_start(hierarchy, contact, is_sound)
          end if
@@ -57,6 +64,29 @@ contains
       end do
       report%reason = too_coarse(contact)//adjustl(failures)
    end subroutine solve_steady
+
+   !> Start of an Eyring contact from the solution at a higher stress, `factor` times its own, which is lowered in steps.
+   subroutine start_from_stress(hierarchy, contact, factor, is_sound)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: factor
+      logical, intent(out) :: is_sound
+      type(line_contact_t) :: eased
+      type(report_t) :: report
+      real(wp) :: share
+
+      eased = contact
+      share = factor
+      do while (share > 1.0_wp)
+         eased%fluid%sigma_scale = contact%fluid%sigma_scale/share
+         eased%fluid%ln_b_scale = contact%fluid%ln_b_scale - log(share)
+         is_sound = .true.
+         if (share >= factor) call full_multigrid_start(hierarchy, eased, is_sound)
+         if (.not. is_sound) return
+         call iterate(hierarchy, eased, cycle_limits_t(rough_tolerance, stress_cycles, stress_cycles), report)
+         share = share/stress_step
+      end do
+   end subroutine start_from_stress
 
    !> Cycle limits: what the settings say, else by method. Plain Block-Jacobi counts blocks of sweeps and needs many; the
    !> residual of a Newton iteration may rise for long while a spike grows.
@@ -89,7 +119,7 @@ contains
 
       cause = ''
       needed = intervals_for_film(contact)
-      if (contact%domain%intervals < needed) cause = 'grid too coarse for the film, needs '//to_text(needed)//' intervals ('
+      if (contact%domain%intervals < needed) cause = coarse_grid//', needs '//to_text(needed)//' intervals ('
       if (len(cause) > 0) cause = cause//'has '//to_text(contact%domain%intervals)//'); '
    end function too_coarse
 

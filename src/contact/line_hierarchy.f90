@@ -38,6 +38,10 @@ module line_hierarchy
       real(wp) :: load_relaxation = 0.05_wp
       !> The own share K_0/pi of a node is taken no larger than -bound dX; 0: as it is.
       real(wp) :: kernel_bound = 3.0_wp
+      !> Film of the first start over the Moes film.
+      real(wp) :: start_film = 1.0_wp
+      !> The first solution sought is that of an Eyring stress higher by this factor, which is then lowered in steps.
+      real(wp) :: first_stress = 1.0_wp
       !> The film is recomputed from the pressure before every sweep (false: H is relaxed with P, as in the thesis).
       logical :: film_is_recomputed = .true.
    end type relaxation_t

@@ -118,7 +118,7 @@ contains
    end subroutine refine
 
    !> Hertz pressure, or for a thick film a bump of the width S = sqrt(2 H_c) of the pressure build-up, scaled to the load;
-   !> H0 so that H(0) is the Moes film.
+   !> H0 so that H(0) is the Moes film times `start_film` of the way.
    subroutine bump_start(hierarchy, contact, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -140,7 +140,7 @@ contains
          hierarchy%rigid_displacement = 0.0_wp
          call start_from_pressure(level, level%pressure, 0.0_wp)
          centre = minloc(abs(level%x), 1) - 1
-         hierarchy%rigid_displacement = film - level%film(centre)
+         hierarchy%rigid_displacement = hierarchy%relaxation%start_film*film - level%film(centre)
          level%film = level%film + hierarchy%rigid_displacement
       end associate
    end subroutine bump_start
