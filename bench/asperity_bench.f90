@@ -54,7 +54,7 @@ contains
          write (output_unit, '(2(",",i0),2(",",g0),3(",",i0),4(",",es10.3e3),",",i0,",",es12.5,",",i0)', advance='no') converged, &
             domain%intervals, domain%x_inlet, domain%x_outlet, report%levels, report%cycles, report%steps, report%residual, &
             report%load_error, report%tolerance_effective, first%residual, report%fft_pairs, report%work_units, outcome%runs
-         write (output_unit, '(8(",",es11.4),4(",",es23.16),2(",",es11.4))', advance='no') outcome%least, outcome%median, &
+         write (output_unit, '(8(",",es11.4),4(",",es24.16e3),2(",",es12.4e3))', advance='no') outcome%least, outcome%median, &
             first%summary%h_min%value, first%summary%h_central%value, first%summary%p_max%value, &
             first%summary%x_cavitation%value, outcome%difference, outcome%product_seconds
          write (output_unit, '(3a)') ',"', flat(report%reason), '"'
