@@ -88,6 +88,9 @@ amplitude: build ## what an oil film leaves of a waviness, rolling and sliding, 
 bench: bench-program ## speed and memory, in results/bench/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/run.py $(ARGS)
 
+bench-dry: build ## dry areas beside other programs (ARGS="--peers PYTHON": the python of an environment with tamaas, ContactMechanics)
+	$(PYTHON) bench/dry.py $(ARGS)
+
 chart: bench-program ## error against wall time of all methods, in results/chart/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/chart.py $(ARGS)
 

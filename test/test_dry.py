@@ -323,3 +323,28 @@ def test_figures_refuse_other_files(tmp_path):
     done = figures(tmp_path / "no.h5", "--output", tmp_path)
     assert done.returncode == 1
     assert "no.h5" in done.stderr
+
+
+@pytest.mark.parametrize("row", rows("jgh_512.csv")[::4], ids=lambda row: row["pbar_over_pstar"])
+def test_bisinusoid(asperity, tmp_path, row):
+    nodes, length, height = 512, 1e-3, 1e-6
+    wave = np.cos(2 * np.pi * np.arange(nodes) / nodes)
+    with h5py.File(tmp_path / "waves.h5", "w") as file:
+        file.create_dataset("z", data=height * np.outer(wave, wave)).attrs["spacing"] = length / nodes
+    full = 2**0.5 * float(np.pi) * 0.5 * 2e11 * height / length
+    text = CASE.format(
+        problem="dry_area",
+        bodies="",
+        loads=repr(float(row["pbar_over_pstar"]) * full),
+        loading="",
+        surface="shape = 'file', file = 'waves.h5', dataset = 'z'",
+        more="",
+    ).replace("youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3", "reduced_modulus = 2e11")
+    write(tmp_path, "case.nml", text.replace("1e-12", "1e-10"))
+    assert asperity("case.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "case.h5") as file:
+        sweep = {key: value[0] for key, value in file["sweep"].items()}
+    assert sweep["contact_area_fraction"] == pytest.approx(float(row["area_nodes"]), abs=1e-9)
+    assert sweep["contact_area_fraction_corrected"] == pytest.approx(float(row["area_perimeter_corrected"]), rel=1e-6)
+    assert sweep["mean_separation"] / height == pytest.approx(float(row["mean_gap_over_D"]), abs=1e-6)
+    assert sweep["p_max"] / full == pytest.approx(float(row["pmax_over_pstar"]), rel=1e-6)
