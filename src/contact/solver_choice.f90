@@ -23,7 +23,7 @@ module solver_choice
    !> An Eyring contact with L (sum velocity) above this is started from a thin film.
    real(wp), parameter :: thinning_l = 2.0_wp
    !> Up to this many intervals the dense Newton method is the last resort of 'auto'.
-   integer, parameter :: largest_dense = 2048
+   integer, parameter :: largest_dense = 512
 
 contains
 
