@@ -33,9 +33,10 @@ contains
    !> Heights z (nx*ny) [m] of mean 0 on a periodic grid `length_x` x `length_y` [m]; ny = 1 is a line.
    !>
    !> White Gaussian noise is given the spectrum C ~ const up to the roll-off, then q^(-2H - d), d = 1 (line), 2 (area)
-   !> (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1). Then each height goes through one cubic that gives
-   !> skewness and kurtosis (A. I. Fleishman, Psychometrika 43, 1978, 521), with the moments of this surface itself.
-   !> Errors (input_error): no wave fits the grid; a skewness and kurtosis that no such cubic has.
+   !> (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1). Then each height goes through one rising function that
+   !> gives skewness and kurtosis, Tukey's g and h (D. C. Hoaglin, in Exploring Data Tables, Trends, and Shapes, 1985), with the
+   !> moments of this surface itself.
+   !> Errors (input_error): no wave fits the grid; a skewness and kurtosis that no such function gives.
    subroutine synthetic_heights(wanted, grid, length_x, length_y, z, error)
       type(synthesis_t), intent(in) :: wanted
       integer, intent(in) :: grid(2)
@@ -84,68 +85,67 @@ contains
       amplitude = max(1.0_wp, waves*wanted%wavelength_rolloff)**(-wanted%hurst - 0.5_wp*dimensions)
    end function amplitude_at
 
-   !> z of mean 0 and rms 1 becomes z + c z^2 + d z^3, again with mean 0 and rms 1, with the wanted skewness and kurtosis.
+   !> z of mean 0 and rms 1 goes through Tukey's function, again with mean 0 and rms 1, with the wanted skewness and kurtosis.
    subroutine bend(skewness, kurtosis, z, error)
       real(wp), intent(in) :: skewness, kurtosis
       real(wp), intent(inout) :: z(:)
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: c, d, determinant, miss(2), miss_c(2), miss_d(2), slope(2, 2), step
+      real(wp) :: change(2), determinant, g, h, miss(2), slope(2, 2)
       integer :: i
-      real(wp), parameter :: delta = 1.0e-6_wp
+      real(wp), parameter :: delta = 1.0e-6_wp, longest_step = 0.05_wp
 
-      c = 0.0_wp
-      d = 0.0_wp
+      g = skewness/3.0_wp
+      h = 0.0_wp
       do i = 1, most_steps
-         miss = moments(z, c, d) - [skewness, kurtosis]
+         miss = moments(tukey(z, g, h)) - [skewness, kurtosis]
          if (maxval(abs(miss)) < close_enough) exit
-         miss_c = moments(z, c + delta, d) - [skewness, kurtosis]
-         miss_d = moments(z, c, d + delta) - [skewness, kurtosis]
-         slope(:, 1) = (miss_c - miss)/delta
-         slope(:, 2) = (miss_d - miss)/delta
+         slope(:, 1) = (moments(tukey(z, g + delta, h)) - [skewness, kurtosis] - miss)/delta
+         slope(:, 2) = (moments(tukey(z, g, h + delta)) - [skewness, kurtosis] - miss)/delta
          determinant = slope(1, 1)*slope(2, 2) - slope(1, 2)*slope(2, 1)
          if (.not. abs(determinant) > 0.0_wp) exit
-         step = max(1.0_wp, maxval(abs([slope(2, 2)*miss(1) - slope(1, 2)*miss(2), slope(1, 1)*miss(2) - slope(2, 1)*miss(1)] &
-            /determinant))/0.1_wp)
-         c = c - (slope(2, 2)*miss(1) - slope(1, 2)*miss(2))/(determinant*step)
-         d = d - (slope(1, 1)*miss(2) - slope(2, 1)*miss(1))/(determinant*step)
+         change = [slope(2, 2)*miss(1) - slope(1, 2)*miss(2), slope(1, 1)*miss(2) - slope(2, 1)*miss(1)]/determinant
+         change = change/max(1.0_wp, maxval(abs(change))/longest_step)
+         g = g - change(1)
+         h = h - change(2)
       end do
-      if (.not. maxval(abs(miss)) < 1.0e-6_wp .or. .not. is_rising(c, d, z)) then
+      if (.not. maxval(abs(miss)) < 1.0e-6_wp .or. .not. is_rising(z, g, h)) then
          call fail(error, input_error, 'found skewness ' // to_text(skewness) // ' and kurtosis ' // to_text(kurtosis) &
-            // ', which no rising cubic of a Gaussian surface has')
+            // ', which this Gaussian surface cannot be given')
          return
       end if
-      z = z + c*z**2 + d*z**3
+      z = tukey(z, g, h)
       z = z - sum(z)/size(z)
       z = z/(norm2(z)/sqrt(real(size(z), wp)))
    end subroutine bend
 
-   !> Skewness and kurtosis of z + c z^2 + d z^3.
-   pure function moments(z, c, d) result(values)
-      real(wp), intent(in) :: z(:), c, d
-      real(wp) :: values(2)
-      real(wp) :: mean, square, cube, fourth, y
-      integer :: i
+   !> (exp(g z) - 1)/g exp(h z^2/2): g > 0 lengthens the upper tail, h > 0 both.
+   pure elemental function tukey(z, g, h) result(y)
+      real(wp), intent(in) :: z, g, h
+      real(wp) :: y
 
-      mean = sum(z + c*z**2 + d*z**3)/size(z)
-      square = 0.0_wp
-      cube = 0.0_wp
-      fourth = 0.0_wp
-      do i = 1, size(z)
-         y = z(i) + c*z(i)**2 + d*z(i)**3 - mean
-         square = square + y**2
-         cube = cube + y**3
-         fourth = fourth + y**4
-      end do
-      square = square/size(z)
-      values = [cube/size(z)/square**1.5_wp, fourth/size(z)/square**2]
+      y = z*(1.0_wp + 0.5_wp*g*z)
+      if (abs(g*z) > 1.0e-5_wp) y = (exp(g*z) - 1.0_wp)/g
+      y = y*exp(0.5_wp*h*z**2)
+   end function tukey
+
+   !> Skewness and kurtosis of `y`.
+   pure function moments(y) result(values)
+      real(wp), intent(in) :: y(:)
+      real(wp) :: values(2)
+      real(wp) :: mean, square
+
+      mean = sum(y)/size(y)
+      square = sum((y - mean)**2)/size(y)
+      values = [sum((y - mean)**3)/size(y)/square**1.5_wp, sum((y - mean)**4)/size(y)/square**2]
    end function moments
 
-   !> True if the cubic rises at every height: it then keeps the order of the heights.
-   pure function is_rising(c, d, z)
-      real(wp), intent(in) :: c, d, z(:)
+   !> True if the function rises at every height: it then keeps their order.
+   pure function is_rising(z, g, h)
+      real(wp), intent(in) :: z(:), g, h
       logical :: is_rising
 
-      is_rising = all(1.0_wp + 2.0_wp*c*z + 3.0_wp*d*z**2 > 0.0_wp)
+      ! The derivative is y h z + exp(g z + h z^2/2).
+      is_rising = all(tukey(z, g, h)*h*z + exp(g*z + 0.5_wp*h*z**2) > 0.0_wp)
    end function is_rising
 
    !> Keeps the harmonics 1 ... `harmonics` of the periodic heights `z` (nx*ny) and drops the mean, (4.1); of an area those
