@@ -36,6 +36,7 @@ contains
       type(heights_t) :: heights
       type(value_t) :: slot
       integer :: i, nodes(2)
+      real(wp) :: given_length
 
       slot = values%slot('domain', 'periodic')
       dry%is_periodic = slot%logical
@@ -62,14 +63,16 @@ contains
             call report_missing(values, 'domain', trim(counts(i)), findings)
          end if
          slot = values%slot('domain', trim(lengths(i)))
+         given_length = 0.0_wp
+         if (slot%is_given) given_length = slot%reals(1)
          if (.not. slot%is_given .and. dry%lengths(i) <= 0.0_wp) then
             call report_missing(values, 'domain', trim(lengths(i)), findings)
          else if (slot%is_given .and. dry%lengths(i) > 0.0_wp &
-            .and. abs(slot%reals(1) - dry%lengths(i)) > same_length*dry%lengths(i)) then
-            call findings%add(slot%line, 'domain', trim(lengths(i)), 'found ' // to_text(slot%reals(1)) // ' m, expected ' &
+            .and. abs(given_length - dry%lengths(i)) > same_length*dry%lengths(i)) then
+            call findings%add(slot%line, 'domain', trim(lengths(i)), 'found ' // to_text(given_length) // ' m, expected ' &
                // to_text(dry%lengths(i)) // ' m, nodes times spacing of the file')
          else if (slot%is_given .and. dry%lengths(i) <= 0.0_wp) then
-            dry%lengths(i) = slot%reals(1)
+            dry%lengths(i) = given_length
          end if
       end do
       dry%grid%nx = nodes(1)
