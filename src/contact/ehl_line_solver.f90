@@ -48,7 +48,9 @@ contains
 
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
       call solve_steady(hierarchy, contact, settings, watcher, report)
-      if (.not. (report%converged .or. watcher%wants_stop)) call blame_grid(contact, settings, .not. time%is_transient, report)
+      if (settings%explains_failure .and. .not. (report%converged .or. watcher%wants_stop)) then
+         call blame_grid(contact, settings, .not. time%is_transient, report)
+      end if
       call fill_state(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, 0.0_wp, state)
       report%phase_seconds(phase_steady) = wall_seconds() - start - report%phase_seconds(phase_setup)
 

@@ -206,6 +206,9 @@ contains
       if (time%time_step > 0.0_wp) coarse_time%time_step = factor*time%time_step
       coarse_settings = settings
       coarse_settings%levels = 0
+      coarse_settings%explains_failure = .false.
+      ! where Newton's method finds nothing on a coarser grid, nothing does: no long search
+      if (settings%method == 'auto' .and. settings%smoother == 'auto') coarse_settings%method = 'newton_krylov'
       is_known = .false.
       if (coarse%domain%intervals < fewest_intervals) return
       call solve_ehl_line(coarse, coarse_settings, coarse_time, collector, state, report, error)

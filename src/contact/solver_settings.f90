@@ -43,6 +43,8 @@ module solver_settings
       character(len=word_length) :: method = 'auto'
       !> 'auto', 'block_jacobi', 'gauss_seidel', 'line' or 'hybrid'.
       character(len=word_length) :: smoother = 'auto'
+      !> After a failure: finer grids are tried, to learn whether the grid is the reason.
+      logical :: explains_failure = .true.
       !> First guess: 'fmg' (full multigrid) or 'hertz' (Hertz pressure on the finest grid).
       character(len=word_length) :: start = 'fmg'
       !> Bound on the residuals and the load error [-]; zero: 1e-8 steady, 1e-6 in time steps.

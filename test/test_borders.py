@@ -1,0 +1,83 @@
+"""Borders of the methods as `make stability` maps them: inside converges, outside ends with status 2 and a stated reason."""
+
+import math
+import sys
+from pathlib import Path
+
+import h5py
+import pytest
+
+sys.path.append(str(Path(__file__).resolve().parent.parent / "bench"))
+
+import namelists
+
+KRYLOV = {"method": "newton_krylov"}
+BLOCK_JACOBI = {"method": "fas_block_jacobi", "smoother": "block_jacobi", "pre_sweeps": 5, "post_sweeps": 5, "levels": 3}
+LINE = {"method": "fas_block_jacobi", "smoother": "line"}
+GAUSS_SEIDEL = {"method": "fas_block_jacobi", "smoother": "gauss_seidel"}
+
+
+def wavy(wavelength: float, amplitude: float, solver: dict) -> str:
+    """Case 1 with a wavy surface at rest; lengths in half-widths and in central films."""
+    surface = {
+        "shape": "sinusoid",
+        "amplitude": amplitude * namelists.CASE_1_FILM,
+        "wavelength": wavelength * namelists.CASE_1_HALF_WIDTH,
+    }
+    return namelists.case_1(512, solver, bodies={"speed_1": 0.0, "speed_2": 1.2}, surface_1=surface)
+
+
+def thinning(m: float, oil: float, intervals: int, solver: dict) -> str:
+    """A contact with an Eyring stress of 1 MPa, slide-to-roll 5/3."""
+    groups = namelists.steel(m, oil, 5 / 3, 1e6)
+    return namelists.namelist(groups | {"domain": {"intervals": intervals}, "solver": solver})
+
+
+def heavy(m: float, intervals: int, solver: dict) -> str:
+    """Barus, L = 10, on the domain of the thesis."""
+    return namelists.moes(m, 10, intervals, solver, domain=namelists.WINDOW)
+
+
+INSIDE = {
+    "block_jacobi_relaxation": namelists.case_1(256, BLOCK_JACOBI | {"relaxation": 0.8}),
+    "line_on_long_waves": wavy(1.0, 0.3, LINE),
+    "gauss_seidel_on_waves": wavy(0.5, 0.3, GAUSS_SEIDEL),
+    "auto_on_short_high_waves": wavy(0.25, 1.0, {}),
+    "auto_heavy_isoviscous": namelists.moes(980, 0, 2048),
+    "auto_heavy_isoviscous_window": namelists.moes(980, 0, 2048, domain=namelists.WINDOW),
+    "auto_heaviest_thinning": thinning(2000, 40, 2048, {}),
+    "auto_passes_over_coarse_levels": heavy(100, 512, {"levels": 7}),
+    "krylov_lightest": namelists.moes(0.01, 10, 256, KRYLOV),
+    "krylov_heaviest": namelists.moes(2000, 40, 1024, KRYLOV),
+}
+OUTSIDE = {
+    "block_jacobi_relaxation": (namelists.case_1(256, BLOCK_JACOBI | {"relaxation": 1.0}), "fas block_jacobi V(5,5): "),
+    "line_on_short_waves": (wavy(0.25, 0.3, LINE), "stagnation"),
+    "gauss_seidel_on_short_high_waves": (wavy(0.25, 1.0, GAUSS_SEIDEL), "stagnation"),
+    "cycle_on_a_coarse_level": (
+        heavy(100, 512, GAUSS_SEIDEL | {"levels": 7}),
+        "the exact solution of the coarse start grid failed",
+    ),
+    "too_coarse": (heavy(1000, 512, {}), "grid too coarse for the film, needs 1024 intervals (has 512)"),
+    "too_coarse_when_thinning": (thinning(980, 30, 256, {}), "grid too coarse for the film, needs 1024 intervals (has 256)"),
+}
+
+
+@pytest.mark.parametrize("name", INSIDE)
+def test_inside_converges(asperity, tmp_path, name):
+    (tmp_path / "case.nml").write_text(INSIDE[name])
+    done = asperity("case.nml", "--quiet")
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("name", OUTSIDE)
+def test_outside_says_why(asperity, tmp_path, name):
+    text, reason = OUTSIDE[name]
+    (tmp_path / "case.nml").write_text(text)
+    done = asperity("case.nml", "--quiet")
+    assert done.returncode == 2
+    with h5py.File(tmp_path / "case.h5") as file:
+        stated = file.attrs["reason"]
+        assert reason in (stated.decode() if isinstance(stated, bytes) else stated)
+        assert file.attrs["converged"] == 0
+        assert math.isfinite(float(file["solution/pressure"][()].max()))
