@@ -8,12 +8,14 @@ Form (a) is the thesis's grid (256 intervals, backward Euler, dT = dX), form (b)
 from __future__ import annotations
 
 import argparse
+import subprocess
+import sys
 from pathlib import Path
 
 import chapter6_claims
 import chapter6_figures
 from overtaking import FORMS, Situation, Thinning, film_errors, measure
-from study import Claims, Runner, StudyError, Table, finish, new_parser
+from study import ROOT, Claims, Runner, StudyError, Table, finish, new_parser
 
 PROGRAM = "chapter6.py"
 DEPTHS = tuple(range(-1, -7, -1))
@@ -140,6 +142,16 @@ def run_profiles(folder: Path, options: argparse.Namespace) -> dict[str, Path]:
     return {words: folder / f"{item.name}.h5" for words, item in situations.items()}
 
 
+def animate(options: argparse.Namespace) -> None:
+    """A film of the slow overtaking, s = 1/3, by the script for passages."""
+    item, folder = Situation(1, l2=-6), options.output / "profiles"
+    case = item.case(FORMS["b"], ("film_thickness", "pressure"))
+    Runner(folder, 1, options.program).run({item.name: case}, lambda _, path: path, keep=frozenset({item.name}))
+    script, target = ROOT / "postproc" / "transient.py", options.output / "overtaking.gif"
+    command = [sys.executable, str(script), str(folder / f"{item.name}.h5"), "--output", str(target)]
+    subprocess.run([*command, "--parts", "passage", "--frames", "80"], check=True)
+
+
 def quick(options: argparse.Namespace) -> None:
     """The two values of form (a) alone, and the seven dents of Figure 6.7 with l2 = -6."""
     items = [*EXPECTED, *(Situation(5, l2=-6, m2=width) for width in WIDTHS[1:])]
@@ -179,6 +191,7 @@ def study(options: argparse.Namespace) -> None:
     claims.show()
     claims.table.write(options.output / "statements", "Statements of chapter 6 and what was measured")
     chapter6_figures.draw(options.output, profiles, found, OVERTAKINGS)
+    animate(options)
 
 
 def main() -> None:
