@@ -22,6 +22,8 @@ module command_line
       integer :: threads = 1
       !> True: no progress.
       logical :: is_quiet = .false.
+      !> True: go on from checkpoints.
+      logical :: is_resume = .false.
    end type command_t
 
    character(len=16), parameter :: options(*) = [character(len=16) :: '--output', '--threads', '--check', '--resume', &
@@ -30,7 +32,7 @@ module command_line
 
 contains
 
-   !> Reads the arguments of the process. Errors (input_error): unknown or incomplete options, no case, `--resume`.
+   !> Reads the arguments of the process. Errors (input_error): unknown or incomplete options, no case.
    subroutine read_command_line(command, error)
       type(command_t), intent(out) :: command
       type(error_t), allocatable, intent(out) :: error
@@ -55,7 +57,7 @@ contains
             i = i + 1
             call read_option_value(command, word, argument(i), error)
          case ('--resume')
-            call fail(error, input_error, '--resume is not built yet')
+            command%is_resume = .true.
          case default
             call read_file_name(command, word, error)
          end select
@@ -147,7 +149,7 @@ contains
       text = 'asperity - contacts between rough surfaces: lubricated (elastohydrodynamic) lines, dry profiles and areas' // nl &
          // nl &
          // 'Usage:' // nl &
-         // '  asperity CASE.nml [CASE2.nml ...] [--output DIR] [--threads N] [--check] [--quiet]' // nl &
+         // '  asperity CASE.nml [CASE2.nml ...] [--output DIR] [--threads N] [--check] [--resume] [--quiet]' // nl &
          // '  asperity --template PROBLEM      write a commented, complete namelist: ehl_line, dry_line or dry_area' // nl &
          // '  asperity --keys                  every group and key: unit, default, range, meaning' // nl &
          // '  asperity --version | --help' // nl // nl &
@@ -156,15 +158,15 @@ contains
          // '  --check        read and check the namelists, compute nothing' // nl &
          // '  --quiet        no progress; errors only' // nl &
          // '  --threads N    threads of areal problems (default 1); a line contact needs one' // nl &
-         // '  --resume       go on from a checkpoint (not built yet)' // nl // nl &
+         // '  --resume       go on where an interrupted run of the same cases left off' // nl // nl &
          // 'Examples:' // nl &
          // '  asperity --template ehl_line > case.nml && asperity case.nml        first run, writes case.h5' // nl &
          // '  asperity --check case.nml                                          what is wrong with my input?' // nl &
          // '  asperity load*.nml --output results --quiet                        several cases, one after another' // nl &
          // '  ls *.nml | xargs -P 8 -n 1 asperity --quiet                        side by side on 8 cores' // nl // nl &
          // 'Exit status: 0 every case converged and was written; 1 bad input, usage or file; 2 a case did not converge' // nl &
-         // '(written, marked, with the reason); 3 a result could not be written; 4 interrupted by a signal.' // nl &
-         // 'Results go to files, progress and errors to standard error.' // nl
+         // '(written, marked, with the reason); 3 a result could not be written; 4 interrupted by a signal, checkpoint' // nl &
+         // 'written. Results go to files, progress and errors to standard error.' // nl
    end function help_text
 
 end module command_line

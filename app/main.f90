@@ -2,11 +2,13 @@
 program asperity
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use build_info, only: git_commit, program_name, program_version
+   use case_outcome, only: status_interrupted
    use case_record, only: case_t
    use command_line, only: command_t, help_text, read_command_line
    use errors, only: error_t
    use input_manual, only: keys_markdown, keys_text
    use input_template, only: template_text
+   use interruption, only: is_interrupted
    use read_cases, only: read_all_cases
    use run_case, only: run_one_case
    implicit none (type, external)
@@ -55,8 +57,11 @@ contains
                write (output_unit, '(a)') cases(i)%file // ': no findings'
                cycle
             end if
-            call run_one_case(cases(i), command%output_dir, command%is_quiet, this_status)
+            call run_one_case(cases(i), command, this_status)
             status = max(status, this_status)
+            if (.not. is_interrupted()) cycle
+            if (i < size(cases)) status = status_interrupted
+            exit
          end do
       end select
    end subroutine obey

@@ -1,18 +1,22 @@
 !> One case from its record to its result file and its exit status.
 module run_case
-   use case_outcome, only: give_up, status_converged, status_not_converged, store_input
+   use case_outcome, only: give_up, status_converged, status_interrupted, status_not_converged, status_not_written, &
+      store_input
    use case_record, only: case_t, result_path, set_effective
+   use command_line, only: command_t
    use ehl_line_solver, only: solve_ehl_line
-   use error_bars, only: choose_resolution, run_companions
+   use error_bars, only: choose_resolution, error_bars_t, run_companions
    use errors, only: error_t
    use input_keys, only: lubricated
+   use interruption, only: listen_to_signals
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_case, only: build_line_contact
    use line_contact, only: line_contact_t
    use line_state, only: all_finite, line_state_t
    use progress_log, only: new_progress_log
-   use result_writer, only: field_name_length, open_result, result_writer_t
+   use result_start, only: find_complete_result, start_result
+   use result_writer, only: clear_leftovers
    use run_dry_case, only: solve_and_write
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
@@ -25,11 +29,10 @@ module run_case
 
 contains
 
-   !> Solves `case`, writes its result to the folder `output_dir` (empty: where the case says), tells progress unless `is_quiet`.
-   subroutine run_one_case(case, output_dir, is_quiet, status)
+   !> Solves `case` as `command` says: folder of the results, whether to go on from a checkpoint, whether to tell progress.
+   subroutine run_one_case(case, command, status)
       type(case_t), intent(inout) :: case
-      character(*), intent(in) :: output_dir
-      logical, intent(in) :: is_quiet
+      type(command_t), intent(in) :: command
       integer, intent(out) :: status
       type(run_observer_t) :: watcher
       type(line_contact_t) :: contact
@@ -37,77 +40,140 @@ contains
       type(report_t) :: report
       type(scaling_t) :: scaling
       type(error_t), allocatable :: error
-      real(wp) :: seconds
+      character(:), allocatable :: path
+      logical :: is_complete, is_converged
 
+      watcher%log = new_progress_log(command%is_quiet)
+      path = result_path(case, command%output_dir)
+      if (command%is_resume) then
+         call find_complete_result(path, case, is_complete, is_converged)
+         if (is_complete) then
+            call clear_leftovers(path)
+            call watcher%log%say(case%file//': '//path//' is complete: nothing to do')
+            status = merge(status_converged, status_not_converged, is_converged)
+            return
+         end if
+      end if
       if (case%problem /= lubricated) then
-         call solve_and_write(case, output_dir, is_quiet, status)
+         call solve_and_write(case, command%output_dir, command%is_quiet, status)
          return
       end if
-      watcher%log = new_progress_log(is_quiet)
+      call listen_to_signals()
       call build_line_contact(case, scaling, contact)
       call watcher%log%start_case(case%file, scaling)
-      call start_result(case, output_dir, scaling, watcher%writer, error)
+      call watcher%start_clock()
+      call start_result(case, path, command%is_resume, scaling, watcher, error)
       if (allocated(error)) then
          call give_up(error, watcher%log, status)
          return
       end if
-      call prepare_error_bars(case, contact, watcher, seconds, error)
-      if (.not. allocated(error)) call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
+      call solve(case, contact, watcher, state, report, error)
       if (allocated(error)) then
          call watcher%writer%discard()
          call give_up(error, watcher%log, status)
-         return
+      else if (watcher%wants_stop .and. .not. report%converged .and. .not. watcher%writer%has_failed()) then
+         call suspend(watcher, status)
+      else
+         call store(case, watcher, state, report, status)
       end if
+   end subroutine run_one_case
+
+   !> The case itself, and companions on coarser grids: behind it, where they need not choose its grid.
+   subroutine solve(case, contact, watcher, state, report, error)
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(inout) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(out) :: state
+      type(report_t), intent(out) :: report
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: seconds
+
+      seconds = 0.0_wp
+      if (allocated(case%time%resume_from)) then
+         contact%domain%intervals = watcher%intervals
+         case%time%time_step = watcher%time_step
+      else if (case%accuracy%target > 0.0_wp) then
+         call compare_grids(case, contact, watcher, seconds, error)
+         if (allocated(error) .or. watcher%wants_stop) return
+      end if
+      watcher%has_companions = case%accuracy%has_error_bars .and. .not. case%accuracy%target > 0.0_wp
+      watcher%intervals = contact%domain%intervals
+      watcher%time_step = case%time%time_step
+      call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
+      if (allocated(error)) return
       call refuse_nonsense(state, report)
-      report%phase_seconds(phase_error_bars) = seconds
-      report%phase_seconds(phase_output) = watcher%output_seconds
-      report%phase_seconds(phase_transient) = max(report%phase_seconds(phase_transient) - watcher%output_seconds, 0.0_wp)
+      if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
+      if (watcher%has_companions .and. report%converged) then
+         call compare_grids(case, contact, watcher, seconds, error)
+         if (allocated(error)) return
+         report%converged = .not. watcher%wants_stop
+      end if
       call fill_chosen(case, contact, report)
+      associate (phases => report%phase_seconds)
+         phases(phase_error_bars) = phases(phase_error_bars) + seconds
+         phases(phase_output) = watcher%output_seconds
+         phases(phase_transient) = max(phases(phase_transient) - watcher%output_seconds, 0.0_wp)
+      end associate
+   end subroutine solve
+
+   !> Writes the result.
+   subroutine store(case, watcher, state, report, status)
+      type(case_t), intent(inout) :: case
+      type(run_observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(in) :: report
+      integer, intent(out) :: status
+      type(error_t), allocatable :: error
+
       call store_input(case, watcher%writer)
       call watcher%writer%finish(state, report, error)
       if (allocated(error)) then
+         if (watcher%writer%has_checkpoint) error%message = error%message//'; --resume goes on after step '// &
+            to_text(watcher%checkpoint_step)
          call give_up(error, watcher%log, status)
          return
       end if
       call watcher%log%close_case(watcher%writer%summary, report, watcher%writer%path)
       status = merge(status_converged, status_not_converged, report%converged)
-   end subroutine run_one_case
+   end subroutine store
+
+   !> The end of an interrupted run: what is needed to go on stays, and it is said where.
+   subroutine suspend(watcher, status)
+      type(run_observer_t), intent(inout) :: watcher
+      integer, intent(out) :: status
+
+      status = status_interrupted
+      if (allocated(watcher%failure)) status = status_not_written
+      if (watcher%writer%has_checkpoint) then
+         call watcher%writer%suspend()
+         call watcher%log%say_error('interrupted; --resume goes on after step '//to_text(watcher%checkpoint_step)// &
+            ' with '//watcher%writer%path//'.ckpt')
+      else
+         call watcher%writer%discard()
+         call watcher%log%say_error('interrupted without a checkpoint, nothing is kept of '//watcher%writer%path)
+      end if
+   end subroutine suspend
 
    !> Companions on coarser grids; with a target, intervals and time step too.
-   subroutine prepare_error_bars(case, contact, watcher, seconds, error)
+   subroutine compare_grids(case, contact, watcher, seconds, error)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(inout) :: contact
       type(run_observer_t), intent(inout) :: watcher
       real(wp), intent(out) :: seconds
       type(error_t), allocatable, intent(out) :: error
+      type(error_bars_t) :: bars
       real(wp) :: start
 
       start = wall_seconds()
       if (case%accuracy%target > 0.0_wp) then
-         call choose_resolution(watcher%writer%bars, contact, case%solver, case%time, case%accuracy%target, &
+         call choose_resolution(bars, contact, case%solver, case%time, case%accuracy%target, watcher, &
             error)   ! error: the caller looks
-      else if (case%accuracy%has_error_bars) then
-         call run_companions(watcher%writer%bars, contact, case%solver, case%time, error)   ! error: the caller looks
+      else
+         call run_companions(bars, contact, case%solver, case%time, watcher, error)   ! error: the caller looks
       end if
+      watcher%writer%bars = bars
       seconds = wall_seconds() - start
-   end subroutine prepare_error_bars
-
-   !> Opens the result of `case` and writes what is known before the run. Error: it cannot be written.
-   subroutine start_result(case, output_dir, scaling, writer, error)
-      type(case_t), intent(in) :: case
-      character(*), intent(in) :: output_dir
-      type(scaling_t), intent(in) :: scaling
-      type(result_writer_t), intent(out) :: writer
-      type(error_t), allocatable, intent(out) :: error
-
-      call open_result(writer, result_path(case, output_dir), error)
-      if (allocated(error)) return
-      writer%profile_stride = case%output_settings%profile_stride
-      if (allocated(case%output_settings%fields)) then
-         writer%fields = [character(len=field_name_length) :: case%output_settings%fields]
-      end if
-      call writer%describe(trim(case%problem), case%title, case%namelist, scaling)
-   end subroutine start_result
+   end subroutine compare_grids
 
    !> What the program has chosen in place of the user goes into the list of effective values; 0: not used by the method.
    subroutine fill_chosen(case, contact, report)

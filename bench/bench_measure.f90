@@ -105,7 +105,7 @@ contains
       call start_recorder(watcher, is_first .and. (job%is_reference .or. job%is_compared .or. case%time%is_transient), job%limit)
       start = clock()
       if (case%accuracy%target > 0.0_wp) then
-         call choose_resolution(bars, contact, case%solver, time, case%accuracy%target, error)
+         call choose_resolution(bars, contact, case%solver, time, case%accuracy%target, watcher, error)
          if (allocated(error)) return
       end if
       call solve_ehl_line(contact, case%solver, time, watcher, state, report, error)

@@ -163,7 +163,7 @@ BAD_CALLS = {
     "output_without_folder": (["a.nml", "--output"], "found --output without a value"),
     "threads_word": (["a.nml", "--threads", "two"], "found --threads two, expected a number of threads"),
     "no_threads": (["a.nml", "--threads", "0"], "found --threads 0, expected a number of threads"),
-    "resume": (["a.nml", "--resume"], "--resume is not built yet"),
+    "resume_of_nothing": (["--resume"], "found no namelist file"),
     "unknown_template": (["--template", "wet"], "found --template wet, expected ehl_line, dry_line or dry_area"),
     "no_template": (["--template"], "found --template without a value"),
     "two_actions": (["--keys", "--version"], "found --keys and --version, expected one of them"),

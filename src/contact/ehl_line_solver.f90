@@ -27,7 +27,8 @@ contains
 
    !> Solves one contact. Steady: with the surfaces at rest where they are. Transient: from the smooth steady contact.
    !> `contact%domain` is completed where the user left it open. The observer is told every cycle of the steady solution
-   !> and every time step. Not converging is in the report; `error` is for failures of memory and libraries.
+   !> and every time step. With `time%resume_from` the transient goes on there. Not converging is in the report; `error` is
+   !> for failures of memory and libraries.
    subroutine solve_ehl_line(contact, settings, time, watcher, state, report, error)
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -37,32 +38,37 @@ contains
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       type(line_hierarchy_t) :: hierarchy
-      real(wp) :: start
+      real(wp) :: start, begin
 
       start = wall_seconds()
+      if (allocated(time%resume_from)) report = time%resume_from%report
       call choose_domain(contact)
       call new_hierarchy(hierarchy, contact, settings%levels, error)
       if (allocated(error)) return
       report%inlet_error = inlet_error(contact)
-      report%phase_seconds(phase_setup) = wall_seconds() - start
+      hierarchy%work_units = report%work_units
+      call add_phase(report, phase_setup, start)
 
-      call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
-      call solve_steady(hierarchy, contact, settings, watcher, report)
-      if (settings%explains_failure .and. .not. (report%converged .or. watcher%wants_stop)) then
-         call blame_grid(contact, settings, .not. time%is_transient, report)
+      if (.not. allocated(time%resume_from)) then
+         begin = wall_seconds()
+         call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
+         call solve_steady(hierarchy, contact, settings, watcher, report)
+         if (settings%explains_failure .and. .not. (report%converged .or. watcher%wants_stop)) then
+            call blame_grid(contact, settings, .not. time%is_transient, report)
+         end if
+         call fill_state(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, 0.0_wp, state)
+         call add_phase(report, phase_steady, begin)
       end if
-      call fill_state(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, 0.0_wp, state)
-      report%phase_seconds(phase_steady) = wall_seconds() - start - report%phase_seconds(phase_setup)
-
       if (time%is_transient .and. report%converged) then
+         begin = wall_seconds()
          call march(hierarchy, contact, settings, time, watcher, state, report)
-         report%phase_seconds(phase_transient) = wall_seconds() - start - sum(report%phase_seconds)
+         call add_phase(report, phase_transient, begin)
       end if
       if (all(state%film_thickness > 0.0_wp)) call fill_properties(contact, state)
       report%levels = hierarchy%finest - hierarchy%coarsest + 1
-      report%fft_pairs = total_products(hierarchy)
+      report%fft_pairs = report%fft_pairs + total_products(hierarchy)
       report%work_units = hierarchy%work_units
-      report%wall_seconds = wall_seconds() - start
+      report%wall_seconds = report%wall_seconds + wall_seconds() - start
    end subroutine solve_ehl_line
 
    !> Where Newton's method finds no solution, but does so on a finer grid, the grid is to blame: says so in the reason.
@@ -106,5 +112,14 @@ contains
       call solve_steady(hierarchy, contact, settings, nobody, report)
       is_solved = report%converged
    end subroutine try_grid
+
+   !> Adds the seconds since `start` to a phase.
+   subroutine add_phase(report, phase, start)
+      type(report_t), intent(inout) :: report
+      integer, intent(in) :: phase
+      real(wp), intent(in) :: start
+
+      report%phase_seconds(phase) = report%phase_seconds(phase) + wall_seconds() - start
+   end subroutine add_phase
 
 end module ehl_line_solver

@@ -13,10 +13,11 @@ module ehl_line_transient
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: line_hierarchy_t, relaxation_t, roughness_at
+   use line_hierarchy, only: line_hierarchy_t, relaxation_t, roughness_at, total_products
    use line_level, only: film_of, line_level_t
    use line_state, only: line_state_t
    use lubricant, only: fluid_density_value
+   use march_state, only: march_state_t
    use observer, only: observer_t
    use solver_choice, only: adopt, note_choice, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t
@@ -31,21 +32,11 @@ module ehl_line_transient
    real(wp), parameter :: default_tolerance = 1.0e-6_wp
    integer, parameter :: default_cycles = 40
 
-   !> The last solutions, from which the next one is extrapolated.
-   type :: history_t
-      !> Solutions kept, up to 3; 1 is the newest.
-      integer :: size = 0
-      !> (0:n, 3)
-      real(wp), allocatable :: pressure(:, :)
-      real(wp) :: rigid_displacement(3) = 0.0_wp
-      !> rho H of the last two times (0:n, 2), for the squeeze term.
-      real(wp), allocatable :: mass(:, :)
-   end type history_t
-
 contains
 
-   !> Marches from the smooth steady solution on the finest level to `time%end_time`; the observer gets every step.
-   !> Ends early, not converged, where a step finds no solution; `state` is then the last good one.
+   !> Marches from the smooth steady solution on the finest level, or from where an earlier run stood, to `time%end_time`;
+   !> the observer gets every step. Ends early, not converged, where a step finds no solution; `state` is then the last
+   !> good one.
    subroutine march(hierarchy, contact, settings, time, watcher, state, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -56,7 +47,7 @@ contains
       type(report_t), intent(inout) :: report
       type(relaxation_t), allocatable :: attempts(:)
       type(cycle_limits_t) :: limits
-      type(history_t) :: history
+      type(march_state_t) :: history
       real(wp) :: time_step
       integer :: step, steps
 
@@ -67,16 +58,23 @@ contains
       associate (level => hierarchy%levels(hierarchy%finest))
          time_step = merge(time%time_step, level%dx, time%time_step > 0.0_wp)
          steps = nint(time%end_time/time_step)
-         level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, 0.0_wp)
-         call film_of(level, hierarchy%rigid_displacement, level%film)
-         call remember(history, contact, level, hierarchy%rigid_displacement)
-         call fill_state(contact, level, hierarchy%rigid_displacement, 0.0_wp, state)
-         call watcher%on_step(0, steps, state, report)
-         if (any(level%film <= 0.0_wp)) then
-            call refuse(report, 'film closed at T = 0: the surfaces at their start are higher than the smooth film')
-            return
+         if (allocated(time%resume_from)) then
+            history = time%resume_from
+            call take_up(history, level, hierarchy%rigid_displacement)
+            call fill_state(contact, level, hierarchy%rigid_displacement, history%step*time_step, state)
+         else
+            level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, 0.0_wp)
+            call film_of(level, hierarchy%rigid_displacement, level%film)
+            call remember(history, contact, level, hierarchy%rigid_displacement)
+            call fill_state(contact, level, hierarchy%rigid_displacement, 0.0_wp, state)
+            call watcher%on_step(0, steps, state, report)
+            if (any(level%film <= 0.0_wp)) then
+               call refuse(report, 'film closed at T = 0: the surfaces at their start are higher than the smooth film')
+               return
+            end if
+            call hand_out(history, hierarchy, report, watcher)
          end if
-         do step = 1, steps
+         do step = history%step + 1, steps
             if (watcher%wants_stop) then
                call refuse(report, 'stopped from outside')
                return
@@ -90,14 +88,42 @@ contains
                return
             end if
             call remember(history, contact, level, hierarchy%rigid_displacement)
-            call fill_state(contact, level, hierarchy%rigid_displacement, step*time_step, state)
+            history%step = step
             report%steps = step
+            call fill_state(contact, level, hierarchy%rigid_displacement, step*time_step, state)
             call watcher%on_step(step, steps, state, report)
+            call hand_out(history, hierarchy, report, watcher)
          end do
       end associate
       report%converged = .true.
       report%reason = 'converged'
    end subroutine march
+
+   !> Gives the observer where the transient stands, if it wants that.
+   subroutine hand_out(history, hierarchy, report, watcher)
+      type(march_state_t), intent(inout) :: history
+      type(line_hierarchy_t), intent(in) :: hierarchy
+      type(report_t), intent(in) :: report
+      class(observer_t), intent(inout) :: watcher
+
+      if (.not. watcher%wants_state) return
+      history%film = hierarchy%levels(hierarchy%finest)%film
+      history%report = report
+      history%report%fft_pairs = report%fft_pairs + total_products(hierarchy)
+      history%report%work_units = hierarchy%work_units
+      call watcher%keep_state(history)
+   end subroutine hand_out
+
+   !> Puts the newest solution of `history` on the level.
+   pure subroutine take_up(history, level, rigid_displacement)
+      type(march_state_t), intent(in) :: history
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(out) :: rigid_displacement
+
+      level%pressure = history%pressure(:, 1)
+      level%film = history%film
+      rigid_displacement = history%rigid_displacement(1)
+   end subroutine take_up
 
    !> Marks the report as not converged for a reason.
    pure subroutine refuse(report, reason)
@@ -112,7 +138,7 @@ contains
    subroutine begin_step(contact, level, history, new_time, time_step, is_second_order)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
-      type(history_t), intent(in) :: history
+      type(march_state_t), intent(in) :: history
       real(wp), intent(in) :: new_time, time_step
       logical, intent(in) :: is_second_order
 
@@ -132,7 +158,7 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(relaxation_t), intent(in) :: attempts(:)
       type(cycle_limits_t), intent(in) :: limits
-      type(history_t), intent(in) :: history
+      type(march_state_t), intent(in) :: history
       type(report_t), intent(inout) :: report
       real(wp) :: old_minimum
       integer :: attempt
@@ -172,7 +198,7 @@ contains
 
    !> P (cut at 0) and H0 by the parabola through the last three solutions; fewer while there are fewer.
    pure subroutine extrapolate(history, level, rigid_displacement)
-      type(history_t), intent(in) :: history
+      type(march_state_t), intent(in) :: history
       type(line_level_t), intent(inout) :: level
       real(wp), intent(out) :: rigid_displacement
 
@@ -193,7 +219,7 @@ contains
 
    !> Takes the present solution into the history.
    pure subroutine remember(history, contact, level, rigid_displacement)
-      type(history_t), intent(inout) :: history
+      type(march_state_t), intent(inout) :: history
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: rigid_displacement

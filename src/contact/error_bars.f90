@@ -13,7 +13,7 @@ module error_bars
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: figure_t, keep_extremes, line_summary_t, summary_of
-   use observer, only: silent_observer_t
+   use observer, only: observer_t, silent_observer_t
    use solver_settings, only: solver_settings_t, time_settings_t
    implicit none (type, external)
    private
@@ -45,35 +45,46 @@ module error_bars
    type, extends(silent_observer_t) :: collector_t
       type(line_summary_t) :: summary
       logical :: is_empty = .true.
+      !> Whoever may stop the run.
+      class(observer_t), pointer :: watcher => null()
    contains
+      procedure :: on_cycle => look_at_cycle
       procedure :: on_step => collect_step
    end type collector_t
 
 contains
 
-   !> Runs the case on n/2 and n/4 intervals. A companion that finds no solution leaves its figures unknown.
-   subroutine run_companions(bars, contact, settings, time, error)
+   !> Runs the case on n/2 and n/4 intervals. A companion that finds no solution, or that `watcher` stops, leaves its figures
+   !> unknown.
+   subroutine run_companions(bars, contact, settings, time, watcher, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
+      class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
+      type(collector_t) :: collector
 
       call bound_order(bars, contact, time)
-      call run_companion(contact, settings, time, 4, bars%quarter, bars%has_quarter, error)
+      collector%watcher => watcher
+      call run_companion(contact, settings, time, 4, collector, bars%has_quarter, error)
       if (allocated(error)) return
-      call run_companion(contact, settings, time, 2, bars%half, bars%has_half, error)
+      bars%quarter = collector%summary
+      call run_companion(contact, settings, time, 2, collector, bars%has_half, error)   ! error: the caller looks
+      bars%half = collector%summary
    end subroutine run_companions
 
    !> Sets `contact%domain%intervals` = 2^k and the time step, proportional to dX, to the coarsest that is predicted to keep
    !> the relative error of h_min below `target`; leaves the companions of that resolution.
-   subroutine choose_resolution(bars, contact, settings, time, target, error)
+   subroutine choose_resolution(bars, contact, settings, time, target, watcher, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(inout) :: time
       real(wp), intent(in) :: target
+      class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
+      type(collector_t) :: collector
       real(wp) :: order, eighth
       logical :: has_eighth
 
@@ -83,11 +94,14 @@ contains
       contact%domain%intervals = 0
       call choose_domain(contact)
       time%time_step = 0.0_wp
-      call run_companion(contact, settings, time, 4, bars%quarter, bars%has_quarter, error)
+      collector%watcher => watcher
+      call run_companion(contact, settings, time, 4, collector, bars%has_quarter, error)
       if (allocated(error)) return
+      bars%quarter = collector%summary
       do
-         call run_companion(contact, settings, time, 2, bars%half, bars%has_half, error)
-         if (allocated(error)) return
+         call run_companion(contact, settings, time, 2, collector, bars%has_half, error)
+         if (allocated(error) .or. watcher%wants_stop) return
+         bars%half = collector%summary
          if (bars%has_half .and. bars%has_quarter) then
             if (has_eighth) order = observed_order(bars%half%h_min%value, bars%quarter%h_min%value, eighth, &
                [bars%lowest_order, bars%highest_order])
@@ -183,19 +197,18 @@ contains
       end if
    end subroutine bound_order
 
-   !> The case on `factor` times fewer intervals with a time step as much larger, without a listener.
-   subroutine run_companion(contact, settings, time, factor, summary, is_known, error)
+   !> The case on `factor` times fewer intervals with a time step as much larger; its figures are those of `collector`.
+   subroutine run_companion(contact, settings, time, factor, collector, is_known, error)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
       integer, intent(in) :: factor
-      type(line_summary_t), intent(out) :: summary
+      type(collector_t), intent(inout) :: collector
       logical, intent(out) :: is_known
       type(error_t), allocatable, intent(out) :: error
       type(line_contact_t) :: coarse
       type(time_settings_t) :: coarse_time
       type(solver_settings_t) :: coarse_settings
-      type(collector_t) :: collector
       type(line_state_t) :: state
       type(report_t) :: report
 
@@ -210,14 +223,26 @@ contains
       ! where Newton's method finds nothing on a coarser grid, nothing does: no long search
       if (settings%method == 'auto' .and. settings%smoother == 'auto') coarse_settings%method = 'newton_krylov'
       is_known = .false.
+      collector%is_empty = .true.
       if (coarse%domain%intervals < fewest_intervals) return
       call solve_ehl_line(coarse, coarse_settings, coarse_time, collector, state, report, error)
       if (allocated(error)) return
       is_known = report%converged
-      if (.not. is_known) return
-      summary = summary_of(state)
-      if (time%is_transient) summary = collector%summary
+      if (is_known .and. .not. time%is_transient) collector%summary = summary_of(state)
    end subroutine run_companion
+
+   !> Cycles are of no interest here, but the outside is.
+   subroutine look_at_cycle(self, cycle, residual, load_error)
+      class(collector_t), intent(inout) :: self
+      integer, intent(in) :: cycle
+      real(wp), intent(in) :: residual
+      real(wp), intent(in) :: load_error
+
+      associate (unused_cycle => cycle, unused_residual => residual, unused_load_error => load_error)
+      end associate
+      call self%watcher%look_outside()
+      self%wants_stop = self%watcher%wants_stop
+   end subroutine look_at_cycle
 
    !> Widens the extremes by one time step.
    subroutine collect_step(self, step, steps, state, report)
@@ -235,6 +260,8 @@ contains
          call keep_extremes(self%summary, summary_of(state))
       end if
       self%is_empty = .false.
+      call self%watcher%look_outside()
+      self%wants_stop = self%watcher%wants_stop
    end subroutine collect_step
 
 end module error_bars

@@ -3,6 +3,7 @@ module observer
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
+   use march_state, only: march_state_t
    implicit none (type, external)
    private
 
@@ -12,11 +13,17 @@ module observer
    type, abstract :: observer_t
       !> Set by the observer: the solver ends after this cycle or step, as not converged (a full disk, a signal).
       logical :: wants_stop = .false.
+      !> Set by the observer in `on_step`: it wants to keep where the transient stands (`keep_state`).
+      logical :: wants_state = .false.
    contains
       !> After each cycle of a steady solve.
       procedure(on_cycle_interface), deferred :: on_cycle
       !> After each time step, and once at T = 0 with step = 0.
       procedure(on_step_interface), deferred :: on_step
+      !> After a time step for which `wants_state` is set.
+      procedure :: keep_state => ignore_state
+      !> Looks whether there is a reason to stop that the solver's own calls would not bring up.
+      procedure :: look_outside => ignore_outside
    end type observer_t
 
    !> An observer that ignores everything, for tests and comparisons.
@@ -52,6 +59,24 @@ module observer
    end interface
 
 contains
+
+   !> Keeps nothing.
+   subroutine ignore_state(self, history)
+      class(observer_t), intent(inout) :: self
+      type(march_state_t), intent(in) :: history
+
+      associate (unused_history => history)
+      end associate
+      self%wants_state = .false.
+   end subroutine ignore_state
+
+   !> There is no outside.
+   subroutine ignore_outside(self)
+      class(observer_t), intent(inout) :: self
+
+      associate (unused_self => self)
+      end associate
+   end subroutine ignore_outside
 
    !> Does nothing.
    subroutine ignore_cycle(self, cycle, residual, load_error)

@@ -3,6 +3,7 @@
 !> Plain records without behaviour. A value of zero (or below) means "chosen by the program"; words are lower case.
 module solver_settings
    use kinds, only: wp
+   use march_state, only: march_state_t
    implicit none (type, external)
    private
 
@@ -35,6 +36,8 @@ module solver_settings
       real(wp) :: time_step = 0.0_wp
       !> 'backward_euler'.
       character(len=word_length) :: scheme = 'backward_euler'
+      !> Where an interrupted transient goes on; not allocated: it begins at T = 0.
+      type(march_state_t), allocatable :: resume_from
    end type time_settings_t
 
    !> The method of solution and its numbers.

@@ -110,6 +110,7 @@ contains
       case%output_settings%profile_stride = slot%integer
       slot = values%slot('output', 'fields')
       case%output_settings%fields = slot%words
+      case%output_settings%checkpoint_interval = values%real_value('output', 'checkpoint_interval')
       case%accuracy%target = values%real_value('accuracy', 'target')
       slot = values%slot('accuracy', 'error_bars')
       case%accuracy%has_error_bars = slot%logical

@@ -9,7 +9,7 @@ module case_record
    implicit none (type, external)
    private
 
-   public :: accuracy_t, case_t, effective_t, output_settings_t, result_path, set_effective
+   public :: accuracy_t, case_identity, case_t, effective_t, output_settings_t, result_path, set_effective
 
    !> A value that is used, given or default, for /input/effective/<group>/<key> of the result.
    type :: effective_t
@@ -26,6 +26,8 @@ module case_record
       integer :: profile_stride
       !> Stored profiles: 'pressure', 'film_thickness'.
       character(len=word_length), allocatable :: fields(:)
+      !> Wall time between checkpoints [s].
+      real(wp) :: checkpoint_interval
    end type output_settings_t
 
    !> What is asked of the accuracy.
@@ -92,6 +94,21 @@ contains
       end if
       if (output_dir /= '') path = output_dir // '/' // path(index(path, '/', back=.true.) + 1:)
    end function result_path
+
+   !> The values that decide about the result of a case, one a line. Before anything is chosen by the program.
+   pure function case_identity(case) result(lines)
+      type(case_t), intent(in) :: case
+      character(:), allocatable :: lines
+      integer :: i
+
+      lines = '&case problem = '//trim(case%problem)
+      do i = 1, size(case%effective)
+         associate (entry => case%effective(i))
+            if (entry%group == 'case' .or. entry%key == 'checkpoint_interval') cycle
+            lines = lines//new_line('a')//'&'//entry%group//' '//entry%key//' = '//entry%value
+         end associate
+      end do
+   end function case_identity
 
    !> Sets or adds a value in the list of effective values, for instance one that the program has chosen.
    pure subroutine set_effective(case, group, key, value, unit)

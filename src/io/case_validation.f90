@@ -258,6 +258,7 @@ contains
       if (transient%has_value .and. .not. transient%logical) then
          call report_unused(values, 'output', 'profile_stride', 'with transient = .false.', findings)
          call report_unused(values, 'output', 'fields', 'with transient = .false.', findings)
+         call report_unused(values, 'output', 'checkpoint_interval', 'with transient = .false.', findings)
       end if
       fields = values%slot('output', 'fields')
       if (.not. fields%has_value) return

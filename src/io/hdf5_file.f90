@@ -6,9 +6,11 @@
 module hdf5_file
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, output_error
-   use hdf5, only: h5dont_atexit_f, h5eset_auto_f, h5f_acc_trunc_f, h5f_close_strong_f, h5f_scope_global_f, h5fclose_f, &
-      h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5kind_to_type, h5_integer_kind, h5_real_kind, h5open_f, &
-      h5p_file_access_f, h5p_link_create_f, h5pclose_f, h5pcreate_f, h5pset_create_inter_group_f, h5pset_fclose_degree_f, hid_t
+   use hdf5, only: h5f_acc_trunc_f, h5f_close_strong_f, h5f_scope_global_f, h5fclose_f, &
+      h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5kind_to_type, h5_integer_kind, h5_real_kind, &
+      h5p_file_access_f, h5p_link_create_f, h5pclose_f, h5pcreate_f, h5pset_create_inter_group_f, h5pset_fclose_degree_f, &
+      h5pset_libver_bounds_f, h5f_libver_earliest_f, h5f_libver_latest_f, hid_t
+   use hdf5_library, only: start_hdf5
    use hdf5_reason, only: last_hdf5_reason
    use kinds, only: wp
    implicit none (type, external)
@@ -53,17 +55,16 @@ contains
       integer :: status
 
       file%path = path
-      call h5dont_atexit_f(status)       ! says "failed" from the second call on, which is as good
-      call h5open_f(status)
+      call start_hdf5(status)
       call file%check(status, 'starting the HDF5 library')
-      call h5eset_auto_f(0, status)
-      call file%check(status, 'silencing the HDF5 library')
       if (.not. allocated(file%failure)) then
          file%real_type = h5kind_to_type(wp, h5_real_kind)
          file%integer_type = h5kind_to_type(int64, h5_integer_kind)
          call h5pcreate_f(h5p_file_access_f, access, status)
          call file%check(status, 'access properties')
          call h5pset_fclose_degree_f(access, h5f_close_strong_f, status)
+         call file%check(status, 'access properties')
+         call h5pset_libver_bounds_f(access, h5f_libver_earliest_f, h5f_libver_latest_f, status)
          call file%check(status, 'access properties')
          call h5pcreate_f(h5p_link_create_f, file%link_creation, status)
          call file%check(status, 'link properties')

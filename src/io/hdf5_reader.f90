@@ -3,8 +3,9 @@ module hdf5_reader
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
    use errors, only: error_t, fail, input_error
    use hdf5, only: h5aclose_f, h5aexists_f, h5aopen_f, h5aread_f, h5dclose_f, h5dget_space_f, h5dopen_f, h5dread_f, &
-      h5eset_auto_f, h5f_acc_rdonly_f, h5fclose_f, h5fopen_f, h5open_f, h5sclose_f, h5sget_simple_extent_dims_f, &
+      h5f_acc_rdonly_f, h5fclose_f, h5fopen_f, h5sclose_f, h5sget_simple_extent_dims_f, &
       h5sget_simple_extent_ndims_f, h5t_native_double, hid_t, hsize_t
+   use hdf5_library, only: start_hdf5
    use kinds, only: wp
    use text, only: to_text
    implicit none (type, external)
@@ -28,8 +29,7 @@ contains
 
       grid = 0
       spacing = 0.0_wp
-      call h5open_f(status)
-      call h5eset_auto_f(0, status)
+      call start_hdf5(status)
       call h5fopen_f(file, h5f_acc_rdonly_f, file_id, status)
       if (status /= 0) then
          call fail(error, input_error, 'cannot read ' // file // ' as HDF5')

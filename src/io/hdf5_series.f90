@@ -27,9 +27,9 @@ module hdf5_series
       character(:), allocatable, private :: path
       integer(hid_t), private :: id = -1_hid_t
    contains
-      !> Appends one record.
-      generic :: append => append_number, append_row
-      procedure, private :: append_number, append_row
+      !> Appends a record or several.
+      generic :: append => append_number, append_row, append_rows
+      procedure, private :: append_number, append_row, append_rows
    end type series_t
 
 contains
@@ -101,7 +101,7 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       real(wp), intent(in), target :: value
 
-      call append_record(self, file, [int(self%records, hsize_t)], [1_hsize_t], c_loc(value))
+      call append_records(self, file, [int(self%records, hsize_t)], [1_hsize_t], c_loc(value))
    end subroutine append_number
 
    !> Appends a row of `row_length` numbers.
@@ -110,12 +110,27 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       real(wp), intent(in), contiguous, target :: values(:)
 
-      call append_record(self, file, [0_hsize_t, int(self%records, hsize_t)], [int(self%row_length, hsize_t), 1_hsize_t], &
+      call append_records(self, file, [0_hsize_t, int(self%records, hsize_t)], [int(self%row_length, hsize_t), 1_hsize_t], &
                          c_loc(values))
    end subroutine append_row
 
-   !> Makes room for one record (`extents`) and writes it at `offset`.
-   subroutine append_record(series, file, offset, extents, values)
+   !> Appends several records: rows (row_length, n), or numbers (1, n).
+   subroutine append_rows(self, file, values)
+      class(series_t), intent(inout) :: self
+      class(hdf5_file_t), intent(inout) :: file
+      real(wp), intent(in), contiguous, target :: values(:, :)
+      integer(hsize_t) :: offset(2), extents(2)
+      integer :: first
+
+      if (size(values, 2) == 0) return
+      offset = [0_hsize_t, int(self%records, hsize_t)]
+      extents = [int(self%row_length, hsize_t), size(values, 2, kind=hsize_t)]
+      first = merge(2, 1, self%row_length == 0)
+      call append_records(self, file, offset(first:), extents(first:), c_loc(values))
+   end subroutine append_rows
+
+   !> Makes room for records (`extents`) and writes them at `offset`.
+   subroutine append_records(series, file, offset, extents, values)
       type(series_t), intent(inout) :: series
       class(hdf5_file_t), intent(inout) :: file
       integer(hsize_t), intent(in) :: offset(:)
@@ -140,7 +155,7 @@ contains
       call file%check(status, series%path)
       call h5sclose_f(file_space, status)
       call file%check(status, series%path)
-      series%records = series%records + 1
-   end subroutine append_record
+      series%records = series%records + int(extents(size(extents)))
+   end subroutine append_records
 
 end module hdf5_series

@@ -182,6 +182,8 @@ module input_keys
       'every how many time steps profiles are stored (transient)'), &
       key_row_t('output', 'fields', words_kind, '', "'pressure', 'film_thickness'", '', &
       'pressure film_thickness', '', 'the profiles that are stored (transient)'), &
+      key_row_t('output', 'checkpoint_interval', real_kind, 's', '600.0', '>= 0, <= 1e9', '', '', &
+      'wall time between checkpoints, from which asperity --resume goes on (transient)'), &
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, '>= 1e-7, <= 0.1', '', '', &
       'relative error of h_min for which intervals and time step are chosen'), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', '', '', '', &
@@ -296,7 +298,6 @@ module input_keys
       later_row_t('solver', 'film_floor', 'film breakdown'), &
       later_row_t('solver', 'on_film_breakdown', 'film breakdown'), &
       later_row_t('output', 'film_thresholds', 'film statistics'), &
-      later_row_t('output', 'checkpoint_interval', 'checkpoints'), &
       later_row_t('output', 'adequacy', 'lean models')]
 
 contains

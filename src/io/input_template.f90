@@ -64,6 +64,7 @@ module input_template
       example_t('solver', 'load_relaxation', '0.5', .false.), &
       example_t('output', 'profile_stride', '1', .false.), &
       example_t('output', 'fields', "'pressure', 'film_thickness'", .false.), &
+      example_t('output', 'checkpoint_interval', '600.0', .false.), &
       example_t('accuracy', 'target', '1e-3', .false.)]
 
    !> A synthetic rough surface, elastic-perfectly plastic, against a rigid plane, under three loads. The keys of &surface_2

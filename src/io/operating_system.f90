@@ -1,20 +1,35 @@
 !> The few services of the operating system that Fortran lacks, through the C library (POSIX).
 module operating_system
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_funptr, c_int, c_intptr_t, c_null_char, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_funptr, c_int, c_intptr_t, c_null_char, c_null_ptr, &
+      c_ptr
    implicit none (type, external)
    private
 
-   public :: ignore_file_size_signal, is_folder, is_locked, is_terminal, remove_file, rename_file
+   public :: closed, ignore_file_size_signal, is_folder, is_terminal, lock_t, opened, remove_file, rename_file, &
+      set_environment, sync_file, sync_folder
 
    !> File descriptor of standard error.
    integer, parameter, public :: standard_error_descriptor = 2
 
    !> SIGXFSZ on Linux, macOS and the BSDs.
    integer(c_int), parameter :: signal_file_size = 25_c_int
-   !> LOCK_EX + LOCK_NB: an exclusive lock or none, without waiting.
-   integer(c_int), parameter :: lock_now = 6_c_int
+   !> LOCK_EX + LOCK_NB, LOCK_SH + LOCK_NB, LOCK_UN of flock(2).
+   integer(c_int), parameter :: lock_exclusive = 6_c_int, lock_shared = 5_c_int, lock_none = 8_c_int
+   !> O_RDONLY and O_RDWR.
+   integer(c_int), parameter :: read_only = 0_c_int, read_and_write = 2_c_int
    !> SIG_IGN as an address.
    integer(c_intptr_t), parameter :: ignore_address = 1_c_intptr_t
+
+   !> A lock on a file, held until `release` or the end of the process, however that comes.
+   type :: lock_t
+      type(c_ptr), private :: stream = c_null_ptr
+   contains
+      !> Takes the lock for writing, making the file if there is none; false if another process reads or writes the file.
+      procedure :: take
+      !> Lets others read the file, but not take the lock.
+      procedure :: allow_readers
+      procedure :: release
+   end type lock_t
 
    interface
       !> rename(2): replaces `new` in one step.
@@ -76,6 +91,41 @@ module operating_system
          integer(c_int) :: status
       end function c_flock
 
+      !> open(2) without a mode: only for files that exist.
+      function c_open(path, flags) bind(c, name='open') result(descriptor)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), value :: flags
+         integer(c_int) :: descriptor
+      end function c_open
+
+      !> close(2).
+      function c_close(descriptor) bind(c, name='close') result(status)
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: descriptor
+         integer(c_int) :: status
+      end function c_close
+
+      !> fsync(2): everything written to a file reaches the disk.
+      function c_fsync(descriptor) bind(c, name='fsync') result(status)
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: descriptor
+         integer(c_int) :: status
+      end function c_fsync
+
+      !> setenv(3).
+      function c_setenv(name, value, overwrite) bind(c, name='setenv') result(status)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: name(*)
+         character(kind=c_char), intent(in) :: value(*)
+         integer(c_int), value :: overwrite
+         integer(c_int) :: status
+      end function c_setenv
+
       !> signal(2): sets what a signal does.
       function c_signal(number, action) bind(c, name='signal') result(previous)
          import :: c_funptr, c_int
@@ -113,19 +163,90 @@ contains
       inquire (file=path//'/.', exist=answer)
    end function is_folder
 
-   !> Whether a file exists and somebody else has it open for writing with a lock, as HDF5 does.
-   function is_locked(path) result(answer)
+   !> Takes the lock on `path`. A file system that knows no locks counts as taken.
+   function take(self, path) result(is_taken)
+      class(lock_t), intent(inout) :: self
       character(*), intent(in) :: path
-      logical :: answer
-      type(c_ptr) :: stream
+      logical :: is_taken
+      integer(c_int) :: descriptor
+
+      call self%release()
+      is_taken = .true.
+      self%stream = c_fopen(path//c_null_char, 'a+'//c_null_char)
+      if (.not. c_associated(self%stream)) return
+      descriptor = c_fileno(self%stream)
+      if (c_flock(descriptor, lock_exclusive) == 0_c_int) return
+      is_taken = c_flock(descriptor, lock_none) /= 0_c_int   ! releasing what one does not have always works
+      if (.not. is_taken) call self%release()
+   end function take
+
+   !> HDF5 takes a shared lock on a file that it reads.
+   subroutine allow_readers(self)
+      class(lock_t), intent(inout) :: self
       integer(c_int) :: status
 
-      answer = .false.
-      stream = c_fopen(path//c_null_char, 'r+'//c_null_char)
-      if (.not. c_associated(stream)) return
-      answer = c_flock(c_fileno(stream), lock_now) /= 0_c_int
-      status = c_fclose(stream)
-   end function is_locked
+      if (c_associated(self%stream)) status = c_flock(c_fileno(self%stream), lock_shared)
+   end subroutine allow_readers
+
+   !> Gives the lock back; twice does nothing.
+   subroutine release(self)
+      class(lock_t), intent(inout) :: self
+      integer(c_int) :: status
+
+      if (c_associated(self%stream)) status = c_fclose(self%stream)
+      self%stream = c_null_ptr
+   end subroutine release
+
+   !> Descriptor of an existing file or folder, for reading or for both; below 0: it cannot be opened.
+   function opened(path, for_writing) result(descriptor)
+      character(*), intent(in) :: path
+      logical, intent(in) :: for_writing
+      integer(c_int) :: descriptor
+
+      descriptor = c_open(path//c_null_char, merge(read_and_write, read_only, for_writing))
+   end function opened
+
+   !> Closes a descriptor; true if everything that was written to it is kept.
+   function closed(descriptor) result(is_done)
+      integer(c_int), intent(in) :: descriptor
+      logical :: is_done
+
+      is_done = c_close(descriptor) == 0_c_int
+   end function closed
+
+   !> Waits until everything written to a file or folder is on the disk; true if that worked.
+   function sync_file(path) result(is_done)
+      character(*), intent(in) :: path
+      logical :: is_done
+      integer(c_int) :: descriptor, status
+
+      descriptor = opened(path, for_writing=.false.)
+      is_done = descriptor >= 0_c_int
+      if (.not. is_done) return
+      is_done = c_fsync(descriptor) == 0_c_int
+      status = c_close(descriptor)
+   end function sync_file
+
+   !> Waits until the names in the folder of `path` are on the disk; folders that cannot do that are let be.
+   subroutine sync_folder(path)
+      character(*), intent(in) :: path
+      logical :: is_done
+
+      if (index(path, '/') > 0) then
+         is_done = sync_file(path(:index(path, '/', back=.true.)))
+      else
+         is_done = sync_file('.')
+      end if
+   end subroutine sync_folder
+
+   !> Sets an environment variable of this process, for libraries that read it.
+   subroutine set_environment(name, value)
+      character(*), intent(in) :: name
+      character(*), intent(in) :: value
+      integer(c_int) :: status
+
+      status = c_setenv(name//c_null_char, value//c_null_char, 1_c_int)
+   end subroutine set_environment
 
    !> Whether a file descriptor is a terminal.
    function is_terminal(descriptor) result(answer)

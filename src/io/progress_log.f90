@@ -46,6 +46,8 @@ module progress_log
       !> Clock [s] at the last line and at the start of the time steps.
       real(wp), private :: last_line = -huge(1.0_wp)
       real(wp), private :: steps_start = 0.0_wp
+      !> Step at which they started; -1: they have not.
+      integer, private :: first_step = -1
    contains
       procedure :: on_cycle
       procedure :: on_step
@@ -81,6 +83,7 @@ contains
       self%scaling = scaling
       self%last_line = -huge(1.0_wp)
       self%shown = 0
+      self%first_step = -1
    end subroutine start_case
 
    !> In a log cycles 1, 2, 4, 8, ...; on a terminal each, but not more than ten a second.
@@ -111,11 +114,12 @@ contains
 
       if (self%is_quiet) return
       now = wall_seconds()
-      if (step == 0) then
+      if (self%first_step < 0) then
+         self%first_step = step
          self%steps_start = now
          self%last_line = now
       end if
-      if (step == 0 .or. steps < 1) return
+      if (step == self%first_step) return
       silence = now - self%last_line
       is_due = tenths(step, steps) > tenths(step - 1, steps) .or. silence >= log_seconds
       if (self%is_updating) is_due = silence >= update_seconds
@@ -142,7 +146,7 @@ contains
       real(wp) :: remaining, h_min
 
       h_min = parabola_minimum(state%film_thickness)
-      remaining = (wall_seconds() - log%steps_start)*real(steps - step, wp)/real(step, wp)
+      remaining = (wall_seconds() - log%steps_start)*real(steps - step, wp)/real(step - log%first_step, wp)
       line = 'step '//number_text(real(step, wp), 9)//'/'//number_text(real(steps, wp), 9)//'  T '//number_text(state%time, 4)
       if (log%scaling%is_dimensional) then
          line = line//'  h_min '//prefixed_text(h_min*log%scaling%film, 'm')

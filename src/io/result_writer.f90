@@ -1,29 +1,33 @@
 !> The result file of a case, from its first line to its final name.
 !>
-!> Everything goes to NAME.part in the same folder, which is renamed to NAME when it is complete: an interrupted or failed
-!> run leaves an older NAME as it was. Time steps are streamed, so that memory does not grow with their number.
+!> While the case runs everything goes to NAME.part in the same folder. A steady result is completed there and renamed to NAME.
+!> The time steps of a transient are streamed into it, so that memory does not grow with their number; at the end the
+!> result is put together, compressed, in NAME.tmp, which is then renamed. (NAME.part of a transient comes from NAME.tmp too,
+!> with T = 0 in it, so that it never shows anything that is not there.) An interrupted or failed run leaves an older NAME as
+!> it was.
 module result_writer
-   use, intrinsic :: iso_fortran_env, only: int64
    use build_info, only: git_commit, program_name, program_version
-   use errors, only: error_t, fail, output_error
+   use case_record, only: effective_t
+   use error_bars, only: apply_error_bars, error_bars_t
+   use errors, only: error_t, fail, input_error, output_error
    use hdf5_attribute, only: write_attribute
-   use hdf5_dataset, only: label_t, new_label, write_dataset
+   use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: create_hdf5_file, hdf5_file_t
-   use hdf5_series, only: create_series, series_t
+   use input_section, only: write_input
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
-   use error_bars, only: apply_error_bars, error_bars_t
    use line_summary, only: keep_extremes, line_summary_t, summary_of
    use observer, only: observer_t
-   use operating_system, only: ignore_file_size_signal, is_folder, is_locked, remove_file, rename_file
-   use result_labels, only: field_label, field_names, field_values, quantity_label
+   use operating_system, only: ignore_file_size_signal, is_folder, lock_t, remove_file, rename_file, sync_file
+   use result_labels, only: field_names
    use result_sections, only: write_report, write_scaling, write_solution, write_summary
    use scaling, only: scaling_t
+   use transient_store, only: attach_store, create_store, transient_store_t
    implicit none (type, external)
    private
 
-   public :: open_result, result_writer_t
+   public :: clear_leftovers, open_result, reopen_result, result_writer_t
 
    !> Longest name of a field.
    integer, parameter, public :: field_name_length = len(field_names)
@@ -40,55 +44,124 @@ module result_writer
       type(line_summary_t) :: summary
       !> Companions that tell how far off the figures may be.
       type(error_bars_t) :: bars
+      !> NAME.part holds what a checkpoint needs: it stays when the run fails.
+      logical :: has_checkpoint = .false.
       !> The open file.
       type(hdf5_file_t) :: file
+      character(:), allocatable, private :: problem, title, namelist
+      type(effective_t), allocatable, private :: inputs(:)
       type(scaling_t), private :: scaling
-      type(series_t), allocatable, private :: profiles(:)
-      type(series_t), private :: time, rigid_displacement, h_min, p_max, residual
-      logical, private :: is_transient = .false.
+      type(transient_store_t), private :: store
+      !> Locks on the name NAME.part, and on the file that comes from NAME.tmp.
+      type(lock_t), private :: lock, store_lock
+      logical, private :: is_transient = .false., is_scaled = .false.
    contains
       procedure :: on_cycle
       procedure :: on_step
-      !> Writes what is known before the run.
+      !> Takes down what is known before the run.
       procedure :: describe
-      !> Writes one input value as it is used, default or not.
+      !> Takes down one input value as it is used, default or not.
       procedure :: add_input
+      !> Times stored in NAME.part.
+      procedure :: records
+      !> Brings NAME.part to the disk as far as it is written.
+      procedure :: sync
+      !> Whether something could not be written.
+      procedure :: has_failed
       !> Writes solution, summary and report, closes, and gives the file its name.
       procedure :: finish
-      !> Says whether and why the run ended, closes, and gives the file its name.
+      !> Writes input and report, closes, and gives the file its name.
       procedure :: publish
-      !> Gives the file up; nothing of it stays.
+      !> Closes NAME.part and leaves it for a later run to go on with.
+      procedure :: suspend
+      !> Gives the file up; nothing of it stays, but NAME.part if there is a checkpoint.
       procedure :: discard
+      procedure, private :: remove_checkpoint, keep_failure
    end type result_writer_t
 
 contains
 
-   !> Starts the result `path` under its temporary name; `error` says why that cannot be.
+   !> Starts the result `path` under its temporary name; `error` says why that cannot be. A checkpoint of an earlier run is
+   !> removed.
    subroutine open_result(writer, path, error)
       type(result_writer_t), intent(out) :: writer
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
       logical :: has_leftover, is_removed
 
+      inquire (file=path//'.part', exist=has_leftover)
+      call take_name(writer, path, error)
+      if (allocated(error)) return
+      call writer%remove_checkpoint()
+      call create_hdf5_file(writer%file, path//'.part', error)
+      if (allocated(error)) call writer%lock%release()
+      if (allocated(error) .and. .not. has_leftover) is_removed = remove_file(path//'.part')
+   end subroutine open_result
+
+   !> Goes on with the result `path` of an interrupted run, with its first `records` times of `nx` nodes and their `summary`.
+   !> Error: NAME.part is not what the checkpoint says.
+   subroutine reopen_result(writer, path, fields, records, nx, summary, error)
+      type(result_writer_t), intent(out) :: writer
+      character(*), intent(in) :: path
+      character(*), intent(in) :: fields(:)
+      integer, intent(in) :: records, nx
+      type(line_summary_t), intent(in) :: summary
+      type(error_t), allocatable, intent(out) :: error
+
+      logical :: has_part
+
+      inquire (file=path//'.part', exist=has_part)
+      if (.not. has_part) call fail(error, input_error, path//'.part is missing')
+      if (.not. allocated(error)) call take_name(writer, path, error)
+      if (allocated(error)) return
+      writer%fields = [character(len=field_name_length) :: fields]
+      call attach_store(writer%store, path//'.part', fields, records, nx, error)
+      if (.not. allocated(error)) then
+         call writer%store%open(path//'.part', records)
+         if (allocated(writer%store%file%failure)) error = writer%store%file%failure
+      end if
+      if (allocated(error)) then
+         call writer%suspend()
+         return
+      end if
+      call writer%lock%allow_readers()
+      writer%summary = summary
+      writer%is_transient = .true.
+      writer%has_checkpoint = .true.
+   end subroutine reopen_result
+
+   !> Removes what a run left beside its complete result `path`, if it was killed before it could do so itself.
+   subroutine clear_leftovers(path)
+      character(*), intent(in) :: path
+      type(result_writer_t) :: writer
+      logical :: has_leftover, is_removed
+
+      inquire (file=path//'.part', exist=has_leftover)
+      if (has_leftover) has_leftover = writer%lock%take(path//'.part')
+      writer%path = path
+      if (has_leftover) is_removed = remove_file(path//'.part')
+      call writer%remove_checkpoint()
+      call writer%lock%release()
+   end subroutine clear_leftovers
+
+   !> Makes sure that `path` can be the name of a result, and that nobody else is writing it.
+   subroutine take_name(writer, path, error)
+      type(result_writer_t), intent(inout) :: writer
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+
       writer%path = path
       writer%fields = [character(len=field_name_length) :: 'pressure', 'film_thickness']
+      allocate (writer%inputs(0))
       call ignore_file_size_signal()
       if (is_folder(path)) then
          call fail(error, output_error, 'cannot write '//path//': it is a folder')
-         return
-      end if
-      if (.not. is_folder(folder_of(path))) then
+      else if (.not. is_folder(folder_of(path))) then
          call fail(error, output_error, 'cannot write '//path//': there is no folder '//folder_of(path))
-         return
-      end if
-      if (is_locked(path//'.part')) then
+      else if (.not. writer%lock%take(path//'.part')) then
          call fail(error, output_error, 'cannot write '//path//': another run is writing '//path//'.part')
-         return
       end if
-      inquire (file=path//'.part', exist=has_leftover)
-      call create_hdf5_file(writer%file, path//'.part', error)
-      if (allocated(error) .and. .not. has_leftover) is_removed = remove_file(path//'.part')
-   end subroutine open_result
+   end subroutine take_name
 
    !> Program, problem and title (UTF-8), the text of the input; the reference values of a lubricated contact.
    subroutine describe(self, problem, title, namelist, scaling)
@@ -98,58 +171,51 @@ contains
       character(*), intent(in) :: namelist
       type(scaling_t), intent(in), optional :: scaling
 
-      call write_attribute(self%file, '/', 'program', program_name)
-      call write_attribute(self%file, '/', 'version', program_version)
-      call write_attribute(self%file, '/', 'git_commit', git_commit())
-      call write_attribute(self%file, '/', 'problem', problem)
-      call write_attribute(self%file, '/', 'title', title)
-      call write_dataset(self%file, '/input/namelist', namelist, new_label('the input: as a file it repeats this run', '1'))
-      if (.not. present(scaling)) return
-      self%scaling = scaling
-      call write_scaling(self%file, scaling)
+      self%problem = problem
+      self%title = title
+      self%namelist = namelist
+      self%is_scaled = present(scaling)
+      if (present(scaling)) self%scaling = scaling
+      if (self%is_transient) return
+      call write_description(self)
+      call self%file%flush()
    end subroutine describe
 
-   !> /input/effective/<group>/<key>: `value` as in a namelist, several separated by commas; stored as numbers if it has a
-   !> unit ('-': a pure number) and reads as such, else as text.
+   !> Writes what `describe` took down.
+   subroutine write_description(writer)
+      class(result_writer_t), intent(inout) :: writer
+
+      associate (file => writer%file)
+         call write_attribute(file, '/', 'program', program_name)
+         call write_attribute(file, '/', 'version', program_version)
+         call write_attribute(file, '/', 'git_commit', git_commit())
+         call write_attribute(file, '/', 'problem', writer%problem)
+         call write_attribute(file, '/', 'title', writer%title)
+         call write_dataset(file, '/input/namelist', writer%namelist, new_label('the input: as a file it repeats this run', '1'))
+         if (writer%is_scaled) call write_scaling(file, writer%scaling)
+      end associate
+   end subroutine write_description
+
+   !> An entry of /input/effective: `value` as in a namelist, several separated by commas; stored as numbers if it has a unit
+   !> ('-': a pure number) and reads as such, else as text.
    subroutine add_input(self, group, key, value, unit)
       class(result_writer_t), intent(inout) :: self
       character(*), intent(in) :: group
       character(*), intent(in) :: key
       character(*), intent(in) :: value
       character(*), intent(in) :: unit
-      character(:), allocatable :: path
-      real(wp), allocatable :: numbers(:)
-      type(label_t) :: label
+      type(effective_t), allocatable :: longer(:)
+      integer :: count
 
-      path = '/input/effective/'//group//'/'//key
-      label = new_label('&'//group//' '//key, '1')
-      if (unit == 'half-widths') then
-         label = quantity_label('&'//group//' '//key//', in half-widths', 'm', self%scaling%half_width, self%scaling)
-      else if (unit /= '' .and. unit /= '-') then
-         label%si_units = unit
-      end if
-      numbers = numbers_of(value)
-      if (unit == '' .or. size(numbers) == 0) then
-         call write_dataset(self%file, path, value, label)
-      else if (size(numbers) > 1) then
-         call write_dataset(self%file, path, numbers, label)
-      else if (scan(value, '.eEdD') == 0) then
-         call write_dataset(self%file, path, nint(numbers(1), int64), label)
-      else
-         call write_dataset(self%file, path, numbers(1), label)
-      end if
+      count = size(self%inputs)
+      allocate (longer(count + 1))
+      longer(:count) = self%inputs
+      longer(count + 1)%group = group
+      longer(count + 1)%key = key
+      longer(count + 1)%value = value
+      longer(count + 1)%unit = unit
+      call move_alloc(longer, self%inputs)
    end subroutine add_input
-
-   !> The numbers in a list separated by commas; none if one of them is not a number.
-   pure function numbers_of(list) result(numbers)
-      character(*), intent(in) :: list
-      real(wp), allocatable :: numbers(:)
-      integer :: i, status
-
-      allocate (numbers(1 + count([(list(i:i) == ',', i=1, len(list))])))
-      read (list, *, iostat=status) numbers
-      if (status /= 0) numbers = [real(wp) ::]
-   end function numbers_of
 
    !> Cycles are not stored here: the report has their history.
    subroutine on_cycle(self, cycle, residual, load_error)
@@ -171,77 +237,119 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       type(line_summary_t) :: summary
-      integer :: i
 
-      associate (unused_steps => steps)
-      end associate
       if (mod(step, self%profile_stride) /= 0) return
       summary = summary_of(state)
       if (.not. self%is_transient) then
-         call start_series(self, state)
+         call start_store(self, steps/self%profile_stride + 1, size(state%x))
          self%summary = summary
       else
          call keep_extremes(self%summary, summary)
       end if
-      call self%time%append(self%file, state%time)
-      call self%rigid_displacement%append(self%file, state%rigid_displacement)
-      call self%h_min%append(self%file, summary%h_min%value)
-      call self%p_max%append(self%file, summary%p_max%value)
-      call self%residual%append(self%file, report%residual)
-      do i = 1, size(self%fields)
-         call self%profiles(i)%append(self%file, field_values(trim(self%fields(i)), state))
-      end do
+      if (.not. allocated(self%file%failure)) call self%store%append(state, summary, report)
+      call self%keep_failure()
+      if (self%store%records() == 1) call publish_store(self)
       self%wants_stop = allocated(self%file%failure)
    end subroutine on_step
 
-   !> Makes the empty series of /transient.
-   subroutine start_series(writer, state)
+   !> Makes room for `capacity` times of `nx` nodes in NAME.tmp; after that the HDF5 library leaves that file alone.
+   subroutine start_store(writer, capacity, nx)
       class(result_writer_t), intent(inout) :: writer
-      type(line_state_t), intent(in) :: state
-      integer :: i
+      integer, intent(in) :: capacity, nx
+      type(error_t), allocatable :: error
 
       writer%is_transient = .true.
-      associate (file => writer%file, scaling => writer%scaling)
-         call create_series(writer%time, file, '/transient/time', 0, &
-                            quantity_label('time, T = t u_s/(2 b)', 's', scaling%time, scaling))
-         call create_series(writer%rigid_displacement, file, '/transient/rigid_displacement', 0, &
-                            quantity_label('rigid displacement H0 of (2.58)', 'm', scaling%film, scaling))
-         call create_series(writer%h_min, file, '/transient/h_min', 0, &
-                            quantity_label('smallest film thickness, parabola through three nodes', 'm', scaling%film, scaling))
-         call create_series(writer%p_max, file, '/transient/p_max', 0, &
-                            quantity_label('largest pressure of a node', 'Pa', scaling%hertz_pressure, scaling))
-         call create_series(writer%residual, file, '/transient/residual', 0, new_label('residual reached in the step', '1'))
-         allocate (writer%profiles(size(writer%fields)))
-         do i = 1, size(writer%fields)
-            call create_series(writer%profiles(i), file, '/transient/'//trim(writer%fields(i)), size(state%x), &
-                               field_label(trim(writer%fields(i)), scaling))
-         end do
-      end associate
-   end subroutine start_series
+      call writer%file%close(error)   ! error: it stays in writer%file%failure
+      if (allocated(writer%file%failure)) return
+      call create_hdf5_file(writer%file, writer%path//'.tmp', error)   ! error: as above
+      call write_description(writer)
+      call create_store(writer%store, writer%file, writer%fields, capacity, nx, writer%scaling)
+      call writer%file%close(error)   ! error: as above
+      if (.not. allocated(writer%file%failure)) call writer%store%open(writer%path//'.tmp', 0)
+   end subroutine start_store
 
-   !> Writes the solution at the last time and the report, closes the file and gives it its final name. On an error nothing
-   !> is left but an older result.
+   !> NAME.tmp, with T = 0 in it, becomes NAME.part.
+   subroutine publish_store(writer)
+      class(result_writer_t), intent(inout) :: writer
+      logical :: is_done
+
+      if (allocated(writer%file%failure)) return
+      is_done = writer%store_lock%take(writer%path//'.tmp')
+      call writer%store_lock%allow_readers()
+      if (is_done) is_done = rename_file(writer%path//'.tmp', writer%path//'.part')
+      if (.not. is_done) call fail(writer%file%failure, output_error, 'cannot rename '//writer%path//'.tmp to '//writer%path &
+         //'.part')
+      writer%store%file%path = writer%path//'.part'
+   end subroutine publish_store
+
+   !> A failure of the store counts as one of the file.
+   subroutine keep_failure(self)
+      class(result_writer_t), intent(inout) :: self
+
+      if (allocated(self%file%failure) .or. .not. allocated(self%store%file%failure)) return
+      self%file%failure = self%store%file%failure
+   end subroutine keep_failure
+
+   !> Number of stored times.
+   pure function records(self)
+      class(result_writer_t), intent(in) :: self
+      integer :: records
+
+      records = self%store%records()
+   end function records
+
+   !> Whether something could not be written.
+   pure function has_failed(self)
+      class(result_writer_t), intent(in) :: self
+      logical :: has_failed
+
+      has_failed = allocated(self%file%failure)
+   end function has_failed
+
+   !> Waits until NAME.part is on the disk; true if that worked.
+   function sync(self) result(is_done)
+      class(result_writer_t), intent(inout) :: self
+      logical :: is_done
+
+      call self%keep_failure()
+      is_done = .not. allocated(self%file%failure)
+      if (is_done) is_done = sync_file(self%path//'.part')
+   end function sync
+
+   !> Writes the solution at the last time, the figures and the report, closes the file and gives it its final name. On an
+   !> error nothing is left but an older result (and NAME.part, if there is a checkpoint).
    subroutine finish(self, state, report, error)
       class(result_writer_t), intent(inout) :: self
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       type(error_t), allocatable, intent(out) :: error
 
-      if (.not. self%is_transient) self%summary = summary_of(state)
+      if (.not. self%is_transient) then
+         self%summary = summary_of(state)
+      else if (.not. allocated(self%file%failure)) then
+         call create_hdf5_file(self%file, self%path//'.tmp', error)   ! error: stays in the file
+         call write_description(self)
+         call self%store%copy_into(self%file, self%scaling)
+         call self%keep_failure()
+      end if
       if (report%converged) call apply_error_bars(self%bars, state%x(2) - state%x(1), self%summary)
       call write_solution(self%file, state, self%scaling)
       call write_summary(self%file, self%summary, self%scaling, self%is_transient)
       call self%publish(report, error)
    end subroutine finish
 
-   !> Writes the report and its outcome, closes the file and gives it its final name. On an error nothing is left but an older
-   !> result.
+   !> Writes input, report and outcome, closes the file and gives it its final name.
    subroutine publish(self, report, error)
       class(result_writer_t), intent(inout) :: self
       type(report_t), intent(in) :: report
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: reason
+      character(:), allocatable :: reason, temporary
+      logical :: is_done
+      integer :: i
 
+      do i = 1, size(self%inputs)
+         call write_input(self%file, self%inputs(i), self%scaling)
+      end do
       call write_report(self%file, report)
       reason = ''
       if (allocated(report%reason)) reason = trim(report%reason)
@@ -249,22 +357,54 @@ contains
       call write_attribute(self%file, '/', 'reason', reason)
       call self%file%close(error)
       if (.not. allocated(error)) then
-         if (.not. rename_file(self%path//'.part', self%path)) then
-            call fail(error, output_error, 'cannot rename '//self%path//'.part to '//self%path)
-         end if
+         temporary = self%path//'.part'
+         if (self%is_transient) temporary = self%path//'.tmp'
+         is_done = .true.
+         if (self%has_checkpoint) is_done = sync_file(temporary)
+         if (is_done) is_done = rename_file(temporary, self%path)
+         if (.not. is_done) call fail(error, output_error, 'cannot rename '//temporary//' to '//self%path)
       end if
-      if (allocated(error)) call self%discard()
+      if (.not. allocated(error)) call self%remove_checkpoint()
+      if (allocated(error) .or. self%is_transient) then
+         call self%discard()
+      else
+         call self%lock%release()
+      end if
    end subroutine publish
 
-   !> Gives the file up: closes it whatever its state and removes it.
+   !> Closes NAME.part.
+   subroutine suspend(self)
+      class(result_writer_t), intent(inout) :: self
+
+      call self%store%file%close()
+      call self%store_lock%release()
+      call self%lock%release()
+   end subroutine suspend
+
+   !> Closes the files whatever their state and removes them.
    subroutine discard(self)
       class(result_writer_t), intent(inout) :: self
       type(error_t), allocatable :: error
       logical :: is_removed
 
       call self%file%close(error)   ! error: the file is given up anyway
-      is_removed = remove_file(self%path//'.part')
+      call self%store%file%close()
+      if (self%is_transient) is_removed = remove_file(self%path//'.tmp')
+      if (.not. self%has_checkpoint) is_removed = remove_file(self%path//'.part')
+      call self%store_lock%release()
+      call self%lock%release()
    end subroutine discard
+
+   !> Removes the checkpoint and what an interrupted run may have left of the next one, and of the result.
+   subroutine remove_checkpoint(self)
+      class(result_writer_t), intent(inout) :: self
+      logical :: is_removed
+
+      is_removed = remove_file(self%path//'.ckpt')
+      is_removed = remove_file(self%path//'.ckpt.tmp')
+      is_removed = remove_file(self%path//'.tmp')
+      self%has_checkpoint = .false.
+   end subroutine remove_checkpoint
 
    !> The folder part of a path; '.' if it has none.
    pure function folder_of(path) result(folder)

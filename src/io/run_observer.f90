@@ -1,8 +1,14 @@
-!> Listens to a solver for two: the result file, which stores time steps, and the progress log.
+!> Listens to a solver for three: the result file, which stores time steps, the progress log, and whoever may interrupt the run.
+!>
+!> Keeps a checkpoint from time to time, and when the run is interrupted.
 module run_observer
-   use iteration_report, only: report_t
+   use checkpoint, only: checkpoint_t, write_checkpoint
+   use errors, only: error_t, fail, output_error
+   use interruption, only: is_interrupted
+   use iteration_report, only: phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: line_state_t
+   use march_state, only: march_state_t
    use observer, only: observer_t
    use progress_log, only: progress_log_t
    use result_writer, only: result_writer_t
@@ -12,18 +18,48 @@ module run_observer
 
    public :: run_observer_t
 
-   !> Hands everything on to `writer` and `log`; stops the solver if nothing can be written any more.
+   !> A run of this wall time [s] gets a checkpoint before the companions.
+   real(wp), parameter :: long_run = 5.0_wp
+
+   !> Hands everything on to `writer` and `log`; stops the solver if nothing can be written any more or the run is interrupted.
    type, extends(observer_t) :: run_observer_t
       type(result_writer_t) :: writer
       type(progress_log_t) :: log
-      !> Wall time spent on output [s].
-      real(wp) :: output_seconds = 0.0_wp
+      !> Wall time spent on output, and wall time of earlier runs that this one goes on with [s].
+      real(wp) :: output_seconds = 0.0_wp, earlier_seconds = 0.0_wp
+      !> What identifies the case in its checkpoint.
+      character(:), allocatable :: case
+      !> Intervals and time step, given or chosen.
+      integer :: intervals = 0
+      real(wp) :: time_step = 0.0_wp
+      !> Wall time between checkpoints [s].
+      real(wp) :: checkpoint_interval = huge(1.0_wp)
+      !> Companions on coarser grids are still to be run behind the last time step.
+      logical :: has_companions = .false.
+      !> Why the last checkpoint could not be written; not allocated: it could.
+      type(error_t), allocatable :: failure
+      !> Step of the last checkpoint; below 0: there is none.
+      integer :: checkpoint_step = -1
+      !> Seconds of the clock at the start and at the last checkpoint.
+      real(wp), private :: start = 0.0_wp, last_checkpoint = 0.0_wp
    contains
       procedure :: on_cycle
       procedure :: on_step
+      procedure :: keep_state
+      procedure :: look_outside
+      !> The run begins.
+      procedure :: start_clock
    end type run_observer_t
 
 contains
+
+   !> Sets the clocks.
+   subroutine start_clock(self)
+      class(run_observer_t), intent(inout) :: self
+
+      self%start = wall_seconds()
+      self%last_checkpoint = self%start
+   end subroutine start_clock
 
    !> A cycle: only the log wants to know.
    subroutine on_cycle(self, cycle, residual, load_error)
@@ -33,6 +69,7 @@ contains
       real(wp), intent(in) :: load_error
 
       call self%log%on_cycle(cycle, residual, load_error)
+      self%wants_stop = is_interrupted()
    end subroutine on_cycle
 
    !> A time step is stored, then told.
@@ -42,13 +79,61 @@ contains
       integer, intent(in) :: steps
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
-      real(wp) :: start
+      real(wp) :: begin
 
-      start = wall_seconds()
+      begin = wall_seconds()
       call self%writer%on_step(step, steps, state, report)
-      self%wants_stop = self%writer%wants_stop
       call self%log%on_step(step, steps, state, report)
-      self%output_seconds = self%output_seconds + wall_seconds() - start
+      self%wants_stop = self%writer%wants_stop .or. is_interrupted()
+      self%wants_state = is_interrupted() .or. begin - self%last_checkpoint >= self%checkpoint_interval
+      if (step == steps) self%wants_state = self%has_companions .and. (self%wants_state .or. begin - self%start > long_run)
+      self%wants_state = self%wants_state .and. .not. self%writer%wants_stop
+      self%output_seconds = self%output_seconds + wall_seconds() - begin
    end subroutine on_step
+
+   !> Writes a checkpoint. One that cannot be written is told and does not stop the run: the last one is still there.
+   subroutine keep_state(self, history)
+      class(run_observer_t), intent(inout) :: self
+      type(march_state_t), intent(in) :: history
+      type(checkpoint_t) :: checkpoint
+      real(wp) :: begin
+
+      begin = wall_seconds()
+      checkpoint%case = self%case
+      checkpoint%march = history
+      checkpoint%summary = self%writer%summary
+      checkpoint%bars = self%writer%bars
+      checkpoint%records = self%writer%records()
+      checkpoint%intervals = self%intervals
+      checkpoint%time_step = self%time_step
+      associate (report => checkpoint%march%report)
+         report%wall_seconds = self%earlier_seconds + begin - self%start
+         report%phase_seconds(phase_output) = self%output_seconds
+         report%phase_seconds(phase_transient) = 0.0_wp
+         report%phase_seconds(phase_transient) = max(report%wall_seconds - sum(report%phase_seconds), 0.0_wp)
+      end associate
+      if (allocated(self%failure)) deallocate (self%failure)
+      if (self%writer%sync()) then
+         call write_checkpoint(checkpoint, self%writer%path//'.ckpt', self%failure)
+      else
+         call fail(self%failure, output_error, 'cannot write '//self%writer%path//'.part')
+      end if
+      if (allocated(self%failure)) then
+         call self%log%say_error(self%failure%message)
+      else
+         self%checkpoint_step = history%step
+         self%writer%has_checkpoint = .true.
+      end if
+      self%wants_state = .false.
+      self%last_checkpoint = wall_seconds()
+      self%output_seconds = self%output_seconds + self%last_checkpoint - begin
+   end subroutine keep_state
+
+   !> Whether the run is interrupted.
+   subroutine look_outside(self)
+      class(run_observer_t), intent(inout) :: self
+
+      self%wants_stop = is_interrupted()
+   end subroutine look_outside
 
 end module run_observer

@@ -69,6 +69,8 @@ module iteration_report
       procedure :: residual_history
       !> Load error after each cycle (history_size) [-].
       procedure :: load_error_history
+      !> Takes over a history that was kept, in place of the present one.
+      procedure :: restore
    end type report_t
 
 contains
@@ -109,6 +111,20 @@ contains
       allocate (history(self%history_size))
       if (self%history_size > 0) history = self%load_errors(:self%history_size)
    end function load_error_history
+
+   !> Takes over `residuals` and `load_errors` [-], one each a cycle; `cycles` becomes their number.
+   pure subroutine restore(self, residuals, load_errors)
+      class(report_t), intent(inout) :: self
+      real(wp), intent(in) :: residuals(:)
+      real(wp), intent(in) :: load_errors(:)
+      integer :: i
+
+      self%history_size = 0
+      self%cycles = 0
+      do i = 1, size(residuals)
+         call self%add(residuals(i), load_errors(i))
+      end do
+   end subroutine restore
 
    !> Twice the storage, contents kept.
    pure subroutine double(array)

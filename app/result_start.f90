@@ -1,0 +1,91 @@
+!> The beginning of a case's result: anew, or where an interrupted run left off.
+module result_start
+   use build_info, only: git_commit, program_version
+   use case_record, only: case_identity, case_t
+   use checkpoint, only: checkpoint_t, read_checkpoint
+   use errors, only: error_t
+   use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   use iteration_report, only: phase_output
+   use result_writer, only: field_name_length, open_result, reopen_result, result_writer_t
+   use run_observer, only: run_observer_t
+   use scaling, only: scaling_t
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: find_complete_result, start_result
+
+contains
+
+   !> Opens the result `path` of `case`; with `is_resume` at the last checkpoint, if there is one. `case%time%resume_from` then
+   !> says where the run goes on. Errors: the result cannot be written; the checkpoint is of no use.
+   subroutine start_result(case, path, is_resume, scaling, watcher, error)
+      type(case_t), intent(inout) :: case
+      character(*), intent(in) :: path
+      logical, intent(in) :: is_resume
+      type(scaling_t), intent(in) :: scaling
+      type(run_observer_t), intent(inout) :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      logical :: has_checkpoint
+
+      watcher%case = case_identity(case)
+      watcher%checkpoint_interval = case%output_settings%checkpoint_interval
+      inquire (file=path//'.ckpt', exist=has_checkpoint)
+      if (is_resume .and. has_checkpoint) then
+         call go_on(case, path, watcher, error)
+      else
+         if (is_resume) call watcher%log%say(case%file//': no checkpoint '//path//'.ckpt: starts at the beginning')
+         call open_result(watcher%writer, path, error)
+         if (.not. allocated(error)) watcher%writer%fields = [character(len=field_name_length) :: case%output_settings%fields]
+      end if
+      if (allocated(error)) return
+      watcher%writer%profile_stride = case%output_settings%profile_stride
+      call watcher%writer%describe(trim(case%problem), case%title, case%namelist, scaling)
+   end subroutine start_result
+
+   !> Goes on at the checkpoint of `path`.
+   subroutine go_on(case, path, watcher, error)
+      type(case_t), intent(inout) :: case
+      character(*), intent(in) :: path
+      type(run_observer_t), intent(inout) :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(checkpoint_t) :: checkpoint
+
+      call read_checkpoint(path//'.ckpt', watcher%case, checkpoint, error)
+      if (.not. allocated(error)) call reopen_result(watcher%writer, path, case%output_settings%fields, checkpoint%records, &
+         size(checkpoint%march%film), checkpoint%summary, error)
+      if (allocated(error)) then
+         error%message = 'cannot resume: '//error%message
+         return
+      end if
+      watcher%earlier_seconds = checkpoint%march%report%wall_seconds
+      watcher%output_seconds = checkpoint%march%report%phase_seconds(phase_output)
+      watcher%checkpoint_step = checkpoint%march%step
+      watcher%intervals = checkpoint%intervals
+      watcher%time_step = checkpoint%time_step
+      watcher%writer%bars = checkpoint%bars
+      call watcher%log%say(case%file//': goes on after step '//to_text(checkpoint%march%step)//', checkpoint '//path//'.ckpt')
+      case%time%resume_from = checkpoint%march
+   end subroutine go_on
+
+   !> Whether `path` is the complete result of this very case by this very program, and whether it has converged.
+   subroutine find_complete_result(path, case, is_complete, is_converged)
+      character(*), intent(in) :: path
+      type(case_t), intent(in) :: case
+      logical, intent(out) :: is_complete, is_converged
+      type(hdf5_input_t) :: reader
+      type(error_t), allocatable :: error
+
+      is_converged = .false.
+      call open_hdf5_input(reader, path, error)
+      is_complete = .not. allocated(error)
+      if (.not. is_complete) return
+      if (is_complete) is_complete = reader%text_attribute('/', 'version') == program_version
+      if (is_complete) is_complete = reader%text_attribute('/', 'git_commit') == git_commit()
+      if (is_complete) is_complete = reader%text('/input/namelist') == case%namelist
+      is_converged = reader%integer_attribute('/', 'converged') == 1
+      call reader%close(error)
+      if (allocated(error)) is_complete = .false.
+   end subroutine find_complete_result
+
+end module result_start

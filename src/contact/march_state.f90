@@ -1,0 +1,29 @@
+!> Where a transient stands after a time step: everything that the later steps depend on, so that a run can be interrupted
+!> and taken up again without changing a bit of its result.
+module march_state
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: march_state_t
+
+   !> The last solutions, from which the next one starts; dimensionless, on the nodes 0:n of the finest grid.
+   type :: march_state_t
+      !> Time steps done; 0 = the start.
+      integer :: step = 0
+      !> Solutions kept, up to 3; 1 is the newest.
+      integer :: size = 0
+      !> P of these solutions (0:n, 3).
+      real(wp), allocatable :: pressure(:, :)
+      !> H0 of these solutions.
+      real(wp) :: rigid_displacement(3) = 0.0_wp
+      !> rho H of the last two times (0:n, 2), for the squeeze term.
+      real(wp), allocatable :: mass(:, :)
+      !> H of the newest solution (0:n).
+      real(wp), allocatable :: film(:)
+      !> Outcome, history and cost up to here.
+      type(report_t) :: report
+   end type march_state_t
+
+end module march_state

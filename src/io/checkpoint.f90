@@ -1,0 +1,293 @@
+!> Checkpoint of a transient, NAME.ckpt beside NAME.part: where the run stood after a time step.
+!>
+!> It is written under another name, brought to the disk and renamed, so that there is always the last complete one,
+!> whenever the run is killed.
+module checkpoint
+   use, intrinsic :: iso_fortran_env, only: int64
+   use build_info, only: git_commit, program_name, program_version
+   use error_bars, only: error_bars_t
+   use errors, only: error_t, fail, input_error, output_error
+   use hdf5_attribute, only: write_attribute
+   use hdf5_dataset, only: new_label, write_dataset
+   use hdf5_file, only: create_hdf5_file, hdf5_file_t
+   use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   use iteration_report, only: phase_count, report_t
+   use kinds, only: wp
+   use line_summary, only: figure_t, line_summary_t
+   use march_state, only: march_state_t
+   use operating_system, only: remove_file, rename_file, sync_file, sync_folder
+   implicit none (type, external)
+   private
+
+   public :: checkpoint_t, read_checkpoint, write_checkpoint
+
+   !> Grows with every change of what a checkpoint holds.
+   integer, parameter :: format_number = 1
+
+   !> What a checkpoint holds.
+   type :: checkpoint_t
+      !> The values of the case that decide about its result, a line each.
+      character(:), allocatable :: case
+      type(march_state_t) :: march
+      !> Extremes of the stored times so far.
+      type(line_summary_t) :: summary
+      !> Companions on coarser grids, which need not be run again.
+      type(error_bars_t) :: bars
+      !> Stored times in NAME.part.
+      integer :: records = 0
+      !> Intervals and time step, given or chosen.
+      integer :: intervals = 0
+      real(wp) :: time_step = 0.0_wp
+   end type checkpoint_t
+
+contains
+
+   !> Writes a checkpoint to `path`. Error: it cannot be written; an older one is still there.
+   subroutine write_checkpoint(checkpoint, path, error)
+      type(checkpoint_t), intent(in) :: checkpoint
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+      type(hdf5_file_t) :: file
+      logical :: is_done
+
+      call create_hdf5_file(file, path//'.tmp', error)
+      if (allocated(error)) return
+      call write_attribute(file, '/', 'program', program_name)
+      call write_attribute(file, '/', 'version', program_version)
+      call write_attribute(file, '/', 'git_commit', git_commit())
+      call write_attribute(file, '/', 'checkpoint_format', format_number)
+      call write_dataset(file, '/case', checkpoint%case, new_label('the values of the case', '1'))
+      call write_dataset(file, '/records', int(checkpoint%records, int64), new_label('stored times', '1'))
+      call write_dataset(file, '/summary', summary_numbers(checkpoint%summary), &
+         new_label('h_min, h_min_node, h_central, p_max, x_cavitation: value, time, error estimate, extrapolated', '1'))
+      call write_dataset(file, '/intervals', int(checkpoint%intervals, int64), new_label('intervals', '1'))
+      call write_dataset(file, '/time_step', checkpoint%time_step, new_label('time step; 0: dX', '1'))
+      call write_bars(file, checkpoint%bars)
+      call write_march(file, checkpoint%march)
+      call write_report_so_far(file, checkpoint%march%report)
+      call file%close(error)
+      if (.not. allocated(error)) then
+         is_done = sync_file(path//'.tmp')
+         if (is_done) is_done = rename_file(path//'.tmp', path)
+         if (.not. is_done) call fail(error, output_error, 'cannot write '//path)
+         call sync_folder(path)
+      end if
+      if (allocated(error)) is_done = remove_file(path//'.tmp')
+   end subroutine write_checkpoint
+
+   !> The companions on n/2 and n/4 intervals.
+   subroutine write_bars(file, bars)
+      type(hdf5_file_t), intent(inout) :: file
+      type(error_bars_t), intent(in) :: bars
+
+      call write_dataset(file, '/companions/known', [real(wp) :: merge(1, 0, bars%has_half), merge(1, 0, bars%has_quarter)], &
+         new_label('whether there are figures on n/2 and on n/4 intervals', '1'))
+      call write_dataset(file, '/companions/order', [bars%lowest_order, bars%highest_order], new_label('bounds', '1'))
+      if (bars%has_half) call write_dataset(file, '/companions/half', summary_numbers(bars%half), new_label('as summary', '1'))
+      if (bars%has_quarter) call write_dataset(file, '/companions/quarter', summary_numbers(bars%quarter), &
+         new_label('as summary', '1'))
+   end subroutine write_bars
+
+   !> The companions on n/2 and n/4 intervals.
+   subroutine read_bars(reader, bars)
+      type(hdf5_input_t), intent(inout) :: reader
+      type(error_bars_t), intent(out) :: bars
+      real(wp) :: pair(2)
+
+      pair = reshape(reader%reals('/companions/known'), [2], pad=[0.0_wp])
+      bars%has_half = pair(1) > 0.0_wp
+      bars%has_quarter = pair(2) > 0.0_wp
+      pair = reshape(reader%reals('/companions/order'), [2], pad=[0.0_wp])
+      bars%lowest_order = pair(1)
+      bars%highest_order = pair(2)
+      if (bars%has_half) bars%half = summary_from(reader%reals('/companions/half'))
+      if (bars%has_quarter) bars%quarter = summary_from(reader%reals('/companions/quarter'))
+   end subroutine read_bars
+
+   !> The last solutions.
+   subroutine write_march(file, march)
+      type(hdf5_file_t), intent(inout) :: file
+      type(march_state_t), intent(in) :: march
+
+      call write_dataset(file, '/march/step', int(march%step, int64), new_label('time steps done', '1'))
+      call write_dataset(file, '/march/size', int(march%size, int64), new_label('solutions kept', '1'))
+      call write_dataset(file, '/march/pressure', march%pressure, new_label('P of the last solutions, newest first', '1'))
+      call write_dataset(file, '/march/rigid_displacement', march%rigid_displacement, new_label('H0 of the same', '1'))
+      call write_dataset(file, '/march/mass', march%mass, new_label('rho H of the last two', '1'))
+      call write_dataset(file, '/march/film', march%film, new_label('H of the newest', '1'))
+   end subroutine write_march
+
+   !> The report up to here.
+   subroutine write_report_so_far(file, report)
+      type(hdf5_file_t), intent(inout) :: file
+      type(report_t), intent(in) :: report
+
+      call write_dataset(file, '/report/method', report%method, new_label('method of solution', '1'))
+      call write_dataset(file, '/report/residual_history', report%residual_history(), new_label('after each cycle', '1'))
+      call write_dataset(file, '/report/load_error_history', report%load_error_history(), new_label('after each cycle', '1'))
+      call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, new_label('bound', '1'))
+      call write_dataset(file, '/report/work_units', report%work_units, new_label('sweeps of the finest level', '1'))
+      call write_dataset(file, '/report/fft_pairs', report%fft_pairs, new_label('pairs of transforms', '1'))
+      call write_dataset(file, '/report/wall_seconds', report%wall_seconds, new_label('wall time so far', 's'))
+      call write_dataset(file, '/report/phase_seconds', report%phase_seconds, new_label('wall time by phase', 's'))
+   end subroutine write_report_so_far
+
+   !> Reads the checkpoint `path` for the case `case`. Error: it is damaged, of another version or of another case.
+   subroutine read_checkpoint(path, case, checkpoint, error)
+      character(*), intent(in) :: path
+      character(*), intent(in) :: case
+      type(checkpoint_t), intent(out) :: checkpoint
+      type(error_t), allocatable, intent(out) :: error
+      type(hdf5_input_t) :: reader
+      character(:), allocatable :: difference
+
+      call open_hdf5_input(reader, path, error)
+      if (allocated(error)) return
+      difference = other_version(reader)
+      if (difference == '' .and. .not. allocated(reader%failure)) then
+         checkpoint%case = reader%text('/case')
+         difference = first_difference(checkpoint%case, case)
+      end if
+      if (difference == '' .and. .not. allocated(reader%failure)) then
+         checkpoint%records = int(reader%integer_value('/records'))
+         checkpoint%summary = summary_from(reader%reals('/summary'))
+         checkpoint%intervals = int(reader%integer_value('/intervals'))
+         checkpoint%time_step = reader%real_value('/time_step')
+         call read_bars(reader, checkpoint%bars)
+         call read_march(reader, checkpoint%march)
+         call read_report_so_far(reader, checkpoint%march%report)
+         checkpoint%march%report%steps = checkpoint%march%step
+      end if
+      call reader%close(error)   ! error: handed up
+      if (difference /= '') call fail(error, input_error, path//difference)
+   end subroutine read_checkpoint
+
+   !> What is wrong with program or version; empty: nothing.
+   function other_version(reader) result(difference)
+      type(hdf5_input_t), intent(inout) :: reader
+      character(:), allocatable :: difference
+      character(:), allocatable :: version, commit
+
+      difference = ''
+      version = reader%text_attribute('/', 'version')
+      commit = reader%text_attribute('/', 'git_commit')
+      if (reader%integer_attribute('/', 'checkpoint_format') /= format_number .or. version /= program_version &
+         .or. commit /= git_commit()) difference = ' was written by another version, '//program_name//' '//version// &
+         ' (commit '//commit//'), this is '//program_version//' (commit '//git_commit()//')'
+      if (allocated(reader%failure)) difference = ''
+   end function other_version
+
+   !> The first line in which two cases differ; empty: they are the same.
+   function first_difference(old, new) result(difference)
+      character(*), intent(in) :: old, new
+      character(:), allocatable :: difference
+      character(:), allocatable :: old_rest, new_rest, old_line, new_line
+
+      difference = ''
+      old_rest = old
+      new_rest = new
+      do while (len(old_rest) > 0 .or. len(new_rest) > 0)
+         call split_line(old_rest, old_line)
+         call split_line(new_rest, new_line)
+         if (old_line == new_line .and. len(old_line) == len(new_line)) cycle
+         difference = ' is of another case: it has '//old_line//', the namelist '//new_line
+         return
+      end do
+   end function first_difference
+
+   !> Takes the first line off `rest`; 'nothing' if there is none.
+   subroutine split_line(rest, line)
+      character(:), allocatable, intent(inout) :: rest
+      character(:), allocatable, intent(out) :: line
+      integer :: length
+
+      length = index(rest, new_line('a')) - 1
+      if (length < 0) length = len(rest)
+      line = rest(:length)
+      if (len(rest) == 0) line = 'nothing'
+      rest = rest(min(length + 2, len(rest) + 1):)
+   end subroutine split_line
+
+   !> The last solutions.
+   subroutine read_march(reader, march)
+      type(hdf5_input_t), intent(inout) :: reader
+      type(march_state_t), intent(inout) :: march
+      real(wp), allocatable :: pressure(:), mass(:), film(:), rigid_displacement(:)
+      integer :: n
+
+      march%step = int(reader%integer_value('/march/step'))
+      march%size = int(reader%integer_value('/march/size'))
+      pressure = reader%reals('/march/pressure')
+      mass = reader%reals('/march/mass')
+      film = reader%reals('/march/film')
+      rigid_displacement = reader%reals('/march/rigid_displacement')
+      n = size(film) - 1
+      if (size(pressure) /= 3*size(film) .or. size(mass) /= 2*size(film) .or. size(rigid_displacement) /= 3) then
+         call reader%check(-1, 'solutions of different lengths')
+         return
+      end if
+      allocate (march%pressure(0:n, 3), march%mass(0:n, 2), march%film(0:n))
+      march%pressure(:, :) = reshape(pressure, [n + 1, 3])
+      march%mass(:, :) = reshape(mass, [n + 1, 2])
+      march%film(:) = film
+      march%rigid_displacement = rigid_displacement
+   end subroutine read_march
+
+   !> The report up to here; a checkpoint is only written after a step that has converged.
+   subroutine read_report_so_far(reader, report)
+      type(hdf5_input_t), intent(inout) :: reader
+      type(report_t), intent(inout) :: report
+      real(wp), allocatable :: residuals(:), load_errors(:), phases(:)
+
+      residuals = reader%reals('/report/residual_history')
+      load_errors = reader%reals('/report/load_error_history')
+      phases = reader%reals('/report/phase_seconds')
+      if (size(residuals) /= size(load_errors) .or. size(phases) /= phase_count) then
+         call reader%check(-1, 'a report of another length')
+         return
+      end if
+      call report%restore(residuals, load_errors)
+      report%method = reader%text('/report/method')
+      report%tolerance_effective = reader%real_value('/report/tolerance_effective')
+      report%work_units = reader%real_value('/report/work_units')
+      report%fft_pairs = reader%integer_value('/report/fft_pairs')
+      report%wall_seconds = reader%real_value('/report/wall_seconds')
+      report%phase_seconds = phases
+      report%converged = .true.
+   end subroutine read_report_so_far
+
+   !> The figures as numbers (4, 5).
+   pure function summary_numbers(summary) result(numbers)
+      type(line_summary_t), intent(in) :: summary
+      real(wp) :: numbers(4, 5)
+
+      numbers(:, 1) = figure_numbers(summary%h_min)
+      numbers(:, 2) = figure_numbers(summary%h_min_node)
+      numbers(:, 3) = figure_numbers(summary%h_central)
+      numbers(:, 4) = figure_numbers(summary%p_max)
+      numbers(:, 5) = figure_numbers(summary%x_cavitation)
+   end function summary_numbers
+
+   !> Value, time, error estimate and extrapolated value of a figure.
+   pure function figure_numbers(figure) result(numbers)
+      type(figure_t), intent(in) :: figure
+      real(wp) :: numbers(4)
+
+      numbers = [figure%value, figure%time, figure%error_estimate, figure%extrapolated]
+   end function figure_numbers
+
+   !> The figures from their numbers (20).
+   pure function summary_from(numbers) result(summary)
+      real(wp), intent(in) :: numbers(:)
+      type(line_summary_t) :: summary
+      real(wp) :: table(4, 5)
+
+      table = reshape(numbers, [4, 5], pad=[0.0_wp])
+      summary%h_min = figure_t(table(1, 1), table(2, 1), table(3, 1), table(4, 1))
+      summary%h_min_node = figure_t(table(1, 2), table(2, 2), table(3, 2), table(4, 2))
+      summary%h_central = figure_t(table(1, 3), table(2, 3), table(3, 3), table(4, 3))
+      summary%p_max = figure_t(table(1, 4), table(2, 4), table(3, 4), table(4, 4))
+      summary%x_cavitation = figure_t(table(1, 5), table(2, 5), table(3, 5), table(4, 5))
+   end function summary_from
+
+end module checkpoint

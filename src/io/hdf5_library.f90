@@ -1,0 +1,24 @@
+!> Start of the HDF5 library, the same for everybody who uses it.
+module hdf5_library
+   use hdf5, only: h5dont_atexit_f, h5eset_auto_f, h5open_f
+   use operating_system, only: set_environment
+   implicit none (type, external)
+   private
+
+   public :: start_hdf5
+
+contains
+
+   !> Starts the library, however often it is called: it prints nothing, and it locks no files (`lock_t` does that, once for a
+   !> whole run; the library's own locks would be in its way). `status` < 0: it cannot be started.
+   subroutine start_hdf5(status)
+      integer, intent(out) :: status
+      integer :: ignored
+
+      call set_environment('HDF5_USE_FILE_LOCKING', 'FALSE')
+      call h5dont_atexit_f(ignored)       ! says "failed" from the second call on, which is as good
+      call h5open_f(status)
+      if (status >= 0) call h5eset_auto_f(0, status)
+   end subroutine start_hdf5
+
+end module hdf5_library

@@ -1,0 +1,210 @@
+!> Series of numbers in the HDF5 file of a run that is still going on, complete at every moment.
+!>
+!> The HDF5 library leaves a file that cannot be read while it writes, and one that may never be read again if the process
+!> is killed in between. So every series gets its place in the file before the run begins (contiguous, for as many records
+!> as there will be; the file system takes up only what is written), and the library closes the file. A record is then
+!> written straight to its place, and after it the number of records, 8 bytes in the header of the dataset. Readers may open
+!> the file at any time, and a kill at any time leaves a file with all records counted so far.
+!>
+!> Layout of the header: HDF5 File Format Specification 3.0, IV.A.1.a (version 1 object header), IV.A.2.b (dataspace) and
+!> IV.A.2.q (continuation). `create_hdf5_file` asks the library for these oldest versions.
+module running_series
+   use, intrinsic :: iso_c_binding, only: c_int, c_int64_t
+   use, intrinsic :: iso_fortran_env, only: int64
+   use errors, only: fail, output_error
+   use hdf5, only: h5d_alloc_time_early_f, h5d_fill_time_never_f, h5dclose_f, h5dcreate_f, h5p_dataset_create_f, h5pclose_f, &
+      h5pcreate_f, h5pset_alloc_time_f, h5pset_fill_time_f, h5pset_obj_track_times_f, h5sclose_f, h5screate_simple_f, hid_t, &
+      hsize_t
+   use hdf5_dataset, only: label_t, write_label
+   use hdf5_file, only: hdf5_file_t
+   use kinds, only: wp
+   use positional_file, only: positional_file_t, real_bytes
+   implicit none (type, external)
+   private
+
+   public :: create_running_series, place_of_dataset, running_series_t
+
+   !> Message types of the dataspace and of a header that goes on elsewhere; the version of header and dataspace known here.
+   integer(int64), parameter :: dataspace_message = 1_int64, continuation_message = 16_int64, known_version = 1_int64
+   !> Bytes of the header before its first message, and of a message before its content.
+   integer, parameter :: header_bytes = 16, message_bytes = 8
+
+   !> One series: single numbers, or rows of `row_length` numbers.
+   type :: running_series_t
+      !> Path of the dataset.
+      character(:), allocatable :: path
+      !> Length of a row; 0 = single numbers.
+      integer :: row_length = 0
+      !> Records that are counted in the file.
+      integer :: records = 0
+      !> Places in the file [bytes from its start]: first number, object header, number of records.
+      integer(int64), private :: data_place = 0, header_place = 0, count_place = 0
+   contains
+      !> Finds the place of the count in an open file and sets the count.
+      procedure :: begin
+      !> Writes a record behind the counted ones.
+      procedure :: put
+      !> Counts the record that was put.
+      procedure :: count_record
+      !> Reads records back (row_length or 1, number of records).
+      procedure :: get
+   end type running_series_t
+
+   interface
+      !> Place of the data of a contiguous dataset in the file [bytes].
+      function h5dget_offset(dataset) bind(c, name='H5Dget_offset') result(place)
+         import :: c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), value :: dataset
+         integer(c_int64_t) :: place
+      end function h5dget_offset
+
+      !> H5O_info1_t of an object; its second number is the place of the object header in the file [bytes].
+      function h5oget_info1(object, info) bind(c, name='H5Oget_info1') result(status)
+         import :: c_int, c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), value :: object
+         integer(c_int64_t), intent(inout) :: info(64)
+         integer(c_int) :: status
+      end function h5oget_info1
+   end interface
+
+contains
+
+   !> Makes room for `capacity` records at `path` of an open HDF5 file.
+   subroutine create_running_series(series, file, path, row_length, capacity, label)
+      type(running_series_t), intent(out) :: series
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      integer, intent(in) :: row_length, capacity
+      type(label_t), intent(in) :: label
+      integer(hid_t) :: space, creation, dataset
+      integer(hsize_t) :: extents(2)
+      integer :: first, status
+
+      if (allocated(file%failure)) return
+      extents = [int(row_length, hsize_t), int(capacity, hsize_t)]
+      first = merge(2, 1, row_length == 0)
+      call h5screate_simple_f(3 - first, extents(first:), space, status)
+      call file%check(status, path)
+      call h5pcreate_f(h5p_dataset_create_f, creation, status)
+      call file%check(status, path)
+      if (allocated(file%failure)) return
+      call h5pset_obj_track_times_f(creation, .false., status)
+      call file%check(status, path)
+      call h5pset_alloc_time_f(creation, h5d_alloc_time_early_f, status)
+      call file%check(status, path)
+      call h5pset_fill_time_f(creation, h5d_fill_time_never_f, status)
+      call file%check(status, path)
+      call h5dcreate_f(file%id, path, file%real_type, space, dataset, status, dcpl_id=creation, lcpl_id=file%link_creation)
+      call file%check(status, path)
+      if (allocated(file%failure)) return
+      call write_label(file, dataset, label)
+      call place_of_dataset(series, dataset, path, row_length, status)
+      call file%check(status, path)
+      call h5dclose_f(dataset, status)
+      call file%check(status, path)
+      call h5pclose_f(creation, status)
+      call file%check(status, path)
+      call h5sclose_f(space, status)
+      call file%check(status, path)
+   end subroutine create_running_series
+
+   !> A series from an open dataset; `status` < 0 if it has no fixed place in the file.
+   subroutine place_of_dataset(series, dataset, path, row_length, status)
+      type(running_series_t), intent(out) :: series
+      integer(hid_t), intent(in) :: dataset
+      character(*), intent(in) :: path
+      integer, intent(in) :: row_length
+      integer, intent(out) :: status
+      integer(c_int64_t) :: info(64)
+
+      series%path = path
+      series%row_length = row_length
+      info = 0_c_int64_t
+      status = int(h5oget_info1(dataset, info))
+      series%header_place = info(2)
+      series%data_place = h5dget_offset(dataset)
+      if (series%data_place <= 0_int64) status = -1
+   end subroutine place_of_dataset
+
+   !> Finds where the number of records stands and sets it to `records`. (With none, newer HDF5 libraries refuse the dataset.)
+   subroutine begin(self, file, records)
+      class(running_series_t), intent(inout) :: self
+      type(positional_file_t), intent(inout) :: file
+      integer, intent(in) :: records
+
+      self%count_place = 0_int64
+      if (file%number_at(self%header_place, 1) == known_version) self%count_place = count_in_block(file, &
+         self%header_place + header_bytes, file%number_at(self%header_place + 8, 4))
+      if (self%count_place == 0_int64 .and. .not. allocated(file%failure)) call fail(file%failure, output_error, 'cannot write ' &
+         //file%path//' ('//self%path//'): the HDF5 library made a header of an unknown version')
+      if (allocated(file%failure)) return
+      self%records = records
+      call file%write_number(self%count_place, int(records, int64))
+   end subroutine begin
+
+   !> Place of the first extent of the dataspace, if that is described in the `bytes` of a header from `start` on, or in a
+   !> block in which it goes on; 0: it is not.
+   recursive function count_in_block(file, start, bytes) result(place)
+      type(positional_file_t), intent(inout) :: file
+      integer(int64), intent(in) :: start, bytes
+      integer(int64) :: place
+      integer(int64) :: message, content
+
+      place = 0_int64
+      message = start
+      do while (message + message_bytes <= start + bytes .and. place == 0_int64 .and. .not. allocated(file%failure))
+         content = message + message_bytes
+         select case (file%number_at(message, 2))
+         case (dataspace_message)
+            ! version, rank, flags, 5 bytes of nothing, then the extents, the slowest first
+            if (file%number_at(content, 1) == known_version) place = content + 8
+         case (continuation_message)
+            place = count_in_block(file, file%number_at(content, 8), file%number_at(content + 8, 8))
+         case default
+            continue
+         end select
+         message = content + file%number_at(message + 2, 2)
+      end do
+   end function count_in_block
+
+   !> Writes a record (row_length, or 1 number) behind the counted ones.
+   subroutine put(self, file, values)
+      class(running_series_t), intent(in) :: self
+      type(positional_file_t), intent(inout) :: file
+      real(wp), intent(in), contiguous :: values(:)
+
+      call file%write_reals(place_of_record(self, self%records), values)
+   end subroutine put
+
+   !> One record more.
+   subroutine count_record(self, file)
+      class(running_series_t), intent(inout) :: self
+      type(positional_file_t), intent(inout) :: file
+
+      if (allocated(file%failure)) return
+      self%records = self%records + 1
+      call file%write_number(self%count_place, int(self%records, int64))
+   end subroutine count_record
+
+   !> Reads the records from number `first` (1 = the first) into `values` (row_length or 1, number of records).
+   subroutine get(self, file, first, values)
+      class(running_series_t), intent(in) :: self
+      type(positional_file_t), intent(inout) :: file
+      integer, intent(in) :: first
+      real(wp), intent(out), contiguous :: values(:, :)
+
+      call file%read_reals(place_of_record(self, first - 1), values)
+   end subroutine get
+
+   !> Where a record begins that has `before` records before it.
+   pure function place_of_record(series, before) result(place)
+      type(running_series_t), intent(in) :: series
+      integer, intent(in) :: before
+      integer(int64) :: place
+
+      place = series%data_place + real_bytes*int(max(series%row_length, 1), int64)*before
+   end function place_of_record
+
+end module running_series

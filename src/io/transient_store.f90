@@ -1,0 +1,218 @@
+!> /transient of a result: in NAME.part while the run goes on (see `running_series`), compressed in the result at its end.
+module transient_store
+   use errors, only: error_t, fail, input_error
+   use hdf5, only: hid_t
+   use hdf5_dataset, only: label_t, new_label
+   use hdf5_file, only: hdf5_file_t
+   use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   use hdf5_series, only: create_series, series_t
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_state, only: line_state_t
+   use line_summary, only: line_summary_t
+   use positional_file, only: open_positional_file, positional_file_t
+   use result_labels, only: field_label, field_names, field_values, quantity_label
+   use running_series, only: create_running_series, place_of_dataset, running_series_t
+   use scaling, only: scaling_t
+   implicit none (type, external)
+   private
+
+   public :: attach_store, create_store, transient_store_t
+
+   !> Longest name of a series.
+   integer, parameter :: name_length = 24
+   !> Series of one number for each time. Time is counted last, and cut back first: there are never more times than values.
+   character(len=name_length), parameter :: number_names(5) = [character(len=name_length) :: &
+      'time', 'rigid_displacement', 'h_min', 'p_max', 'residual']
+   !> Numbers that are moved at once into the result.
+   integer, parameter :: block_numbers = 131072
+
+   !> The series of one run.
+   type :: transient_store_t
+      character(len=name_length), allocatable :: names(:)
+      type(running_series_t), allocatable :: series(:)
+      type(positional_file_t) :: file
+   contains
+      !> Opens the file that the HDF5 library has closed, with the first `records` times.
+      procedure :: open => open_store
+      !> Stores one time.
+      procedure :: append
+      !> Number of stored times.
+      procedure :: records
+      !> Writes the series into another file, compressed.
+      procedure :: copy_into
+   end type transient_store_t
+
+contains
+
+   !> Makes room in an open HDF5 file for `capacity` times of `nx` nodes; `fields` are names of `field_names`.
+   subroutine create_store(store, file, fields, capacity, nx, scaling)
+      type(transient_store_t), intent(out) :: store
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: fields(:)
+      integer, intent(in) :: capacity, nx
+      type(scaling_t), intent(in) :: scaling
+      integer :: i
+
+      call name_series(store, fields)
+      do i = 1, size(store%names)
+         call create_running_series(store%series(i), file, '/transient/'//trim(store%names(i)), &
+            row_length(store%names(i), nx), capacity, series_label(trim(store%names(i)), scaling))
+      end do
+   end subroutine create_store
+
+   !> Finds the series of an earlier run in `path`. Error: they are not there, or hold less than `records` times of `nx` nodes.
+   subroutine attach_store(store, path, fields, records, nx, error)
+      type(transient_store_t), intent(out) :: store
+      character(*), intent(in) :: path
+      character(*), intent(in) :: fields(:)
+      integer, intent(in) :: records, nx
+      type(error_t), allocatable, intent(out) :: error
+      type(hdf5_input_t) :: reader
+      logical :: is_whole
+      integer :: i
+
+      call name_series(store, fields)
+      call open_hdf5_input(reader, path, error)
+      if (allocated(error)) return
+      is_whole = .true.
+      do i = 1, size(store%names)
+         call attach_series(store%series(i), reader, '/transient/'//trim(store%names(i)), row_length(store%names(i), nx), &
+            records, is_whole)
+      end do
+      call reader%close(error)
+      if (.not. (allocated(error) .or. is_whole)) call fail(error, input_error, path//' holds less than the checkpoint says')
+   end subroutine attach_store
+
+   !> Finds one series; `is_whole` becomes false if it holds less than `records`.
+   subroutine attach_series(series, reader, path, length, records, is_whole)
+      type(running_series_t), intent(out) :: series
+      type(hdf5_input_t), intent(inout) :: reader
+      character(*), intent(in) :: path
+      integer, intent(in) :: length, records
+      logical, intent(inout) :: is_whole
+      integer(hid_t) :: dataset
+      integer :: status
+
+      associate (extents => reader%extents(path))
+         if (size(extents) /= merge(1, 2, length == 0)) then
+            is_whole = .false.
+         else
+            is_whole = is_whole .and. extents(size(extents)) >= records .and. (length == 0 .or. extents(1) == length)
+         end if
+      end associate
+      call reader%open_dataset(path, dataset)
+      if (allocated(reader%failure)) return
+      call place_of_dataset(series, dataset, path, length, status)
+      call reader%check(status, path)
+      call reader%close_dataset(path, dataset)
+   end subroutine attach_series
+
+   !> Opens `path` for writing and keeps the first `records` times.
+   subroutine open_store(self, path, records)
+      class(transient_store_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      integer, intent(in) :: records
+      integer :: i
+
+      call open_positional_file(self%file, path)
+      do i = 1, size(self%series)
+         call self%series(i)%begin(self%file, records)
+      end do
+   end subroutine open_store
+
+   !> Stores one time. Whatever happens in between, the file holds whole records.
+   subroutine append(self, state, summary, report)
+      class(transient_store_t), intent(inout) :: self
+      type(line_state_t), intent(in) :: state
+      type(line_summary_t), intent(in) :: summary
+      type(report_t), intent(in) :: report
+      integer :: i
+
+      call self%series(1)%put(self%file, [state%time])
+      call self%series(2)%put(self%file, [state%rigid_displacement])
+      call self%series(3)%put(self%file, [summary%h_min%value])
+      call self%series(4)%put(self%file, [summary%p_max%value])
+      call self%series(5)%put(self%file, [report%residual])
+      do i = size(number_names) + 1, size(self%series)
+         call self%series(i)%put(self%file, field_values(trim(self%names(i)), state))
+      end do
+      do i = size(self%series), 1, -1
+         call self%series(i)%count_record(self%file)
+      end do
+   end subroutine append
+
+   !> Times that are stored.
+   pure function records(self)
+      class(transient_store_t), intent(in) :: self
+      integer :: records
+
+      records = 0
+      if (allocated(self%series)) records = self%series(1)%records
+   end function records
+
+   !> Writes all series into the open HDF5 file `file`.
+   subroutine copy_into(self, file, scaling)
+      class(transient_store_t), intent(inout) :: self
+      class(hdf5_file_t), intent(inout) :: file
+      type(scaling_t), intent(in) :: scaling
+      type(series_t) :: copy
+      real(wp), allocatable :: values(:, :)
+      integer :: i, first, last, most
+
+      do i = 1, size(self%series)
+         associate (series => self%series(i))
+            call create_series(copy, file, series%path, series%row_length, series_label(trim(self%names(i)), scaling))
+            most = max(block_numbers/max(series%row_length, 1), 1)
+            do first = 1, series%records, most
+               last = min(first + most - 1, series%records)
+               allocate (values(max(series%row_length, 1), last - first + 1))
+               call series%get(self%file, first, values)
+               call copy%append(file, values)
+               deallocate (values)
+            end do
+         end associate
+      end do
+   end subroutine copy_into
+
+   !> Names of all series.
+   subroutine name_series(store, fields)
+      type(transient_store_t), intent(inout) :: store
+      character(*), intent(in) :: fields(:)
+
+      store%names = [character(len=name_length) :: number_names, fields]
+      allocate (store%series(size(store%names)))
+   end subroutine name_series
+
+   !> Length of the rows of a series; 0: single numbers.
+   pure function row_length(name, nx) result(length)
+      character(*), intent(in) :: name
+      integer, intent(in) :: nx
+      integer :: length
+
+      length = merge(nx, 0, any(field_names == name))
+   end function row_length
+
+   !> What a series is.
+   function series_label(name, scaling) result(label)
+      character(*), intent(in) :: name
+      type(scaling_t), intent(in) :: scaling
+      type(label_t) :: label
+
+      select case (name)
+      case ('time')
+         label = quantity_label('time, T = t u_s/(2 b)', 's', scaling%time, scaling)
+      case ('rigid_displacement')
+         label = quantity_label('rigid displacement H0 of (2.58)', 'm', scaling%film, scaling)
+      case ('h_min')
+         label = quantity_label('smallest film thickness, parabola through three nodes', 'm', scaling%film, scaling)
+      case ('p_max')
+         label = quantity_label('largest pressure of a node', 'Pa', scaling%hertz_pressure, scaling)
+      case ('residual')
+         label = new_label('residual reached in the step', '1')
+      case default
+         label = field_label(name, scaling)
+      end select
+   end function series_label
+
+end module transient_store

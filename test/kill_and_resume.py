@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+"""Kill runs at random moments, go on with --resume, and compare the result with that of a run that nobody disturbed.
+
+    kill_and_resume.py [--kills 200] [--seed 1] [PROGRAM]
+
+After every kill NAME.h5.part must be readable, and hold what the undisturbed run has at the same times. The quick form of
+this is in test_resume.py.
+"""
+
+import argparse
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import h5py
+from cases import STEADY, contents, same_bits, write
+
+# A second or less: waviness on both surfaces, so that no step is like another.
+BUSY = (
+    STEADY.replace("intervals = 256", "intervals = 128")
+    + """&surface_1 shape = 'sinusoid', amplitude = 3e-8, wavelength = 6e-5, position = 0.1 /
+&surface_2 shape = 'sinusoid', amplitude = 3e-8, wavelength = 4e-5, position = -0.2 /
+&time transient = .true., end_time = 12.0, time_step = 0.01 /
+"""
+)
+RESULT = ("solution", "transient", "summary")
+
+
+def busy(interval, others=""):
+    """A busy case with a checkpoint every `interval` seconds."""
+    return BUSY + f"&output checkpoint_interval = {interval} /\n" + others
+
+
+def different(first, second):
+    """Paths in which two results differ that must be the same."""
+    old, new = contents(first), contents(second)
+    keys = [path for path in old.keys() | new.keys() if path.split("/")[0].split("@")[0] in RESULT]
+    return [path for path in keys if path not in old or path not in new or not same_bits(old[path], new[path])]
+
+
+def check_part(part, reference):
+    """The series in `part` begin like those of the undisturbed run; returns how many times there are."""
+    with h5py.File(part) as file, h5py.File(reference) as whole:
+        if "transient" not in file or "time" not in file["transient"]:
+            return 0
+        times = len(file["transient/time"])
+        for name, series in whole["transient"].items():
+            assert len(file["transient"][name]) >= times, name
+            assert same_bits(file["transient"][name][:times], series[:times]), name
+    return times
+
+
+def start(program, folder, *options):
+    """A run of case.nml in `folder`."""
+    return subprocess.Popen([program, "case.nml", "--quiet", *options], cwd=folder, stderr=subprocess.PIPE, text=True)
+
+
+def undisturbed(program, folder, text):
+    """Runs the case without interruption; its result and how long it took."""
+    write(folder, "case.nml", text)
+    begin = time.monotonic()
+    with start(program, folder) as running:
+        assert running.wait(300) == 0, running.stderr.read()
+    (folder / "case.h5").rename(folder / "reference.h5")
+    return folder / "reference.h5", time.monotonic() - begin
+
+
+def kill_until_complete(program, folder, reference, source, longest):
+    """Starts, kills and resumes until the run is complete; returns the number of kills and of resumed checkpoints."""
+    kills, resumed = 0, 0
+    part, checkpoint = folder / "case.h5.part", folder / "case.h5.ckpt"
+    while not (folder / "case.h5").exists():
+        had_checkpoint = checkpoint.exists()
+        with start(program, folder, "--resume") as running:
+            try:
+                status = running.wait(source.uniform(0.0, longest))
+            except subprocess.TimeoutExpired:
+                running.send_signal(signal.SIGKILL)
+                status = running.wait()
+            message = running.stderr.read()
+        assert status in (0, -signal.SIGKILL), message
+        kills += status != 0
+        resumed += had_checkpoint
+        assert checkpoint.exists() >= (had_checkpoint and status != 0 and not (folder / "case.h5").exists())
+        if part.exists() and part.stat().st_size > 0:
+            try:
+                check_part(part, reference)
+            except (OSError, KeyError):
+                assert not checkpoint.exists(), "a part that cannot be read beside a checkpoint"
+    return kills, resumed
+
+
+def main():
+    """Kill as often as asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    root = pathlib.Path(__file__).resolve().parent.parent
+    parser.add_argument("program", nargs="?", default=root / "build" / "bin" / "asperity", type=pathlib.Path)
+    parser.add_argument("--kills", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    source = random.Random(arguments.seed)
+    kills, resumed, rounds = 0, 0, 0
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        reference, seconds = undisturbed(arguments.program.resolve(), folder, busy(1000.0))
+        while kills < arguments.kills:
+            # the time between checkpoints is not part of the case
+            write(folder, "case.nml", busy(source.choice([0.0, 0.001, 0.01, 0.03])))
+            new_kills, new_resumed = kill_until_complete(
+                arguments.program.resolve(), folder, reference, source, source.choice([0.4, 0.7, 1.0]) * seconds
+            )
+            assert start(arguments.program.resolve(), folder, "--resume").wait() == 0  # clears up after a kill in the last moment
+            assert different(reference, folder / "case.h5") == []
+            assert sorted(path.name for path in folder.iterdir()) == ["case.h5", "case.nml", "reference.h5"]
+            (folder / "case.h5").unlink()
+            kills, resumed, rounds = kills + new_kills, resumed + new_resumed, rounds + 1
+            print(f"{kills} kills, {resumed} runs resumed from a checkpoint, {rounds} results identical", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,269 @@
+"""Long runs survive: interrupted or killed at any moment, they go on to the same bits. The long form is kill_and_resume.py."""
+
+import random
+import signal
+import time
+
+import h5py
+import numpy as np
+import pytest
+from cases import LONG, STEADY, TRANSIENT, write
+from kill_and_resume import busy, check_part, different, kill_until_complete, start, undisturbed
+
+
+def wait_for(path, seconds=60):
+    """Waits until a file exists."""
+    deadline = time.monotonic() + seconds
+    while not path.exists():
+        if time.monotonic() > deadline:
+            pytest.fail(f"{path} did not appear")
+        time.sleep(0.005)
+
+
+def wait_for_times(part, times):
+    """Waits until a run has stored some times."""
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline:
+        try:
+            with h5py.File(part) as file:
+                if len(file["transient/time"]) >= times:
+                    return
+        except (OSError, KeyError):
+            pass
+        time.sleep(0.005)
+    pytest.fail(f"{part} did not grow to {times} times")
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+@pytest.fixture
+def interrupted(program, tmp_path):
+    """A run of the case that was ended by SIGTERM after its first checkpoint."""
+
+    def call(text=None):
+        write(tmp_path, "case.nml", text or busy(0.05))
+        with start(program, tmp_path) as running:
+            wait_for(tmp_path / "case.h5.ckpt")
+            running.send_signal(signal.SIGTERM)
+            message = running.stderr.read()
+        return running.returncode, message
+
+    return call
+
+
+def test_killed_at_random_moments(program, tmp_path):
+    reference, seconds = undisturbed(program, tmp_path, busy(1000.0))
+    source, kills, resumed = random.Random(3), 0, 0
+    while kills < 12 or resumed < 8:
+        write(tmp_path, "case.nml", busy(0.005))
+        new_kills, new_resumed = kill_until_complete(program, tmp_path, reference, source, 0.6 * seconds)
+        kills, resumed = kills + new_kills, resumed + new_resumed
+        assert start(program, tmp_path, "--resume").wait() == 0
+        assert different(reference, tmp_path / "case.h5") == []
+        assert names(tmp_path) == ["case.h5", "case.nml", "reference.h5"]
+        (tmp_path / "case.h5").unlink()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_with_status_4_and_a_checkpoint(program, asperity, tmp_path, number):
+    write(tmp_path, "case.nml", LONG)
+    with start(program, tmp_path) as running:
+        wait_for_times(tmp_path / "case.h5.part", 20)
+        running.send_signal(number)
+        message = running.stderr.read()
+    assert running.returncode == 4
+    assert message.startswith("asperity: interrupted; --resume goes on after step ")
+    assert message.endswith(" with case.h5.ckpt\n")
+    assert names(tmp_path) == ["case.h5.ckpt", "case.h5.part", "case.nml"]
+    step = int(message.split("after step ")[1].split()[0])
+    with h5py.File(tmp_path / "case.h5.part") as part:
+        assert len(part["transient/time"]) == step + 1
+
+
+METHODS = {
+    "default": "",
+    "bdf2": "&time transient = .true., end_time = 6.0, time_step = 0.01, scheme = 'bdf2' /\n",
+    "fas": "&solver method = 'fas_block_jacobi' /\n",
+    "gauss_seidel": "&solver smoother = 'gauss_seidel' /\n",
+    "newton_dense": "&solver method = 'newton_dense' /\n",
+    "stride": "&output profile_stride = 7, fields = 'pressure', checkpoint_interval = 0.05 /\n",
+}
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_every_method_goes_on_to_the_same_bits(program, interrupted, asperity, tmp_path, name):
+    text = busy(0.05).replace("end_time = 12.0", "end_time = 6.0")
+    others = METHODS[name]
+    if others:
+        group = others.split()[0]
+        text = "".join(line + "\n" for line in text.splitlines() if not line.startswith(group)) + others
+    reference, _ = undisturbed(program, tmp_path, text)
+    assert interrupted(text)[0] == 4
+    assert asperity("case.nml", "--resume", "--quiet").returncode == 0
+    assert different(reference, tmp_path / "case.h5") == []
+    with h5py.File(reference) as one, h5py.File(tmp_path / "case.h5") as other:
+        for path in ("cycles", "steps", "fft_pairs", "work_units", "method", "levels"):
+            assert one["report"][path][()] == other["report"][path][()], path
+        assert (one["report/residual_history"][()] == other["report/residual_history"][()]).all()
+
+
+def test_resume_says_where_it_goes_on(interrupted, asperity):
+    interrupted()
+    lines = asperity("case.nml", "--resume").stderr.splitlines()
+    assert lines[0].startswith("case.nml: goes on after step ")
+    assert "cycle 1" not in "".join(lines)
+
+
+def test_resume_without_a_checkpoint_starts_at_the_beginning(asperity, tmp_path):
+    write(tmp_path, "case.nml", TRANSIENT)
+    done = asperity("case.nml", "--resume")
+    assert done.returncode == 0
+    assert done.stderr.startswith("case.nml: no checkpoint case.h5.ckpt: starts at the beginning\n")
+    assert names(tmp_path) == ["case.h5", "case.nml"]
+
+
+def test_resume_leaves_a_complete_result_alone(asperity, tmp_path):
+    write(tmp_path, "case.nml", STEADY)
+    assert asperity("case.nml").returncode == 0
+    written = (tmp_path / "case.h5").stat().st_mtime_ns
+    done = asperity("case.nml", "--resume")
+    assert (done.returncode, done.stderr) == (0, "case.nml: case.h5 is complete: nothing to do\n")
+    assert (tmp_path / "case.h5").stat().st_mtime_ns == written
+    write(tmp_path, "case.nml", STEADY.replace("1e5", "1.1e5"))
+    assert asperity("case.nml", "--resume").returncode == 0
+    assert (tmp_path / "case.h5").stat().st_mtime_ns > written
+
+
+def test_resume_remembers_that_a_complete_result_did_not_converge(asperity, tmp_path):
+    write(tmp_path, "case.nml", STEADY + "&solver start = 'hertz', max_cycles = 1 /\n")
+    assert asperity("case.nml", "--quiet").returncode == 2
+    assert asperity("case.nml", "--quiet", "--resume").returncode == 2
+
+
+def test_checkpoint_of_another_case_is_refused(interrupted, asperity, tmp_path):
+    text = busy(0.05)
+    interrupted(text)
+    kept = {path: (tmp_path / path).read_bytes() for path in ("case.h5.ckpt", "case.h5.part")}
+    for old, new, reason in [
+        ("load_per_length = 1e5", "load_per_length = 1.1e5", "&load load_per_length = 100000.0"),
+        ("intervals = 128", "intervals = 256", "&domain intervals = 128, the namelist &domain intervals = 256"),
+        ("end_time = 12.0", "end_time = 13.0", "&time end_time = 12.0"),
+    ]:
+        write(tmp_path, "case.nml", text.replace(old, new))
+        done = asperity("case.nml", "--resume", "--quiet")
+        assert done.returncode == 1
+        assert "cannot resume: case.h5.ckpt is of another case: it has " + reason in done.stderr
+        assert {path: (tmp_path / path).read_bytes() for path in kept} == kept
+    write(tmp_path, "case.nml", text.replace("Öl, smooth", "another title").replace("checkpoint_interval = 0.05", ""))
+    assert asperity("case.nml", "--resume", "--quiet").returncode == 0
+
+
+@pytest.mark.parametrize(("name", "value"), [("version", "0.0.1"), ("git_commit", "0123456789ab"), ("checkpoint_format", 0)])
+def test_checkpoint_of_another_version_is_refused(interrupted, asperity, tmp_path, name, value):
+    interrupted()
+    with h5py.File(tmp_path / "case.h5.ckpt", "r+") as file:
+        file.attrs[name] = np.bytes_(value) if isinstance(value, str) else value
+    done = asperity("case.nml", "--resume", "--quiet")
+    assert done.returncode == 1
+    assert "cannot resume: case.h5.ckpt was written by another version, asperity " in done.stderr
+
+
+def test_damaged_checkpoint_is_refused(interrupted, asperity, tmp_path):
+    interrupted()
+    whole = (tmp_path / "case.h5.ckpt").read_bytes()
+    for content in (b"", b"not HDF5", whole[: len(whole) // 2]):
+        (tmp_path / "case.h5.ckpt").write_bytes(content)
+        done = asperity("case.nml", "--resume", "--quiet")
+        assert done.returncode == 1
+        assert "cannot resume: cannot read case.h5.ckpt" in done.stderr
+
+
+def test_missing_or_wrong_part_is_refused(interrupted, asperity, tmp_path):
+    interrupted()
+    part = tmp_path / "case.h5.part"
+    part.rename(tmp_path / "kept")
+    done = asperity("case.nml", "--resume", "--quiet")
+    assert (done.returncode, done.stderr) == (1, "asperity: cannot resume: case.h5.part is missing\n")
+    write(tmp_path, "case.nml", TRANSIENT)
+    with h5py.File(tmp_path / "kept") as file, h5py.File(part, "w") as other:
+        for name in file["transient"]:
+            other[f"transient/{name}"] = file["transient"][name][:1]
+    write(tmp_path, "case.nml", busy(0.05))
+    done = asperity("case.nml", "--resume", "--quiet")
+    assert done.returncode == 1
+    assert "case.h5.part holds less than the checkpoint says" in done.stderr
+    part.unlink()
+    (tmp_path / "kept").rename(part)
+    assert asperity("case.nml", "--resume", "--quiet").returncode == 0
+
+
+def test_a_new_run_removes_the_old_checkpoint(program, interrupted, tmp_path):
+    interrupted()
+    write(tmp_path, "case.nml", LONG)
+    with start(program, tmp_path) as running:
+        deadline = time.monotonic() + 60
+        while (tmp_path / "case.h5.ckpt").exists():
+            assert time.monotonic() < deadline
+        running.send_signal(signal.SIGKILL)
+
+
+def test_checkpoint_that_cannot_be_written_does_not_stop_the_run(asperity, tmp_path):
+    write(tmp_path, "case.nml", busy(0.1))
+    (tmp_path / "case.h5.ckpt.tmp").mkdir()
+    done = asperity("case.nml", "--quiet")
+    assert done.returncode == 0
+    assert "asperity: cannot write case.h5.ckpt.tmp" in done.stderr
+    assert (tmp_path / "case.h5").exists()
+
+
+def test_an_interrupted_list_of_cases_goes_on(program, asperity, tmp_path):
+    write(tmp_path, "first.nml", STEADY)
+    write(tmp_path, "case.nml", busy(0.05))
+    write(tmp_path, "last.nml", STEADY)
+    files = ("first.nml", "case.nml", "last.nml")
+    with start(program, tmp_path, "first.nml", "last.nml") as running:
+        wait_for(tmp_path / "case.h5.ckpt")
+        running.send_signal(signal.SIGTERM)
+        assert running.wait() == 4
+    assert not (tmp_path / "last.h5").exists()
+    done = asperity(*files, "--resume")
+    assert done.returncode == 0
+    assert "goes on after step" in done.stderr
+    assert names(tmp_path) == ["case.h5", "case.nml", "first.h5", "first.nml", "last.h5", "last.nml"]
+
+
+def test_interrupted_before_the_first_step_keeps_nothing(program, tmp_path):
+    write(tmp_path, "case.nml", STEADY.replace("intervals = 256", "intervals = 262144"))
+    with start(program, tmp_path) as running:
+        wait_for(tmp_path / "case.h5.part")
+        running.send_signal(signal.SIGTERM)
+        message = running.stderr.read()
+    assert running.returncode == 4
+    assert message == "asperity: interrupted without a checkpoint, nothing is kept of case.h5\n"
+    assert names(tmp_path) == ["case.nml"]
+
+
+def test_part_is_readable_while_the_run_writes(program, asperity, tmp_path):
+    reference, _ = undisturbed(program, tmp_path, busy(1000.0))
+    seen = []
+    with start(program, tmp_path) as running:
+        wait_for(tmp_path / "case.h5.part")
+        while running.poll() is None:
+            try:
+                seen.append(check_part(tmp_path / "case.h5.part", reference))
+            except (FileNotFoundError, OSError, KeyError):
+                assert not any(seen) or (tmp_path / "case.h5").exists() or not (tmp_path / "case.h5.part").exists()
+            time.sleep(0.01)
+    assert len(set(seen)) > 5
+    assert seen == sorted(seen)
+
+
+def test_killed_in_the_middle_part_holds_what_was_stored(program, tmp_path):
+    reference, seconds = undisturbed(program, tmp_path, busy(1000.0))
+    with start(program, tmp_path) as running:
+        time.sleep(0.6 * seconds)
+        running.send_signal(signal.SIGKILL)
+    assert running.returncode == -signal.SIGKILL
+    assert check_part(tmp_path / "case.h5.part", reference) > 10
