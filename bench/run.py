@@ -104,17 +104,23 @@ class Table:
     def __init__(self) -> None:
         """An empty table."""
         self.rows: list[Row] = []
+        self.lines: list[str] = []
 
     def title(self, text: str) -> None:
         """Starts a part of the table."""
-        print(f"\n{text}\n{self._line(self.HEAD)}\n{'-' * (sum(self.WIDTHS) + 5)}", flush=True)
+        self.say(f"\n{text}\n{self._line(self.HEAD)}\n{'-' * (sum(self.WIDTHS) + 5)}")
 
     def add(self, row: Row) -> None:
         """Adds and prints a row; its note in a line of its own."""
         self.rows.append(row)
-        print(self._line(row.cells()), flush=True)
+        self.say(self._line(row.cells()))
         if row.note:
-            print(f"    {row.note}", flush=True)
+            self.say(f"    {row.note}")
+
+    def say(self, line: str) -> None:
+        """Prints and keeps a line."""
+        self.lines.append(line)
+        print(line, flush=True)
 
     def _line(self, cells: tuple[str, ...]) -> str:
         parts = [
@@ -123,8 +129,9 @@ class Table:
         return " ".join(parts).rstrip()
 
     def save(self, path: Path) -> None:
-        """The rows as CSV."""
+        """The rows as CSV, and the lines as they were printed beside it."""
         path.parent.mkdir(parents=True, exist_ok=True)
+        path.with_suffix(".txt").write_text("\n".join(self.lines).strip() + "\n", encoding="utf-8")
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(("work", "asked", "aim", "minimum", "median", "unit", "residual", "verdict", "note"))
@@ -326,12 +333,10 @@ def share_rows(table: Table) -> None:
     ):
         shares = sampled_shares(jobs)
         if not shares:
-            print("    shares of FFT, factor and solve, laws, rest: not measured, perf is not usable here")
+            table.say("    shares of FFT, factor and solve, laws, rest: not measured, perf is not usable here")
             return
-        print(
-            f"    {name}, newton_krylov: " + ", ".join(f"{words} {100 * share:.0f} %" for words, share in shares.items()),
-            flush=True,
-        )
+        listed = ", ".join(f"{words} {100 * share:.0f} %" for words, share in shares.items())
+        table.say(f"    {name}, newton_krylov: {listed}")
         for words, share in shares.items():
             table.rows.append(Row(f"{name}: share of {words}", None, share, share, ""))
 
@@ -368,7 +373,7 @@ def main() -> int:
     runs = 20 if options.quick else 300
     table = Table()
     load = f"{os.cpu_count()} in the machine, load {os.getloadavg()[0]:.1f} at the start"
-    print(f"asperity, one core ({load}); the verdict is that of the median")
+    table.say(f"asperity, one core ({load}); the verdict is that of the median")
     table.title("Steady, 5.5 half-widths, Reynolds-Eyring (chapter 5, Case 1), residual 1e-8")
     case_1_rows(table, runs)
     table.title("Error reduction per V-cycle, geometric mean from cycle 2 to 1e-8")

@@ -2,7 +2,7 @@
 """Maps where each method converges, is slow, stalls or fails; iterations as colour; one frame for all methods.
 
 A cell is converged (at most 30 iterations on the finest grid, in time: per step), slow (more, or left below 0.01 by
-the limit of iterations or of 20 s), stalled, failed, or has a grid that is too coarse for a discrete film, which is the
+the limit of iterations or of 40 s), stalled, failed, or has a grid that is too coarse for a discrete film, which is the
 right answer. Results for each map: stability_NAME.png, .pdf, .csv; conclusion.txt counts cells and lists those where
 `auto` does not converge, whose namelists go to not_converged/.
 """
@@ -23,7 +23,7 @@ from bench_program import ROOT, Answer, job
 from stability_cells import Cell, StabilityMap
 from stability_figure import draw_map
 
-LIMIT = 20.0
+LIMIT = 40.0
 MANY = 30
 SOLVED = ("converged", "slow")
 

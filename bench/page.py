@@ -1,0 +1,199 @@
+#!/usr/bin/env python3
+"""Writes docs/performance.md from the results of `make bench`, `make chart` and `make stability`, and copies their figures.
+
+Every number and every statement of the page comes from these results; run it after the three commands.
+"""
+
+from __future__ import annotations
+
+import csv
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import textwrap
+from collections import Counter, defaultdict
+from pathlib import Path
+
+import stability_cells
+from bench_program import ROOT
+
+RESULTS = ROOT / "results"
+PAGE = ROOT / "docs" / "performance.md"
+IMAGES = ROOT / "docs" / "images" / "performance"
+RIGHT = {"converged", "slow", "too coarse"}
+
+HEAD = """# Performance
+
+How fast the solvers are, how accurate for their time, and where each of them fails. This page is written by
+`bench/page.py` from the results of three commands; nothing in it is typed by hand but the sentences between the numbers.
+
+<!-- not run: takes more than an hour -->
+```sh
+make bench        # results/bench/: the tables
+make chart        # results/chart/: error against wall time
+make stability    # results/stability/: maps of convergence
+.venv/bin/python bench/page.py
+```
+
+Each has a short form, `ARGS=--quick`. Measured on {processor}, {cores}, gfortran {compiler}, portable build, commit {commit}.
+
+## Speed and memory
+
+Wall time of one core. `resid.` is the residual that the solver reached; the verdict is that of the median. Times of solving do not
+contain planning of transforms, kernels and storage, which have a row of their own, nor start-up, input and output.
+
+```text
+{bench}
+```
+
+[The rows as CSV](images/performance/bench.csv).
+{native}
+## Error against wall time
+
+![Error against wall time of every method, in three panels](images/performance/chart.png)
+
+The error is the true one, against the same contact on a grid two levels finer than the finest shown, solved far below its
+discretisation error. Numbers at the points are intervals. In the steady panels it is the larger one of the relative errors of
+h_min and of h at X = 0; in time it is the largest error in P over all nodes and times. On grids that are no finer than its coarsest
+level a cycle is nothing but its exact solution: there the curves of FAS are those of dense Newton. `auto, extrapolated` is the
+Richardson value that `/summary` holds beside every figure, at the time of all three grids; `auto, target given` lets the program
+choose the grid (`&accuracy target`), at the time of the choice and the solution.
+
+```text
+{chart}
+```
+
+[The points as CSV](images/performance/chart.csv).
+
+## Where the methods converge
+
+Iterations on the finest grid as colour, one frame for all methods. A cell counts as right if it converges, or if its given grid is
+too coarse for a discrete film and the program says so. `slow`: more than 30 iterations.
+"""
+
+CAPTIONS = {
+    "moes_barus": "Newtonian contacts, Barus, incompressible, over Moes' numbers (speed sum).",
+    "moes_roelands": "The same with Roelands and Dowson-Higginson.",
+    "moes_eyring": "The same with an Eyring stress of 3.3 MPa and a slide-to-roll ratio of 5/3.",
+    "eyring_stress": "Eyring stress against load.",
+    "slide_to_roll": "Eyring stress against slide-to-roll ratio; beyond 2 the surfaces move against each other.",
+    "intervals": "Given number of intervals against load, Newtonian and with low Eyring stress.",
+    "relaxation": "Relaxation and sweeps of each smoother, on Case 1 and on a heavier Newtonian contact.",
+    "coarsest": "Coarsest level of the cycle against load.",
+    "time_step": "A ridge passes: time step against slide-to-roll ratio.",
+    "roughness": "A wavy surface at rest under a sliding one: amplitude over central film against wavelength.",
+    "ridge": "Ridges of other heights and widths pass as in Case 3.",
+}
+
+
+def first_match(pattern: str, text: str, default: str) -> str:
+    """The first group of a pattern."""
+    match = re.search(pattern, text)
+    return match[1].strip() if match else default
+
+
+def output_of(*command: str) -> str:
+    """Standard output of a command."""
+    return subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT).stdout.strip()
+
+
+def machine() -> dict[str, str]:
+    """Processor, compiler and commit."""
+    cpu = Path("/proc/cpuinfo").read_text(encoding="utf-8") if Path("/proc/cpuinfo").exists() else ""
+    processor = first_match(r"model name\s*:(.+)", cpu, platform.processor())
+    cores = f"{cpu.count('model name')} cores" if cpu else "unknown cores"
+    compiler = output_of("gfortran", "-dumpfullversion")
+    return {
+        "processor": processor,
+        "cores": cores,
+        "compiler": compiler,
+        "commit": output_of("git", "rev-parse", "--short", "HEAD"),
+    }
+
+
+def wrapped(text: str) -> str:
+    """Long lines folded, with their indent."""
+    lines = []
+    for line in text.splitlines():
+        indent = " " * (len(line) - len(line.lstrip()))
+        lines += textwrap.wrap(line, 128, subsequent_indent=indent + "    ") or [""]
+    return "\n".join(lines)
+
+
+def native_table() -> str:
+    """Rows of a run with NATIVE=1 in results/bench_native beside those of the portable build."""
+    path = RESULTS / "bench_native" / "bench.csv"
+    if not path.exists():
+        return ""
+    portable, native = ({row["work"].strip(): row for row in rows(file)} for file in (RESULTS / "bench" / "bench.csv", path))
+    lines = ["", "With `NATIVE=1` (`-march=native`), medians:", "", "| work | portable | native |", "|---|---|---|"]
+    for work, row in portable.items():
+        if row["unit"] == "s" and work in native and "nan" not in {row["median"], native[work]["median"]}:
+            ours, theirs = (float(each["median"]) * 1e3 for each in (row, native[work]))
+            lines.append(f"| {work} | {ours:.3g} ms | {theirs:.3g} ms |")
+    return "\n".join(lines) + "\n"
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    """The rows of a CSV file."""
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def map_section(name: str) -> str:
+    """Figure, caption and counts of one map."""
+    counts: dict[str, Counter] = defaultdict(Counter)
+    for row in rows(RESULTS / "stability" / f"stability_{name}.csv"):
+        counts[row["method"]][row["status"]] += 1
+    parts = []
+    for method, count in counts.items():
+        right, total = sum(count[word] for word in RIGHT), sum(count.values())
+        parts.append(f"{method} {right}" if right < total else f"{method} all")
+    total = sum(next(iter(counts.values())).values())
+    text = f"{CAPTIONS[name]} Right, of {total} cells each: {'; '.join(parts)}. [CSV](images/performance/stability_{name}.csv)."
+    title = CAPTIONS[name].rstrip(".")
+    return f"\n![{title}](images/performance/stability_{name}.png)\n\n" + "\n".join(textwrap.wrap(text, 128)) + "\n"
+
+
+def cells_of_auto(names: list[str]) -> str:
+    """The cells in which `auto` is not right, or the statement that there are none."""
+    bad = []
+    total = 0
+    for name in names:
+        for row in rows(RESULTS / "stability" / f"stability_{name}.csv"):
+            if row["method"].startswith("auto"):
+                total += 1
+                if row["status"] not in RIGHT:
+                    axes = list(row)[1:3]
+                    bad.append(
+                        f"- {name}, {row['method']}, {axes[0]} = {row[axes[0]]}, {axes[1]} = {row[axes[1]]}: {row['status']}"
+                    )
+    if not bad:
+        return f"\n`auto` is right in all {total} cells of these maps.\n"
+    return f"\n`auto` is right in {total - len(bad)} of {total} cells of these maps. The others:\n\n" + "\n".join(bad) + "\n"
+
+
+def main() -> int:
+    """Writes the page; status 1 if results are missing."""
+    needed = [RESULTS / "bench" / "bench.txt", RESULTS / "chart" / "conclusion.txt", RESULTS / "stability" / "conclusion.txt"]
+    missing = [str(path) for path in needed if not path.exists()]
+    if missing:
+        print(f"page.py: missing: {', '.join(missing)}: run make bench, make chart and make stability first", file=sys.stderr)
+        return 1
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    names = [name for name in stability_cells.NAMES if (RESULTS / "stability" / f"stability_{name}.csv").exists()]
+    files = [RESULTS / "bench" / "bench.csv", RESULTS / "chart" / "chart.png", RESULTS / "chart" / "chart.csv"]
+    files += [RESULTS / "stability" / f"stability_{name}.{kind}" for name in names for kind in ("png", "csv")]
+    for path in files:
+        shutil.copy(path, IMAGES)
+    bench, chart = (path.read_text(encoding="utf-8").strip() for path in needed[:2])
+    text = HEAD.format(bench=bench, chart=wrapped(chart), native=native_table(), **machine())
+    PAGE.write_text(text + cells_of_auto(names) + "".join(map_section(name) for name in names), encoding="utf-8")
+    print(PAGE)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
