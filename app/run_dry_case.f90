@@ -8,6 +8,7 @@ module run_dry_case
    use dry_solution, only: dry_solution_t
    use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
    use errors, only: error_t
+   use hdf5_dataset, only: new_label, write_dataset
    use iteration_report, only: phase_steady
    use kinds, only: wp
    use progress_log, only: new_progress_log, progress_log_t
@@ -33,7 +34,7 @@ contains
       type(dry_scaling_t) :: scaling
       type(dry_outcome_t) :: outcome
       type(error_t), allocatable :: error
-      real(wp) :: start
+      real(wp) :: cpu_finish, cpu_start, start
 
       log = new_progress_log(is_quiet)
       call open_result(writer, result_path(case, output_dir), error)
@@ -43,6 +44,7 @@ contains
       end if
       call writer%describe(trim(case%problem), case%title, case%namelist)
       start = wall_seconds()
+      call cpu_time(cpu_start)
       associate (dry => case%dry)
          scaling = new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus)
          call solve_dry_sweep(dry%grid, dry%height, scaling, dry%loads, dry%settings, outcome, error)
@@ -52,11 +54,14 @@ contains
          call give_up(error, log, status)
          return
       end if
+      call cpu_time(cpu_finish)
       outcome%solution%report%wall_seconds = wall_seconds() - start
       outcome%solution%report%phase_seconds(phase_steady) = outcome%solution%report%wall_seconds
       call judge_sweep(outcome%rows, outcome%solution)
       call store_input(case, writer)
       call write_dry_result(writer%file, case%dry, outcome%rows, outcome%fields)
+      call write_dataset(writer%file, '/report/cpu_seconds', cpu_finish - cpu_start, &
+         new_label('processor time of the solution, planning of the transforms included', 's'))
       call writer%publish(outcome%solution%report, error)
       if (allocated(error)) then
          call give_up(error, log, status)

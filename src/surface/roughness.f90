@@ -51,13 +51,28 @@ contains
       end do
    end function roughness_of
 
-   !> Share of the nodes that are at or above each of `levels` (Abbott and Firestone, Mech. Eng. 55, 1933, 569).
+   !> Share of the nodes that are at or above each of `levels`, which rise (Abbott and Firestone, Mech. Eng. 55, 1933, 569).
    pure function bearing_ratio(z, levels) result(ratio)
       real(wp), intent(in) :: z(:), levels(:)
       real(wp) :: ratio(size(levels))
-      integer :: i
+      integer :: below(0:size(levels)), high, i, low, middle
 
-      ratio = [(real(count(z >= levels(i)), wp)/size(z), i=1, size(levels))]
+      ! below(k): nodes with k levels at or below them.
+      below = 0
+      do i = 1, size(z)
+         low = 0
+         high = size(levels)
+         do while (low < high)
+            middle = (low + high + 1)/2
+            if (z(i) >= levels(middle)) then
+               low = middle
+            else
+               high = middle - 1
+            end if
+         end do
+         below(low) = below(low) + 1
+      end do
+      ratio = [(real(sum(below(i:)), wp)/size(z), i=1, size(levels))]
    end function bearing_ratio
 
    !> Root mean square of the slope of a periodic surface (nx, ny) from differences of neighbours; of an area of the gradient.
