@@ -62,24 +62,32 @@ contains
          else if (heights%grid(i) <= 0) then
             call report_missing(values, 'domain', trim(counts(i)), findings)
          end if
-         slot = values%slot('domain', trim(lengths(i)))
-         given_length = 0.0_wp
-         if (slot%is_given) given_length = slot%reals(1)
-         if (.not. slot%is_given .and. dry%lengths(i) <= 0.0_wp) then
-            call report_missing(values, 'domain', trim(lengths(i)), findings)
-         else if (slot%is_given .and. dry%lengths(i) > 0.0_wp &
-            .and. abs(given_length - dry%lengths(i)) > same_length*dry%lengths(i)) then
-            call findings%add(slot%line, 'domain', trim(lengths(i)), 'found ' // to_text(given_length) // ' m, expected ' &
-               // to_text(dry%lengths(i)) // ' m, nodes times spacing of the file')
-         else if (slot%is_given .and. dry%lengths(i) <= 0.0_wp) then
-            dry%lengths(i) = given_length
-         end if
+         call find_length(values, trim(lengths(i)), dry%lengths(i), findings)
       end do
       dry%grid%nx = nodes(1)
       dry%grid%ny = nodes(2)
       dry%grid%aspect = 1.0_wp
       if (findings%count == 0 .and. nodes(2) > 1) dry%grid%aspect = dry%lengths(2)/dry%lengths(1)
    end subroutine find_grid
+
+   !> The `length` of one direction, that of the file or 0 before. Findings: neither is known; they contradict each other.
+   subroutine find_length(values, key, length, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: key
+      real(wp), intent(inout) :: length
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: slot
+
+      slot = values%slot('domain', key)
+      if (.not. slot%is_given) then
+         if (length <= 0.0_wp) call report_missing(values, 'domain', key, findings)
+      else if (length <= 0.0_wp) then
+         length = slot%reals(1)
+      else if (abs(slot%reals(1) - length) > same_length*length) then
+         call findings%add(slot%line, 'domain', key, 'found ' // to_text(slot%reals(1)) // ' m, expected ' // to_text(length) &
+            // ' m, nodes times spacing of the file')
+      end if
+   end subroutine find_length
 
    !> The heights of the first surface that is a file; nothing if none is.
    subroutine load_first_file(values, folder, heights, findings)
