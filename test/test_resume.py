@@ -67,7 +67,7 @@ def test_killed_at_random_moments(program, tmp_path):
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_ends_with_status_4_and_a_checkpoint(program, asperity, tmp_path, number):
+def test_a_signal_ends_with_status_4_and_a_checkpoint(program, tmp_path, number):
     write(tmp_path, "case.nml", LONG)
     with start(program, tmp_path) as running:
         wait_for_times(tmp_path / "case.h5.part", 20)
@@ -245,7 +245,7 @@ def test_interrupted_before_the_first_step_keeps_nothing(program, tmp_path):
     assert names(tmp_path) == ["case.nml"]
 
 
-def test_part_is_readable_while_the_run_writes(program, asperity, tmp_path):
+def test_part_is_readable_while_the_run_writes(program, tmp_path):
     reference, _ = undisturbed(program, tmp_path, busy(1000.0))
     seen = []
     with start(program, tmp_path) as running:
