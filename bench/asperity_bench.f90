@@ -27,7 +27,7 @@ program asperity_bench
    call stop_on(error)
    write (output_unit, '(a)') 'name,method,converged,intervals,x_inlet,x_outlet,levels,cycles,steps,residual,load_error,'// &
       'tolerance,step_residual,fft_pairs,work_units,runs,setup_least,steady_least,transient_least,all_least,'// &
-      'setup_median,steady_median,transient_median,all_median,h_min,h_central,p_max,x_cavitation,difference,'// &
+      'setup_median,steady_median,transient_median,all_median,processor,h_min,h_central,p_max,x_cavitation,difference,'// &
       'product_seconds,reason'
    do i = 1, size(jobs)
       call measure(jobs(i), reference, outcome, error)
@@ -54,9 +54,9 @@ contains
          write (output_unit, '(2(",",i0),2(",",g0),3(",",i0),4(",",es10.3e3),",",i0,",",es12.5,",",i0)', advance='no') converged, &
             domain%intervals, domain%x_inlet, domain%x_outlet, report%levels, report%cycles, report%steps, report%residual, &
             report%load_error, report%tolerance_effective, first%residual, report%fft_pairs, report%work_units, outcome%runs
-         write (output_unit, '(8(",",es11.4),4(",",es24.16e3),2(",",es12.4e3))', advance='no') outcome%least, outcome%median, &
-            first%summary%h_min%value, first%summary%h_central%value, first%summary%p_max%value, &
-            first%summary%x_cavitation%value, outcome%difference, outcome%product_seconds
+         write (output_unit, '(9(",",es11.4),4(",",es24.16e3),2(",",es12.4e3))', advance='no') &
+            outcome%least, outcome%median, outcome%processor, first%summary%h_min%value, first%summary%h_central%value, &
+            first%summary%p_max%value, first%summary%x_cavitation%value, outcome%difference, outcome%product_seconds
          write (output_unit, '(3a)') ',"', flat(report%reason), '"'
       end associate
    end subroutine print_outcome
