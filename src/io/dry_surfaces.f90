@@ -36,7 +36,6 @@ contains
       type(heights_t) :: heights
       type(value_t) :: slot
       integer :: i, nodes(2)
-      real(wp) :: given_length
 
       slot = values%slot('domain', 'periodic')
       dry%is_periodic = slot%logical
