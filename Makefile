@@ -75,7 +75,7 @@ figures: ## the figures of the demo again, from its result files
 	$(PYTHON) postproc/convergence.py $(DEMO)/case1.h5 $(DEMO)/case3_demo.h5 --output $(DEMO)
 	@echo "figures in $(DEMO):" && ls $(DEMO)
 
-.PHONY: chapter5 chapter6 chapter7 bench-dry amplitude
+.PHONY: chapter5 chapter6 chapter7 bench-dry amplitude thesis
 chapter5: build ## thesis, chapter 5: Cases 1 to 3, error tables, figures, statements (ARGS=--quick)
 	$(PYTHON) studies/chapter5.py $(ARGS)
 
@@ -84,6 +84,9 @@ chapter6: build ## thesis, chapter 6: every overtaking of ridges and dents, figu
 
 amplitude: build ## what an oil film leaves of a waviness, rolling and sliding, beside published values (ARGS=--quick)
 	$(PYTHON) studies/amplitude.py $(ARGS)
+
+thesis: chapter5 chapter6 amplitude ## the lubricated half of the thesis: the three above, and their figures into docs/images/
+	$(PYTHON) studies/page_images.py
 
 chapter7: build ## thesis, chapter 7: four dry profiles, 13 loads, and 50 realisations of each (ARGS=--quick)
 	$(PYTHON) studies/chapter7.py $(ARGS)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import chapter6_claims
 import chapter6_figures
-from overtaking import FORMS, Situation, Thinning, film_errors, measure
+from overtaking import FINEST, FORMS, Situation, Thinning, film_errors, measure
 from study import ROOT, Claims, Runner, StudyError, Table, finish, new_parser
 
 PROGRAM = "chapter6.py"
@@ -85,6 +85,7 @@ def study_table(found: dict[str, dict[Situation, Thinning]]) -> Table:
         error_a="error of xi_a: distance to form (b)",
         xi_b="film thinning (6.1), form (b)",
         error_b="error of xi_b: halving of the step and of the grid",
+        contact_b="the same as xi_b in -1 <= X <= 0 alone",
         x="position of the maximum in form (b) [half-widths]",
         time_after="time of the maximum after the meeting of the centres, form (b)",
         edge="end of the window that holds the maximum, form (b)",
@@ -107,6 +108,7 @@ def study_table(found: dict[str, dict[Situation, Thinning]]) -> Table:
                 "error_a": float(abs(a.xi - b.xi)),
                 "xi_b": float(b.xi),
                 "error_b": float(error),
+                "contact_b": float(b.contact),
                 "x": b.x,
                 "time_after": b.time - item.meeting_time,
                 "edge": b.edge,
@@ -176,10 +178,14 @@ def study(options: argparse.Namespace) -> None:
         print(f"form {form} ({words}): {runner.effort}", flush=True)
         if form in ("a", "b"):
             check_expected({form: found[form]})
+    runner = Runner(options.output / "finest", options.jobs, options.program)
+    print("\nThe same with 1024 intervals, BDF2, dT = dX/2")
+    for item, thinning in measure(runner, list(EXPECTED), FINEST).items():
+        print(f"  s = {item.slide_to_roll:.3f}, {item.load:.0e} N/m: {thinning.xi:.4f}")
     table = study_table(found)
     table.write(options.output / "xi", "Film thinning (6.1) of every combination of chapter 6")
     formats = {"figures": "", "slip": ".3f", "load": ".0e", "l1": "g", "l2": "g", "m2": "g", "xi_a": ".4f", "error_a": ".4f"}
-    formats |= {"xi_b": ".4f", "error_b": ".4f", "x": "+.3f", "time_after": "+.3f", "edge": "", "h_min": ".3f"}
+    formats |= {"xi_b": ".4f", "error_b": ".4f", "contact_b": ".4f", "x": "+.3f", "time_after": "+.3f", "edge": "", "h_min": ".3f"}
     table.show("Film thinning (6.1)", **formats)
     profiles = run_profiles(options.output / "profiles", options)
     claims = Claims()

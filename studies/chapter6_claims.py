@@ -193,6 +193,7 @@ def check_study(claims: Claims, found: Found) -> None:
         "Fig. 6.7: the deeper the dent, the more thinning, at every width", deeper, "all 35 steps of depth" if deeper else "not all"
     )
     check_widths(claims, xi)
+    check_inside(claims, b)
     check_slips(claims, xi)
     check_ridges(claims, xi)
     check_load(claims, xi, b)
@@ -226,6 +227,25 @@ def check_widths(claims: Claims, xi: object) -> None:
         "Conclusion 6, Figs 6.7, 6.9: a width between 4 and 6 with least thinning",
         all(4 <= m <= 6 for m in least),
         f"{lists}; xi there {xi(l2=-2, m2=least[1]):.3f} at l2 = -2 and {xi(l2=-6, m2=least[5]):.3f} at l2 = -6",
+    )
+
+
+def check_inside(claims: Claims, b: dict[Situation, Thinning]) -> None:
+    """Conclusion 6 without the inlet: (6.1) in -1 <= X <= 0."""
+    rows = {depth: [b[Situation(5, l2=depth, m2=width)].contact for width in WIDTHS] for depth in DEPTHS}
+    falls = all(np.all(np.diff(values[1:]) < 0) for values in rows.values())
+    claims.check(
+        "Conclusion 6 inside the contact, -1 <= X <= 0: a width with least thinning",
+        "DISAGREES: thinning goes on falling with the width" if falls else "agrees",
+        "xi for m2 = 1 ... 7: "
+        + "; ".join(", ".join(f"{value:.3f}" for value in rows[depth]) + f" (l2 = {depth})" for depth in (-2, -6)),
+    )
+    pairs = [[b[Situation(5, l1=height, l2=-2, m2=width)].contact for width in WIDTHS] for height in (1, 2)]
+    gain = np.array(pairs[1]) - np.array(pairs[0])
+    claims.check(
+        "Fig. 6.9 inside the contact: the difference between the ridges grows with the width",
+        bool(gain[-1] > gain[0]),
+        f"xi(l1 = 2) - xi(l1 = 1) at m2 = 1 ... 7: {', '.join(f'{value:+.3f}' for value in gain)}",
     )
 
 

@@ -38,6 +38,7 @@ FORMS = {
     "b_step": Form(512, "bdf2", 1),
     "b_grid": Form(256, "bdf2", 2),
 }
+FINEST = Form(1024, "bdf2", 2)
 
 
 @dataclass(frozen=True, order=True)
@@ -151,9 +152,10 @@ def at_places(x: np.ndarray, values: np.ndarray, places: np.ndarray) -> np.ndarr
 
 @dataclass(frozen=True)
 class Thinning:
-    """The measure (6.1), where and when it is reached, and the smallest film of the passage over the smooth one."""
+    """The measure (6.1), the same for X >= -1, where and when it is reached, the smallest film over the smooth one."""
 
     xi: float
+    contact: float
     x: float
     time: float
     h_min: float
@@ -169,7 +171,9 @@ def thinning(film: Film, reference: Film) -> Thinning:
     difference = reference.film - film.film
     step, place = np.unravel_index(np.argmax(difference), difference.shape)
     start = film.h_start
-    return Thinning(difference[step, place] / start, float(film.x[place]), float(film.time[step]), film.h_min / start)
+    contact = difference[:, film.x >= -1].max()
+    found = (difference[step, place] / start, contact / start)
+    return Thinning(*found, float(film.x[place]), float(film.time[step]), film.h_min / start)
 
 
 def measure(runner: Runner, situations: list[Situation], form: Form) -> dict[Situation, Thinning]:

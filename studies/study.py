@@ -75,18 +75,19 @@ class Runner:
         start, used = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         with ThreadPoolExecutor(self.jobs) as pool:
             waiting = {name: pool.submit(self._run_one, name, case, read, name in keep) for name, case in cases.items()}
-            found = {name: future.result() for name, future in waiting.items()}
+            ended = {name: future.result() for name, future in waiting.items()}
         self.seconds += time.monotonic() - start
         self.cpu_seconds += resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - used
         self.runs += len(cases)
-        return found
+        self.steps += sum(steps for _, steps in ended.values())
+        return {name: found for name, (found, _) in ended.items()}
 
     @property
     def effort(self) -> str:
         """How much was computed, and the time it took: of the clock, and of the processors for the program alone."""
         return f"{self.runs} runs, {self.steps} steps, {self.seconds:.1f} s (program: {self.cpu_seconds:.1f} s of processor time)"
 
-    def _run_one(self, name: str, case: Case, read: Callable[[str, Path], object], keep: bool) -> object:
+    def _run_one(self, name: str, case: Case, read: Callable[[str, Path], object], keep: bool) -> tuple[object, int]:
         namelist, result = self.folder / f"{name}.nml", self.folder / f"{name}.h5"
         f90nml.Namelist(case).write(namelist, force=True)
         command = [str(self.program), str(namelist), "--output", str(self.folder), "--quiet"]
@@ -95,11 +96,11 @@ class Runner:
             raise StudyError(f"{namelist}: exit status {done.returncode}\n{done.stderr.strip()}")
         found = read(name, result)
         with h5py.File(result) as file:
-            self.steps += int(file["report/steps"][()]) if "steps" in file["report"] else 0
+            steps = int(file["report/steps"][()]) if "steps" in file["report"] else 0
         if not keep:
             result.unlink()
             namelist.unlink()
-        return found
+        return found, steps
 
 
 class Table:

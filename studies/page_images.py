@@ -1,0 +1,46 @@
+#!/usr/bin/env python3
+"""Copies the figures of the studies that docs/thesis.md shows to docs/images/, with few colours to keep them small."""
+
+from __future__ import annotations
+
+import sys
+
+from PIL import Image
+from study import ROOT
+
+FIGURES = {
+    "chapter5": ("figure_5_1_smooth", "figure_5_2_case2", "figure_5_3_case3", "time_errors"),
+    "chapter6": (
+        "figure_6_1_situations",
+        "figure_6_2_to_6_5_overtakings",
+        "figure_6_6_dent_over_ridge",
+        "figure_6_7_depth_and_width",
+        "figure_6_8_slide_to_roll",
+        "figure_6_9_ridge_amplitude",
+        "figure_6_10_load",
+    ),
+    "amplitude": ("amplitude_master", "amplitude_sliding", "amplitude_linearity"),
+}
+COLOURS = 160
+SCALE = 0.75
+
+
+def main() -> None:
+    """All figures; one that is missing ends with status 1."""
+    target = ROOT / "docs" / "images"
+    target.mkdir(parents=True, exist_ok=True)
+    for folder, names in FIGURES.items():
+        for name in names:
+            source = ROOT / "results" / folder / f"{name}.png"
+            if not source.exists():
+                sys.exit(f"page_images.py: {source} is missing: make {folder}")
+            image = Image.open(source).convert("RGB")
+            size = (round(image.width * SCALE), round(image.height * SCALE))
+            small = image.resize(size, Image.Resampling.LANCZOS).quantize(
+                COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
+            )
+            small.save(target / f"{name}.png", optimize=True)
+
+
+if __name__ == "__main__":
+    main()
