@@ -4,12 +4,15 @@ module result_start
    use case_record, only: case_identity, case_t
    use checkpoint, only: checkpoint_t, read_checkpoint
    use errors, only: error_t
+   use film_statistics, only: new_statistics
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
+   use kinds, only: wp
    use result_writer, only: field_name_length, open_result, reopen_result, result_writer_t
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
    use text, only: to_text
+   use transient_store, only: breakdown_name
    implicit none (type, external)
    private
 
@@ -36,12 +39,26 @@ contains
       else
          if (is_resume) call watcher%log%say(case%file//': no checkpoint '//path//'.ckpt: starts at the beginning')
          call open_result(watcher%writer, path, error)
-         if (.not. allocated(error)) watcher%writer%fields = [character(len=field_name_length) :: case%output_settings%fields]
+         if (.not. allocated(error)) watcher%writer%fields = stored_fields(case)
       end if
       if (allocated(error)) return
+      associate (statistics => watcher%writer%statistics, thresholds => case%output_settings%film_thresholds)
+         if (.not. allocated(statistics%thresholds) .and. size(thresholds) > 0) then
+            statistics = new_statistics(thresholds/scaling%film)
+         end if
+      end associate
       watcher%writer%profile_stride = case%output_settings%profile_stride
       call watcher%writer%describe(trim(case%problem), case%title, case%namelist, scaling)
    end subroutine start_result
+
+   !> Names of the fields that are stored of each time, and of the mark of a film below the floor, if there is a floor.
+   function stored_fields(case) result(names)
+      type(case_t), intent(in) :: case
+      character(len=field_name_length), allocatable :: names(:)
+
+      names = [character(len=field_name_length) :: case%output_settings%fields]
+      if (case%solver%film_floor > 0.0_wp) names = [character(len=field_name_length) :: names, breakdown_name]
+   end function stored_fields
 
    !> Goes on at the checkpoint of `path`.
    subroutine go_on(case, path, watcher, error)
@@ -52,7 +69,7 @@ contains
       type(checkpoint_t) :: checkpoint
 
       call read_checkpoint(path//'.ckpt', watcher%case, checkpoint, error)
-      if (.not. allocated(error)) call reopen_result(watcher%writer, path, case%output_settings%fields, checkpoint%records, &
+      if (.not. allocated(error)) call reopen_result(watcher%writer, path, stored_fields(case), checkpoint%records, &
          size(checkpoint%march%film), checkpoint%summary, error)
       if (allocated(error)) then
          error%message = 'cannot resume: '//error%message
@@ -64,6 +81,7 @@ contains
       watcher%intervals = checkpoint%intervals
       watcher%time_step = checkpoint%time_step
       watcher%writer%bars = checkpoint%bars
+      watcher%writer%statistics = checkpoint%statistics
       call watcher%log%say(case%file//': goes on after step '//to_text(checkpoint%march%step)//', checkpoint '//path//'.ckpt')
       case%time%resume_from = checkpoint%march
    end subroutine go_on

@@ -1,5 +1,6 @@
 !> One case from its record to its result file and its exit status.
 module run_case
+   use breakdown_text, only: breakdown_sentence
    use case_outcome, only: give_up, status_converged, status_interrupted, status_not_converged, status_not_written, &
       store_input
    use case_record, only: case_t, result_path, set_effective
@@ -11,7 +12,7 @@ module run_case
    use interruption, only: listen_to_signals
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
-   use line_case, only: build_line_contact
+   use line_case, only: build_line_contact, scaled_solver
    use line_contact, only: line_contact_t
    use line_state, only: all_finite, line_state_t
    use progress_log, only: new_progress_log
@@ -60,7 +61,10 @@ contains
       end if
       call listen_to_signals()
       call build_line_contact(case, scaling, contact)
+      case%solver = scaled_solver(case%solver, scaling)
       call watcher%log%start_case(case%file, scaling)
+      watcher%film_floor = case%solver%film_floor
+      watcher%scaling = scaling
       call watcher%start_clock()
       call start_result(case, path, command%is_resume, scaling, watcher, error)
       if (allocated(error)) then
@@ -102,6 +106,8 @@ contains
       call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
       if (allocated(error)) return
       call refuse_nonsense(state, report)
+      if (index(report%reason, 'film breakdown') == 1 .and. watcher%scaling%is_dimensional) report%reason = &
+         breakdown_sentence(report%breakdown, watcher%film_floor, watcher%scaling)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
       if (watcher%has_companions .and. report%converged) then
          call compare_grids(case, contact, watcher, seconds, error)

@@ -27,7 +27,7 @@ BUSY = (
 &time transient = .true., end_time = 12.0, time_step = 0.01 /
 """
 )
-RESULT = ("solution", "transient", "summary")
+RESULT = ("solution", "transient", "summary", "statistics")
 
 
 def busy(interval, others=""):

@@ -4,6 +4,7 @@ module ehl_line_solver
    use ehl_line_steady, only: coarse_grid, solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
+   use film_breakdown, only: look_for_breakdown
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -58,6 +59,9 @@ contains
          end if
          call fill_state(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, 0.0_wp, state)
          call add_phase(report, phase_steady, begin)
+      end if
+      if (report%converged .and. .not. time%is_transient) then
+         call look_for_breakdown(state%x, state%film_thickness, settings, 0, 0.0_wp, report)
       end if
       if (time%is_transient .and. report%converged) then
          begin = wall_seconds()

@@ -10,6 +10,7 @@
 module ehl_line_transient
    use cycle_control, only: cycle_limits_t, iterate
    use ehl_line_steady, only: limits_of
+   use film_breakdown, only: look_for_breakdown
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -63,15 +64,10 @@ contains
             call take_up(history, level, hierarchy%rigid_displacement)
             call fill_state(contact, level, hierarchy%rigid_displacement, history%step*time_step, state)
          else
-            level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, 0.0_wp)
-            call film_of(level, hierarchy%rigid_displacement, level%film)
-            call remember(history, contact, level, hierarchy%rigid_displacement)
+            call begin_march(contact, settings, hierarchy, history, report)
+            if (.not. report%converged) return
             call fill_state(contact, level, hierarchy%rigid_displacement, 0.0_wp, state)
             call watcher%on_step(0, steps, state, report)
-            if (any(level%film <= 0.0_wp)) then
-               call refuse(report, 'film closed at T = 0: the surfaces at their start are higher than the smooth film')
-               return
-            end if
             call hand_out(history, hierarchy, report, watcher)
          end if
          do step = history%step + 1, steps
@@ -84,9 +80,11 @@ contains
             call solve_step(hierarchy, contact, attempts, limits, history, report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
-                  to_text(step*time_step)//'): '//report%reason)
+                  to_text(step*time_step)//'): '//report%reason//smallest_film_text(state))
                return
             end if
+            call look_for_breakdown(level%x, level%film, settings, step, step*time_step, report)
+            if (.not. report%converged) return
             call remember(history, contact, level, hierarchy%rigid_displacement)
             history%step = step
             report%steps = step
@@ -98,6 +96,34 @@ contains
       report%converged = .true.
       report%reason = 'converged'
    end subroutine march
+
+   !> T = 0: the surfaces enter the film of the smooth contact, without a new solve.
+   subroutine begin_march(contact, settings, hierarchy, history, report)
+      type(line_contact_t), intent(in) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(march_state_t), intent(inout) :: history
+      type(report_t), intent(inout) :: report
+
+      associate (level => hierarchy%levels(hierarchy%finest))
+         level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, 0.0_wp)
+         call film_of(level, hierarchy%rigid_displacement, level%film)
+         call look_for_breakdown(level%x, level%film, settings, 0, 0.0_wp, report)
+         if (any(level%film <= 0.0_wp)) report%reason = 'film closed at T = 0: the surfaces at their start are higher than '// &
+            'the smooth film; '//report%reason
+         call remember(history, contact, level, hierarchy%rigid_displacement)
+      end associate
+   end subroutine begin_march
+
+   !> Where the film of the last good step is smallest, as the end of a reason.
+   pure function smallest_film_text(state) result(words)
+      type(line_state_t), intent(in) :: state
+      character(:), allocatable :: words
+      integer :: node
+
+      node = minloc(state%film_thickness, 1)
+      words = '; smallest film before it: H = '//to_text(state%film_thickness(node), 3)//' at X = '//to_text(state%x(node), 4)
+   end function smallest_film_text
 
    !> Gives the observer where the transient stands, if it wants that.
    subroutine hand_out(history, hierarchy, report, watcher)

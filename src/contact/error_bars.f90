@@ -220,6 +220,7 @@ contains
       coarse_settings = settings
       coarse_settings%levels = 0
       coarse_settings%explains_failure = .false.
+      coarse_settings%film_floor = 0.0_wp
       ! where Newton's method finds nothing on a coarser grid, nothing does: no long search
       if (settings%method == 'auto' .and. settings%smoother == 'auto') coarse_settings%method = 'newton_krylov'
       is_known = .false.

@@ -66,6 +66,10 @@ module solver_settings
       real(wp) :: relaxation = 0.0_wp
       !> Under-relaxation of the force balance [-]; zero: automatic.
       real(wp) :: load_relaxation = 0.0_wp
+      !> A film below this is a breakdown, H; zero: only a film that closes.
+      real(wp) :: film_floor = 0.0_wp
+      !> At a breakdown: 'stop', as not converged, or 'continue', with a mark. A film that closes always stops.
+      character(len=word_length) :: on_film_breakdown = 'stop'
    end type solver_settings_t
 
 end module solver_settings

@@ -111,6 +111,8 @@ contains
       slot = values%slot('output', 'fields')
       case%output_settings%fields = slot%words
       case%output_settings%checkpoint_interval = values%real_value('output', 'checkpoint_interval')
+      slot = values%slot('output', 'film_thresholds')
+      case%output_settings%film_thresholds = slot%reals
       case%accuracy%target = values%real_value('accuracy', 'target')
       slot = values%slot('accuracy', 'error_bars')
       case%accuracy%has_error_bars = slot%logical
@@ -250,6 +252,8 @@ contains
          solver%coarse_sweeps = integer_of(values, 'solver', 'coarse_sweeps')
          solver%relaxation = values%real_value('solver', 'relaxation')
          solver%load_relaxation = values%real_value('solver', 'load_relaxation')
+         solver%film_floor = values%real_value('solver', 'film_floor')
+         solver%on_film_breakdown = values%word_value('solver', 'on_film_breakdown')
       end associate
    end subroutine fill_numerics
 

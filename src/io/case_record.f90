@@ -28,6 +28,8 @@ module case_record
       character(len=word_length), allocatable :: fields(:)
       !> Wall time between checkpoints [s].
       real(wp) :: checkpoint_interval
+      !> Films for the statistics [m]; none: no statistics.
+      real(wp), allocatable :: film_thresholds(:)
    end type output_settings_t
 
    !> What is asked of the accuracy.

@@ -20,6 +20,9 @@ module case_validation
    !> Fewest intervals of the coarsest grid.
    integer, parameter :: fewest_intervals = 4
 
+   !> Why a length is of no use.
+   character(*), parameter :: no_units = 'with &moes, which has no SI units'
+
 contains
 
    !> All checks over more than one key.
@@ -239,6 +242,9 @@ contains
             call report_unused(values, 'solver', trim(of_relaxation(i)), "with method = '" // method // "'", findings)
          end do
       end if
+      if (values%has_group('moes')) call report_unused(values, 'solver', 'film_floor', no_units, findings)
+      if (.not. values%is_given('solver', 'film_floor')) call report_unused(values, 'solver', 'on_film_breakdown', &
+         'without film_floor', findings)
       levels = values%slot('solver', 'levels')
       intervals = values%slot('domain', 'intervals')
       if (.not. levels%has_value .or. .not. intervals%has_value) return
@@ -259,6 +265,9 @@ contains
          call report_unused(values, 'output', 'profile_stride', 'with transient = .false.', findings)
          call report_unused(values, 'output', 'fields', 'with transient = .false.', findings)
          call report_unused(values, 'output', 'checkpoint_interval', 'with transient = .false.', findings)
+         call report_unused(values, 'output', 'film_thresholds', 'with transient = .false.', findings)
+      else if (values%has_group('moes')) then
+         call report_unused(values, 'output', 'film_thresholds', no_units, findings)
       end if
       fields = values%slot('output', 'fields')
       if (.not. fields%has_value) return

@@ -7,11 +7,12 @@ module checkpoint
    use build_info, only: git_commit, program_name, program_version
    use error_bars, only: error_bars_t
    use errors, only: error_t, fail, input_error, output_error
+   use film_statistics, only: film_statistics_t, from_numbers, numbers_of
    use hdf5_attribute, only: write_attribute
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: create_hdf5_file, hdf5_file_t
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
-   use iteration_report, only: phase_count, report_t
+   use iteration_report, only: breakdown_t, phase_count, report_t
    use kinds, only: wp
    use line_summary, only: figure_t, line_summary_t
    use march_state, only: march_state_t
@@ -22,7 +23,7 @@ module checkpoint
    public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 1
+   integer, parameter :: format_number = 2
 
    !> What a checkpoint holds.
    type :: checkpoint_t
@@ -33,6 +34,8 @@ module checkpoint
       type(line_summary_t) :: summary
       !> Companions on coarser grids, which need not be run again.
       type(error_bars_t) :: bars
+      !> The film over all time steps, where that is asked for.
+      type(film_statistics_t) :: statistics
       !> Stored times in NAME.part.
       integer :: records = 0
       !> Intervals and time step, given or chosen.
@@ -63,6 +66,7 @@ contains
       call write_dataset(file, '/intervals', int(checkpoint%intervals, int64), new_label('intervals', '1'))
       call write_dataset(file, '/time_step', checkpoint%time_step, new_label('time step; 0: dX', '1'))
       call write_bars(file, checkpoint%bars)
+      call write_dataset(file, '/statistics', numbers_of(checkpoint%statistics), new_label('sums over time', '1'))
       call write_march(file, checkpoint%march)
       call write_report_so_far(file, checkpoint%march%report)
       call file%close(error)
@@ -125,6 +129,10 @@ contains
       call write_dataset(file, '/report/method', report%method, new_label('method of solution', '1'))
       call write_dataset(file, '/report/residual_history', report%residual_history(), new_label('after each cycle', '1'))
       call write_dataset(file, '/report/load_error_history', report%load_error_history(), new_label('after each cycle', '1'))
+      associate (b => report%breakdown)
+         call write_dataset(file, '/report/breakdown', [real(wp) :: b%count, b%step, b%time, b%position, b%film, &
+            b%smallest_film], new_label('films below the floor: how often; step, time, place and film of the first; smallest', '1'))
+      end associate
       call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, new_label('bound', '1'))
       call write_dataset(file, '/report/work_units', report%work_units, new_label('sweeps of the finest level', '1'))
       call write_dataset(file, '/report/fft_pairs', report%fft_pairs, new_label('pairs of transforms', '1'))
@@ -154,6 +162,7 @@ contains
          checkpoint%intervals = int(reader%integer_value('/intervals'))
          checkpoint%time_step = reader%real_value('/time_step')
          call read_bars(reader, checkpoint%bars)
+         checkpoint%statistics = from_numbers(reader%reals('/statistics'))
          call read_march(reader, checkpoint%march)
          call read_report_so_far(reader, checkpoint%march%report)
          checkpoint%march%report%steps = checkpoint%march%step
@@ -247,6 +256,7 @@ contains
          return
       end if
       call report%restore(residuals, load_errors)
+      report%breakdown = breakdown_from(reader%reals('/report/breakdown'))
       report%method = reader%text('/report/method')
       report%tolerance_effective = reader%real_value('/report/tolerance_effective')
       report%work_units = reader%real_value('/report/work_units')
@@ -255,6 +265,15 @@ contains
       report%phase_seconds = phases
       report%converged = .true.
    end subroutine read_report_so_far
+
+   !> Films below the floor from their numbers (6).
+   pure function breakdown_from(numbers) result(breakdown)
+      real(wp), intent(in) :: numbers(:)
+      type(breakdown_t) :: breakdown
+
+      if (size(numbers) == 6) breakdown = breakdown_t(nint(numbers(1)), .false., nint(numbers(2)), numbers(3), numbers(4), &
+         numbers(5), numbers(6))
+   end function breakdown_from
 
    !> The figures as numbers (4, 5).
    pure function summary_numbers(summary) result(numbers)

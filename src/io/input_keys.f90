@@ -178,12 +178,18 @@ module input_keys
       'relaxation factor of the smoother'), &
       key_row_t('solver', 'load_relaxation', real_kind, '-', is_chosen, '>= 1e-6, < 2', '', '', &
       'relaxation factor of the force balance'), &
+      key_row_t('solver', 'film_floor', real_kind, 'm', is_optional, '> 0, <= 1e-3', '', '', &
+      'a film below it is a film breakdown, told with place and time'), &
+      key_row_t('solver', 'on_film_breakdown', word_kind, '', "'stop'", '', 'stop continue', '', &
+      'at a film breakdown: end as not converged, or go on with a mark; a film that closes always ends'), &
       key_row_t('output', 'profile_stride', integer_kind, '-', '1', '>= 1, <= 1000000000', '', '', &
       'every how many time steps profiles are stored (transient)'), &
       key_row_t('output', 'fields', words_kind, '', "'pressure', 'film_thickness'", '', &
       'pressure film_thickness', '', 'the profiles that are stored (transient)'), &
       key_row_t('output', 'checkpoint_interval', real_kind, 's', '600.0', '>= 0, <= 1e9', '', '', &
       'wall time between checkpoints, from which asperity --resume goes on (transient)'), &
+      key_row_t('output', 'film_thresholds', reals_kind, 'm', is_optional, '> 0, <= 1', '', '', &
+      'films for /statistics: how often and on how much of the contact the film is thinner (transient)'), &
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, '>= 1e-7, <= 0.1', '', '', &
       'relative error of h_min for which intervals and time step are chosen'), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', '', '', '', &
@@ -295,9 +301,6 @@ module input_keys
       later_row_t('surface_1', 'wavelength_short', 'synthetic roughness'), &
       later_row_t('surface_1', 'skewness', 'synthetic roughness'), &
       later_row_t('surface_1', 'kurtosis', 'synthetic roughness'), &
-      later_row_t('solver', 'film_floor', 'film breakdown'), &
-      later_row_t('solver', 'on_film_breakdown', 'film breakdown'), &
-      later_row_t('output', 'film_thresholds', 'film statistics'), &
       later_row_t('output', 'adequacy', 'lean models')]
 
 contains

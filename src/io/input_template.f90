@@ -65,6 +65,9 @@ module input_template
       example_t('output', 'profile_stride', '1', .false.), &
       example_t('output', 'fields', "'pressure', 'film_thickness'", .false.), &
       example_t('output', 'checkpoint_interval', '600.0', .false.), &
+      example_t('output', 'film_thresholds', '50e-9, 100e-9', .false.), &
+      example_t('solver', 'film_floor', '5e-9', .false.), &
+      example_t('solver', 'on_film_breakdown', "'stop'", .false.), &
       example_t('accuracy', 'target', '1e-3', .false.)]
 
    !> A synthetic rough surface, elastic-perfectly plastic, against a rigid plane, under three loads. The keys of &surface_2

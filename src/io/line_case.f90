@@ -4,12 +4,13 @@ module line_case
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
+   use solver_settings, only: solver_settings_t
    use scaling, only: scaling_t, new_scaling, new_moes_scaling, scaled_fluid
    use surface_scaling, only: scaled_surface
    implicit none (type, external)
    private
 
-   public :: build_line_contact
+   public :: build_line_contact, scaled_solver
 
 contains
 
@@ -35,6 +36,16 @@ contains
          contact%surface_2%speed = 1.0_wp
       end if
    end subroutine build_line_contact
+
+   !> The settings of the solver with the floor of the film [m] as H.
+   pure function scaled_solver(settings, scaling) result(scaled)
+      type(solver_settings_t), intent(in) :: settings
+      type(scaling_t), intent(in) :: scaling
+      type(solver_settings_t) :: scaled
+
+      scaled = settings
+      if (scaling%is_dimensional) scaled%film_floor = settings%film_floor/scaling%film
+   end function scaled_solver
 
    !> The reference values of a case, from SI or from Moes' numbers.
    pure subroutine build_scaling(case, scaling)

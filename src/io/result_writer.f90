@@ -6,10 +6,12 @@
 !> with T = 0 in it, so that it never shows anything that is not there.) An interrupted or failed run leaves an older NAME as
 !> it was.
 module result_writer
+   use breakdown_text, only: write_breakdown
    use build_info, only: git_commit, program_name, program_version
    use case_record, only: effective_t
    use error_bars, only: apply_error_bars, error_bars_t
    use errors, only: error_t, fail, input_error, output_error
+   use film_statistics, only: add_start, add_time, film_statistics_t
    use hdf5_attribute, only: write_attribute
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: create_hdf5_file, hdf5_file_t
@@ -23,6 +25,7 @@ module result_writer
    use result_labels, only: field_names
    use result_sections, only: write_report, write_scaling, write_solution, write_summary
    use scaling, only: scaling_t
+   use statistics_section, only: write_statistics
    use transient_store, only: attach_store, create_store, transient_store_t
    implicit none (type, external)
    private
@@ -44,6 +47,8 @@ module result_writer
       type(line_summary_t) :: summary
       !> Companions that tell how far off the figures may be.
       type(error_bars_t) :: bars
+      !> The film over all time steps, where that is asked for.
+      type(film_statistics_t) :: statistics
       !> NAME.part holds what a checkpoint needs: it stays when the run fails.
       logical :: has_checkpoint = .false.
       !> The open file.
@@ -238,6 +243,10 @@ contains
       type(report_t), intent(in) :: report
       type(line_summary_t) :: summary
 
+      if (allocated(self%statistics%thresholds)) then
+         if (step == 0) call add_start(self%statistics, state)
+         if (step > 0) call add_time(self%statistics, state)
+      end if
       if (mod(step, self%profile_stride) /= 0) return
       summary = summary_of(state)
       if (.not. self%is_transient) then
@@ -335,6 +344,7 @@ contains
       if (report%converged) call apply_error_bars(self%bars, state%x(2) - state%x(1), self%summary)
       call write_solution(self%file, state, self%scaling)
       call write_summary(self%file, self%summary, self%scaling, self%is_transient)
+      call write_statistics(self%file, self%statistics, self%scaling)
       call self%publish(report, error)
    end subroutine finish
 
@@ -351,6 +361,7 @@ contains
          call write_input(self%file, self%inputs(i), self%scaling)
       end do
       call write_report(self%file, report)
+      if (self%is_scaled) call write_breakdown(self%file, report%breakdown, self%scaling)
       reason = ''
       if (allocated(report%reason)) reason = trim(report%reason)
       call write_attribute(self%file, '/', 'converged', merge(1, 0, report%converged))

@@ -2,6 +2,7 @@
 !>
 !> Keeps a checkpoint from time to time, and when the run is interrupted.
 module run_observer
+   use breakdown_text, only: breakdown_sentence
    use checkpoint, only: checkpoint_t, write_checkpoint
    use errors, only: error_t, fail, output_error
    use interruption, only: is_interrupted
@@ -12,6 +13,7 @@ module run_observer
    use observer, only: observer_t
    use progress_log, only: progress_log_t
    use result_writer, only: result_writer_t
+   use scaling, only: scaling_t
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -29,6 +31,9 @@ module run_observer
       real(wp) :: output_seconds = 0.0_wp, earlier_seconds = 0.0_wp
       !> What identifies the case in its checkpoint.
       character(:), allocatable :: case
+      !> Floor of the film H, and reference values, for what is told of a film breakdown.
+      real(wp) :: film_floor = 0.0_wp
+      type(scaling_t) :: scaling
       !> Intervals and time step, given or chosen.
       integer :: intervals = 0
       real(wp) :: time_step = 0.0_wp
@@ -84,6 +89,8 @@ contains
       begin = wall_seconds()
       call self%writer%on_step(step, steps, state, report)
       call self%log%on_step(step, steps, state, report)
+      if (report%breakdown%is_now .and. report%breakdown%count == 1) call self%log%say_error( &
+         breakdown_sentence(report%breakdown, self%film_floor, self%scaling))
       self%wants_stop = self%writer%wants_stop .or. is_interrupted()
       self%wants_state = is_interrupted() .or. begin - self%last_checkpoint >= self%checkpoint_interval
       if (step == steps) self%wants_state = self%has_companions .and. (self%wants_state .or. begin - self%start > long_run)
@@ -103,6 +110,7 @@ contains
       checkpoint%march = history
       checkpoint%summary = self%writer%summary
       checkpoint%bars = self%writer%bars
+      checkpoint%statistics = self%writer%statistics
       checkpoint%records = self%writer%records()
       checkpoint%intervals = self%intervals
       checkpoint%time_step = self%time_step

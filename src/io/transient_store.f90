@@ -24,6 +24,8 @@ module transient_store
    !> Series of one number for each time. Time is counted last, and cut back first: there are never more times than values.
    character(len=name_length), parameter :: number_names(5) = [character(len=name_length) :: &
       'time', 'rigid_displacement', 'h_min', 'p_max', 'residual']
+   !> Mark of the times with a film below the floor, to be named like a field.
+   character(*), parameter, public :: breakdown_name = 'film_breakdown'
    !> Numbers that are moved at once into the result.
    integer, parameter :: block_numbers = 131072
 
@@ -45,7 +47,8 @@ module transient_store
 
 contains
 
-   !> Makes room in an open HDF5 file for `capacity` times of `nx` nodes; `fields` are names of `field_names`.
+   !> Makes room in an open HDF5 file for `capacity` times of `nx` nodes; `fields` are names of `field_names`, or
+   !> `breakdown_name`.
    subroutine create_store(store, file, fields, capacity, nx, scaling)
       type(transient_store_t), intent(out) :: store
       class(hdf5_file_t), intent(inout) :: file
@@ -135,7 +138,11 @@ contains
       call self%series(4)%put(self%file, [summary%p_max%value])
       call self%series(5)%put(self%file, [report%residual])
       do i = size(number_names) + 1, size(self%series)
-         call self%series(i)%put(self%file, field_values(trim(self%names(i)), state))
+         if (self%names(i) == breakdown_name) then
+            call self%series(i)%put(self%file, [merge(1.0_wp, 0.0_wp, report%breakdown%is_now)])
+         else
+            call self%series(i)%put(self%file, field_values(trim(self%names(i)), state))
+         end if
       end do
       do i = size(self%series), 1, -1
          call self%series(i)%count_record(self%file)
@@ -210,6 +217,8 @@ contains
          label = quantity_label('largest pressure of a node', 'Pa', scaling%hertz_pressure, scaling)
       case ('residual')
          label = new_label('residual reached in the step', '1')
+      case (breakdown_name)
+         label = new_label('1 where the film is below film_floor, else 0', '1')
       case default
          label = field_label(name, scaling)
       end select

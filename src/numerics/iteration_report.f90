@@ -7,7 +7,7 @@ module iteration_report
    implicit none (type, external)
    private
 
-   public :: report_t
+   public :: breakdown_t, report_t
 
    !> Number of phases whose wall time is kept apart.
    integer, parameter, public :: phase_count = 5
@@ -25,6 +25,19 @@ module iteration_report
    character(len=*), parameter, public :: phase_names(phase_count) = &
       [character(len=10) :: 'setup', 'steady', 'transient', 'output', 'error_bars']
 
+   !> Films below the floor of the film: how often, where the first one was, the smallest of all. Dimensionless.
+   type :: breakdown_t
+      !> Solutions (time steps) with a film below the floor.
+      integer :: count = 0
+      !> Whether the present one is.
+      logical :: is_now = .false.
+      !> The first of them: time step, T, X of its smallest film, that film.
+      integer :: step = 0
+      real(wp) :: time = 0.0_wp, position = 0.0_wp, film = 0.0_wp
+      !> Smallest film of all of them.
+      real(wp) :: smallest_film = huge(1.0_wp)
+   end type breakdown_t
+
    !> Outcome, history and cost of one solve.
    type :: report_t
       !> Residual and load error are below `tolerance_effective` (of the last solve, and of every time step).
@@ -36,6 +49,8 @@ module iteration_report
       !> What the method used, in a transient that of the time steps: bounds, sweeps, under-relaxation; 0: not used by it.
       real(wp) :: tolerance = 0.0_wp, relaxation = 0.0_wp, load_relaxation = 0.0_wp
       integer :: max_cycles = 0, pre_sweeps = 0, post_sweeps = 0, coarse_sweeps = 0
+      !> Films below the floor.
+      type(breakdown_t) :: breakdown
       !> Cycles (or iterations) on the finest level, time steps included.
       integer :: cycles = 0
       !> Grid levels, the finest counted.

@@ -1,0 +1,79 @@
+!> Film breakdown: a film below a stated floor, where the model of a full film does not hold any more.
+!>
+!> The floor is no part of the equations: it changes no film and no pressure. It is looked at after every solution.
+module film_breakdown
+   use iteration_report, only: breakdown_t, report_t
+   use kinds, only: wp
+   use line_summary, only: parabola_minimum
+   use solver_settings, only: solver_settings_t
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: look_for_breakdown
+
+contains
+
+   !> Takes down a film below the floor; the report is not converged any more if that is the end. x, film (n).
+   pure subroutine look_for_breakdown(x, film, settings, step, time, report)
+      real(wp), intent(in) :: x(:), film(:)
+      type(solver_settings_t), intent(in) :: settings
+      integer, intent(in) :: step
+      real(wp), intent(in) :: time
+      type(report_t), intent(inout) :: report
+
+      report%breakdown%is_now = is_below_floor(film, settings%film_floor)
+      if (.not. report%breakdown%is_now) return
+      call note_breakdown(x, film, step, time, report%breakdown)
+      if (settings%on_film_breakdown == 'continue' .and. all(film > 0.0_wp)) return
+      report%converged = .false.
+      report%reason = breakdown_reason(report%breakdown, settings%film_floor)
+   end subroutine look_for_breakdown
+
+   !> Whether the smallest film (parabola through three nodes) is below the floor, or a node closed. film (n), floor >= 0.
+   pure function is_below_floor(film, floor)
+      real(wp), intent(in) :: film(:)
+      real(wp), intent(in) :: floor
+      logical :: is_below_floor
+
+      is_below_floor = parabola_minimum(film) < floor .or. any(film <= 0.0_wp)
+   end function is_below_floor
+
+   !> Takes down a film below the floor: the first one with its place, the smallest of all. x, film (n).
+   pure subroutine note_breakdown(x, film, step, time, breakdown)
+      real(wp), intent(in) :: x(:), film(:)
+      integer, intent(in) :: step
+      real(wp), intent(in) :: time
+      type(breakdown_t), intent(inout) :: breakdown
+      real(wp) :: smallest
+      integer :: node
+
+      node = minloc(film, 1)
+      smallest = parabola_minimum(film)
+      breakdown%count = breakdown%count + 1
+      breakdown%smallest_film = min(breakdown%smallest_film, smallest)
+      if (breakdown%count > 1) return
+      breakdown%step = step
+      breakdown%time = time
+      breakdown%position = x(node)
+      breakdown%film = smallest
+      if (film(node) <= 0.0_wp) breakdown%film = film(node)
+   end subroutine note_breakdown
+
+   !> Where and when the film first broke down, dimensionless: 'film breakdown at X = -0.3 (T = 0.5): H = 0.01 ...'.
+   pure function breakdown_reason(breakdown, floor) result(reason)
+      type(breakdown_t), intent(in) :: breakdown
+      real(wp), intent(in) :: floor
+      character(:), allocatable :: reason
+
+      reason = 'film breakdown at X = '//to_text(breakdown%position, 2)
+      if (breakdown%step > 0) reason = reason//' (T = '//to_text(breakdown%time, 4)//')'
+      reason = reason//': '
+      if (breakdown%film <= 0.0_wp) then
+         reason = reason//'the film would close'
+      else
+         reason = reason//'the film would be H = '//to_text(breakdown%film, 3)//', below the floor H = '//to_text(floor, 3)
+      end if
+   end function breakdown_reason
+
+end module film_breakdown

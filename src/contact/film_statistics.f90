@@ -1,0 +1,147 @@
+!> Statistics of the film over the passage of rough surfaces, gathered step by step: how often and on how much of the contact
+!> the film is thinner than stated values, distributions of the smallest film and the largest pressure, lambda ratio.
+!>
+!> The contact is -1 <= X <= 1. T = 0 counts only for the smooth film: there the surfaces have entered it without a new solve.
+module film_statistics
+   use kinds, only: wp
+   use line_state, only: line_state_t
+   use line_summary, only: central_value, parabola_minimum
+   implicit none (type, external)
+   private
+
+   public :: add_start, add_time, film_statistics_t, from_numbers, new_statistics, numbers_of
+
+   !> Bins of the distributions: equal in the logarithm, from 10^first on. The outer ones also take what lies beyond.
+   integer, parameter, public :: bins_per_decade = 50, film_first = -7, pressure_first = -2, bin_count = 500
+
+   !> Sums over the time steps so far. Dimensionless.
+   type :: film_statistics_t
+      !> Stated films H (k), rising or not; none: nothing is gathered.
+      real(wp), allocatable :: thresholds(:)
+      !> Time steps.
+      real(wp) :: times = 0.0_wp
+      !> Time steps with a film below each threshold, and sum of the shares of the contact below it (k).
+      real(wp), allocatable :: times_below(:), shares_below(:)
+      !> Time steps by smallest film and by largest pressure of a node (bin_count).
+      real(wp) :: film_bins(bin_count) = 0.0_wp, pressure_bins(bin_count) = 0.0_wp
+      !> Sums over time of the means over the contact: film, Psi_1 + Psi_2, its square.
+      real(wp) :: film_sum = 0.0_wp, height_sum = 0.0_wp, square_sum = 0.0_wp
+      !> H of the smooth contact at X = 0.
+      real(wp) :: smooth_film = 0.0_wp
+   contains
+      !> Lambda ratio: smooth central film over the composite rms height in the contact; 0 if the surfaces are smooth.
+      procedure :: lambda_ratio
+      !> Composite rms height of both surfaces in the contact, over all times.
+      procedure :: rms_height
+   end type film_statistics_t
+
+contains
+
+   !> Statistics for `thresholds` H (k).
+   pure function new_statistics(thresholds) result(statistics)
+      real(wp), intent(in) :: thresholds(:)
+      type(film_statistics_t) :: statistics
+
+      statistics%thresholds = thresholds
+      allocate (statistics%times_below(size(thresholds)), statistics%shares_below(size(thresholds)), source=0.0_wp)
+   end function new_statistics
+
+   !> Takes the smooth film from the state at T = 0.
+   pure subroutine add_start(statistics, state)
+      type(film_statistics_t), intent(inout) :: statistics
+      type(line_state_t), intent(in) :: state
+
+      statistics%smooth_film = central_value(state%x, state%film_thickness + state%roughness_1 + state%roughness_2)
+   end subroutine add_start
+
+   !> Adds a time step.
+   pure subroutine add_time(statistics, state)
+      type(film_statistics_t), intent(inout) :: statistics
+      type(line_state_t), intent(in) :: state
+      integer :: first, last, k
+      real(wp) :: share, smallest
+
+      first = count(state%x < -1.0_wp) + 1
+      last = count(state%x <= 1.0_wp)
+      smallest = parabola_minimum(state%film_thickness)
+      share = 1.0_wp/max(last - first + 1, 1)
+      associate (h => state%film_thickness(first:last), psi => state%roughness_1(first:last) + state%roughness_2(first:last))
+         do k = 1, size(statistics%thresholds)
+            if (smallest < statistics%thresholds(k)) statistics%times_below(k) = statistics%times_below(k) + 1.0_wp
+            statistics%shares_below(k) = statistics%shares_below(k) + share*count(h < statistics%thresholds(k))
+         end do
+         statistics%film_sum = statistics%film_sum + share*sum(h)
+         statistics%height_sum = statistics%height_sum + share*sum(psi)
+         statistics%square_sum = statistics%square_sum + share*sum(psi**2)
+      end associate
+      call add_to_bin(statistics%film_bins, smallest, film_first)
+      call add_to_bin(statistics%pressure_bins, maxval(state%pressure), pressure_first)
+      statistics%times = statistics%times + 1.0_wp
+   end subroutine add_time
+
+   !> Adds one to the bin of `value`.
+   pure subroutine add_to_bin(bins, value, first)
+      real(wp), intent(inout) :: bins(:)
+      real(wp), intent(in) :: value
+      integer, intent(in) :: first
+      integer :: i
+
+      i = 1
+      if (value > 0.0_wp) i = 1 + floor(bins_per_decade*(log10(value) - first))
+      i = min(max(i, 1), size(bins))
+      bins(i) = bins(i) + 1.0_wp
+   end subroutine add_to_bin
+
+   !> Composite rms height in the unit of H.
+   pure function rms_height(self)
+      class(film_statistics_t), intent(in) :: self
+      real(wp) :: rms_height
+
+      rms_height = 0.0_wp
+      if (self%times > 0.0_wp) rms_height = sqrt(max(self%square_sum/self%times - (self%height_sum/self%times)**2, 0.0_wp))
+   end function rms_height
+
+   !> Smooth film over rms height.
+   pure function lambda_ratio(self)
+      class(film_statistics_t), intent(in) :: self
+      real(wp) :: lambda_ratio
+
+      lambda_ratio = 0.0_wp
+      if (self%rms_height() > 0.0_wp) lambda_ratio = self%smooth_film/self%rms_height()
+   end function lambda_ratio
+
+   !> Everything as numbers, for a checkpoint.
+   pure function numbers_of(statistics) result(numbers)
+      type(film_statistics_t), intent(in) :: statistics
+      real(wp), allocatable :: numbers(:)
+
+      allocate (numbers(0))
+      if (.not. allocated(statistics%thresholds)) return
+      associate (s => statistics)
+         numbers = [s%times, s%film_sum, s%height_sum, s%square_sum, s%smooth_film, s%film_bins, s%pressure_bins, &
+            s%thresholds, s%times_below, s%shares_below]
+      end associate
+   end function numbers_of
+
+   !> The statistics that `numbers_of` has turned into numbers; none from none.
+   pure function from_numbers(numbers) result(statistics)
+      real(wp), intent(in) :: numbers(:)
+      type(film_statistics_t) :: statistics
+      integer :: i, k
+
+      i = 5 + 2*bin_count
+      k = (size(numbers) - i)/3
+      if (k < 1) return
+      statistics%times = numbers(1)
+      statistics%film_sum = numbers(2)
+      statistics%height_sum = numbers(3)
+      statistics%square_sum = numbers(4)
+      statistics%smooth_film = numbers(5)
+      statistics%film_bins = numbers(6:5 + bin_count)
+      statistics%pressure_bins = numbers(6 + bin_count:i)
+      statistics%thresholds = numbers(i + 1:i + k)
+      statistics%times_below = numbers(i + k + 1:i + 2*k)
+      statistics%shares_below = numbers(i + 2*k + 1:i + 3*k)
+   end function from_numbers
+
+end module film_statistics

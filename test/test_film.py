@@ -1,0 +1,143 @@
+"""Film breakdown and statistics of the film: told, marked, stopped or not, and never a film that is not there."""
+
+import h5py
+import numpy as np
+import pytest
+from cases import STEADY, TRANSIENT, text, write
+
+# A ridge of 1 um: the film falls to 14 nm at X = 1.305, T = 2.37.
+HIGH = (
+    STEADY.replace("x_outlet = 1.5", "x_outlet = 3.0").replace("intervals = 256", "intervals = 256")
+    + """&surface_2 shape = 'feature', amplitude = 1e-6, wavelength = 1e-4, position = -3.0 /
+&time transient = .true., end_time = 3.0, time_step = 0.01 /
+&accuracy error_bars = .false. /
+"""
+)
+THRESHOLDS = [20e-9, 100e-9, 500e-9]
+
+
+def floor(value, action):
+    return f"&solver film_floor = {value}, on_film_breakdown = '{action}' /\n"
+
+
+def test_breakdown_stops_and_says_where_and_when(asperity, tmp_path):
+    write(tmp_path, "a.nml", HIGH + floor("15e-9", "stop"))
+    done = asperity("a.nml", "--quiet")
+    assert done.returncode == 2
+    with h5py.File(tmp_path / "a.h5") as file:
+        reason = text(file.attrs["reason"])
+        assert reason.startswith("film breakdown at x = 13")
+        assert "time step 2" in reason
+        assert reason.endswith("below film_floor = 15.00 nm")
+        assert " ".join(done.stderr.split()) == f"a.nml: NOT CONVERGED: {reason}"
+        assert (file.attrs["converged"], file.attrs["film_breakdown"]) == (0, 1)
+        scale = file["scaling"].attrs["film_thickness"]
+        stored = file["transient/film_thickness"]
+        assert stored[()].min() * scale > 15e-9
+        step = file["report/film_breakdown_step"][()]
+        assert len(stored) == step
+        assert file["report/film_breakdown_time"][()] == pytest.approx(0.01 * step)
+        assert file["report/film_breakdown_film"][()] * scale < 15e-9
+        assert not file["transient/film_breakdown"][()].any()
+
+
+def test_breakdown_goes_on_with_a_mark(asperity, tmp_path):
+    write(tmp_path, "a.nml", HIGH + floor("15e-9", "continue"))
+    write(tmp_path, "b.nml", HIGH)
+    done = asperity("a.nml", "b.nml", "--quiet")
+    assert done.returncode == 0
+    assert done.stderr.startswith("asperity: film breakdown at x = 13")
+    assert len(done.stderr.splitlines()) == 1
+    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "b.h5") as free:
+        assert (file.attrs["converged"], file.attrs["film_breakdown"]) == (1, 1)
+        assert free.attrs["film_breakdown"] == 0
+        assert "film_breakdown" not in free["transient"]
+        scale = file["scaling"].attrs["film_thickness"]
+        low = file["transient/h_min"][()] * scale < 15e-9
+        assert 1 <= low.sum() < 20
+        assert (file["transient/film_breakdown"][()] == low).all()
+        assert file["report/film_breakdown_count"][()] == low.sum()
+        assert file["report/film_breakdown_step"][()] == np.flatnonzero(low)[0]
+        # the floor is no part of the equations
+        assert (file["transient/film_thickness"][()] == free["transient/film_thickness"][()]).all()
+
+
+@pytest.mark.parametrize("action", ["stop", "continue"])
+def test_surfaces_that_touch_at_the_start_leave_no_negative_film(asperity, tmp_path, action):
+    write(tmp_path, "a.nml", HIGH.replace("1e-6", "5e-6").replace("-3.0", "0.0") + floor("1e-9", action))
+    done = asperity("a.nml", "--quiet")
+    assert done.returncode == 2
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert file.attrs["converged"] == 0
+        assert file.attrs["film_breakdown"] == 1
+        reason = text(file.attrs["reason"])
+        assert reason.startswith("film closed at T = 0")
+        assert "film breakdown at X = -0.0078: the film would close" in reason
+        assert file["solution/film_thickness"][()].min() > 0
+
+
+def test_step_without_a_solution_says_where_the_film_was_smallest(asperity, tmp_path):
+    write(tmp_path, "a.nml", HIGH.replace("x_outlet = 3.0", "x_outlet = 1.5"))
+    done = asperity("a.nml", "--quiet")
+    assert done.returncode == 2
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert "smallest film before it: H = 0.01" in text(file.attrs["reason"])
+        assert file["transient/film_thickness"][()].min() > 0
+
+
+@pytest.mark.parametrize(("action", "status"), [("stop", 2), ("continue", 0)])
+def test_steady_breakdown(asperity, tmp_path, action, status):
+    write(tmp_path, "a.nml", STEADY + floor("500e-9", action))
+    assert asperity("a.nml", "--quiet").returncode == status
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert file.attrs["film_breakdown"] == 1
+        assert file.attrs["converged"] == (status == 0)
+        assert text(file.attrs["reason"]).startswith("film breakdown at x = " if status else "converged")
+        assert file["solution/film_thickness"][()].min() > 0
+
+
+def test_statistics_are_those_of_the_stored_steps(asperity, tmp_path):
+    shared = HIGH + "&output film_thresholds = 20e-9, 100e-9, 500e-9, fields = 'pressure', 'film_thickness' /\n"
+    write(tmp_path, "a.nml", shared)
+    write(tmp_path, "b.nml", shared.replace("film_thresholds", "profile_stride = 50, film_thresholds"))
+    assert asperity("a.nml", "b.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "b.h5") as strided:
+        scale = file["scaling"].attrs["film_thickness"]
+        x, series, found = file["solution/x"][()], file["transient"], file["statistics"]
+        contact = np.abs(x) <= 1
+        film, h_min = series["film_thickness"][1:, contact] * scale, series["h_min"][1:] * scale
+        assert found["film_threshold"][()] == pytest.approx(THRESHOLDS)
+        assert found["time_below"][()] == pytest.approx([(h_min < h).mean() for h in THRESHOLDS], abs=1e-14)
+        assert found["area_below"][()] == pytest.approx([(film < h).mean() for h in THRESHOLDS], abs=1e-12)
+        assert found["mean_film"][()] == pytest.approx(film.mean(), rel=1e-12)
+        for name, values in (("h_min", h_min), ("p_max", series["p_max"][1:] * file["scaling"].attrs["hertz_pressure"])):
+            share, edges = found[f"{name}_share"][()], found[f"{name}_edges"][()]
+            assert share.sum() == pytest.approx(1)
+            assert np.histogram(values, edges)[0] / len(values) == pytest.approx(share)
+        for name in found:
+            assert (found[name][()] == strided["statistics"][name][()]).all(), name
+
+
+def test_lambda_ratio_of_a_waviness(asperity, tmp_path):
+    """Rms of A cos is A/sqrt(2), of two waves that pass each other the root of both squares."""
+    waves = """&surface_1 shape = 'sinusoid', amplitude = 30e-9, wavelength = 6e-5 /
+&surface_2 shape = 'sinusoid', amplitude = 40e-9, wavelength = 4e-5 /
+&time transient = .true., end_time = 20.0, time_step = 0.02 /
+&output film_thresholds = 100e-9, profile_stride = 1000 /
+&accuracy error_bars = .false. /
+"""
+    write(tmp_path, "a.nml", STEADY + waves)
+    write(tmp_path, "smooth.nml", STEADY)
+    assert asperity("a.nml", "smooth.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "smooth.h5") as smooth:
+        found = file["statistics"]
+        assert found["rms_height"][()] == pytest.approx(50e-9 / np.sqrt(2), rel=0.02)
+        assert found["smooth_film"][()] == pytest.approx(smooth["summary/h_central"][()], rel=1e-6)
+        assert found["lambda_ratio"][()] == found["smooth_film"][()] / found["rms_height"][()]
+
+
+def test_no_statistics_unless_asked_for(asperity, tmp_path):
+    write(tmp_path, "a.nml", TRANSIENT)
+    assert asperity("a.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert "statistics" not in file
