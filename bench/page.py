@@ -41,7 +41,9 @@ Each has a short form, `ARGS=--quick`. Measured on {processor}, {cores}, gfortra
 
 ## Speed and memory
 
-Wall time of one core. `resid.` is the residual that the solver reached; the verdict is that of the median. Times of solving do not
+Wall time of one core, and the mean processor time of a run, planning included (`CPU`). `resid` is the residual that the solver
+reached. The verdict is that of the median; where other work on the machine (see its load) made that miss, `met (min.)` and
+`met (CPU)` say that the minimum or the processor time is within what was asked. Times of solving do not
 contain planning of transforms, kernels and storage, which have a row of their own, nor start-up, input and output.
 
 ```text
@@ -70,7 +72,8 @@ choose the grid (`&accuracy target`), at the time of the choice and the solution
 ## Where the methods converge
 
 Iterations on the finest grid as colour, one frame for all methods. A cell counts as right if it converges, or if its given grid is
-too coarse for a discrete film and the program says so. `slow`: more than 30 iterations.
+too coarse for a discrete film and the program says so. `slow`: more than 30 iterations. Maps with few cells are those of the short
+form of the command.
 """
 
 CAPTIONS = {
@@ -154,7 +157,11 @@ def map_section(name: str) -> str:
     total = sum(next(iter(counts.values())).values())
     text = f"{CAPTIONS[name]} Right, of {total} cells each: {'; '.join(parts)}. [CSV](images/performance/stability_{name}.csv)."
     title = CAPTIONS[name].rstrip(".")
-    return f"\n![{title}](images/performance/stability_{name}.png)\n\n" + "\n".join(textwrap.wrap(text, 128)) + "\n"
+    return (
+        f"\n![{title}](images/performance/stability_{name}.png)\n\n"
+        + "\n".join(textwrap.wrap(text, 128, break_on_hyphens=False))
+        + "\n"
+    )
 
 
 def cells_of_auto(names: list[str]) -> str:
