@@ -22,7 +22,6 @@ from bench_program import ROOT
 RESULTS = ROOT / "results"
 PAGE = ROOT / "docs" / "performance.md"
 IMAGES = ROOT / "docs" / "images" / "performance"
-RIGHT = {"converged", "slow", "too coarse"}
 
 HEAD = """# Performance
 
@@ -145,14 +144,19 @@ def rows(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+def is_right(row: dict[str, str]) -> bool:
+    """Whether a cell has converged, however slowly, or its grid is too coarse and was called so."""
+    return row["reason"] == "converged" or row["status"] == "too coarse"
+
+
 def map_section(name: str) -> str:
     """Figure, caption and counts of one map."""
     counts: dict[str, Counter] = defaultdict(Counter)
     for row in rows(RESULTS / "stability" / f"stability_{name}.csv"):
-        counts[row["method"]][row["status"]] += 1
+        counts[row["method"]][is_right(row)] += 1
     parts = []
     for method, count in counts.items():
-        right, total = sum(count[word] for word in RIGHT), sum(count.values())
+        right, total = count[True], sum(count.values())
         parts.append(f"{method} {right}" if right < total else f"{method} all")
     total = sum(next(iter(counts.values())).values())
     text = f"{CAPTIONS[name]} Right, of {total} cells each: {'; '.join(parts)}. [CSV](images/performance/stability_{name}.csv)."
@@ -172,7 +176,7 @@ def cells_of_auto(names: list[str]) -> str:
         for row in rows(RESULTS / "stability" / f"stability_{name}.csv"):
             if row["method"].startswith("auto"):
                 total += 1
-                if row["status"] not in RIGHT:
+                if not is_right(row):
                     axes = list(row)[1:3]
                     bad.append(
                         f"- {name}, {row['method']}, {axes[0]} = {row[axes[0]]}, {axes[1]} = {row[axes[1]]}: {row['status']}"

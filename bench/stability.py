@@ -25,7 +25,6 @@ from stability_figure import draw_map
 
 LIMIT = 40.0
 MANY = 30
-SOLVED = ("converged", "slow")
 
 
 def status(answer: Answer | None) -> str:
@@ -79,7 +78,7 @@ def report(each: StabilityMap, answers: dict[tuple[str, int, int], Answer], cell
     for method in each.methods:
         counts = Counter(status(answer) for (name, _, _), answer in answers.items() if name == method)
         total = sum(counts.values())
-        solved = sum(counts[word] for word in SOLVED)
+        solved = sum(answer.converged for (name, _, _), answer in answers.items() if name == method)
         right = solved + counts["too coarse"]
         words = ", ".join(f"{count} {word}" for word, count in counts.most_common())
         lines.append(f"  {method}: {right} of {total} right ({words})")
