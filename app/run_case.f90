@@ -5,6 +5,7 @@ module run_case
       store_input
    use case_record, only: case_t, result_path, set_effective
    use command_line, only: command_t
+   use domain_choice, only: choose_domain
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: choose_resolution, error_bars_t, run_companions
    use errors, only: error_t
@@ -13,7 +14,7 @@ module run_case
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_case, only: build_line_contact, scaled_solver
-   use line_contact, only: line_contact_t
+   use line_contact, only: line_contact_t, nodes_in_finest_wave
    use line_state, only: all_finite, line_state_t
    use progress_log, only: new_progress_log
    use result_start, only: find_complete_result, start_result
@@ -27,6 +28,9 @@ module run_case
    private
 
    public :: run_one_case
+
+   !> Nodes in the finest wave of a profile below which the program says so.
+   real(wp), parameter :: fewest_nodes = 48.0_wp
 
 contains
 
@@ -101,6 +105,7 @@ contains
          if (allocated(error) .or. watcher%wants_stop) return
       end if
       watcher%has_companions = case%accuracy%has_error_bars .and. .not. case%accuracy%target > 0.0_wp
+      call tell_coarse_waves(case, contact, watcher)
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
       call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
@@ -121,6 +126,22 @@ contains
          phases(phase_transient) = max(phases(phase_transient) - watcher%output_seconds, 0.0_wp)
       end associate
    end subroutine solve
+
+   !> Says where the finest waves of a profile have few nodes of the grid.
+   subroutine tell_coarse_waves(case, contact, watcher)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      type(line_contact_t) :: whole
+      real(wp) :: nodes
+
+      whole = contact
+      call choose_domain(whole)
+      nodes = nodes_in_finest_wave(whole)
+      if (nodes < fewest_nodes) call watcher%log%say(case%file//': the finest waves of the roughness have '//to_text(nodes, 2)// &
+         ' nodes, '//to_text(nint(fewest_nodes))//' are needed: '//to_text(int(whole%domain%intervals* &
+         2.0_wp**ceiling(log(fewest_nodes/nodes)/log(2.0_wp))))//' intervals, or fewer harmonics')
+   end subroutine tell_coarse_waves
 
    !> Writes the result.
    subroutine store(case, watcher, state, report, status)

@@ -8,7 +8,7 @@ module line_contact
    implicit none (type, external)
    private
 
-   public :: line_contact_t, film_estimate
+   public :: film_estimate, line_contact_t, nodes_in_finest_wave
 
    !> Data of one dimensionless contact.
    type :: line_contact_t
@@ -35,5 +35,17 @@ contains
 
       film = central_film(contact%moes_m_sum, contact%moes_l_sum)
    end function film_estimate
+
+   !> Nodes in the finest wave of the profiles, on a complete domain; huge if there is no profile.
+   pure function nodes_in_finest_wave(contact) result(nodes)
+      type(line_contact_t), intent(in) :: contact
+      real(wp) :: nodes
+      real(wp) :: dx
+
+      dx = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
+      nodes = huge(1.0_wp)
+      if (allocated(contact%surface_1%profile)) nodes = contact%surface_1%profile%finest_wave/dx
+      if (allocated(contact%surface_2%profile)) nodes = min(nodes, contact%surface_2%profile%finest_wave/dx)
+   end function nodes_in_finest_wave
 
 end module line_contact

@@ -56,7 +56,7 @@ contains
       case ('moes')
          is_used = values%has_group('moes')
       case ('surface_1', 'surface_2')
-         is_used = key /= 'position' .or. values%word_value(group, 'shape') /= 'smooth'
+         is_used = is_used_by_shape(values, group, key)
       case ('output')
          is_used = transient%logical
       case ('time')
@@ -65,6 +65,26 @@ contains
          is_used = .true.
       end select
    end function is_used
+
+   !> Whether a surface of this shape has any use for a key.
+   function is_used_by_shape(values, group, key) result(is_used)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group, key
+      logical :: is_used
+      character(:), allocatable :: shape
+
+      shape = trim(values%word_value(group, 'shape'))
+      select case (key)
+      case ('shape')
+         is_used = .true.
+      case ('position')
+         is_used = (shape /= 'smooth' .and. shape /= 'file' .and. shape /= 'synthetic') .or. values%is_given(group, key)
+      case ('seed', 'hurst', 'skewness', 'kurtosis')
+         is_used = shape == 'synthetic'
+      case default
+         is_used = values%is_given(group, key)
+      end select
+   end function is_used_by_shape
 
    !> What follows from the given values: reduced bodies, load, parameters of the viscosity law.
    subroutine list_derived(case)

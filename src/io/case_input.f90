@@ -13,6 +13,7 @@ module case_input
    use input_values, only: input_values_t, value_t, read_values
    use key_range, only: is_in_range
    use kinds, only: wp
+   use line_profiles, only: add_profile
    use lubricant, only: viscosity_constant, viscosity_barus, viscosity_roelands, density_constant, density_dowson_higginson
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
    use namelist_text, only: namelist_text_t, split_namelist
@@ -39,6 +40,7 @@ contains
       type(findings_t), intent(inout) :: findings
       type(namelist_text_t) :: pieces
       type(input_values_t) :: values
+      type(rough_surface_t) :: surface_1, surface_2
 
       call split_namelist(content, pieces, findings)
       if (pieces%group_count == 0) then
@@ -63,7 +65,14 @@ contains
       call fill_surface(values, 'surface_2', case%bodies%speed_2, case%surface_2)
       call fill_numerics(values, case)
       call check_regime(values, case, findings)
+      if (findings%count > 0) return
       call list_effective(values, case)
+      surface_1 = case%surface_1
+      surface_2 = case%surface_2
+      call add_profile(values, 'surface_1', case, surface_1, findings)
+      call add_profile(values, 'surface_2', case, surface_2, findings)
+      case%surface_1 = surface_1
+      case%surface_2 = surface_2
    end subroutine read_case
 
    !> The rest of a dry case. Findings: see module dry_input.
@@ -205,7 +214,7 @@ contains
 
       surface%speed = speed
       shape = values%slot(group, 'shape')
-      if (all(shape%words == 'smooth')) then
+      if (all(shape%words == 'smooth' .or. shape%words == 'file' .or. shape%words == 'synthetic')) then
          allocate (surface%features(0))
          return
       end if

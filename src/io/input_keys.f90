@@ -129,19 +129,22 @@ module input_keys
       "tau_0 of the Eyring law; required with rheology = 'eyring'")]
 
    type(key_row_t), parameter :: surface_rows(*) = [ &
-      key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid', 'file synthetic parabola', &
-      'feature: ridge or dent (5.4); sinusoid: A cos(2 pi (x-xc)/Lambda); one word, or one for each element'), &
+      key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid file synthetic', 'parabola', &
+      'file, synthetic; or ridge or dent (5.4), sinusoid A cos(2 pi (x-xc)/Lambda), one word for each element'), &
       key_row_t('surface_1', 'amplitude', reals_kind, 'm', is_optional, '>= -1, <= 1', '', '', &
       'height A of each element; a ridge is positive, a dent negative', every), &
       key_row_t('surface_1', 'wavelength', reals_kind, 'm', is_optional, '>= 1e-12, <= 1e3', '', '', &
       'wavelength Lambda of each element', every), &
       key_row_t('surface_1', 'position', reals_kind, 'half-widths', '0.0', '>= -1e6, <= 1e6', '', '', &
-      'centre xc of each element at time 0'), &
-      key_row_t('surface_2', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid', 'file synthetic parabola', &
+      'centre xc of each element at time 0; of a profile: its centre, default where it is about to enter'), &
+      key_row_t('surface_1', 'entry_length', real_kind, 'half-widths', is_chosen, '>= 0, <= 1e4', '', '', &
+      'everything rises over it behind a front that enters the domain; chosen: 1 for profiles, else 0'), &
+      key_row_t('surface_2', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid file synthetic', 'parabola', &
       'as in &surface_1'), &
       key_row_t('surface_2', 'amplitude', reals_kind, 'm', is_optional, '>= -1, <= 1', '', '', 'as in &surface_1', every), &
       key_row_t('surface_2', 'wavelength', reals_kind, 'm', is_optional, '>= 1e-12, <= 1e3', '', '', 'as in &surface_1', every), &
-      key_row_t('surface_2', 'position', reals_kind, 'half-widths', '0.0', '>= -1e6, <= 1e6', '', '', 'as in &surface_1')]
+      key_row_t('surface_2', 'position', reals_kind, 'half-widths', '0.0', '>= -1e6, <= 1e6', '', '', 'as in &surface_1'), &
+      key_row_t('surface_2', 'entry_length', real_kind, 'half-widths', is_chosen, '>= 0, <= 1e4', '', '', 'as in &surface_1')]
 
    type(key_row_t), parameter :: numeric_rows(*) = [ &
       key_row_t('domain', 'x_inlet', real_kind, 'half-widths', is_chosen, '>= -1000, < -1', '', '', &
@@ -201,53 +204,53 @@ module input_keys
       key_row_t('surface_1', 'position', reals_kind, 'm', '0.0', '>= -1e3, <= 1e3', '', '', &
       'centre xc of each element, from x = 0 of the domain', dry), &
       key_row_t('surface_1', 'file', text_kind, '', is_optional, '', '', '', &
-      'file of heights: CSV with a header line, x in the first column; or HDF5 (.h5, .hdf5)', dry), &
+      'file of heights: CSV with a header line, x in the first column; or HDF5 (.h5, .hdf5)', every), &
       key_row_t('surface_1', 'dataset', text_kind, '', is_optional, '', '', '', &
-      'name of the column (default: the second), or path in the HDF5 file', dry), &
+      'name of the column (default: the second), or path in the HDF5 file', every), &
       key_row_t('surface_1', 'harmonics', integer_kind, '-', is_optional, '>= 1, <= 16777216', '', '', &
-      'keep the harmonics 1 to n of the periodic heights, drop the mean (4.1)', dry), &
+      'keep the harmonics 1 to n of the periodic heights, drop the mean (4.1)', every), &
       key_row_t('surface_1', 'seed', integer_kind, '-', '1', '>= 0, <= 2147483647', '', '', &
-      'synthetic: the same seed gives the same surface everywhere', dry), &
+      'synthetic: the same seed gives the same surface everywhere', every), &
       key_row_t('surface_1', 'hurst', real_kind, '-', '0.8', '>= 0, <= 1', '', '', &
-      'synthetic: Hurst exponent of the self-affine part', dry), &
+      'synthetic: Hurst exponent of the self-affine part', every), &
       key_row_t('surface_1', 'rms_height', real_kind, 'm', is_optional, '>= 1e-12, <= 1', '', '', &
-      'synthetic: rms height Rq, required', dry), &
+      'synthetic: rms height Rq, required', every), &
       key_row_t('surface_1', 'wavelength_long', real_kind, 'm', is_chosen, '>= 1e-12, <= 1e3', '', '', &
-      'synthetic: longest wave; chosen: the longest that fits', dry), &
+      'synthetic: longest wave; chosen: the longest that fits', every), &
       key_row_t('surface_1', 'wavelength_rolloff', real_kind, 'm', is_chosen, '>= 1e-12, <= 1e3', '', '', &
-      'synthetic: below it the spectrum falls by the power law; chosen: wavelength_long', dry), &
+      'synthetic: below it the spectrum falls by the power law; chosen: wavelength_long', every), &
       key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_chosen, '>= 1e-12, <= 1e3', '', '', &
-      'synthetic: shortest wave; chosen: two node spacings', dry), &
+      'synthetic: shortest wave; chosen (dry): two node spacings', every), &
       key_row_t('surface_1', 'skewness', real_kind, '-', '0.0', '>= -3, <= 3', '', '', &
-      'synthetic: Rsk', dry), &
+      'synthetic: Rsk', every), &
       key_row_t('surface_1', 'kurtosis', real_kind, '-', '3.0', '>= 1, <= 20', '', '', &
-      'synthetic: Rku', dry), &
+      'synthetic: Rku', every), &
       key_row_t('surface_2', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid file synthetic parabola', '', &
       'as in &surface_1', dry), &
       key_row_t('surface_2', 'position', reals_kind, 'm', '0.0', '>= -1e3, <= 1e3', '', '', &
       'as in &surface_1', dry), &
       key_row_t('surface_2', 'file', text_kind, '', is_optional, '', '', '', &
-      'as in &surface_1', dry), &
+      'as in &surface_1', every), &
       key_row_t('surface_2', 'dataset', text_kind, '', is_optional, '', '', '', &
-      'as in &surface_1', dry), &
+      'as in &surface_1', every), &
       key_row_t('surface_2', 'harmonics', integer_kind, '-', is_optional, '>= 1, <= 16777216', '', '', &
-      'as in &surface_1', dry), &
+      'as in &surface_1', every), &
       key_row_t('surface_2', 'seed', integer_kind, '-', '1', '>= 0, <= 2147483647', '', '', &
-      'as in &surface_1', dry), &
+      'as in &surface_1', every), &
       key_row_t('surface_2', 'hurst', real_kind, '-', '0.8', '>= 0, <= 1', '', '', &
-      'as in &surface_1', dry), &
+      'as in &surface_1', every), &
       key_row_t('surface_2', 'rms_height', real_kind, 'm', is_optional, '>= 1e-12, <= 1', '', '', &
-      'as in &surface_1', dry), &
+      'as in &surface_1', every), &
       key_row_t('surface_2', 'wavelength_long', real_kind, 'm', is_chosen, '>= 1e-12, <= 1e3', '', '', &
-      'as in &surface_1', dry), &
+      'as in &surface_1', every), &
       key_row_t('surface_2', 'wavelength_rolloff', real_kind, 'm', is_chosen, '>= 1e-12, <= 1e3', '', '', &
-      'as in &surface_1', dry), &
+      'as in &surface_1', every), &
       key_row_t('surface_2', 'wavelength_short', real_kind, 'm', is_chosen, '>= 1e-12, <= 1e3', '', '', &
-      'as in &surface_1', dry), &
+      'as in &surface_1', every), &
       key_row_t('surface_2', 'skewness', real_kind, '-', '0.0', '>= -3, <= 3', '', '', &
-      'as in &surface_1', dry), &
+      'as in &surface_1', every), &
       key_row_t('surface_2', 'kurtosis', real_kind, '-', '3.0', '>= 1, <= 20', '', '', &
-      'as in &surface_1', dry)]
+      'as in &surface_1', every)]
 
    type(key_row_t), parameter :: dry_rows(*) = [ &
       key_row_t('bodies', 'hardness', real_kind, 'Pa', is_optional, '>= 1, <= 1e15', '', '', &
@@ -289,18 +292,6 @@ module input_keys
    !> Keys that are known but not built yet; those of the surfaces hold for both.
    type(later_row_t), parameter, public :: later_rows(*) = [ &
       later_row_t('load', 'separation', 'dry contacts'), &
-      later_row_t('surface_1', 'file', 'measured roughness'), &
-      later_row_t('surface_1', 'dataset', 'measured roughness'), &
-      later_row_t('surface_1', 'harmonics', 'measured roughness'), &
-      later_row_t('surface_1', 'entry_length', 'smooth entry of roughness'), &
-      later_row_t('surface_1', 'seed', 'synthetic roughness'), &
-      later_row_t('surface_1', 'hurst', 'synthetic roughness'), &
-      later_row_t('surface_1', 'rms_height', 'synthetic roughness'), &
-      later_row_t('surface_1', 'wavelength_long', 'synthetic roughness'), &
-      later_row_t('surface_1', 'wavelength_rolloff', 'synthetic roughness'), &
-      later_row_t('surface_1', 'wavelength_short', 'synthetic roughness'), &
-      later_row_t('surface_1', 'skewness', 'synthetic roughness'), &
-      later_row_t('surface_1', 'kurtosis', 'synthetic roughness'), &
       later_row_t('output', 'adequacy', 'lean models')]
 
 contains

@@ -45,6 +45,30 @@ module input_template
       example_t('surface_1', 'amplitude', '2e-7, -1e-7', .false.), &
       example_t('surface_1', 'wavelength', '1e-4, 5e-5', .false.), &
       example_t('surface_1', 'position', '-2.5, -3.0', .false.), &
+      example_t('surface_1', 'file', "'profile.csv'", .false.), &
+      example_t('surface_1', 'dataset', "'z'", .false.), &
+      example_t('surface_1', 'harmonics', '50', .false.), &
+      example_t('surface_1', 'seed', '1', .false.), &
+      example_t('surface_1', 'hurst', '0.8', .false.), &
+      example_t('surface_1', 'rms_height', '50e-9', .false.), &
+      example_t('surface_1', 'wavelength_long', '4e-4', .false.), &
+      example_t('surface_1', 'wavelength_rolloff', '1e-4', .false.), &
+      example_t('surface_1', 'wavelength_short', '2.5e-5', .false.), &
+      example_t('surface_1', 'skewness', '0.0', .false.), &
+      example_t('surface_1', 'kurtosis', '3.0', .false.), &
+      example_t('surface_1', 'entry_length', '1.0', .false.), &
+      example_t('surface_2', 'file', "'profile.csv'", .false.), &
+      example_t('surface_2', 'dataset', "'z'", .false.), &
+      example_t('surface_2', 'harmonics', '50', .false.), &
+      example_t('surface_2', 'seed', '1', .false.), &
+      example_t('surface_2', 'hurst', '0.8', .false.), &
+      example_t('surface_2', 'rms_height', '50e-9', .false.), &
+      example_t('surface_2', 'wavelength_long', '4e-4', .false.), &
+      example_t('surface_2', 'wavelength_rolloff', '1e-4', .false.), &
+      example_t('surface_2', 'wavelength_short', '2.5e-5', .false.), &
+      example_t('surface_2', 'skewness', '0.0', .false.), &
+      example_t('surface_2', 'kurtosis', '3.0', .false.), &
+      example_t('surface_2', 'entry_length', '1.0', .false.), &
       example_t('surface_2', 'amplitude', '2e-7', .false.), &
       example_t('surface_2', 'wavelength', '1e-4', .false.), &
       example_t('surface_2', 'position', '-2.5', .false.), &

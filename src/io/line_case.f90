@@ -1,8 +1,10 @@
 !> From a case in SI to the dimensionless contact that the solver knows.
 module line_case
    use case_record, only: case_t
+   use domain_choice, only: choose_domain
    use kinds, only: wp
    use line_contact, only: line_contact_t
+   use line_profiles, only: place_surface
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use solver_settings, only: solver_settings_t
    use scaling, only: scaling_t, new_scaling, new_moes_scaling, scaled_fluid
@@ -20,6 +22,7 @@ contains
       type(case_t), intent(in) :: case
       type(scaling_t), intent(out) :: scaling
       type(line_contact_t), intent(out) :: contact
+      type(line_contact_t) :: whole
 
       call build_scaling(case, scaling)
       contact%lambda = scaling%lambda
@@ -30,6 +33,10 @@ contains
       if (scaling%is_dimensional) then
          contact%surface_1 = scaled_surface(case%surface_1, scaling)
          contact%surface_2 = scaled_surface(case%surface_2, scaling)
+         whole = contact
+         call choose_domain(whole)
+         call place_surface(contact%surface_1, whole%domain%x_inlet, whole%domain%x_outlet)
+         call place_surface(contact%surface_2, whole%domain%x_inlet, whole%domain%x_outlet)
       else
          allocate (contact%surface_1%features(0), contact%surface_2%features(0))
          contact%surface_1%speed = 1.0_wp

@@ -2,6 +2,7 @@
 module features
    use constants, only: pi
    use kinds, only: wp
+   use profile, only: profile_height, profile_t, smooth_ramp
    implicit none (type, external)
    private
 
@@ -33,6 +34,12 @@ module features
       type(feature_t), allocatable :: features(:)
       !> Speed at which the features move in x.
       real(wp) :: speed
+      !> Measured or synthetic heights, which move with the features.
+      type(profile_t), allocatable :: profile
+      !> Smooth entry: everything rises over this length behind a front that moves with the surface and is at
+      !> `entry_position` at time 0; of a surface at rest over this time. 0: everything is there from the start.
+      real(wp) :: entry_length = 0.0_wp
+      real(wp) :: entry_position = 0.0_wp
    end type rough_surface_t
 
 contains
@@ -48,13 +55,31 @@ contains
       integer :: i
 
       psi = 0.0_wp
-      if (.not. allocated(surface%features)) return
-      do i = 1, size(surface%features)
-         associate (feature => surface%features(i))
-            psi = psi + feature_height(feature, x - (feature%position + surface%speed*time))
-         end associate
-      end do
+      if (allocated(surface%features)) then
+         do i = 1, size(surface%features)
+            associate (feature => surface%features(i))
+               psi = psi + feature_height(feature, x - (feature%position + surface%speed*time))
+            end associate
+         end do
+      end if
+      if (allocated(surface%profile)) psi = psi + profile_height(surface%profile, x - surface%speed*time)
+      if (surface%entry_length > 0.0_wp) psi = psi*entered_share(surface, x, time)
    end function surface_height
+
+   !> How far a surface has risen where it enters: 0 before the front, 1 from `entry_length` behind it on.
+   pure elemental function entered_share(surface, x, time) result(share)
+      type(rough_surface_t), intent(in) :: surface
+      real(wp), intent(in) :: x, time
+      real(wp) :: share
+
+      if (surface%speed > 0.0_wp) then
+         share = smooth_ramp((surface%entry_position + surface%speed*time - x)/surface%entry_length)
+      else if (surface%speed < 0.0_wp) then
+         share = smooth_ramp((x - surface%entry_position - surface%speed*time)/surface%entry_length)
+      else
+         share = smooth_ramp(time/surface%entry_length)
+      end if
+   end function entered_share
 
    !> Height of one feature at the `distance` from its present centre.
    pure elemental function feature_height(feature, distance) result(height)
