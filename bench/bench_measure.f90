@@ -1,9 +1,8 @@
 !> Runs one job: the same contact solved many times in one process, timed by phase.
 module bench_measure
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use, intrinsic :: iso_fortran_env, only: int64
    use bench_jobs, only: job_t
-   use bench_recorder, only: clock, largest_difference, record_steady, recorder_t, seconds_since, start_recorder
+   use bench_recorder, only: largest_difference, record_steady, recorder_t, start_recorder
    use case_input, only: read_case
    use case_record, only: case_t
    use domain_choice, only: choose_domain
@@ -20,6 +19,7 @@ module bench_measure
    use line_state, only: line_state_t
    use solver_settings, only: time_settings_t
    use scaling, only: scaling_t
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
@@ -61,7 +61,7 @@ contains
       type(findings_t) :: findings
       type(scaling_t) :: scaling
       real(wp), allocatable :: times(:, :)
-      integer(int64) :: start
+      real(wp) :: start
       real(wp) :: processor_start, processor_end
       integer :: run
 
@@ -72,13 +72,13 @@ contains
       end if
       call build_line_contact(case, scaling, outcome%contact)
       allocate (times(job%runs, timed_phases))
-      start = clock()
+      start = wall_seconds()
       call cpu_time(processor_start)
       do run = 1, job%runs
          call run_once(job, case, run == 1, outcome, times(run, :), error)
          if (allocated(error)) return
          outcome%runs = run
-         if (seconds_since(start) > job%seconds) exit
+         if (wall_seconds() - start > job%seconds) exit
       end do
       call cpu_time(processor_end)
       outcome%processor = (processor_end - processor_start)/outcome%runs
@@ -103,13 +103,13 @@ contains
       type(report_t) :: report
       type(time_settings_t) :: time
       type(error_bars_t) :: bars
-      integer(int64) :: start
+      real(wp) :: start
 
       contact = outcome%contact
       time = case%time
       times = 0.0_wp
       call start_recorder(watcher, is_first .and. (job%is_reference .or. job%is_compared .or. case%time%is_transient), job%limit)
-      start = clock()
+      start = wall_seconds()
       if (case%accuracy%target > 0.0_wp) then
          call choose_resolution(bars, contact, case%solver, time, case%accuracy%target, watcher, error)
          if (allocated(error)) return
@@ -117,7 +117,7 @@ contains
       call solve_ehl_line(contact, case%solver, time, watcher, state, report, error)
       if (allocated(error)) return
       times = [report%phase_seconds(phase_setup), report%phase_seconds(phase_steady), report%phase_seconds(phase_transient), &
-         seconds_since(start)]
+         wall_seconds() - start]
       if (.not. is_first) return
       if (.not. case%time%is_transient) then
          call record_steady(watcher, state)
@@ -150,7 +150,7 @@ contains
       type(line_contact_t) :: contact
       type(recorder_t) :: watcher
       type(report_t) :: report
-      integer(int64) :: start
+      real(wp) :: start
       real(wp) :: least
       integer :: batch, call, k, products
 
@@ -167,11 +167,11 @@ contains
             products = level%products
             least = huge(1.0_wp)
             do batch = 1, product_batches
-               start = clock()
+               start = wall_seconds()
                do call = 1, product_calls
                   call level%convolution%apply(level%pressure, level%deflection)
                end do
-               least = min(least, seconds_since(start)/product_calls)
+               least = min(least, (wall_seconds() - start)/product_calls)
             end do
             outcome%product_seconds = outcome%product_seconds + products*least
          end associate

@@ -1,21 +1,21 @@
 !> An observer that keeps the pressure of all time steps, the extremes over them, and an eye on the clock.
 module bench_recorder
-   use, intrinsic :: iso_fortran_env, only: int64
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: keep_extremes, line_summary_t, summary_of
    use observer, only: observer_t
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: recorder_t, start_recorder, record_steady, largest_difference, seconds_since, clock
+   public :: recorder_t, start_recorder, record_steady, largest_difference
 
    !> What is kept of one run.
    type, extends(observer_t) :: recorder_t
       !> Seconds after which the run is stopped, counted from `start`.
       real(wp) :: limit = huge(1.0_wp)
-      integer(int64) :: start = 0_int64
+      real(wp) :: start = 0.0_wp
       !> True: keep pressure and extremes; false: only watch the clock.
       logical :: is_recording = .false.
       !> Largest residual of all time steps.
@@ -38,7 +38,7 @@ contains
 
       self%is_recording = is_recording
       self%limit = limit
-      self%start = clock()
+      self%start = wall_seconds()
    end subroutine start_recorder
 
    !> Takes the fields of a steady solution.
@@ -80,7 +80,7 @@ contains
 
       associate (unused_cycle => cycle, unused_residual => residual, unused_load_error => load_error)
       end associate
-      self%wants_stop = self%wants_stop .or. seconds_since(self%start) > self%limit
+      self%wants_stop = self%wants_stop .or. wall_seconds() - self%start > self%limit
    end subroutine watch_clock
 
    !> Keeps a time step.
@@ -91,7 +91,7 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
 
-      self%wants_stop = self%wants_stop .or. seconds_since(self%start) > self%limit
+      self%wants_stop = self%wants_stop .or. wall_seconds() - self%start > self%limit
       if (step > 0) self%residual = max(self%residual, report%residual)
       if (.not. self%is_recording) return
       if (step == 0) then
@@ -103,22 +103,5 @@ contains
       end if
       self%pressure(:, step) = state%pressure
    end subroutine keep_step
-
-   !> Ticks of the system clock.
-   function clock() result(count)
-      integer(int64) :: count
-
-      call system_clock(count)
-   end function clock
-
-   !> Seconds since `start`.
-   function seconds_since(start) result(seconds)
-      integer(int64), intent(in) :: start
-      real(wp) :: seconds
-      integer(int64) :: rate
-
-      call system_clock(count_rate=rate)
-      seconds = real(clock() - start, wp)/real(rate, wp)
-   end function seconds_since
 
 end module bench_recorder
