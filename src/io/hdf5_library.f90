@@ -7,18 +7,25 @@ module hdf5_library
 
    public :: start_hdf5
 
+   !> The library has been started in this process.
+   logical :: is_started = .false.
+
 contains
 
    !> Starts the library, however often it is called: it prints nothing, and it locks no files (`lock_t` does that, once for a
    !> whole run; the library's own locks would be in its way). `status` < 0: it cannot be started.
+   !> Only the first call does anything: a second h5open_f returns a status at random in some versions (1.10.10).
    subroutine start_hdf5(status)
       integer, intent(out) :: status
       integer :: ignored
 
+      status = 0
+      if (is_started) return
       call set_environment('HDF5_USE_FILE_LOCKING', 'FALSE')
-      call h5dont_atexit_f(ignored)       ! says "failed" from the second call on, which is as good
+      call h5dont_atexit_f(ignored)       ! at its end the library would write a failed file again
       call h5open_f(status)
       if (status >= 0) call h5eset_auto_f(0, status)
+      is_started = status >= 0
    end subroutine start_hdf5
 
 end module hdf5_library
