@@ -82,8 +82,7 @@ contains
       do i = 1, size(rows)
          if (rows(i)%is_converged) cycle
          solution%report%converged = .false.
-         solution%report%reason = 'the error is ' // to_text(rows(i)%kkt, 3) // ' at a mean pressure of ' &
-            // to_text(rows(i)%mean_pressure) // ' Pa'
+         solution%report%reason = rows(i)%reason // ' at a mean pressure of ' // to_text(rows(i)%mean_pressure) // ' Pa'
       end do
    end subroutine judge_sweep
 

@@ -1,7 +1,5 @@
 """Dry contacts end to end: reference data, energy, loading paths, surfaces from files and from seeds."""
 
-import csv
-import pathlib
 import subprocess
 import sys
 
@@ -9,52 +7,7 @@ import h5py
 import numpy as np
 import pytest
 from cases import write
-
-DATA = pathlib.Path(__file__).resolve().parent / "data"
-
-CASE = """&case problem = '{problem}' /
-&bodies youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3{bodies} /
-&load mean_pressure = {loads}{loading} /
-&surface_1 {surface} /
-{more}
-&solver tolerance = 1e-12 /
-"""
-STEEL = ", youngs_modulus_2 = 210e9, poisson_ratio_2 = 0.3"
-HARD = ", hardness = 4e9"
-
-
-def profile(name, harmonics=None):
-    """A surface of the reference profiles."""
-    more = f", harmonics = {harmonics}" if harmonics else ""
-    return f"shape = 'file', file = '{DATA}/profiles_ABCD.csv', dataset = 'z{name}_m'{more}"
-
-
-def solve(asperity, folder, surface, loads, bodies=HARD, more="", problem="dry_line", loading=""):
-    """Runs a case and returns its open result."""
-    text = CASE.format(
-        problem=problem,
-        bodies=bodies,
-        loads=", ".join(repr(float(load)) for load in loads),
-        loading=loading,
-        surface=surface,
-        more=more,
-    )
-    write(folder, "case.nml", text)
-    done = asperity("case.nml", "--quiet")
-    assert (done.returncode, done.stderr) == (0, "")
-    return h5py.File(folder / "case.h5")
-
-
-def rows(name):
-    """Rows of a reference table."""
-    with (DATA / name).open(encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
-def close(found, expected, tolerance=1e-6):
-    """Whether two lists agree relative to the largest of the expected values."""
-    found, expected = np.asarray(found), np.asarray(expected, dtype=float)
-    np.testing.assert_allclose(found, expected, rtol=tolerance, atol=tolerance * np.abs(expected).max() * 1e-3)
+from dry_cases import DATA, HARD, STEEL, case_text, close, profile, rows, solve
 
 
 @pytest.mark.parametrize("counter", ["rigid", "steel"])
@@ -241,7 +194,7 @@ def test_bad_file(asperity, tmp_path, name):
     write(
         tmp_path,
         "case.nml",
-        CASE.format(problem="dry_line", bodies="", loads="1e6", loading="", surface=surface, more=""),
+        case_text(surface, [1e6], ""),
     )
     done = asperity("case.nml")
     assert done.returncode == 1
@@ -265,7 +218,7 @@ def test_all_plastic(asperity, tmp_path):
 
 
 def test_methods_agree(asperity, tmp_path):
-    text = CASE.format(problem="dry_line", bodies=HARD, loads="100e6", loading="", surface=profile("C", 20), more="")
+    text = case_text(profile("C", 20), [100e6])
     pressures = []
     for method in ("conjugate_gradient", "steepest_descent"):
         write(
@@ -281,7 +234,7 @@ def test_methods_agree(asperity, tmp_path):
 
 
 def test_not_converged_is_said(asperity, tmp_path):
-    text = CASE.format(problem="dry_line", bodies=HARD, loads="100e6", loading="", surface=profile("C"), more="")
+    text = case_text(profile("C"), [100e6])
     write(tmp_path, "case.nml", text.replace("tolerance = 1e-12", "tolerance = 1e-12, max_cycles = 3"))
     done = asperity("case.nml", "--quiet")
     assert done.returncode == 2
@@ -332,14 +285,9 @@ def test_bisinusoid(asperity, tmp_path, row):
     with h5py.File(tmp_path / "waves.h5", "w") as file:
         file.create_dataset("z", data=height * np.outer(wave, wave)).attrs["spacing"] = length / nodes
     full = 2**0.5 * float(np.pi) * 0.5 * 2e11 * height / length
-    text = CASE.format(
-        problem="dry_area",
-        bodies="",
-        loads=repr(float(row["pbar_over_pstar"]) * full),
-        loading="",
-        surface="shape = 'file', file = 'waves.h5', dataset = 'z'",
-        more="",
-    ).replace("youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3", "reduced_modulus = 2e11")
+    loads = [float(row["pbar_over_pstar"]) * full]
+    surface = "shape = 'file', file = 'waves.h5', dataset = 'z'"
+    text = case_text(surface, loads, bodies="", problem="dry_area", modulus=2e11)
     write(tmp_path, "case.nml", text.replace("1e-12", "1e-10"))
     assert asperity("case.nml", "--quiet").returncode == 0
     with h5py.File(tmp_path / "case.h5") as file:

@@ -49,11 +49,21 @@ contains
          decimals = max(shown - 1 - floor(log10(abs(value))), 0)
          write (form, '(a,i0,a)') '(f40.', decimals, ')'
       else
-         write (form, '(a,i0,a)') '(es40.', shown - 1, ')'
+         ! Without its width an exponent of three digits loses its E.
+         write (form, '(a,i0,a)') '(es40.', shown - 1, trim(merge('e3)', ')  ', has_long_exponent(value)))
       end if
       write (buffer, form) value
       string = trim(adjustl(buffer))
    end function real_to_text
+
+   !> True if the exponent of `value` has three digits.
+   pure function has_long_exponent(value)
+      real(wp), intent(in) :: value
+      logical :: has_long_exponent
+
+      has_long_exponent = abs(value) >= 9.9e99_wp .and. abs(value) <= huge(1.0_wp) &
+                          .or. abs(value) > 0.0_wp .and. abs(value) < 1.0e-99_wp
+   end function has_long_exponent
 
    !> `string` with A-Z in lower case.
    pure function to_lower(string) result(lower)

@@ -2,11 +2,12 @@
 module dry_sweep
    use constants, only: pi
    use dry_contact_solver, only: dry_solver_t
-   use dry_problem, only: dry_grid_t, dry_problem_t, new_dry_problem
+   use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open, new_dry_problem
    use dry_scaling, only: dry_scaling_t
    use dry_solution, only: dry_settings_t, dry_solution_t
    use errors, only: error_t
    use kinds, only: wp
+   use load_search, only: solve_for_datum
    use roughness, only: roughness_of, roughness_t
    implicit none (type, external)
    private
@@ -17,6 +18,8 @@ module dry_sweep
    type :: dry_loads_t
       !> Mean pressures, in the order in which they act [Pa].
       real(wp), allocatable :: mean_pressure(:)
+      !> Instead of them: separations as in `dry_row_t` [m].
+      real(wp), allocatable :: separation(:)
       !> Hardness [Pa]; huge: elastic.
       real(wp) :: hardness
       !> True: each load finds the surface that the one before left; else the virgin one.
@@ -31,6 +34,8 @@ module dry_sweep
       real(wp) :: plasticity_index
       !> Plane to mean of the loaded surface [m].
       real(wp) :: mean_separation
+      !> Periodic: plane to mean of the undeformed surface. Open area: approach of the bodies since first touch [m]. Open line: 0.
+      real(wp) :: separation
       !> Mean of u - z under 0 < p < H [m].
       real(wp) :: datum
       real(wp) :: p_max
@@ -41,6 +46,8 @@ module dry_sweep
       real(wp) :: kkt
       integer :: fft_pairs, cycles
       logical :: is_converged
+      !> Why the iteration ended.
+      character(:), allocatable :: reason
       !> Contact area less (pi - 1 + ln 2)/24 of its perimeter (areas), as a fraction.
       real(wp) :: contact_area_corrected
       type(roughness_t) :: undeformed, loaded, unloaded
@@ -62,7 +69,7 @@ module dry_sweep
 contains
 
    !> Solves all `loads` of the heights `z` (nx*ny) [m] on `grid`. Not converging is told in rows and report.
-   !> Errors: a load above hardness times area (input_error); FFTW (internal_error).
+   !> Errors: a load above hardness times area, a separation at which nothing touches (input_error); FFTW (internal_error).
    subroutine solve_dry_sweep(grid, z, scaling, loads, settings, outcome, error)
       type(dry_grid_t), intent(in) :: grid
       real(wp), intent(in) :: z(:)
@@ -74,25 +81,38 @@ contains
       type(dry_problem_t) :: problem
       type(dry_solver_t) :: solver
       real(wp), allocatable :: plastic(:), yielded(:)
-      integer :: i
+      real(wp) :: top
+      integer :: i, n
 
       solver%settings = settings
       call new_dry_problem(problem, grid, z/scaling%height, .false., error)
       if (allocated(error)) return
       if (loads%hardness < huge(1.0_wp)) problem%hardness = loads%hardness/scaling%pressure
-      allocate (outcome%rows(size(loads%mean_pressure)))
-      allocate (yielded(size(z)), plastic(size(z)), source=0.0_wp)
+      n = size(z)
+      top = maxval(problem%height)
+      if (allocated(loads%separation)) then
+         allocate (outcome%rows(size(loads%separation)))
+      else
+         allocate (outcome%rows(size(loads%mean_pressure)))
+      end if
+      allocate (yielded(n), plastic(n), source=0.0_wp)
       associate (rows => outcome%rows, fields => outcome%fields, solution => outcome%solution)
          do i = 1, size(rows)
-            problem%load = loads%mean_pressure(i)/scaling%pressure*size(z)
-            call solver%solve(problem, solution, error)
+            if (allocated(loads%separation)) then
+               call solve_for_datum(solver, problem, datum_of(problem%grid, scaling, top, loads%separation(i)), solution, error)
+            else
+               problem%load = loads%mean_pressure(i)/scaling%pressure*n
+               call solver%solve(problem, solution, error)
+            end if
             if (allocated(error)) return
             plastic = 0.0_wp
             where (solution%pressure >= problem%hardness) plastic = max(solution%datum - solution%v, 0.0_wp)
             call fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
             call fill_row(grid, scaling, loads, solution, fields, problem, rows(i))
-            rows(i)%mean_pressure = loads%mean_pressure(i)
-            rows(i)%load = loads%mean_pressure(i)*area_of(grid, scaling)
+            rows(i)%mean_pressure = problem%load/n*scaling%pressure
+            if (allocated(loads%mean_pressure)) rows(i)%mean_pressure = loads%mean_pressure(i)
+            rows(i)%load = rows(i)%mean_pressure*area_of(grid, scaling)
+            rows(i)%separation = separation_of(problem%grid, scaling, top, solution%datum)
             rows(i)%dissipated_energy = 0.0_wp
             if (solution%capped > 0) rows(i)%dissipated_energy = loads%hardness*area_of(grid, scaling)*rows(i)%dp_mean
             if (loads%has_history) then
@@ -104,6 +124,28 @@ contains
          end do
       end associate
    end subroutine solve_dry_sweep
+
+   !> The datum, dimensionless, of a separation [m]; `top` is the highest point of the virgin surface above its mean.
+   pure function datum_of(grid, scaling, top, separation) result(datum)
+      type(dry_grid_t), intent(in) :: grid
+      type(dry_scaling_t), intent(in) :: scaling
+      real(wp), intent(in) :: top, separation
+      real(wp) :: datum
+
+      datum = -separation/scaling%height
+      if (grid%kernel == kernel_open) datum = -datum - top
+   end function datum_of
+
+   !> The separation of `dry_row_t` [m] of a datum: the reverse of `datum_of`.
+   pure function separation_of(grid, scaling, top, datum) result(separation)
+      type(dry_grid_t), intent(in) :: grid
+      type(dry_scaling_t), intent(in) :: scaling
+      real(wp), intent(in) :: top, datum
+      real(wp) :: separation
+
+      separation = -scaling%height*datum
+      if (grid%kernel == kernel_open) separation = merge(0.0_wp, scaling%height*(top + datum), grid%ny == 1)
+   end function separation_of
 
    !> Area of the domain [m^2], length of a line [m].
    pure function area_of(grid, scaling) result(area)
@@ -161,6 +203,7 @@ contains
       row%fft_pairs = int(solution%report%fft_pairs)
       row%cycles = solution%report%cycles
       row%is_converged = solution%report%converged
+      row%reason = solution%report%reason
       row%contact_area_corrected = row%contact_area_fraction
       if (grid%ny > 1) row%contact_area_corrected = row%contact_area_fraction - perimeter_share(grid, solution%pressure)
       row%undeformed = roughness_of(fields%height_undeformed, grid%ny == 1)

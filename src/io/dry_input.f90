@@ -111,21 +111,21 @@ contains
    subroutine check_one_load(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
-      character(len=16) :: keys(3)
+      character(len=16) :: keys(4)
       integer :: given, i
 
       keys = [character(len=16) :: 'mean_pressure', 'hertz_pressure', &
-              merge('load_per_length', 'load           ', values%problem == 'dry_line')]
+              merge('load_per_length', 'load           ', values%problem == 'dry_line'), 'separation']
       if (.not. values%has_group('load')) return
       given = 0
       do i = 1, size(keys)
          if (.not. values%is_given('load', trim(keys(i)))) cycle
          given = given + 1
          if (given > 1) call findings%add(values%line_of('load', trim(keys(i))), 'load', trim(keys(i)), &
-            'found more than one load, expected one of mean_pressure, hertz_pressure, ' // trim(keys(3)))
+            'found more than one load, expected one of mean_pressure, hertz_pressure, ' // trim(keys(3)) // ', separation')
       end do
       if (given == 0) call findings%add(values%line_of('load', ''), 'load', 'mean_pressure', &
-         'found nothing, expected mean_pressure [Pa], hertz_pressure [Pa] or ' // trim(keys(3)))
+         'found nothing, expected mean_pressure [Pa], hertz_pressure [Pa], ' // trim(keys(3)) // ' or separation [m]')
    end subroutine check_one_load
 
    !> E' [Pa]: given, of both bodies, or of the first against a rigid one.
@@ -167,6 +167,13 @@ contains
       real(wp) :: area
       character(:), allocatable :: key
 
+      dry%loads%has_history = values%word_value('load', 'loading') == 'history'
+      dry%loads%hardness = no_hardness
+      if (values%is_given('bodies', 'hardness')) dry%loads%hardness = values%real_value('bodies', 'hardness')
+      if (values%is_given('load', 'separation')) then
+         call fill_separations(values, dry, findings)
+         return
+      end if
       area = dry%lengths(1)
       if (dry%grid%ny > 1) area = area*dry%lengths(2)
       if (values%is_given('load', 'mean_pressure')) then
@@ -185,14 +192,38 @@ contains
          if (dry%grid%ny > 1) key = 'load'
          dry%loads%mean_pressure = [values%real_value('load', key)/area]
       end if
-      dry%loads%has_history = values%word_value('load', 'loading') == 'history'
-      dry%loads%hardness = no_hardness
-      if (.not. values%is_given('bodies', 'hardness')) return
-      dry%loads%hardness = values%real_value('bodies', 'hardness')
       if (maxval(dry%loads%mean_pressure) > dry%loads%hardness) call findings%add(values%line_of('load', key), 'load', key, &
          'found a mean pressure of ' // to_text(maxval(dry%loads%mean_pressure)) // ' Pa, expected at most the hardness, ' &
          // to_text(dry%loads%hardness) // ' Pa')
    end subroutine fill_loads
+
+   !> Separations. Findings: an open line; nothing touches; an elastic periodic surface pressed further than flat.
+   subroutine fill_separations(values, dry, findings)
+      type(input_values_t), intent(in) :: values
+      type(dry_case_t), intent(inout) :: dry
+      type(findings_t), intent(inout) :: findings
+      type(value_t) :: slot
+      real(wp) :: top
+      character(:), allocatable :: found
+
+      slot = values%slot('load', 'separation')
+      dry%loads%separation = slot%reals
+      found = ''
+      if (.not. dry%is_periodic .and. dry%grid%ny == 1) then
+         found = 'found a separation with periodic = .false., expected a load: the deflection of an open line has no datum'
+      else if (.not. dry%is_periodic) then
+         if (minval(slot%reals) <= 0.0_wp) found = 'found ' // to_text(minval(slot%reals)) // ' m, expected > 0: in an open ' &
+            // 'area the approach of the bodies since first touch'
+      else
+         top = maxval(dry%height) - sum(dry%height)/size(dry%height)
+         if (maxval(slot%reals) >= top) then
+            found = 'found ' // to_text(maxval(slot%reals)) // ' m, at which nothing touches, expected < ' // to_text(top) // ' m'
+         else if (minval(slot%reals) <= 0.0_wp .and. dry%loads%hardness >= no_hardness) then
+            found = 'found ' // to_text(minval(slot%reals)) // ' m, expected > 0: an elastic surface is flat there'
+         end if
+      end if
+      if (found /= '') call findings%add(slot%line, 'load', 'separation', found)
+   end subroutine fill_separations
 
    !> Kernel, method, tolerance. Finding: band_limited on an open domain.
    subroutine fill_solver(values, dry, findings)

@@ -31,7 +31,7 @@ contains
       call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus)
       call write_attribute(file, '/scaling', 'reduced_modulus_units', 'Pa')
       call write_fields(file, dry, fields)
-      call write_sweep(file, dry%grid%ny == 1, rows)
+      call write_sweep(file, dry, rows)
       call write_roughness(file, 'ra', 'arithmetic mean height', 'm', rows%undeformed%ra, rows%loaded%ra, rows%unloaded%ra)
       call write_roughness(file, 'rq', 'rms height', 'm', rows%undeformed%rq, rows%loaded%rq, rows%unloaded%rq)
       call write_roughness(file, 'rz', trim(merge('highest less lowest, mean of five parts', &
@@ -77,12 +77,14 @@ contains
    end subroutine write_fields
 
    !> /sweep without roughness: one value for each load.
-   subroutine write_sweep(file, is_line, rows)
+   subroutine write_sweep(file, dry, rows)
       class(hdf5_file_t), intent(inout) :: file
-      logical, intent(in) :: is_line
+      type(dry_case_t), intent(in) :: dry
       type(dry_row_t), intent(in) :: rows(:)
       character(:), allocatable :: energy_unit, load_unit
+      logical :: is_line
 
+      is_line = dry%grid%ny == 1
       load_unit = trim(merge('N/m', 'N  ', is_line))
       energy_unit = trim(merge('J/m', 'J  ', is_line))
       call write_column('mean_pressure', rows%mean_pressure, 'load over nominal area', 'Pa')
@@ -93,6 +95,11 @@ contains
       call write_column('plastic_area_fraction', rows%plastic_area_fraction, 'nodes with p = hardness over all', '1')
       call write_column('plasticity_index', rows%plasticity_index, 'plastic over contact area', '1')
       call write_column('mean_separation', rows%mean_separation, 'plane to mean of the loaded surface', 'm')
+      if (dry%is_periodic) then
+         call write_column('separation', rows%separation, 'plane to mean of the undeformed surface', 'm')
+      else if (.not. is_line) then
+         call write_column('separation', rows%separation, 'approach of the bodies since first touch', 'm')
+      end if
       call write_column('datum', rows%datum, 'mean of deflection less height where 0 < p < hardness', 'm')
       call write_column('p_max', rows%p_max, 'largest pressure', 'Pa')
       call write_column('dp_max', rows%dp_max, 'largest plastic deformation', 'm')

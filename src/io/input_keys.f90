@@ -256,10 +256,12 @@ module input_keys
       key_row_t('bodies', 'hardness', real_kind, 'Pa', is_optional, '>= 1, <= 1e15', '', '', &
       'H, the largest pressure of an elastic-perfectly plastic contact; not given: elastic', dry), &
       key_row_t('load', 'mean_pressure', reals_kind, 'Pa', is_optional, '> 0, <= 1e15', '', '', &
-      'load over nominal area; several values: a sweep; or load_per_length, load, hertz_pressure', dry), &
+      'load over nominal area; several values: a sweep; or load_per_length, load, hertz_pressure, separation', dry), &
       key_row_t('load', 'load', real_kind, 'N', is_optional, '> 0, <= 1e15', '', '', 'load of an area', dry_area), &
       key_row_t('load', 'hertz_pressure', real_kind, 'Pa', is_optional, '>= 1, <= 1e13', '', '', &
       "greatest Hertzian pressure of the same load; with shape = 'parabola'", dry), &
+      key_row_t('load', 'separation', reals_kind, 'm', is_optional, '>= -1e3, <= 1e3', '', '', &
+      'instead of a load: plane to mean of the undeformed surface; open areas: approach since first touch', dry), &
       key_row_t('load', 'loading', word_kind, '', "'virgin'", '', 'virgin history', '', &
       'virgin: each load acts on the virgin surface; history: on what the load before left', dry), &
       key_row_t('domain', 'length', real_kind, 'm', is_optional, '>= 1e-12, <= 1e6', '', '', &
@@ -291,7 +293,6 @@ module input_keys
 
    !> Keys that are known but not built yet; those of the surfaces hold for both.
    type(later_row_t), parameter, public :: later_rows(*) = [ &
-      later_row_t('load', 'separation', 'dry contacts'), &
       later_row_t('output', 'adequacy', 'lean models')]
 
 contains

@@ -113,6 +113,7 @@ module input_template
       example_t('load', 'load_per_length', '100e3', .false.), &
       example_t('load', 'load', '10.0', .false.), &
       example_t('load', 'hertz_pressure', '1e9', .false.), &
+      example_t('load', 'separation', '1e-6', .false.), &
       example_t('surface_1', 'shape', "'synthetic'", .true.), &
       example_t('surface_1', 'amplitude', '1e-6', .false.), &
       example_t('surface_1', 'wavelength', '1e-4', .false.), &

@@ -1,0 +1,157 @@
+!> The load under which a dry contact has a given datum, that is a given separation: a search around the solver.
+module load_search
+   use, intrinsic :: iso_fortran_env, only: int64
+   use constants, only: pi
+   use dry_contact_solver, only: dry_solver_t
+   use dry_problem, only: dry_problem_t
+   use dry_solution, only: dry_solution_t
+   use errors, only: error_t, fail, input_error
+   use kinds, only: wp
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: solve_for_datum
+
+   !> Most solutions of one search.
+   integer, parameter :: most_solves = 100
+   !> Every so many solutions the bracket is halved, whatever the secant says.
+   integer, parameter :: halving_interval = 6
+   !> Longest step in the logarithm of the load while there is no bracket.
+   real(wp), parameter :: longest_step = log(8.0_wp)
+
+   !> Where the search stands: the logarithm x of the last two loads with their misses, and the bracket.
+   type :: search_t
+      real(wp) :: x, x_old, miss, miss_old
+      real(wp) :: low = -huge(1.0_wp), high = huge(1.0_wp)
+      integer :: solves = 0
+   end type search_t
+
+contains
+
+   !> Solves `problem`, whose load is found here, so that the `datum` is reached within the solver's tolerance times the height
+   !> scale (of a flat surface: times the depth below first touch). Elastic periodic surfaces need a `datum` < 0.
+   !>
+   !> The datum rises with the load, and its curve over the logarithm of the load is nearly straight (exactly so for B. N. J.
+   !> Persson's theory at light load, Phys. Rev. Lett. 99, 2007, 125502): secant steps inside a bracket, each solution started
+   !> from the one before. The report adds up transforms and iterations; not converging is told there.
+   !> Fails (input_error) if nothing touches, `datum` <= -max(height); (internal_error) if FFTW does.
+   subroutine solve_for_datum(solver, problem, datum, solution, error)
+      type(dry_solver_t), intent(inout) :: solver
+      type(dry_problem_t), intent(inout) :: problem
+      real(wp), intent(in) :: datum
+      type(dry_solution_t), intent(inout) :: solution
+      type(error_t), allocatable, intent(out) :: error
+      type(search_t) :: search
+      integer(int64) :: pairs
+      integer :: cycles
+      real(wp) :: bound
+
+      if (datum <= -maxval(problem%height)) then
+         call fail(error, input_error, 'found a separation at which nothing touches, expected a smaller one')
+         return
+      end if
+      bound = solver%settings%tolerance*problem%height_scale
+      if (bound <= 0.0_wp) bound = solver%settings%tolerance*(datum + maxval(problem%height))
+      pairs = 0
+      cycles = 0
+      search%x = log(first_load(problem, datum, solution))
+      do
+         problem%load = exp(search%x)
+         if (problem%is_capped()) problem%load = min(problem%load, problem%hardness*size(problem%height))
+         call solver%solve(problem, solution, error)
+         if (allocated(error)) return
+         pairs = pairs + solution%report%fft_pairs
+         cycles = cycles + solution%report%cycles
+         search%solves = search%solves + 1
+         if (.not. solution%report%converged) exit
+         search%miss = solution%datum - datum
+         if (problem%is_capped()) call place_between(problem, solver%settings%tolerance, datum, solution, search%miss)
+         if (abs(search%miss) <= bound .or. search%solves == most_solves) exit
+         call find_next_load(problem, search)
+         if (search%x <= search%low .or. search%x >= search%high) exit
+      end do
+      solution%report%fft_pairs = pairs
+      solution%report%cycles = cycles
+      if (.not. solution%report%converged .or. abs(search%miss) <= bound) return
+      solution%report%converged = .false.
+      solution%report%reason = 'the separation is off by ' // to_text(abs(search%miss)/bound*solver%settings%tolerance, 3) &
+                               // ' times the rms height'
+   end subroutine solve_for_datum
+
+   !> The load of the neighbouring solution; without one that of a bed of springs as stiff as the longest wave.
+   pure function first_load(problem, datum, solution) result(load)
+      type(dry_problem_t), intent(in) :: problem
+      real(wp), intent(in) :: datum
+      type(dry_solution_t), intent(in) :: solution
+      real(wp) :: load
+
+      load = problem%load
+      if (solution%contacts == 0) load = 2.0_wp*pi*sum(max(problem%height + datum, 0.0_wp))
+      load = max(load, tiny(1.0_wp))
+      if (problem%is_capped()) load = min(load, problem%hardness*size(problem%height))
+   end function first_load
+
+   !> Narrows the bracket and takes the next load: that of whole nodes at the hardness if it is all that is left between, else
+   !> by the secant, else half way.
+   subroutine find_next_load(problem, search)
+      type(dry_problem_t), intent(in) :: problem
+      type(search_t), intent(inout) :: search
+      real(wp) :: step, whole
+
+      if (search%miss > 0.0_wp) then
+         search%high = search%x
+      else
+         search%low = search%x
+      end if
+      step = sign(longest_step, -search%miss)
+      if (search%solves > 1) then
+         if (abs(search%miss - search%miss_old) > 0.0_wp) then
+            step = -search%miss*(search%x - search%x_old)/(search%miss - search%miss_old)
+         end if
+         if (.not. step*search%miss < 0.0_wp) step = sign(longest_step, -search%miss)
+         step = sign(min(abs(step), longest_step), step)
+      end if
+      search%x_old = search%x
+      search%miss_old = search%miss
+      search%x = search%x + step
+      if (search%low > -huge(1.0_wp) .and. search%high < huge(1.0_wp)) then
+         if (search%x <= search%low .or. search%x >= search%high .or. mod(search%solves, halving_interval) == 0) then
+            search%x = 0.5_wp*(search%low + search%high)
+         end if
+         if (.not. problem%is_capped()) return
+         whole = log(problem%hardness*max(1.0_wp, anint(exp(search%x)/problem%hardness)))
+         if (exp(search%high) - exp(search%low) > problem%hardness) return
+         if (whole > search%low .and. whole < search%high) search%x = whole
+      end if
+   end subroutine find_next_load
+
+   !> Without a node between 0 and the hardness the datum may lie anywhere between two values: it is put where it is wanted,
+   !> or at the nearer end, and `miss` is what is left. Nodes within the `tolerance` of a bound are put on it.
+   subroutine place_between(problem, tolerance, datum, solution, miss)
+      type(dry_problem_t), intent(inout) :: problem
+      real(wp), intent(in) :: tolerance, datum
+      type(dry_solution_t), intent(inout) :: solution
+      real(wp), intent(inout) :: miss
+      real(wp), allocatable :: p(:), v(:)
+      real(wp) :: load_error, slack
+
+      slack = tolerance*problem%load/solution%contacts
+      if (any(solution%pressure > slack .and. solution%pressure < problem%hardness - slack)) return
+      p = merge(problem%hardness, 0.0_wp, solution%pressure > 0.5_wp*problem%hardness)
+      load_error = abs(sum(p) - problem%load)/problem%load
+      if (load_error > tolerance) return
+      allocate (v, mold=p)
+      call problem%deflect(p, v)
+      v = v - problem%height
+      solution%datum = max(datum, maxval(v, mask=p > 0.0_wp))
+      if (any(p <= 0.0_wp)) solution%datum = min(solution%datum, minval(v, mask=p <= 0.0_wp))
+      miss = solution%datum - datum
+      solution%contacts = count(p > 0.0_wp)
+      solution%capped = solution%contacts
+      solution%kkt = load_error
+      call move_alloc(p, solution%pressure)
+      call move_alloc(v, solution%v)
+   end subroutine place_between
+
+end module load_search

@@ -1,0 +1,60 @@
+"""Dry contacts: namelists, reference profiles and tables for the end-to-end tests."""
+
+import csv
+import pathlib
+
+import h5py
+import numpy as np
+from cases import write
+
+DATA = pathlib.Path(__file__).resolve().parent / "data"
+
+CASE = """&case problem = '{problem}' /
+&bodies {elastic}{bodies} /
+&load {key} = {loads}{loading} /
+&surface_1 {surface} /
+{more}
+&solver tolerance = 1e-12 /
+"""
+STEEL = ", youngs_modulus_2 = 210e9, poisson_ratio_2 = 0.3"
+HARD = ", hardness = 4e9"
+
+
+def profile(name, harmonics=None):
+    """A surface of the reference profiles."""
+    more = f", harmonics = {harmonics}" if harmonics else ""
+    return f"shape = 'file', file = '{DATA}/profiles_ABCD.csv', dataset = 'z{name}_m'{more}"
+
+
+def case_text(surface, loads, bodies=HARD, more="", problem="dry_line", loading="", key="mean_pressure", modulus=None):
+    """The namelist of a case; `modulus` replaces steel against a rigid plane."""
+    return CASE.format(
+        problem=problem,
+        elastic=f"reduced_modulus = {modulus!r}" if modulus else "youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3",
+        bodies=bodies,
+        key=key,
+        loads=", ".join(repr(float(load)) for load in loads),
+        loading=loading,
+        surface=surface,
+        more=more,
+    )
+
+
+def solve(asperity, folder, surface, loads, bodies=HARD, more="", problem="dry_line", **options):
+    """Runs a case and returns its open result."""
+    write(folder, "case.nml", case_text(surface, loads, bodies, more, problem, **options))
+    done = asperity("case.nml", "--quiet")
+    assert (done.returncode, done.stderr) == (0, "")
+    return h5py.File(folder / "case.h5")
+
+
+def rows(name):
+    """Rows of a reference table."""
+    with (DATA / name).open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def close(found, expected, tolerance=1e-6):
+    """Whether two lists agree relative to the largest of the expected values."""
+    found, expected = np.asarray(found), np.asarray(expected, dtype=float)
+    np.testing.assert_allclose(found, expected, rtol=tolerance, atol=tolerance * np.abs(expected).max() * 1e-3)

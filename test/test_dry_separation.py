@@ -1,0 +1,109 @@
+"""Dry contacts of given separation: back to the load it came from, exact solutions, refusals."""
+
+import numpy as np
+import pytest
+from cases import write
+from dry_cases import HARD, case_text, close, profile, solve
+
+
+def separated(asperity, folder, surface, separations, **options):
+    """Runs a case of given separations and returns its open result."""
+    return solve(asperity, folder, surface, separations, key="separation", **options)
+
+
+@pytest.mark.parametrize("bodies", ["", HARD])
+@pytest.mark.parametrize("name", ["A", "C"])
+def test_load_to_separation_to_load(asperity, tmp_path, name, bodies):
+    # From a single node to 97.5 % of the hardness; A is mostly plastic: there the datum is an interval at some loads.
+    loads = [1e5, 12.5e6, 250e6, 1e9, 3.9e9]
+    with solve(asperity, tmp_path, profile(name), loads, bodies) as file:
+        first = {key: value[()] for key, value in file["sweep"].items()}
+    assert np.all(np.diff(first["separation"]) < 0)
+    plane = first["mean_separation"] - first["dp_mean"]
+    np.testing.assert_allclose(first["separation"], plane, atol=1e-12 * first["rq_undeformed"][0])
+    with separated(asperity, tmp_path, profile(name), first["separation"], bodies=bodies) as file:
+        second = {key: value[()] for key, value in file["sweep"].items()}
+    rms = first["rq_undeformed"][0]
+    np.testing.assert_allclose(second["separation"], first["separation"], rtol=0, atol=1e-12 * rms)
+    np.testing.assert_allclose(second["mean_pressure"], first["mean_pressure"], rtol=1e-8)
+    np.testing.assert_allclose(second["load"], first["load"], rtol=1e-8)
+    assert list(second["contact_area_fraction"]) == list(first["contact_area_fraction"])
+    assert list(second["plastic_area_fraction"]) == list(first["plastic_area_fraction"])
+    assert second["kkt"].max() <= 1e-12
+
+
+def test_datum_between_two_nodes(asperity, tmp_path):
+    # All contact nodes at the hardness: the load stays, the separation is free between two values.
+    heights = [4.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    write(tmp_path, "z.csv", "x,z\n" + "".join(f"{i}e-6,{z}e-6\n" for i, z in enumerate(heights)))
+    surface = "shape = 'file', file = 'z.csv'"
+    separations = np.array([2.6, 2.2, 1.8, 1.4]) * 1e-6
+    with separated(asperity, tmp_path, surface, separations, bodies=", hardness = 1e6") as file:
+        sweep = {key: value[()] for key, value in file["sweep"].items()}
+    np.testing.assert_allclose(sweep["separation"], separations, rtol=1e-12)
+    np.testing.assert_allclose(sweep["mean_pressure"], 1e6 / 8, rtol=1e-12)
+    assert list(sweep["plastic_area_fraction"]) == [1 / 8] * 4
+    # Below, the one node sinks with the plane.
+    np.testing.assert_allclose(np.diff(sweep["dp_max"]), -np.diff(separations), rtol=1e-9)
+    assert sweep["kkt"].max() <= 1e-12
+
+
+@pytest.mark.parametrize("m", [0.01, 0.3, 0.9])
+def test_westergaard_separation(asperity, tmp_path, m):
+    # H. M. Westergaard, J. Appl. Mech. 6, 1939, A49: mean gap D (1 - m (1 - ln m)) under the share m of the full load.
+    height, length, modulus = 1e-6, 1e-3, 230e9
+    surface = f"shape = 'sinusoid', amplitude = {height}, wavelength = {length}"
+    gap = height * (1 - m * (1 - float(np.log(m))))
+    domain = f"&domain length = {length}, intervals = 2048 /"
+    with separated(asperity, tmp_path, surface, [gap], modulus=modulus, more=domain) as file:
+        sweep = {key: value[0] for key, value in file["sweep"].items()}
+    assert sweep["separation"] == pytest.approx(gap, abs=1e-12 * height)
+    assert sweep["mean_pressure"] == pytest.approx(m * np.pi * modulus / 2 * height / length, rel=1e-3)
+
+
+@pytest.mark.parametrize("nodes", [64, 101])
+def test_hertz_approach(asperity, tmp_path, nodes):
+    radius, modulus, half_width = 0.005, 230e9, 70e-6
+    domain = f"&domain length_x = 2.4e-4, length_y = 2.4e-4, intervals_x = {nodes}, intervals_y = {nodes}, periodic = .false. /"
+    approach = half_width**2 / radius
+    bodies = f", reduced_radius = {radius}"
+    with separated(
+        asperity, tmp_path, "shape = 'parabola'", [approach], bodies=bodies, modulus=modulus, more=domain, problem="dry_area"
+    ) as file:
+        sweep = {key: value[0] for key, value in file["sweep"].items()}
+    # w = 4 E* a^3/(3 R), E* = E'/2.
+    assert sweep["load"] == pytest.approx(2 / 3 * modulus * half_width**3 / radius, rel=2e-3)
+    assert sweep["separation"] == pytest.approx(approach, rel=1e-10)
+
+
+def test_history_of_separations(asperity, tmp_path):
+    # Back at the first separation the deformed surface is where it was; further out it has lost contact sooner.
+    surface, options = profile("C"), {"bodies": HARD}
+    with separated(asperity, tmp_path, surface, [2e-7, 2.6e-7, 2e-7], loading=", loading = 'history'", **options) as file:
+        history = {key: value[()] for key, value in file["sweep"].items()}
+    with separated(asperity, tmp_path, surface, [2.6e-7], **options) as file:
+        virgin = file["sweep/load"][0]
+    close(history["load"][2], history["load"][0], 1e-8)
+    close(history["dp_mean"], np.full(3, history["dp_mean"][0]), 1e-8)
+    assert history["load"][1] < 0.9 * virgin
+    text = case_text(surface, [1e-7, 5e-7], HARD, key="separation", loading=", loading = 'history'")
+    write(tmp_path, "apart.nml", text)
+    done = asperity("apart.nml", "--quiet")
+    assert done.returncode == 1
+    assert "found a separation at which nothing touches" in done.stderr
+    assert not (tmp_path / "apart.h5").exists()
+
+
+def test_below_the_lowest_valley_all_is_plastic(asperity, tmp_path):
+    with solve(asperity, tmp_path, profile("C"), [4e9]) as file:
+        lowest = file["sweep/separation"][0]
+    with separated(asperity, tmp_path, profile("C"), [lowest - 1e-7], bodies=HARD) as file:
+        assert file["sweep/mean_pressure"][0] == pytest.approx(4e9, rel=1e-14)
+        assert file["solution/plastic_deformation"][:].min() == pytest.approx(1e-7, rel=1e-9)
+
+
+def test_open_line_has_no_separation(asperity, tmp_path):
+    domain = "&domain length = 1e-3, intervals = 64, periodic = .false. /"
+    surface = "shape = 'sinusoid', amplitude = 1e-6, wavelength = 1e-3"
+    with solve(asperity, tmp_path, surface, [1e6], bodies="", more=domain) as file:
+        assert "separation" not in file["sweep"]
