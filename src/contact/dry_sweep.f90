@@ -108,13 +108,14 @@ contains
             plastic = 0.0_wp
             where (solution%pressure >= problem%hardness) plastic = max(solution%datum - solution%v, 0.0_wp)
             call fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
+            where (solution%pressure >= problem%hardness) fields%pressure = loads%hardness
             call fill_row(grid, scaling, loads, solution, fields, problem, rows(i))
             rows(i)%mean_pressure = problem%load/n*scaling%pressure
             if (allocated(loads%mean_pressure)) rows(i)%mean_pressure = loads%mean_pressure(i)
             rows(i)%load = rows(i)%mean_pressure*area_of(grid, scaling)
             rows(i)%separation = separation_of(problem%grid, scaling, top, solution%datum)
             rows(i)%dissipated_energy = 0.0_wp
-            if (solution%capped > 0) rows(i)%dissipated_energy = loads%hardness*area_of(grid, scaling)*rows(i)%dp_mean
+            if (problem%is_capped()) rows(i)%dissipated_energy = loads%hardness*area_of(grid, scaling)*rows(i)%dp_mean
             if (loads%has_history) then
                yielded = yielded + plastic
                problem%height = problem%height - plastic
@@ -191,7 +192,6 @@ contains
       row%plastic_area_fraction = real(solution%capped, wp)/n
       row%plasticity_index = real(solution%capped, wp)/solution%contacts
       row%p_max = maxval(fields%pressure)
-      if (solution%capped > 0) row%p_max = loads%hardness
       row%dp_max = maxval(fields%plastic_deformation)
       row%dp_mean = sum(fields%plastic_deformation)/n
       ! The problem's heights have no mean; the datum is that of the heights as given.

@@ -61,14 +61,14 @@ contains
       end do
    end function parabola_heights
 
-   !> `distance`, on a periodic domain that to the nearest image, -L/2 ... L/2.
+   !> `distance`, on a periodic domain that to the nearest image, -L/2 ... L/2; a direction without `length` has no images.
    pure elemental function nearest_image(distance, length, is_periodic)
       real(wp), intent(in) :: distance, length
       logical, intent(in) :: is_periodic
       real(wp) :: nearest_image
 
       nearest_image = distance
-      if (is_periodic) nearest_image = modulo(distance + 0.5_wp*length, length) - 0.5_wp*length
+      if (is_periodic .and. length > 0.0_wp) nearest_image = modulo(distance + 0.5_wp*length, length) - 0.5_wp*length
    end function nearest_image
 
 end module analytic_heights

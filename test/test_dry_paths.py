@@ -1,0 +1,151 @@
+"""Dry areas under load, unload and reload: energy, running-in, hardness; the element kernel against direct sums."""
+
+import h5py
+import numpy as np
+import pytest
+from dry_cases import case_text, close, solve
+
+SURFACE = "shape = 'synthetic', rms_height = 0.5e-6, wavelength_rolloff = 1e-4, wavelength_short = 1.25e-5"
+DOMAIN = "&domain length_x = 3e-4, length_y = 2.4e-4, intervals_x = 60, intervals_y = 48 /"
+HARD = ", hardness = 4e9"
+AREA = 3e-4 * 2.4e-4
+
+
+def press(asperity, folder, loads, bodies=HARD, **options):
+    """The sweep of the area, and its last pressure and heights."""
+    with solve(asperity, folder, SURFACE, loads, bodies, DOMAIN, "dry_area", **options) as file:
+        found = {name: item[()] for name, item in file["sweep"].items()}
+        return found | {name: item[()] for name, item in file["solution"].items()}
+
+
+def work(load, datum):
+    """Integral of the load over the datum by the trapezoid."""
+    return np.sum(np.diff(datum) * 0.5 * (load[1:] + load[:-1]))
+
+
+def test_work_is_stored_and_dissipated(asperity, tmp_path):
+    found = press(asperity, tmp_path, np.linspace(0.004, 1.0, 250) * 1e9)
+    load = np.concatenate([[0.0], found["load"]])
+    datum = np.concatenate([[-found["height_undeformed"].max()], found["datum"]])
+    energy = found["elastic_energy"][-1] + found["dissipated_energy"][-1]
+    assert found["dissipated_energy"][-1] > 0.1 * energy
+    assert work(load, datum) == pytest.approx(energy, rel=3e-4)
+    np.testing.assert_allclose(found["dissipated_energy"], 4e9 * AREA * found["dp_mean"], rtol=1e-12)
+
+
+def test_energy_of_a_cycle_is_what_was_dissipated(asperity, tmp_path):
+    loads = np.concatenate([[1e9], np.linspace(1.0, 0.0, 200, endpoint=False) * 1e9])
+    found = press(asperity, tmp_path, loads, loading=", loading = 'history'")
+    # Unloading gives back what was stored, to the last contact; nothing more is dissipated.
+    back = -work(np.append(found["load"], 0.0)[1:], np.append(found["datum"], -found["height_unloaded"].max())[1:])
+    assert back == pytest.approx(found["elastic_energy"][0], rel=1e-3)
+    close(found["dissipated_energy"], np.full(201, found["dissipated_energy"][0]), 1e-9)
+
+
+def test_running_in_of_an_area(asperity, tmp_path):
+    # The published case: 0.6 of the earlier maximum yields nothing new; back at the maximum all is as it was.
+    loads = [1e9, 0.2e9, 0.6e9, 1e9, 1.2e9]
+    history = press(asperity, tmp_path, loads, loading=", loading = 'history'")
+    virgin = press(asperity, tmp_path, loads)
+    close(history["dp_mean"][1:4], np.full(3, virgin["dp_mean"][0]), 1e-9)
+    assert list(history["plastic_area_fraction"][1:3]) == [0.0, 0.0]
+    for name in ("datum", "mean_separation", "elastic_energy", "ra_loaded", "rq_unloaded"):
+        close(history[name][3], history[name][0], 1e-8)
+    # Beyond the maximum as if the load had come at once.
+    for name in ("dp_mean", "datum", "contact_area_fraction", "dissipated_energy"):
+        close(history[name][4], virgin[name][4], 1e-8)
+    # On the way back there is more contact than on the virgin surface, and less roughness for good.
+    assert history["contact_area_fraction"][1] > 1.5 * virgin["contact_area_fraction"][1]
+    assert history["rq_unloaded"][1] < history["rq_undeformed"][1]
+
+
+def test_hardness_above_the_elastic_peak_changes_nothing(asperity, tmp_path):
+    elastic = press(asperity, tmp_path, [2e8, 1e9], "")
+    peak = float(elastic["p_max"].max())
+    # Just above the peak the iteration may touch the bound on its way: the areas are the same to the last bit.
+    capped = press(asperity, tmp_path, [2e8, 1e9], f", hardness = {1.001 * peak!r}")
+    assert list(elastic["contact_area_fraction"]) == list(capped["contact_area_fraction"])
+    assert list(elastic["contact_area_fraction_corrected"]) == list(capped["contact_area_fraction_corrected"])
+    assert list(capped["plastic_area_fraction"]) == [0.0, 0.0]
+    assert np.array_equal(elastic["pressure"] > 0, capped["pressure"] > 0)
+    np.testing.assert_allclose(capped["pressure"], elastic["pressure"], atol=1e-9 * peak)
+    # Out of its reach everything is.
+    capped = press(asperity, tmp_path, [2e8, 1e9], f", hardness = {100 * peak!r}")
+    for name in ("pressure", "gap", "height_loaded", "height_unloaded", "p_max", "datum", "elastic_energy"):
+        assert np.array_equal(elastic[name], capped[name])
+
+
+def test_elastic_areas_give_everything_back(asperity, tmp_path):
+    found = press(asperity, tmp_path, [1e9, 2e8], "", loading=", loading = 'history'")
+    alone = press(asperity, tmp_path, [2e8], "")
+    assert list(found["dissipated_energy"]) == [0.0, 0.0]
+    assert found["contact_area_fraction"][1] == alone["contact_area_fraction"][0]
+    np.testing.assert_allclose(found["pressure"], alone["pressure"], atol=1e-8 * alone["pressure"].max())
+
+
+def element_response(nodes, length, modulus, images):
+    """Transfer function of pressures constant over each element, at the nodes: the waves that the grid cannot tell apart."""
+    wave = 2 * np.pi / length * np.arange(1, nodes // 2 + 1)
+    alias = wave[:, None] + 2 * np.pi * nodes / length * np.arange(-images, images + 1)
+    half = 0.5 * length / nodes
+    return np.concatenate([[0.0], (4 / (modulus * np.abs(alias)) * np.sin(alias * half) / (alias * half)).sum(axis=1)])
+
+
+@pytest.mark.parametrize("nodes", [64, 81])
+def test_element_kernel_of_a_line(asperity, tmp_path, nodes):
+    length, modulus, hardness = 4e-4, 230e9, 0.7e9
+    surface = "shape = 'synthetic', rms_height = 0.2e-6, wavelength_short = 2.5e-5"
+    domain = f"&domain length = {length}, intervals = {nodes}, kernel = 'element' /"
+    with solve(asperity, tmp_path, surface, [4e8], f", hardness = {hardness}", domain, modulus=modulus) as file:
+        pressure, z = file["solution/pressure"][()], file["solution/height_undeformed"][()]
+        datum, plastic = file["sweep/datum"][0], file["solution/plastic_deformation"][()]
+        gap = file["solution/gap"][()]
+    response = element_response(nodes, length, modulus, 4000)
+    deflection = np.fft.irfft(response[: nodes // 2 + 1] * np.fft.rfft(pressure), nodes)
+    assert pressure.max() == hardness
+    assert 0 < np.count_nonzero(pressure) < nodes
+    np.testing.assert_allclose(deflection + plastic - z - datum, gap, atol=2e-6 * z.std())
+    assert np.all((gap == 0) | (pressure == 0))
+    with solve(asperity, tmp_path, surface, [4e8], f", hardness = {hardness}", domain.replace("element", "band_limited")) as file:
+        assert not np.array_equal(file["solution/pressure"][()], pressure)
+
+
+def test_element_kernel_of_an_area_in_full_contact(asperity, tmp_path):
+    # Waves along x: what the elements do not resolve across them averages out, and the response is that of a line.
+    length, nodes, height = 3e-4, 48, 1e-6
+    amplitude = height / element_response(nodes, length, 230e9, 4000)[3]
+    domain = f"length_x = {length}, length_y = {0.5 * length}, intervals_x = {nodes}, intervals_y = 20"
+    waves = f"shape = 'sinusoid', amplitude = {height}, wavelength = {length / 3}"
+    options = {"problem": "dry_area", "modulus": 230e9}
+    with solve(asperity, tmp_path, waves, [6e9], "", f"&domain {domain}, kernel = 'element' /", **options) as file:
+        assert file["sweep/contact_area_fraction"][0] == 1.0
+        assert file["sweep/p_max"][0] - 6e9 == pytest.approx(amplitude, rel=1e-6)
+    with solve(asperity, tmp_path, waves, [6e9], "", f"&domain {domain} /", **options) as file:
+        assert file["sweep/p_max"][0] - 6e9 == pytest.approx(np.pi * 115e9 * height / (length / 3), rel=1e-10)
+
+
+BAD_HDF5 = {
+    "no_dataset": ({"z": np.zeros((4, 4))}, "/other", "other"),
+    "gap": ({"z": np.where(np.eye(4) > 0, np.nan, 1e-6)}, "z", "found a height that is no number (a gap) at node 1 "),
+    "infinite": ({"z": np.full((4, 4), np.inf)}, "z", "found a height that is no number (a gap)"),
+    "profile": ({"z": np.zeros(8)}, "z", "found a profile, expected an area"),
+    "cube": ({"z": np.zeros((4, 4, 4))}, "z", "found 3 dimensions"),
+    "one_node": ({"z": np.zeros((1, 1))}, "z", "found 1 node"),
+    "words": ({"z": np.array([[b"a", b"b"], [b"c", b"d"]])}, "z", "number"),
+    "no_spacing": ({"z": np.ones((4, 4))}, "z", "length_x"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_HDF5)
+def test_bad_hdf5_file(asperity, tmp_path, name):
+    datasets, path, message = BAD_HDF5[name]
+    with h5py.File(tmp_path / "bad.h5", "w") as file:
+        for dataset, values in datasets.items():
+            file[dataset] = values
+    text = case_text(f"shape = 'file', file = 'bad.h5', dataset = '{path}'", [1e6], "", problem="dry_area")
+    (tmp_path / "case.nml").write_text(text, encoding="utf-8")
+    done = asperity("case.nml")
+    assert done.returncode == 1
+    assert message in done.stderr
+    assert "Backtrace" not in done.stderr
+    assert not (tmp_path / "case.h5").exists()
