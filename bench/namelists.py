@@ -46,6 +46,8 @@ def value_text(value: object) -> str:
         return ".true." if value else ".false."
     if isinstance(value, str):
         return f"'{value}'"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(value_text(each) for each in value)
     return repr(value)
 
 
@@ -70,9 +72,9 @@ def case_1(intervals: int | None, solver: dict | None = None, **others: dict) ->
 
 
 def case_3(intervals: int, solver: dict | None = None, steps_per_dx: float = 2, end_time: float = 2.181818, **time: object) -> str:
-    """Chapter 5, Case 3: the ridge on the fast surface; time steps of dX/steps_per_dx."""
+    """Chapter 5, Case 3: the ridge on the fast surface; time steps of dX/steps_per_dx, the scheme of the thesis."""
     step = 5.5 / intervals / steps_per_dx
-    settings = {"transient": True, "end_time": end_time, "time_step": step} | time
+    settings = {"transient": True, "end_time": end_time, "time_step": step, "scheme": "backward_euler"} | time
     return case_1(intervals, solver, surface_2=RIDGE, time=settings)
 
 

@@ -196,13 +196,13 @@ def time_step_map(quick: bool) -> StabilityMap:
     intervals = 128 if quick else 256
     factors = [0.25, 0.5, 1, 2] if quick else [0.125, 0.25, 0.5, 1, 2, 4, 8]
     slides = [0, 1, 5 / 3, 3] if quick else [0, 0.2, 0.5, 1, 5 / 3, 2, 2.5, 4, 8]
-    methods = AUTO | {"auto, BDF2": {}} | NEWTON | dict(list(CYCLES.items())[1:]) | DENSE
+    methods = AUTO | {"auto, backward Euler": {}} | NEWTON | dict(list(CYCLES.items())[1:]) | DENSE
 
     def text(slide: float, factor: float, solver: dict, name: str) -> str:
         mean, dx = 0.6, 5.5 / intervals
         speeds = {"speed_1": mean * (1 - slide / 2), "speed_2": mean * (1 + slide / 2)}
         steps = max(2, round(2.3 / (1 + slide / 2) / (factor * dx)))
-        scheme = "bdf2" if name.endswith("BDF2") else None
+        scheme = "backward_euler" if name.endswith("Euler") else None
         settings = {"transient": True, "end_time": steps * factor * dx, "time_step": factor * dx, "scheme": scheme}
         ridge = namelists.RIDGE | {"position": -1.5}
         return namelists.case_1(intervals, solver, bodies=speeds, surface_2=ridge, time=settings)

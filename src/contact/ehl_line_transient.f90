@@ -3,8 +3,8 @@
 !>     backward Euler (thesis)    lambda d(rho H)/dT = lambda/dT ( rho H - (rho H)_old )
 !>     BDF2                       lambda d(rho H)/dT = lambda/(2 dT) ( 3 rho H - 4 (rho H)_old + (rho H)_older )
 !>
-!> Both have the form lambda/dT_eff ( rho H - F ); BDF2 has dT_eff = 2 dT/3, F = (4 (rho H)_old - (rho H)_older)/3, and its
-!> first step is one of backward Euler.
+!> Both have the form lambda/dT_eff ( rho H - F ). BDF2 begins with a short step of backward Euler and goes over to whole steps
+!> by parts of them (module time_scheme).
 !>
 !> At T = 0 pressure and H0 are those of the smooth steady contact; the surfaces enter the old film without a new solve.
 module ehl_line_transient
@@ -21,9 +21,10 @@ module ehl_line_transient
    use march_state, only: march_state_t
    use observer, only: observer_t
    use solver_choice, only: adopt, note_choice, time_step_attempts
-   use solver_settings, only: solver_settings_t, time_settings_t
+   use solver_settings, only: solver_settings_t, time_settings_t, word_length
    use state_output, only: fill_state
    use text, only: to_text
+   use time_scheme, only: derivative_weights, parabola_weights, part_ends
    implicit none (type, external)
    private
 
@@ -32,6 +33,13 @@ module ehl_line_transient
    !> Default bound on the residuals of a time step, and on its cycles.
    real(wp), parameter :: default_tolerance = 1.0e-6_wp
    integer, parameter :: default_cycles = 40
+
+   !> A time step: its number, its length and the scheme.
+   type :: step_plan_t
+      integer :: step
+      real(wp) :: length
+      character(len=word_length) :: scheme
+   end type step_plan_t
 
 contains
 
@@ -75,9 +83,7 @@ contains
                call refuse(report, 'stopped from outside')
                return
             end if
-            call begin_step(contact, level, history, step*time_step, time_step, &
-               is_second_order=time%scheme == 'bdf2' .and. step > 1)
-            call solve_step(hierarchy, contact, attempts, limits, history, report)
+            call take_step(hierarchy, contact, attempts, limits, step_plan_t(step, time_step, time%scheme), history, report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
                   to_text(step*time_step)//'): '//report%reason//smallest_film_text(state))
@@ -85,7 +91,6 @@ contains
             end if
             call look_for_breakdown(level%x, level%film, settings, step, step*time_step, report)
             if (.not. report%converged) return
-            call remember(history, contact, level, hierarchy%rigid_displacement)
             history%step = step
             report%steps = step
             call fill_state(contact, level, hierarchy%rigid_displacement, step*time_step, state)
@@ -111,7 +116,7 @@ contains
          call look_for_breakdown(level%x, level%film, settings, 0, 0.0_wp, report)
          if (any(level%film <= 0.0_wp)) report%reason = 'film closed at T = 0: the surfaces at their start are higher than '// &
             'the smooth film; '//report%reason
-         call remember(history, contact, level, hierarchy%rigid_displacement)
+         call remember(history, contact, level, hierarchy%rigid_displacement, 0.0_wp)
       end associate
    end subroutine begin_march
 
@@ -160,30 +165,56 @@ contains
       report%reason = reason
    end subroutine refuse
 
-   !> Right sides of the step to `new_time`.
-   subroutine begin_step(contact, level, history, new_time, time_step, is_second_order)
-      type(line_contact_t), intent(in) :: contact
-      type(line_level_t), intent(inout) :: level
-      type(march_state_t), intent(in) :: history
-      real(wp), intent(in) :: new_time, time_step
-      logical, intent(in) :: is_second_order
-
-      if (is_second_order) then
-         level%inverse_time_step = 1.5_wp/time_step
-         level%rhs_reynolds = -contact%lambda/time_step*(2*history%mass(:, 1) - 0.5_wp*history%mass(:, 2))
-      else
-         level%inverse_time_step = 1.0_wp/time_step
-         level%rhs_reynolds = -contact%lambda/time_step*history%mass(:, 1)
-      end if
-      level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, new_time)
-   end subroutine begin_step
-
-   !> One step: from the quadratic extrapolation in time, then from the old pressure, each way in turn.
-   subroutine solve_step(hierarchy, contact, attempts, limits, history, report)
+   !> One step, in its parts; the history then begins with its end.
+   subroutine take_step(hierarchy, contact, attempts, limits, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       type(relaxation_t), intent(in) :: attempts(:)
       type(cycle_limits_t), intent(in) :: limits
+      type(step_plan_t), intent(in) :: plan
+      type(march_state_t), intent(inout) :: history
+      type(report_t), intent(inout) :: report
+      real(wp), allocatable :: ends(:)
+      real(wp) :: length
+      integer :: part
+
+      ends = part_ends(plan%scheme, plan%step, plan%length)
+      do part = 1, size(ends)
+         length = ends(part)*plan%length
+         if (part > 1) length = length - ends(part - 1)*plan%length
+         associate (level => hierarchy%levels(hierarchy%finest))
+            call begin_step(contact, level, history, (plan%step - 1 + ends(part))*plan%length, length, plan%scheme)
+            call solve_step(hierarchy, contact, attempts, limits, length, history, report)
+            if (.not. report%converged) return
+            call remember(history, contact, level, hierarchy%rigid_displacement, length)
+         end associate
+      end do
+   end subroutine take_step
+
+   !> Right sides of the step of `length` to `new_time`.
+   subroutine begin_step(contact, level, history, new_time, length, scheme)
+      type(line_contact_t), intent(in) :: contact
+      type(line_level_t), intent(inout) :: level
+      type(march_state_t), intent(in) :: history
+      real(wp), intent(in) :: new_time, length
+      character(*), intent(in) :: scheme
+      real(wp) :: weights(3)
+      logical :: has_older
+
+      has_older = scheme == 'bdf2' .and. history%size > 1
+      weights = derivative_weights(length/merge(history%lengths(1), length, has_older), has_older)/length
+      level%inverse_time_step = weights(1)
+      level%rhs_reynolds = contact%lambda*(weights(2)*history%mass(:, 1) + weights(3)*history%mass(:, 2))
+      level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, new_time)
+   end subroutine begin_step
+
+   !> One step: from the quadratic extrapolation in time, then from the old pressure, each way in turn.
+   subroutine solve_step(hierarchy, contact, attempts, limits, length, history, report)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      type(relaxation_t), intent(in) :: attempts(:)
+      type(cycle_limits_t), intent(in) :: limits
+      real(wp), intent(in) :: length
       type(march_state_t), intent(in) :: history
       type(report_t), intent(inout) :: report
       real(wp) :: old_minimum
@@ -194,7 +225,7 @@ contains
          do attempt = 0, size(attempts)
             call adopt(hierarchy, attempts(max(attempt, 1)))
             if (attempt == 0) then
-               call extrapolate(history, level, hierarchy%rigid_displacement)
+               call extrapolate(history, length, level, hierarchy%rigid_displacement)
             else
                level%pressure = history%pressure(:, 1)
                hierarchy%rigid_displacement = history%rigid_displacement(1)
@@ -222,38 +253,35 @@ contains
       rigid_displacement = rigid_displacement + rise
    end subroutine lift
 
-   !> P (cut at 0) and H0 by the parabola through the last three solutions; fewer while there are fewer.
-   pure subroutine extrapolate(history, level, rigid_displacement)
+   !> P (cut at 0) and H0 at the end of a step of `length`, by the parabola through the last three solutions; fewer while there
+   !> are fewer.
+   pure subroutine extrapolate(history, length, level, rigid_displacement)
       type(march_state_t), intent(in) :: history
+      real(wp), intent(in) :: length
       type(line_level_t), intent(inout) :: level
       real(wp), intent(out) :: rigid_displacement
+      real(wp) :: weights(3), last
 
+      last = merge(history%lengths(1), 1.0_wp, history%size > 1)
+      weights = parabola_weights(history%size, length/last, history%lengths(2)/last)
       associate (p => history%pressure, h0 => history%rigid_displacement)
-         select case (history%size)
-         case (1)
-            level%pressure = p(:, 1)
-            rigid_displacement = h0(1)
-         case (2)
-            level%pressure = max(2*p(:, 1) - p(:, 2), 0.0_wp)
-            rigid_displacement = 2*h0(1) - h0(2)
-         case default
-            level%pressure = max(3*(p(:, 1) - p(:, 2)) + p(:, 3), 0.0_wp)
-            rigid_displacement = 3*(h0(1) - h0(2)) + h0(3)
-         end select
+         level%pressure = max(weights(1)*p(:, 1) + weights(2)*p(:, 2) + weights(3)*p(:, 3), 0.0_wp)
+         rigid_displacement = dot_product(weights, h0)
       end associate
    end subroutine extrapolate
 
-   !> Takes the present solution into the history.
-   pure subroutine remember(history, contact, level, rigid_displacement)
+   !> Takes the present solution, at the end of a step of `length`, into the history.
+   pure subroutine remember(history, contact, level, rigid_displacement, length)
       type(march_state_t), intent(inout) :: history
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
-      real(wp), intent(in) :: rigid_displacement
+      real(wp), intent(in) :: rigid_displacement, length
 
       if (.not. allocated(history%pressure)) allocate (history%pressure(0:level%n, 3), history%mass(0:level%n, 2), source=0.0_wp)
       history%pressure(:, 3) = history%pressure(:, 2)
       history%pressure(:, 2) = history%pressure(:, 1)
       history%pressure(:, 1) = level%pressure
+      history%lengths = [length, history%lengths(1)]
       history%rigid_displacement = [rigid_displacement, history%rigid_displacement(1:2)]
       call fluid_density_value(contact%fluid, level%pressure, level%density)
       history%mass(:, 2) = history%mass(:, 1)

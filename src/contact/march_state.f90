@@ -18,6 +18,8 @@ module march_state
       real(wp), allocatable :: pressure(:, :)
       !> H0 of these solutions.
       real(wp) :: rigid_displacement(3) = 0.0_wp
+      !> Time from each of these solutions back to the next older one, dT or the part of it that was a step.
+      real(wp) :: lengths(2) = 0.0_wp
       !> rho H of the last two times (0:n, 2), for the squeeze term.
       real(wp), allocatable :: mass(:, :)
       !> H of the newest solution (0:n).

@@ -22,7 +22,7 @@ module reynolds_line
       real(wp) :: reynolds = huge(1.0_wp)
       !> |dX sum P - pi/2|.
       real(wp) :: load = huge(1.0_wp)
-      !> Round-off floor of `reynolds`: 4e-16 max(e P)/(lambda dX^2).
+      !> Round-off floor of `reynolds`: 4e-16 ( max(e P)/(lambda dX^2) + max(H)/dT ).
       real(wp) :: floor = 0.0_wp
       !> False if the film of the pressure closes somewhere, so that no residual exists.
       logical :: film_is_open = .false.
@@ -109,7 +109,8 @@ contains
       level%work(0) = 0.0_wp
       level%work(level%n) = 0.0_wp
       residual%reynolds = maxval(merge(abs(level%work), max(level%work, 0.0_wp), level%pressure > 0.0_wp))
-      residual%floor = 4.0e-16_wp*maxval(level%mobility*level%pressure)/(contact%lambda*level%dx**2)
+      residual%floor = 4.0e-16_wp*(maxval(level%mobility*level%pressure)/(contact%lambda*level%dx**2) &
+         + maxval(level%film)*level%inverse_time_step)
    end subroutine measure_residual
 
 end module reynolds_line

@@ -34,8 +34,8 @@ module solver_settings
       real(wp) :: end_time = 0.0_wp
       !> Time step [-]; zero: dX of the grid.
       real(wp) :: time_step = 0.0_wp
-      !> 'backward_euler'.
-      character(len=word_length) :: scheme = 'backward_euler'
+      !> 'bdf2' (second order) or 'backward_euler' (first order, the thesis's).
+      character(len=word_length) :: scheme = 'bdf2'
       !> Where an interrupted transient goes on; not allocated: it begins at T = 0.
       type(march_state_t), allocatable :: resume_from
    end type time_settings_t

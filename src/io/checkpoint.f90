@@ -23,7 +23,7 @@ module checkpoint
    public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 2
+   integer, parameter :: format_number = 3
 
    !> What a checkpoint holds.
    type :: checkpoint_t
@@ -117,6 +117,7 @@ contains
       call write_dataset(file, '/march/size', int(march%size, int64), new_label('solutions kept', '1'))
       call write_dataset(file, '/march/pressure', march%pressure, new_label('P of the last solutions, newest first', '1'))
       call write_dataset(file, '/march/rigid_displacement', march%rigid_displacement, new_label('H0 of the same', '1'))
+      call write_dataset(file, '/march/lengths', march%lengths, new_label('time between them', '1'))
       call write_dataset(file, '/march/mass', march%mass, new_label('rho H of the last two', '1'))
       call write_dataset(file, '/march/film', march%film, new_label('H of the newest', '1'))
    end subroutine write_march
@@ -221,7 +222,7 @@ contains
    subroutine read_march(reader, march)
       type(hdf5_input_t), intent(inout) :: reader
       type(march_state_t), intent(inout) :: march
-      real(wp), allocatable :: pressure(:), mass(:), film(:), rigid_displacement(:)
+      real(wp), allocatable :: pressure(:), mass(:), film(:), rigid_displacement(:), lengths(:)
       integer :: n
 
       march%step = int(reader%integer_value('/march/step'))
@@ -230,8 +231,10 @@ contains
       mass = reader%reals('/march/mass')
       film = reader%reals('/march/film')
       rigid_displacement = reader%reals('/march/rigid_displacement')
+      lengths = reader%reals('/march/lengths')
       n = size(film) - 1
-      if (size(pressure) /= 3*size(film) .or. size(mass) /= 2*size(film) .or. size(rigid_displacement) /= 3) then
+      if (size(pressure) /= 3*size(film) .or. size(mass) /= 2*size(film) .or. size(rigid_displacement) /= 3 &
+         .or. size(lengths) /= 2) then
          call reader%check(-1, 'solutions of different lengths')
          return
       end if
@@ -240,6 +243,7 @@ contains
       march%mass(:, :) = reshape(mass, [n + 1, 2])
       march%film(:) = film
       march%rigid_displacement = rigid_displacement
+      march%lengths = lengths
    end subroutine read_march
 
    !> The report up to here; a checkpoint is only written after a step that has converged.

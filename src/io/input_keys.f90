@@ -157,8 +157,8 @@ module input_keys
       'end of the transient, T; required with transient = .true.'), &
       key_row_t('time', 'time_step', real_kind, '-', is_chosen, '>= 1e-9, <= 1e3', '', '', &
       'time step in T; chosen: the grid spacing dX'), &
-      key_row_t('time', 'scheme', word_kind, '', "'backward_euler'", '', 'backward_euler bdf2', '', &
-      'time discretisation: first order (thesis), or second order'), &
+      key_row_t('time', 'scheme', word_kind, '', "'bdf2'", '', 'backward_euler bdf2', '', &
+      'time discretisation: second order, or first order (thesis)'), &
       key_row_t('solver', 'method', word_kind, '', "'auto'", '', 'auto fas_block_jacobi block_jacobi newton_krylov newton_dense', &
       '', 'auto: Newton-Krylov, else other ways; newton_dense: exact reference for small grids'), &
       key_row_t('solver', 'smoother', word_kind, '', "'auto'", '', 'auto block_jacobi gauss_seidel line hybrid', '', &
