@@ -59,7 +59,12 @@ contains
       outcome%solution%report%phase_seconds(phase_steady) = outcome%solution%report%wall_seconds
       call judge_sweep(outcome%rows, outcome%solution)
       call store_input(case, writer)
-      call write_dry_result(writer%file, case%dry, outcome%rows, outcome%fields)
+      call write_dry_result(writer%file, case%dry, outcome%rows, outcome%fields, error)
+      if (allocated(error)) then
+         call writer%discard()
+         call give_up(error, log, status)
+         return
+      end if
       call write_dataset(writer%file, '/report/cpu_seconds', cpu_finish - cpu_start, &
          new_label('processor time of the solution, planning of the transforms included', 's'))
       call writer%publish(outcome%solution%report, error)

@@ -154,23 +154,27 @@ def draw_sweep(result: DryResult) -> Figure:
 
 
 def draw_surface(result: DryResult) -> Figure:
-    """Bearing curves and, where it is stored, the spectrum."""
-    has_power = "power_undeformed" in result.surface
-    figure, axes = style.new_figure(style.TWO_COLUMNS if has_power else style.ONE_COLUMN, 66, ncols=1 + has_power)
-    panels = np.atleast_1d(axes)
-    fz, uz = unit(result.surface["level"], "m")
+    """Bearing curves, height densities and, of periodic surfaces, the spectrum: before, under and after load."""
+    surface = result.surface
+    has_power = "power_undeformed" in surface
+    figure, panels = style.new_figure(style.TWO_COLUMNS, 66, ncols=2 + has_power)
+    fz, uz = unit(surface["level"], "m")
+    lines = []
     for state, series in zip(STATES, style.SERIES, strict=False):
         look = {key: series[key] for key in ("color", "linestyle")}
-        ratio = result.surface[f"bearing_ratio_{state}"]
-        panels[0].plot(100 * ratio, result.surface["level"] * fz, label=state, **look)
+        lines += panels[0].plot(100 * surface[f"bearing_ratio_{state}"], surface["level"] * fz, label=state, **look)
+        density = surface[f"height_density_{state}"] / fz
+        panels[1].stairs(density, surface["density_edge"] * fz, orientation="horizontal", **look)
         if has_power:
-            power = result.surface[f"power_{state}"]
+            power = surface[f"power_{state}"]
             shown = power > 1e-16 * power.max()
-            panels[1].loglog(np.flatnonzero(shown) + 1, power[shown], label=state, **look)
+            panels[2].loglog(np.flatnonzero(shown) + 1, power[shown], **look)
     panels[0].set(xlabel="Bearing ratio [%]", ylabel=f"Height [{uz}]", xlim=(0, 100))
-    panels[0].legend()
+    panels[1].set(xlabel=f"Height density [1/{uz}]", ylim=panels[0].get_ylim())
+    panels[1].set_xlim(left=0)
     if has_power:
-        panels[1].set(xlabel="Harmonic $n$ [-]", ylabel="Mean square height [m$^2$]")
+        panels[2].set(xlabel="Harmonic $n$ [-]", ylabel="Mean square height [m$^2$]")
+    style.legend_below(figure, lines, 3)
     return figure
 
 

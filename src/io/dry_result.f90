@@ -5,27 +5,29 @@ module dry_result
    use analytic_heights, only: node_positions
    use dry_case, only: dry_case_t
    use dry_sweep, only: dry_fields_t, dry_row_t
+   use errors, only: error_t
    use hdf5_attribute, only: write_attribute
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
-   use roughness, only: bearing_ratio, power_spectrum, rms_curvature, rms_slope, roughness_t
+   use roughness, only: bearing_ratio, height_density, power_spectrum, rms_curvature, rms_slope, roughness_t
    implicit none (type, external)
    private
 
    public :: write_dry_result
 
-   !> Levels of the bearing curves.
-   integer, parameter :: bearing_levels = 201
+   !> Levels of the bearing curves, and steps of the height densities.
+   integer, parameter :: bearing_levels = 201, density_steps = 50
 
 contains
 
-   !> Writes the figures of every load and the fields of the last.
-   subroutine write_dry_result(file, dry, rows, fields)
+   !> Writes the figures of every load and the fields of the last. Fails (internal_error) if FFTW does.
+   subroutine write_dry_result(file, dry, rows, fields, error)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
       type(dry_row_t), intent(in) :: rows(:)
       type(dry_fields_t), intent(in) :: fields
+      type(error_t), allocatable, intent(out) :: error
 
       call file%create_group('/scaling')
       call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus)
@@ -38,7 +40,8 @@ contains
          'highest less lowest                    ', dry%grid%ny == 1)), 'm', rows%undeformed%rz, rows%loaded%rz, rows%unloaded%rz)
       call write_roughness(file, 'rsk', 'skewness', '1', rows%undeformed%rsk, rows%loaded%rsk, rows%unloaded%rsk)
       call write_roughness(file, 'rku', 'kurtosis', '1', rows%undeformed%rku, rows%loaded%rku, rows%unloaded%rku)
-      call write_surface(file, dry, fields)
+      call write_surface(file, dry, fields, error)
+      if (allocated(error)) return
       call write_summary(file, rows(size(rows)))
    end subroutine write_dry_result
 
@@ -139,46 +142,54 @@ contains
       call write_dataset(file, '/sweep/' // name // '_unloaded', copy, new_label(long_name // ' after unloading', units))
    end subroutine write_roughness
 
-   !> /surface: slope, curvature, bearing curves and spectrum of the undeformed, loaded and unloaded surface.
-   subroutine write_surface(file, dry, fields)
+   !> /surface: slope, curvature, bearing curves, height density and spectrum of the undeformed, loaded and unloaded surface.
+   subroutine write_surface(file, dry, fields, error)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
-      real(wp) :: dx, dy, levels(bearing_levels)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: edges(density_steps + 1), levels(bearing_levels)
       integer :: i
 
+      associate (z => fields%height_undeformed)
+         levels = [(minval(z) + (maxval(z) - minval(z))*real(i, wp)/(bearing_levels - 1), i=0, bearing_levels - 1)]
+         edges = [(minval(z) + (maxval(z) - minval(z))*real(i, wp)/density_steps, i=0, density_steps)]
+      end associate
+      call write_dataset(file, '/surface/level', levels, new_label('height of the bearing curves', 'm'))
+      call write_dataset(file, '/surface/density_edge', edges, new_label('ends of the steps of the height densities', 'm'))
+      call write_state(file, dry, 'undeformed', fields%height_undeformed, levels, edges, error)
+      if (allocated(error)) return
+      call write_state(file, dry, 'loaded', fields%height_loaded, levels, edges, error)
+      if (allocated(error)) return
+      call write_state(file, dry, 'unloaded', fields%height_unloaded, levels, edges, error)
+   end subroutine write_surface
+
+   !> One state of the surface.
+   subroutine write_state(file, dry, state, z, levels, edges, error)
+      class(hdf5_file_t), intent(inout) :: file
+      type(dry_case_t), intent(in) :: dry
+      character(*), intent(in) :: state
+      real(wp), intent(in) :: z(:), levels(:), edges(:)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: map(:, :), power(:)
+      real(wp) :: dx, dy
+
+      call write_dataset(file, '/surface/bearing_ratio_' // state, bearing_ratio(z, levels), &
+         new_label('share of the surface at or above each level', '1'))
+      call write_dataset(file, '/surface/height_density_' // state, height_density(z, edges), &
+         new_label('share of the surface at a height, over the height', '1/m'))
+      if (.not. dry%is_periodic) return
       dx = dry%lengths(1)/dry%grid%nx
       dy = dx
       if (dry%grid%ny > 1) dy = dry%lengths(2)/dry%grid%ny
-      associate (z => fields%height_undeformed)
-         levels = [(minval(z) + (maxval(z) - minval(z))*real(i, wp)/(bearing_levels - 1), i=0, bearing_levels - 1)]
-      end associate
-      call write_dataset(file, '/surface/level', levels, new_label('height of the bearing curves', 'm'))
-      call write_state('undeformed', fields%height_undeformed)
-      call write_state('loaded', fields%height_loaded)
-      call write_state('unloaded', fields%height_unloaded)
-
-   contains
-
-      !> One state of the surface.
-      subroutine write_state(state, z)
-         character(*), intent(in) :: state
-         real(wp), intent(in) :: z(:)
-         real(wp) :: map(dry%grid%nx, dry%grid%ny)
-
-         map = reshape(z, [dry%grid%nx, dry%grid%ny])
-         call write_dataset(file, '/surface/bearing_ratio_' // state, bearing_ratio(z, levels), &
-            new_label('share of the surface at or above each level', '1'))
-         if (.not. dry%is_periodic) return
-         call write_dataset(file, '/surface/rms_slope_' // state, rms_slope(map, dx, dy), new_label('rms slope', '1'))
-         call write_dataset(file, '/surface/rms_curvature_' // state, rms_curvature(map, dx, dy), &
-            new_label('rms curvature', '1/m'))
-         if (size(z) > 4096) return
-         call write_dataset(file, '/surface/power_' // state, power_spectrum(map), &
-            new_label('mean square height in harmonics 1, 2, ... along x', 'm^2'))
-      end subroutine write_state
-
-   end subroutine write_surface
+      map = reshape(z, [dry%grid%nx, dry%grid%ny])
+      call write_dataset(file, '/surface/rms_slope_' // state, rms_slope(map, dx, dy), new_label('rms slope', '1'))
+      call write_dataset(file, '/surface/rms_curvature_' // state, rms_curvature(map, dx, dy), new_label('rms curvature', '1/m'))
+      call power_spectrum(map, power, error)
+      if (allocated(error)) return
+      call write_dataset(file, '/surface/power_' // state, power, &
+         new_label('mean square height in harmonics 1, 2, ... along x', 'm^2'))
+   end subroutine write_state
 
    !> /summary of the last load.
    subroutine write_summary(file, row)

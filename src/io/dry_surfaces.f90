@@ -5,6 +5,7 @@ module dry_surfaces
    use errors, only: error_t
    use features, only: feature_ridge, feature_sinusoid, feature_t
    use findings, only: findings_t
+   use fourier_resampling, only: resample_heights
    use height_file, only: heights_t, read_heights
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
@@ -53,9 +54,9 @@ contains
          slot = values%slot('domain', trim(counts(i)))
          if (heights%grid(i) > 0) nodes(i) = heights%grid(i)
          dry%lengths(i) = nodes(i)*heights%spacing(i)
-         if (slot%is_given .and. heights%grid(i) > 0 .and. slot%integer /= nodes(i)) then
+         if (slot%is_given .and. heights%grid(i) > 0 .and. slot%integer /= nodes(i) .and. .not. dry%is_periodic) then
             call findings%add(slot%line, 'domain', trim(counts(i)), 'found ' // to_text(slot%integer) // ', expected the ' &
-               // to_text(nodes(i)) // ' nodes of the file (resampling is not built yet)')
+               // to_text(nodes(i)) // ' nodes of the file: without a period its heights have no Fourier series to resample')
          else if (slot%is_given) then
             nodes(i) = slot%integer
          else if (heights%grid(i) <= 0) then
@@ -211,7 +212,7 @@ contains
       if (word == 'smooth' .or. word == 'parabola') call report_unused(values, group, 'harmonics', reason, findings)
    end subroutine check_keys
 
-   !> Heights of the file. Finding: another grid than that of the case.
+   !> Heights of the file, on a periodic domain resampled to its nodes. Findings: another length; other nodes of an open domain.
    subroutine add_file(values, group, folder, dry, z, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group, folder
@@ -219,16 +220,33 @@ contains
       real(wp), intent(inout) :: z(:)
       type(findings_t), intent(inout) :: findings
       type(heights_t) :: heights
+      type(error_t), allocatable :: error
+      real(wp) :: length
+      integer :: i, line
 
       call load_file(values, group, folder, heights, findings)
       if (findings%count > 0) return
+      line = values%line_of(group, 'file')
+      do i = 1, merge(2, 1, dry%grid%ny > 1)
+         length = heights%grid(i)*heights%spacing(i)
+         if (length <= 0.0_wp .or. abs(length - dry%lengths(i)) <= same_length*dry%lengths(i)) cycle
+         call findings%add(line, group, 'file', 'found nodes times spacing ' // to_text(length) // ' m, expected the length of ' &
+            // 'the domain, ' // to_text(dry%lengths(i)) // ' m')
+         return
+      end do
       if (any(heights%grid /= [dry%grid%nx, dry%grid%ny])) then
-         call findings%add(values%line_of(group, 'file'), group, 'file', 'found ' // to_text(heights%grid(1)) // ' x ' &
-            // to_text(heights%grid(2)) // ' nodes, expected ' // to_text(dry%grid%nx) // ' x ' // to_text(dry%grid%ny) &
-            // ' as in the other surface')
-      else
-         z = heights%z
+         if (.not. dry%is_periodic) then
+            call findings%add(line, group, 'file', 'found ' // to_text(heights%grid(1)) // ' x ' // to_text(heights%grid(2)) &
+               // ' nodes, expected ' // to_text(dry%grid%nx) // ' x ' // to_text(dry%grid%ny) // ' as in the other surface')
+            return
+         end if
+         call resample_heights(heights%grid, [dry%grid%nx, dry%grid%ny], heights%z, error)
+         if (allocated(error)) then
+            call findings%add(line, group, 'file', error%message)
+            return
+         end if
       end if
+      z = heights%z
    end subroutine add_file
 
    !> Heights with a wanted spectrum. Findings: an open domain; wavelengths out of order; what the synthesis finds.

@@ -267,15 +267,15 @@ module input_keys
       key_row_t('domain', 'length', real_kind, 'm', is_optional, '>= 1e-12, <= 1e6', '', '', &
       'length of the profile; from the file if the surface is one', dry_line), &
       key_row_t('domain', 'intervals', integer_kind, '-', is_optional, '>= 2, <= 16777216', '', '', &
-      'number of nodes; from the file if the surface is one', dry_line), &
+      'number of nodes; default: those of the file, which others resample (Fourier series)', dry_line), &
       key_row_t('domain', 'length_x', real_kind, 'm', is_optional, '>= 1e-12, <= 1e6', '', '', &
       'length of the area in x; from the file if the surface is one', dry_area), &
       key_row_t('domain', 'length_y', real_kind, 'm', is_optional, '>= 1e-12, <= 1e6', '', '', &
       'length of the area in y; from the file if the surface is one', dry_area), &
       key_row_t('domain', 'intervals_x', integer_kind, '-', is_optional, '>= 2, <= 65536', '', '', &
-      'number of nodes in x; from the file if the surface is one', dry_area), &
+      'number of nodes in x; default: those of the file, which others resample (Fourier series)', dry_area), &
       key_row_t('domain', 'intervals_y', integer_kind, '-', is_optional, '>= 2, <= 65536', '', '', &
-      'number of nodes in y; from the file if the surface is one', dry_area), &
+      'number of nodes in y; default: those of the file, which others resample (Fourier series)', dry_area), &
       key_row_t('domain', 'periodic', logical_kind, '', '.true.', '', '', '', &
       'periodic surface; or an open half-space, pressed on the domain only', dry), &
       key_row_t('domain', 'kernel', word_kind, '', "'band_limited'", '', 'band_limited element', '', &

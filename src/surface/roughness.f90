@@ -1,10 +1,12 @@
 !> Roughness parameters of profiles and areas (chapter 4 of the thesis; ISO 4287, ISO 25178), about the arithmetic mean.
 module roughness
+   use errors, only: error_t
+   use grid_transform, only: transform_field
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: roughness_t, roughness_of, bearing_ratio, rms_slope, rms_curvature, power_spectrum
+   public :: roughness_t, roughness_of, bearing_ratio, height_density, rms_slope, rms_curvature, power_spectrum
 
    !> Equal parts of a profile over which Rz is averaged.
    integer, parameter :: parts = 5
@@ -75,6 +77,23 @@ contains
       ratio = [(real(sum(below(i:)), wp)/size(z), i=1, size(levels))]
    end function bearing_ratio
 
+   !> Share of the nodes between each two neighbouring `edges`, which rise and are evenly spaced, over their distance.
+   pure function height_density(z, edges) result(density)
+      real(wp), intent(in) :: z(:), edges(:)
+      real(wp) :: density(size(edges) - 1)
+      real(wp) :: width
+      integer :: i, place
+
+      width = (edges(size(edges)) - edges(1))/(size(edges) - 1)
+      density = 0.0_wp
+      if (.not. width > 0.0_wp) return
+      do i = 1, size(z)
+         if (z(i) < edges(1) .or. z(i) > edges(size(edges))) cycle
+         place = min(1 + int((z(i) - edges(1))/width), size(density))
+         density(place) = density(place) + 1.0_wp/(size(z)*width)
+      end do
+   end function height_density
+
    !> Root mean square of the slope of a periodic surface (nx, ny) from differences of neighbours; of an area of the gradient.
    pure function rms_slope(z, dx, dy) result(slope)
       real(wp), intent(in) :: z(:, :), dx, dy
@@ -97,23 +116,24 @@ contains
    end function rms_curvature
 
    !> Mean square of the heights in harmonic 1 ... nx/2 along x of a periodic surface (nx, ny), averaged over y: its sum is
-   !> the variance of the profiles. By direct summation: for profiles and small areas.
-   pure function power_spectrum(z) result(power)
-      real(wp), intent(in) :: z(:, :)
-      real(wp) :: power(size(z, 1)/2)
-      real(wp), parameter :: two_pi = 8.0_wp*atan(1.0_wp)
-      real(wp) :: c, s
-      integer :: i, j, k, n
+   !> the variance of the profiles. Fails (internal_error) if FFTW does.
+   subroutine power_spectrum(z, power, error)
+      real(wp), contiguous, intent(in) :: z(:, :)
+      real(wp), allocatable, intent(out) :: power(:)
+      type(error_t), allocatable, intent(out) :: error
+      complex(wp), allocatable :: spectrum(:, :)
+      integer :: j, k, n
 
       n = size(z, 1)
-      power = 0.0_wp
+      allocate (power(n/2), source=0.0_wp)
       do j = 1, size(z, 2)
+         call transform_field([n, 1], z(:, j), spectrum, error)
+         if (allocated(error)) return
          do k = 1, n/2
-            c = sum([(z(i, j)*cos(two_pi*mod(k*(i - 1), n)/n), i=1, n)])/n
-            s = sum([(z(i, j)*sin(two_pi*mod(k*(i - 1), n)/n), i=1, n)])/n
-            power(k) = power(k) + merge(1.0_wp, 2.0_wp, 2*k == n)*(c*c + s*s)/size(z, 2)
+            power(k) = power(k) + merge(1.0_wp, 2.0_wp, 2*k == n)*(real(spectrum(k, 0))**2 + aimag(spectrum(k, 0))**2)
          end do
       end do
-   end function power_spectrum
+      power = power/(real(n, wp)**2*size(z, 2))
+   end subroutine power_spectrum
 
 end module roughness

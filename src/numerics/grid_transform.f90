@@ -1,0 +1,79 @@
+!> Real Fourier transforms of a field on a uniform grid of one or two dimensions, for work that is done once.
+module grid_transform
+   use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_ptr
+   use errors, only: error_t, fail, internal_error
+   use fftw, only: fftw_destroy_plan, fftw_estimate, fftw_execute_dft_c2r, fftw_execute_dft_r2c, fftw_plan_dft_c2r, &
+      fftw_plan_dft_r2c
+   use kinds, only: wp
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: transform_field, transform_back
+
+contains
+
+   !> spectrum(k, l) = sum of z exp(-2 pi i (k m/nx + l n/ny)) over the nodes (m, n) of `grid` = nx, ny (ny = 1: a line), for
+   !> k = 0 ... nx/2, l = 0 ... ny - 1. `z` (nx*ny), x fastest. Fails (internal_error) if FFTW does.
+   subroutine transform_field(grid, z, spectrum, error)
+      integer, intent(in) :: grid(2)
+      real(wp), intent(in) :: z(:)
+      complex(wp), allocatable, intent(out) :: spectrum(:, :)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: copy(size(z))
+      type(c_ptr) :: plan
+
+      allocate (spectrum(0:grid(1)/2, 0:grid(2) - 1))
+      copy = z
+      plan = fftw_plan_dft_r2c(rank_of(grid), sizes_of(grid), copy, spectrum, fftw_estimate)
+      call check_plan(plan, grid, error)
+      if (allocated(error)) return
+      call fftw_execute_dft_r2c(plan, copy, spectrum)
+      call fftw_destroy_plan(plan)
+   end subroutine transform_field
+
+   !> z = sum of spectrum exp(+2 pi i ...) over all k and l: `transform_field` and back multiplies by nx ny.
+   !> Fails (internal_error) if FFTW does.
+   subroutine transform_back(grid, spectrum, z, error)
+      integer, intent(in) :: grid(2)
+      complex(wp), intent(inout) :: spectrum(0:, 0:)
+      real(wp), allocatable, intent(out) :: z(:)
+      type(error_t), allocatable, intent(out) :: error
+      type(c_ptr) :: plan
+
+      allocate (z(grid(1)*grid(2)))
+      plan = fftw_plan_dft_c2r(rank_of(grid), sizes_of(grid), spectrum, z, fftw_estimate)
+      call check_plan(plan, grid, error)
+      if (allocated(error)) return
+      call fftw_execute_dft_c2r(plan, spectrum, z)
+      call fftw_destroy_plan(plan)
+   end subroutine transform_back
+
+   !> 1 for a line, 2 for an area.
+   pure function rank_of(grid) result(rank)
+      integer, intent(in) :: grid(2)
+      integer(c_int) :: rank
+
+      rank = merge(1_c_int, 2_c_int, grid(2) == 1)
+   end function rank_of
+
+   !> The sizes in the order of C.
+   pure function sizes_of(grid) result(sizes)
+      integer, intent(in) :: grid(2)
+      integer(c_int), allocatable :: sizes(:)
+
+      sizes = int(grid(2:1:-1), c_int)
+      if (grid(2) == 1) sizes = int(grid(1:1), c_int)
+   end function sizes_of
+
+   !> Error if FFTW has given no plan.
+   subroutine check_plan(plan, grid, error)
+      type(c_ptr), intent(in) :: plan
+      integer, intent(in) :: grid(2)
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. c_associated(plan)) call fail(error, internal_error, 'FFTW: no plan for a transform of ' // to_text(grid(1)) &
+         // ' x ' // to_text(grid(2)))
+   end subroutine check_plan
+
+end module grid_transform

@@ -1,0 +1,62 @@
+!> Periodic heights on another number of nodes: the same Fourier series, as far as both grids can carry it.
+module fourier_resampling
+   use errors, only: error_t
+   use grid_transform, only: transform_back, transform_field
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: resample_heights
+
+contains
+
+   !> Takes the periodic heights `z` (nx*ny) from the grid `old` = nx, ny to the grid `new`, of the same lengths.
+   !>
+   !> More nodes interpolate: where the grids share a node its height stays. Fewer nodes drop the harmonics from half their
+   !> number on. The highest harmonic of an even number of old nodes is taken for a cosine, half of it at +n/2 and half at -n/2.
+   !> Fails (internal_error) if FFTW does.
+   subroutine resample_heights(old, new, z, error)
+      integer, intent(in) :: old(2), new(2)
+      real(wp), allocatable, intent(inout) :: z(:)
+      type(error_t), allocatable, intent(out) :: error
+      complex(wp), allocatable :: coarse(:, :), spectrum(:, :)
+      real(wp) :: nodes, share_x, share_y
+      integer :: k, l
+
+      call transform_field(old, z, coarse, error)
+      if (allocated(error)) return
+      nodes = real(old(1), wp)*real(old(2), wp)
+      allocate (spectrum(0:new(1)/2, 0:new(2) - 1))
+      do l = 0, new(2) - 1
+         share_y = share_of(signed(l, new(2)), old(2), new(2))
+         do k = 0, new(1)/2
+            share_x = share_of(k, old(1), new(1))
+            spectrum(k, l) = (0.0_wp, 0.0_wp)
+            if (share_x*share_y > 0.0_wp) spectrum(k, l) = share_x*share_y/nodes*coarse(k, modulo(signed(l, new(2)), old(2)))
+         end do
+      end do
+      call transform_back(new, spectrum, z, error)
+   end subroutine resample_heights
+
+   !> How much of the old harmonic `k` goes to the new one.
+   pure function share_of(k, old, new) result(share)
+      integer, intent(in) :: k, old, new
+      real(wp) :: share
+
+      share = 0.0_wp
+      if (old == new .or. 2*abs(k) < min(old, new)) then
+         share = 1.0_wp
+      else if (2*abs(k) == old .and. old < new) then
+         share = 0.5_wp
+      end if
+   end function share_of
+
+   !> The harmonic, negative in the second half, of place `l` in a spectrum of `n`.
+   pure function signed(l, n) result(k)
+      integer, intent(in) :: l, n
+      integer :: k
+
+      k = merge(l, l - n, 2*l <= n)
+   end function signed
+
+end module fourier_resampling
