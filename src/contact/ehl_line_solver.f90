@@ -46,6 +46,7 @@ contains
       call choose_domain(contact)
       call new_hierarchy(hierarchy, contact, settings%levels, error)
       if (allocated(error)) return
+      hierarchy%levels(hierarchy%finest)%is_sharp = settings%space_scheme == 'sharp'
       report%inlet_error = inlet_error(contact)
       hierarchy%work_units = report%work_units
       call add_phase(report, phase_setup, start)
@@ -89,7 +90,7 @@ contains
       finer = contact
       do while (finer%domain%intervals < min(largest_blame, 8*contact%domain%intervals))
          finer%domain%intervals = 2*finer%domain%intervals
-         call try_grid(finer, with_roughness, is_solved)
+         call try_grid(finer, settings%space_scheme, with_roughness, is_solved)
          if (.not. is_solved) cycle
          report%reason = coarse_grid//', needs '//to_text(finer%domain%intervals)//' intervals (has '// &
             to_text(contact%domain%intervals)//'); '//report%reason
@@ -98,8 +99,9 @@ contains
    end subroutine blame_grid
 
    !> Whether Newton's method solves a steady contact on its grid.
-   subroutine try_grid(contact, with_roughness, is_solved)
+   subroutine try_grid(contact, space_scheme, with_roughness, is_solved)
       type(line_contact_t), intent(in) :: contact
+      character(*), intent(in) :: space_scheme
       logical, intent(in) :: with_roughness
       logical, intent(out) :: is_solved
       type(line_hierarchy_t) :: hierarchy
@@ -113,6 +115,8 @@ contains
       if (.not. is_solved) return
       call pose_steady_problem(hierarchy, contact, with_roughness)
       settings%method = 'newton_krylov'
+      settings%space_scheme = space_scheme
+      hierarchy%levels(hierarchy%finest)%is_sharp = space_scheme == 'sharp'
       call solve_steady(hierarchy, contact, settings, nobody, report)
       is_solved = report%converged
    end subroutine try_grid

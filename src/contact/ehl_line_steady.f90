@@ -54,6 +54,7 @@ contains
             call full_multigrid_start(hierarchy, contact, is_sound)
          end if
          if (is_sound) then
+            if (attempts(i)%thesis_first) call start_from_thesis(hierarchy, contact)
             call iterate(hierarchy, contact, limits, report, watcher)
             if (report%converged .or. watcher%wants_stop) return
          else
@@ -87,6 +88,19 @@ contains
          share = share/stress_step
       end do
    end subroutine start_from_stress
+
+   !> Start of the sharp scheme from the solution of the thesis's scheme on the same level.
+   subroutine start_from_thesis(hierarchy, contact)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      type(report_t) :: report
+
+      associate (level => hierarchy%levels(hierarchy%finest))
+         level%is_sharp = .false.
+         call iterate(hierarchy, contact, cycle_limits_t(rough_tolerance, stress_cycles, stress_cycles), report)
+         level%is_sharp = .true.
+      end associate
+   end subroutine start_from_thesis
 
    !> Cycle limits: what the settings say, else by method. Plain Block-Jacobi counts blocks of sweeps and needs many; the
    !> residual of a Newton iteration may rise for long while a spike grows.

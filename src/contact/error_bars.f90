@@ -160,6 +160,9 @@ contains
          figure%extrapolated = figure%value + (figure%value - half%value)/(2.0_wp**order - 1.0_wp)
       end if
       figure%error_estimate = error_from_levels(figure%value, half%value, order)
+      ! terms of two orders and opposite signs may make the last difference small by chance
+      if (bars%has_quarter .and. ieee_is_finite(quarter%value)) figure%error_estimate = max(figure%error_estimate, &
+         error_from_levels(half%value, quarter%value, order)/2.0_wp**bars%highest_order)
    end subroutine estimate
 
    !> safety |q1 - q2|/(2^order - 1).

@@ -42,6 +42,8 @@ module line_hierarchy
       real(wp) :: start_film = 1.0_wp
       !> The first solution sought is that of an Eyring stress higher by this factor, which is then lowered in steps.
       real(wp) :: first_stress = 1.0_wp
+      !> Sharp scheme: the finest level is first solved by the thesis's scheme.
+      logical :: thesis_first = .false.
       !> The film is recomputed from the pressure before every sweep (false: H is relaxed with P, as in the thesis).
       logical :: film_is_recomputed = .true.
    end type relaxation_t

@@ -11,12 +11,14 @@ module line_level
 
    public :: line_level_t, new_level, set_plain_problem, start_from_pressure, update_film, film_of, load_defect
 
-   !> A uniform grid of n intervals on [x_inlet, x_outlet]; all arrays are (0:n).
+   !> A uniform grid of n intervals on [x_inlet, x_outlet]; arrays are (0:n) unless stated.
    type :: line_level_t
       !> Intervals, 2^k.
       integer :: n = 0
       !> Spacing dX [b].
       real(wp) :: dx = 0.0_wp
+      !> Space scheme: the sharp one, else that of the thesis (module reynolds_line).
+      logical :: is_sharp = .false.
       !> 1/dT of the time step, 0 in the steady problem.
       real(wp) :: inverse_time_step = 0.0_wp
       !> Products with the kernel so far (one FFT pair each).
@@ -31,8 +33,10 @@ module line_level
       !> Kernel K_j/pi, j = 0..n, and its product by FFT.
       real(wp), allocatable :: kernel(:)
       type(toeplitz_t) :: convolution
-      !> Coefficients eps = rho H^3 S/mu and rho, the operator L_R, and K P/pi, at the last evaluation.
+      !> Coefficients e = rho H^3 S/mu (of the thesis's scheme) and rho, the operator L_R, and K P/pi, at the last evaluation.
       real(wp), allocatable :: mobility(:), density(:), operator(:), deflection(:)
+      !> Mobility e(i-1/2) of the face left of node i (1:n), at the last evaluation.
+      real(wp), allocatable :: face_mobility(:)
       !> dL_R/dH at a node and the elastic diagonal dL_R/dP - (K_0/pi) dL_R/dH, for the smoothers.
       real(wp), allocatable :: film_diagonal(:), diagonal(:)
       !> Work space of smoothers and transfers.
@@ -64,6 +68,7 @@ contains
       if (allocated(error)) return
       allocate (level%pressure(0:n), level%film(0:n), level%rhs_reynolds(0:n), level%rhs_film(0:n), source=0.0_wp)
       allocate (level%mobility(0:n), level%density(0:n), level%operator(0:n), level%deflection(0:n), source=0.0_wp)
+      allocate (level%face_mobility(n), source=0.0_wp)
       allocate (level%work(0:n), level%correction(0:n), level%pressure_start(0:n), level%film_start(0:n), source=0.0_wp)
       allocate (level%film_diagonal(0:n), level%diagonal(0:n), source=-1.0_wp)
    end subroutine new_level

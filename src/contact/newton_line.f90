@@ -159,9 +159,15 @@ contains
       integer :: i
 
       largest = 0.0_wp
-      do i = 2, level%n - 2
-         largest = max(largest, abs(level%film(i)*(newton%step(i + 1) - newton%step(i - 1))))
-      end do
+      if (level%is_sharp) then
+         do i = 2, level%n - 1
+            largest = max(largest, abs(2*level%film(i)*(newton%step(i) - newton%step(i - 1))))
+         end do
+      else
+         do i = 2, level%n - 2
+            largest = max(largest, abs(level%film(i)*(newton%step(i + 1) - newton%step(i - 1))))
+         end do
+      end if
       largest = 0.5_wp*newton%sigma_scale/level%dx*largest
    end function slip_step
 

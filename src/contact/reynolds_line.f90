@@ -5,7 +5,12 @@
 !>
 !> with e = rho H^3 S/mu, e(i+-1/2) the arithmetic mean, rH = rho H, and the first-order wedge at node 1. The old film
 !> of a time step is in the right side: L_R = -lambda rH_old/dT.
+!>
+!> The sharp scheme (`level%is_sharp`) takes e(i+-1/2) from module face_mobility, and the flow rH at a face from two nodes
+!> upstream and one downstream, rH(i+1/2) = (2 rH(i+1) + 5 rH(i) - rH(i-1))/6: the wedge is of third order,
+!> lambda/(6 dX) [ 2 rH(i+1) + 3 rH(i) - 6 rH(i-1) + rH(i-2) ]. At the first face both schemes have (rH(0) + rH(1))/2.
 module reynolds_line
+   use face_mobility, only: fluid_face_mobility
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: film_of, line_level_t, load_defect
@@ -14,7 +19,7 @@ module reynolds_line
    implicit none (type, external)
    private
 
-   public :: evaluate_coefficients, evaluate_reynolds, reynolds_diagonals, residual_t, measure_residual
+   public :: evaluate_coefficients, evaluate_reynolds, reynolds_diagonals, residual_t, measure_residual, wedge_weights
 
    !> Residuals of the original problem in the unit of d(rho H)/dX, see `measure_residual`.
    type :: residual_t
@@ -30,13 +35,36 @@ module reynolds_line
 
 contains
 
-   !> Mobility e = rho H^3 S/mu and density rho at the present pressure and film.
+   !> Density rho of the nodes and mobility e(i-1/2) of the faces at the present pressure and film; in the thesis's scheme
+   !> that of the nodes too.
    pure subroutine evaluate_coefficients(fluid, level)
       type(fluid_t), intent(in) :: fluid
       type(line_level_t), intent(inout) :: level
 
-      call fluid_mobility(fluid, level%dx, level%pressure, level%film, level%mobility, level%density)
+      if (level%is_sharp) then
+         call fluid_face_mobility(fluid, level%dx, level%pressure, level%film, level%face_mobility, level%density)
+      else
+         call fluid_mobility(fluid, level%dx, level%pressure, level%film, level%mobility, level%density)
+         level%face_mobility = 0.5_wp*(level%mobility(:level%n - 1) + level%mobility(1:))
+      end if
    end subroutine evaluate_coefficients
+
+   !> Weights of rH(i-2) ... rH(i+1) in dX d(rho H)/dX of row i.
+   pure function wedge_weights(is_sharp, i) result(weights)
+      logical, intent(in) :: is_sharp
+      integer, intent(in) :: i
+      real(wp) :: weights(-2:1)
+
+      if (is_sharp .and. i > 1) then
+         weights = [1.0_wp, -6.0_wp, 3.0_wp, 2.0_wp]/6
+      else if (is_sharp) then
+         weights = [0.0_wp, -2.0_wp, 1.0_wp, 1.0_wp]/3
+      else if (i > 1) then
+         weights = [0.5_wp, -2.0_wp, 1.5_wp, 0.0_wp]
+      else
+         weights = [0.0_wp, -1.0_wp, 1.0_wp, 0.0_wp]
+      end if
+   end function wedge_weights
 
    !> Coefficients, then the operator L_R at nodes 1..n-1 (0 at both ends).
    pure subroutine evaluate_reynolds(contact, level)
@@ -51,26 +79,29 @@ contains
    pure subroutine apply_reynolds(lambda, level)
       real(wp), intent(in) :: lambda
       type(line_level_t), intent(inout) :: level
-      real(wp) :: diffusion, wedge, squeeze
+      real(wp) :: diffusion, squeeze, w(-2:1)
       integer :: i, n
 
       n = level%n
-      diffusion = 0.5_wp/level%dx**2
-      wedge = 0.5_wp*lambda/level%dx
+      diffusion = 1.0_wp/level%dx**2
       squeeze = lambda*level%inverse_time_step
-      associate (p => level%pressure, h => level%film, e => level%mobility, rho => level%density, flow => level%operator)
+      associate (p => level%pressure, h => level%film, e => level%face_mobility, rho => level%density, flow => level%operator)
          flow(0) = 0.0_wp
          flow(n) = 0.0_wp
-         flow(1) = diffusion*((e(1) + e(2))*(p(2) - p(1)) - (e(1) + e(0))*(p(1) - p(0))) &
-            - 2*wedge*(rho(1)*h(1) - rho(0)*h(0)) - squeeze*rho(1)*h(1)
+         w = lambda/level%dx*wedge_weights(level%is_sharp, 1)
+         flow(1) = diffusion*(e(2)*(p(2) - p(1)) - e(1)*(p(1) - p(0))) &
+            - (w(0)*rho(1)*h(1) + w(-1)*rho(0)*h(0) + w(1)*rho(2)*h(2)) - squeeze*rho(1)*h(1)
+         w = lambda/level%dx*wedge_weights(level%is_sharp, 2)
          do concurrent (i=2:n - 1)
-            flow(i) = diffusion*((e(i) + e(i + 1))*(p(i + 1) - p(i)) - (e(i) + e(i - 1))*(p(i) - p(i - 1))) &
-               - wedge*(3*rho(i)*h(i) - 4*rho(i - 1)*h(i - 1) + rho(i - 2)*h(i - 2)) - squeeze*rho(i)*h(i)
+            flow(i) = diffusion*(e(i + 1)*(p(i + 1) - p(i)) - e(i)*(p(i) - p(i - 1))) &
+               - (w(0)*rho(i)*h(i) + w(-1)*rho(i - 1)*h(i - 1) + w(-2)*rho(i - 2)*h(i - 2) + w(1)*rho(i + 1)*h(i + 1)) &
+               - squeeze*rho(i)*h(i)
          end do
       end associate
    end subroutine apply_reynolds
 
-   !> Diagonals at nodes 1..n-1 with frozen coefficients: b = dL_R/dH of (2.71), and the elastic diagonal a - b K_0/pi,
+   !> For the smoothers, thesis's scheme only: diagonals at nodes 1..n-1 with frozen coefficients, b = dL_R/dH of (2.71),
+   !> and the elastic diagonal a - b K_0/pi,
    !> the change of L_R with P(i) alone when H(i) follows. `kernel_diagonal` is K_0/pi or a bound of it.
    pure subroutine reynolds_diagonals(lambda, level, kernel_diagonal)
       real(wp), intent(in) :: lambda
@@ -109,8 +140,8 @@ contains
       level%work(0) = 0.0_wp
       level%work(level%n) = 0.0_wp
       residual%reynolds = maxval(merge(abs(level%work), max(level%work, 0.0_wp), level%pressure > 0.0_wp))
-      residual%floor = 4.0e-16_wp*(maxval(level%mobility*level%pressure)/(contact%lambda*level%dx**2) &
-         + maxval(level%film)*level%inverse_time_step)
+      residual%floor = 4.0e-16_wp*(maxval(level%face_mobility*max(level%pressure(1:), level%pressure(:level%n - 1))) &
+         /(contact%lambda*level%dx**2) + maxval(level%film)*level%inverse_time_step)
    end subroutine measure_residual
 
 end module reynolds_line

@@ -44,6 +44,7 @@ contains
          else
             attempts = [newton_krylov(films(1)), newton_krylov(films(2)), line(.false.), gauss_seidel(.true.), line(.true.)]
          end if
+         if (settings%space_scheme == 'sharp') attempts = attempts(:2)
          if (contact%domain%intervals <= largest_dense) attempts = [attempts, one_level(method_newton_dense)]
          attempts(3:)%start_film = films(1)
          if (contact%fluid%is_eyring) attempts = [attempts(:2), newton_krylov(films(1), high_stress), attempts(3:)]
@@ -53,6 +54,10 @@ contains
       else
          attempts = [stated_way(settings, is_heavy)]
          attempts%start_film = films(1)
+      end if
+      if (settings%space_scheme == 'sharp') then
+         attempts = [attempts(1), attempts]
+         attempts(2:)%thesis_first = .true.
       end if
       call override(settings, attempts)
    end function steady_attempts
@@ -87,6 +92,7 @@ contains
 
       if (is_automatic(settings)) then
          attempts = [one_level(method_newton_krylov), gauss_seidel_in_time(0.6_wp, 3), w_cycle(gauss_seidel_in_time(0.5_wp, 5))]
+         if (settings%space_scheme == 'sharp') attempts = attempts(:1)
          if (contact%domain%intervals <= largest_dense) attempts = [attempts, one_level(method_newton_dense)]
       else if (settings%smoother == 'gauss_seidel') then
          attempts = [gauss_seidel_in_time(0.8_wp, 2)]

@@ -46,6 +46,8 @@ module solver_settings
       character(len=word_length) :: method = 'auto'
       !> 'auto', 'block_jacobi', 'gauss_seidel', 'line' or 'hybrid'.
       character(len=word_length) :: smoother = 'auto'
+      !> Space discretisation: 'thesis', or 'sharp' (module reynolds_line), which needs a Newton method.
+      character(len=word_length) :: space_scheme = 'thesis'
       !> After a failure: finer grids are tried, to learn whether the grid is the reason.
       logical :: explains_failure = .true.
       !> First guess: 'fmg' (full multigrid) or 'hertz' (Hertz pressure on the finest grid).

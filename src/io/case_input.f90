@@ -252,6 +252,7 @@ contains
       associate (solver => case%solver)
          solver%method = values%word_value('solver', 'method')
          solver%smoother = values%word_value('solver', 'smoother')
+         solver%space_scheme = values%word_value('solver', 'space_scheme')
          solver%start = values%word_value('solver', 'start')
          solver%tolerance = values%real_value('solver', 'tolerance')
          solver%max_cycles = integer_of(values, 'solver', 'max_cycles')

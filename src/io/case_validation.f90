@@ -242,6 +242,7 @@ contains
             call report_unused(values, 'solver', trim(of_relaxation(i)), "with method = '" // method // "'", findings)
          end do
       end if
+      if (values%word_value('solver', 'space_scheme') == 'sharp') call check_sharp(values, findings)
       if (values%has_group('moes')) call report_unused(values, 'solver', 'film_floor', no_units, findings)
       if (.not. values%is_given('solver', 'film_floor')) call report_unused(values, 'solver', 'on_film_breakdown', &
          'without film_floor', findings)
@@ -252,6 +253,21 @@ contains
          'found ' // to_text(levels%integer) // ' levels for ' // to_text(intervals%integer) // ' intervals, expected at least ' &
          // to_text(fewest_intervals) // ' intervals on the coarsest grid')
    end subroutine check_solver
+
+   !> Finds a method or smoother that cannot solve the sharp space scheme.
+   subroutine check_sharp(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      character(*), parameter :: needs = "', expected 'auto', 'newton_krylov' or 'newton_dense' with space_scheme = 'sharp'"
+      character(:), allocatable :: method
+
+      method = trim(values%word_value('solver', 'method'))
+      if (index(method, 'block_jacobi') > 0) then
+         call findings%add(values%line_of('solver', 'method'), 'solver', 'method', "found '" // method // needs)
+      else if (values%word_value('solver', 'smoother') /= 'auto') then
+         call report_unused(values, 'solver', 'smoother', "with space_scheme = 'sharp'", findings)
+      end if
+   end subroutine check_sharp
 
    !> Finds keys of a transient in a steady case; a field named twice.
    subroutine check_output(values, findings)
