@@ -5,9 +5,10 @@ module run_case
       store_input
    use case_record, only: case_t, result_path, set_effective
    use command_line, only: command_t
+   use companions, only: choose_resolution, run_companions
    use domain_choice, only: choose_domain
    use ehl_line_solver, only: solve_ehl_line
-   use error_bars, only: choose_resolution, error_bars_t, run_companions
+   use error_bars, only: error_bars_t
    use errors, only: error_t
    use input_keys, only: lubricated
    use interruption, only: listen_to_signals
@@ -95,24 +96,27 @@ contains
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: seconds
+      logical :: is_open
 
       seconds = 0.0_wp
+      case%solver%target = case%accuracy%target
+      case%solver%wants_companions = case%accuracy%has_error_bars
+      is_open = case%accuracy%target > 0.0_wp .and. .not. case%time%is_transient   ! the solver chooses the grid
+      watcher%has_companions = case%accuracy%has_error_bars .and. (is_open .or. .not. case%accuracy%target > 0.0_wp)
       if (allocated(case%time%resume_from)) then
          contact%domain%intervals = watcher%intervals
          case%time%time_step = watcher%time_step
-      else if (case%accuracy%target > 0.0_wp) then
+      else if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
          call compare_grids(case, contact, watcher, seconds, error)
          if (allocated(error) .or. watcher%wants_stop) return
       end if
-      watcher%has_companions = case%accuracy%has_error_bars .and. .not. case%accuracy%target > 0.0_wp
-      call tell_coarse_waves(case, contact, watcher)
+      if (.not. is_open) call tell_coarse_waves(case, contact, watcher)
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
       call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
       if (allocated(error)) return
+      if (is_open) call tell_coarse_waves(case, contact, watcher)
       call refuse_nonsense(state, report)
-      if (index(report%reason, 'film breakdown') == 1 .and. watcher%scaling%is_dimensional) report%reason = &
-         breakdown_sentence(report%breakdown, watcher%film_floor, watcher%scaling)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
       if (watcher%has_companions .and. report%converged) then
          call compare_grids(case, contact, watcher, seconds, error)
@@ -120,12 +124,23 @@ contains
          report%converged = .not. watcher%wants_stop
       end if
       call fill_chosen(case, contact, report)
+      call complete_report(watcher, seconds, report)
+   end subroutine solve
+
+   !> What the solver does not know: a film breakdown in SI, the time of companions of their own and of output.
+   subroutine complete_report(watcher, seconds, report)
+      type(run_observer_t), intent(in) :: watcher
+      real(wp), intent(in) :: seconds
+      type(report_t), intent(inout) :: report
+
+      if (index(report%reason, 'film breakdown') == 1 .and. watcher%scaling%is_dimensional) report%reason = &
+         breakdown_sentence(report%breakdown, watcher%film_floor, watcher%scaling)
       associate (phases => report%phase_seconds)
          phases(phase_error_bars) = phases(phase_error_bars) + seconds
          phases(phase_output) = watcher%output_seconds
          phases(phase_transient) = max(phases(phase_transient) - watcher%output_seconds, 0.0_wp)
       end associate
-   end subroutine solve
+   end subroutine complete_report
 
    !> Says where the finest waves of a profile have few nodes of the grid.
    subroutine tell_coarse_waves(case, contact, watcher)
@@ -192,9 +207,8 @@ contains
       real(wp) :: start
 
       start = wall_seconds()
-      if (case%accuracy%target > 0.0_wp) then
-         call choose_resolution(bars, contact, case%solver, case%time, case%accuracy%target, watcher, &
-            error)   ! error: the caller looks
+      if (case%time%is_transient .and. case%accuracy%target > 0.0_wp) then
+         call choose_resolution(bars, contact, case%solver, case%time, watcher, error)   ! error: the caller looks
       else
          call run_companions(bars, contact, case%solver, case%time, watcher, error)   ! error: the caller looks
       end if

@@ -10,6 +10,7 @@ program asperity_bench
    use bench_measure, only: measure, measurement_t
    use errors, only: error_t
    use kinds, only: wp
+   use line_summary, only: line_summary_t
    use text_file, only: read_text_file
    implicit none (type, external)
 
@@ -28,7 +29,8 @@ program asperity_bench
    write (output_unit, '(a)') 'name,method,converged,intervals,x_inlet,x_outlet,levels,cycles,steps,residual,load_error,'// &
       'tolerance,step_residual,fft_pairs,work_units,runs,setup_least,steady_least,transient_least,all_least,'// &
       'setup_median,steady_median,transient_median,all_median,processor,h_min,h_central,p_max,x_cavitation,difference,'// &
-      'product_seconds,reason'
+      'product_seconds,h_min_node,h_min_error,h_min_node_error,h_central_error,p_max_error,x_cavitation_error,'// &
+      'h_min_error_grid,h_min_node_error_grid,h_central_error_grid,p_max_error_grid,x_cavitation_error_grid,reason'
    do i = 1, size(jobs)
       call measure(jobs(i), reference, outcome, error)
       if (allocated(error)) then
@@ -57,9 +59,22 @@ contains
          write (output_unit, '(9(",",es11.4),4(",",es24.16e3),2(",",es12.4e3))', advance='no') &
             outcome%least, outcome%median, outcome%processor, first%summary%h_min%value, first%summary%h_central%value, &
             first%summary%p_max%value, first%summary%x_cavitation%value, outcome%difference, outcome%product_seconds
+         call print_errors(first%summary)
          write (output_unit, '(3a)') ',"', flat(report%reason), '"'
       end associate
    end subroutine print_outcome
+
+   !> Smallest nodal film, and the estimated errors, whole and of the grid; NaN: not estimated.
+   subroutine print_errors(summary)
+      type(line_summary_t), intent(in) :: summary
+
+      associate (h => summary%h_min, node => summary%h_min_node, c => summary%h_central, p => summary%p_max, &
+                 x => summary%x_cavitation)
+         write (output_unit, '(11(",",es24.16e3))', advance='no') node%value, h%error_estimate, node%error_estimate, &
+            c%error_estimate, p%error_estimate, x%error_estimate, h%error_grid, node%error_grid, c%error_grid, p%error_grid, &
+            x%error_grid
+      end associate
+   end subroutine print_errors
 
    !> A line `history,name,cycle,residual,load_error` for each cycle.
    subroutine print_history(job, outcome)

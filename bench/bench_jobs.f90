@@ -23,6 +23,8 @@ module bench_jobs
       logical :: is_reference = .false.
       !> Its fields are compared with the last reference.
       logical :: is_compared = .false.
+      !> Its errors are estimated.
+      logical :: has_bars = .false.
       !> The residual of each cycle is printed.
       logical :: shows_history = .false.
       !> The share of the kernel products in the steady solution is measured.
@@ -81,7 +83,7 @@ contains
          if (equals > 1) call take(word(:equals - 1), word(equals + 1:), job, status)
          if (status /= 0) then
             call fail(error, input_error, 'found '//word//' in a line '//marker//', expected name, runs, seconds, limit, '// &
-               'reference, compare, history or products = value')
+               'reference, compare, bars, history or products = value')
             return
          end if
       end do
@@ -105,7 +107,7 @@ contains
          read (value, *, iostat=status) job%seconds
       case ('limit')
          read (value, *, iostat=status) job%limit
-      case ('reference', 'compare', 'history', 'products')
+      case ('reference', 'compare', 'bars', 'history', 'products')
          read (value, *, iostat=status) flag
       case default
          status = 1
@@ -113,6 +115,7 @@ contains
       if (status /= 0) return
       if (key == 'reference') job%is_reference = flag /= 0
       if (key == 'compare') job%is_compared = flag /= 0
+      if (key == 'bars') job%has_bars = flag /= 0
       if (key == 'history') job%shows_history = flag /= 0
       if (key == 'products') job%shows_products = flag /= 0
    end subroutine take

@@ -8,7 +8,8 @@ module bench_measure
    use domain_choice, only: choose_domain
    use ehl_line_solver, only: solve_ehl_line
    use ehl_line_steady, only: solve_steady
-   use error_bars, only: choose_resolution, error_bars_t
+   use companions, only: choose_resolution
+   use error_bars, only: apply_error_bars, error_bars_t
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
@@ -17,7 +18,7 @@ module bench_measure
    use line_contact, only: line_contact_t
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem
    use line_state, only: line_state_t
-   use solver_settings, only: time_settings_t
+   use solver_settings, only: solver_settings_t, time_settings_t
    use scaling, only: scaling_t
    use wall_clock, only: wall_seconds
    implicit none (type, external)
@@ -102,6 +103,7 @@ contains
       type(line_state_t) :: state
       type(report_t) :: report
       type(time_settings_t) :: time
+      type(solver_settings_t) :: settings
       type(error_bars_t) :: bars
       real(wp) :: start
 
@@ -110,11 +112,14 @@ contains
       times = 0.0_wp
       call start_recorder(watcher, is_first .and. (job%is_reference .or. job%is_compared .or. case%time%is_transient), job%limit)
       start = wall_seconds()
-      if (case%accuracy%target > 0.0_wp) then
-         call choose_resolution(bars, contact, case%solver, time, case%accuracy%target, watcher, error)
+      settings = case%solver
+      settings%target = case%accuracy%target
+      settings%wants_companions = job%has_bars
+      if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
+         call choose_resolution(bars, contact, settings, time, watcher, error)
          if (allocated(error)) return
       end if
-      call solve_ehl_line(contact, case%solver, time, watcher, state, report, error)
+      call solve_ehl_line(contact, settings, time, watcher, state, report, error)
       if (allocated(error)) return
       times = [report%phase_seconds(phase_setup), report%phase_seconds(phase_steady), report%phase_seconds(phase_transient), &
          wall_seconds() - start]
@@ -122,6 +127,7 @@ contains
       if (.not. case%time%is_transient) then
          call record_steady(watcher, state)
          watcher%residual = report%residual
+         if (report%converged) call apply_error_bars(watcher%bars, report, state%x(2) - state%x(1), watcher%summary)
       end if
       outcome%contact%domain = contact%domain
       outcome%report = report
@@ -162,7 +168,7 @@ contains
       call start_recorder(watcher, .false., huge(1.0_wp))
       call solve_steady(hierarchy, contact, case%solver, watcher, report)
       outcome%product_seconds = 0.0_wp
-      do k = 1, size(hierarchy%levels)
+      do k = 1, hierarchy%top
          associate (level => hierarchy%levels(k))
             products = level%products
             least = huge(1.0_wp)

@@ -1,5 +1,6 @@
 !> An observer that keeps the pressure of all time steps, the extremes over them, and an eye on the clock.
 module bench_recorder
+   use error_bars, only: error_bars_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
@@ -21,11 +22,14 @@ module bench_recorder
       !> Largest residual of all time steps.
       real(wp) :: residual = 0.0_wp
       type(line_summary_t) :: summary
+      !> Coarser grids that a steady solution has passed.
+      type(error_bars_t) :: bars
       !> P of all stored times (nx, 0:steps); only the steady solution: (nx, 0:0).
       real(wp), allocatable :: pressure(:, :)
    contains
       procedure :: on_cycle => watch_clock
       procedure :: on_step => keep_step
+      procedure :: keep_companions
    end type recorder_t
 
 contains
@@ -82,6 +86,14 @@ contains
       end associate
       self%wants_stop = self%wants_stop .or. wall_seconds() - self%start > self%limit
    end subroutine watch_clock
+
+   !> Keeps the figures of coarser grids.
+   subroutine keep_companions(self, bars)
+      class(recorder_t), intent(inout) :: self
+      type(error_bars_t), intent(in) :: bars
+
+      self%bars = bars
+   end subroutine keep_companions
 
    !> Keeps a time step.
    subroutine keep_step(self, step, steps, state, report)

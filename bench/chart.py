@@ -97,6 +97,7 @@ def steady_panel(panel: Panel, text: object, sizes: list[int], effort: dict[str,
         for n in largest_grid(method, sizes):
             names[f"{method}:{n}"] = (method, n)
             jobs.append(job(f"{method}:{n}".replace(" ", "_"), text(n, solver), **effort))
+    jobs += [job(f"bars:{n}", text(n, {}), bars=1, **effort) for n in sizes[2:]]
     for target in WANTED:
         jobs.append(job(f"target:{target:g}", text(None, {}, {"target": target}), **effort))
     answers = bench_program.run(jobs)
@@ -106,11 +107,11 @@ def steady_panel(panel: Panel, text: object, sizes: list[int], effort: dict[str,
         if answer.converged:
             error = film_error(answer, reference)
             panel.curves.setdefault(method, []).append(Point(method, n, run_time(answer), error, answer))
-    add_extrapolated(panel, reference)
+    add_extrapolated(panel, answers, reference)
     for target in WANTED:
         answer = answers[f"target:{target:g}"]
         if answer.converged and 4 * answer["intervals"] <= finest:
-            seconds = min(answer["all_least"], answer["processor"])
+            seconds = run_time(answer)
             error = film_error(answer, reference)
             point = Point("auto, target given", int(answer["intervals"]), seconds, error, answer)
             panel.curves.setdefault(point.method, []).append(point)
@@ -127,8 +128,11 @@ def film_error(values: dict[str, float], reference: dict[str, float]) -> float:
     return max(abs(values[name] / reference[name] - 1) for name in ("h_min", "h_central"))
 
 
-def add_extrapolated(panel: Panel, reference: Answer) -> None:
-    """The default on n, n/2 and n/4 intervals, extrapolated with the observed order between 1 and 2, as in /summary."""
+def add_extrapolated(panel: Panel, answers: dict[str, Answer], reference: Answer) -> None:
+    """The default on n, n/2 and n/4 intervals, extrapolated with the observed order between 1 and 2, as in /summary.
+
+    The time is that of the run with error bars, which passes the coarser grids on its way.
+    """
     points = panel.curves.get("auto", [])
     for quarter, half, full in zip(points, points[1:], points[2:], strict=False):
         values = {}
@@ -136,7 +140,7 @@ def add_extrapolated(panel: Panel, reference: Answer) -> None:
             q1, q2, q4 = (point.answer[name] for point in (full, half, quarter))
             order = min(max(math.log2(abs((q2 - q4) / (q1 - q2))), 1.0), 2.0)
             values[name] = q1 + (q1 - q2) / (2**order - 1)
-        seconds = sum(point.seconds for point in (quarter, half, full))
+        seconds = run_time(answers[f"bars:{full.intervals}"])
         point = Point("auto, extrapolated", full.intervals, seconds, film_error(values, reference), full.answer)
         panel.curves.setdefault(point.method, []).append(point)
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes docs/performance.md from the results of `make bench`, `make chart` and `make stability`, and copies their figures.
+"""Writes docs/performance.md from the results of `make bench`, `chart`, `accuracy` and `stability`, and copies their figures.
 
-Every number and every statement of the page comes from these results; run it after the three commands.
+Every number and every statement of the page comes from these results; run it after the four commands.
 """
 
 from __future__ import annotations
@@ -26,12 +26,13 @@ IMAGES = ROOT / "docs" / "images" / "performance"
 HEAD = """# Performance
 
 How fast the solvers are, how accurate for their time, and where each of them fails. This page is written by
-`bench/page.py` from the results of three commands; nothing in it is typed by hand but the sentences between the numbers.
+`bench/page.py` from the results of four commands; nothing in it is typed by hand but the sentences between the numbers.
 
 <!-- not run: takes more than an hour -->
 ```sh
 make bench        # results/bench/: the tables
 make chart        # results/chart/: error against wall time
+make accuracy     # results/accuracy/: are the error bars honest, what does a wanted accuracy cost
 make stability    # results/stability/: maps of convergence
 .venv/bin/python bench/page.py
 ```
@@ -59,14 +60,28 @@ The error is the true one, against the same contact on a grid two levels finer t
 discretisation error. Numbers at the points are intervals. In the steady panels it is the larger one of the relative errors of
 h_min and of h at X = 0; in time it is the largest error in P over all nodes and times. On grids that are no finer than its coarsest
 level a cycle is nothing but its exact solution: there the curves of FAS are those of dense Newton. `auto, extrapolated` is the
-Richardson value that `/summary` holds beside every figure, at the time of all three grids; `auto, target given` lets the program
-choose the grid (`&accuracy target`), at the time of the choice and the solution.
+Richardson value that `/summary` holds beside every figure, at the time of the run with error bars; `auto, target given` lets the
+program choose the grid (`&accuracy target`), at the time of the choice and the solution.
 
 ```text
 {chart}
 ```
 
 [The points as CSV](images/performance/chart.csv).
+
+## Error bars and a wanted accuracy
+
+Steady contacts over the Moes plane, two Newtonian oils and Eyring oils, Case 1 and its like, ridges at rest; the known answer is
+that on 8 times the intervals (`grid`), with four times the domain besides (`whole`). `none`: cases without an estimate. `true
+below`: the true error is below the estimate; `below 10 x`: the estimate is below ten times the true error; `median`: of estimate
+over true error. The wanted accuracy of h_min holds for grid and domain together; the best fixed grid is the coarsest with 2^k
+intervals whose true error meets it, on the same domain.
+
+```text
+{accuracy}
+```
+
+The rows as CSV: [errors](images/performance/accuracy.csv), [cost](images/performance/cost.csv).
 
 ## Where the methods converge
 
@@ -188,19 +203,21 @@ def cells_of_auto(names: list[str]) -> str:
 
 def main() -> int:
     """Writes the page; status 1 if results are missing."""
-    needed = [RESULTS / "bench" / "bench.txt", RESULTS / "chart" / "conclusion.txt", RESULTS / "stability" / "conclusion.txt"]
+    needed = [RESULTS / "bench" / "bench.txt"]
+    needed += [RESULTS / name / "conclusion.txt" for name in ("chart", "accuracy", "stability")]
     missing = [str(path) for path in needed if not path.exists()]
     if missing:
-        print(f"page.py: missing: {', '.join(missing)}: run make bench, make chart and make stability first", file=sys.stderr)
+        print(f"page.py: missing: {', '.join(missing)}: run make bench, chart, accuracy and stability first", file=sys.stderr)
         return 1
     IMAGES.mkdir(parents=True, exist_ok=True)
     names = [name for name in stability_cells.NAMES if (RESULTS / "stability" / f"stability_{name}.csv").exists()]
     files = [RESULTS / "bench" / "bench.csv", RESULTS / "chart" / "chart.png", RESULTS / "chart" / "chart.csv"]
+    files += [RESULTS / "accuracy" / name for name in ("accuracy.csv", "cost.csv")]
     files += [RESULTS / "stability" / f"stability_{name}.{kind}" for name in names for kind in ("png", "csv")]
     for path in files:
         shutil.copy(path, IMAGES)
-    bench, chart = (path.read_text(encoding="utf-8").strip() for path in needed[:2])
-    text = HEAD.format(bench=bench, chart=wrapped(chart), native=native_table(), **machine())
+    bench, chart, accuracy = (path.read_text(encoding="utf-8").strip() for path in needed[:3])
+    text = HEAD.format(bench=bench, chart=wrapped(chart), accuracy=wrapped(accuracy), native=native_table(), **machine())
     PAGE.write_text(text + cells_of_auto(names) + "".join(map_section(name) for name in names), encoding="utf-8")
     print(PAGE)
     return 0

@@ -23,13 +23,19 @@ module domain_choice
 
 contains
 
-   !> Fills what `contact%domain` leaves open: inlet, outlet, intervals.
-   pure subroutine choose_domain(contact)
+   !> Fills what `contact%domain` leaves open: inlet, outlet, intervals. For a wanted relative error `target` > 0 of the film the
+   !> inlet takes at most its eighth.
+   pure subroutine choose_domain(contact, target)
       type(line_contact_t), intent(inout) :: contact
-      real(wp) :: film, reach
+      real(wp), intent(in), optional :: target
+      real(wp) :: film, reach, tolerance
 
+      tolerance = default_inlet_error
+      if (present(target)) then
+         if (target > 0.0_wp) tolerance = min(tolerance, 0.125_wp*target)
+      end if
       film = film_estimate(contact)
-      reach = inlet_reach(contact, default_inlet_error)
+      reach = inlet_reach(contact, tolerance)
       associate (domain => contact%domain)
          if (.not. domain%has_inlet) domain%x_inlet = -(1 + reach*sqrt(2*film))
          if (.not. domain%has_outlet) domain%x_outlet = max(1.5_wp, 1 + 0.5_wp*sqrt(2*film))

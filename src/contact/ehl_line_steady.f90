@@ -2,22 +2,27 @@
 module ehl_line_steady
    use cycle_control, only: cycle_limits_t, iterate
    use domain_choice, only: intervals_for_film
+   use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: line_hierarchy_t, method_block_jacobi, method_newton_dense, method_newton_krylov, relaxation_t
+   use line_hierarchy, only: line_hierarchy_t, method_block_jacobi, method_newton_dense, method_newton_krylov, new_hierarchy, &
+      pose_steady_problem, relaxation_t
    use nested_start, only: full_multigrid_start, hertz_start
-   use observer, only: observer_t
+   use observer, only: observer_t, silent_observer_t
    use solver_choice, only: adopt, note_choice, steady_attempts
    use solver_settings, only: solver_settings_t
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: solve_steady, limits_of
+   public :: blame_grid, solve_steady, limits_of
 
    !> Words with which the reason begins where the grid carries no discrete film.
-   character(len=*), parameter, public :: coarse_grid = 'grid too coarse for the film'
+   character(len=*), parameter :: coarse_grid = 'grid too coarse for the film'
+   !> Methods whose failure is looked into on finer grids, up to this many intervals.
+   character(len=*), parameter :: blaming_methods(2) = [character(len=13) :: 'auto', 'newton_krylov']
+   integer, parameter :: largest_blame = 2**14
    !> Default bound on the residuals of a steady solution.
    real(wp), parameter :: default_tolerance = 1.0e-8_wp
    !> Lowering the Eyring stress: ratio of two steps, accuracy and cycles of each.
@@ -26,26 +31,33 @@ module ehl_line_steady
 
 contains
 
-   !> Solves the steady problem posed on the hierarchy; tolerance is that of the settings, else 1e-8.
-   subroutine solve_steady(hierarchy, contact, settings, watcher, report)
+   !> Solves the steady problem posed on the hierarchy; tolerance is that of the settings, else 1e-8. `is_started`: the finest
+   !> level holds a first approximation, from which Newton's method goes on.
+   subroutine solve_steady(hierarchy, contact, settings, watcher, report, is_started)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       class(observer_t), intent(inout) :: watcher
       type(report_t), intent(inout) :: report
+      logical, intent(in), optional :: is_started
       type(relaxation_t), allocatable :: attempts(:)
       type(cycle_limits_t) :: limits
       character(:), allocatable :: failures
-      logical :: is_sound
+      logical :: has_start, is_sound
       integer :: i
 
+      has_start = .false.
+      if (present(is_started)) has_start = is_started
       allocate (attempts, source=steady_attempts(contact, settings))
       failures = ''
       do i = 1, size(attempts)
          call adopt(hierarchy, attempts(i))
          limits = limits_of(settings, default_tolerance, attempts(i)%method)
          call note_choice(report, attempts(i), limits)
-         if (settings%start == 'hertz') then
+         if (has_start .and. attempts(i)%method == method_newton_krylov) then
+            has_start = .false.
+            is_sound = .true.
+         else if (settings%start == 'hertz') then
             call hertz_start(hierarchy, contact)
             is_sound = .true.
          else if (attempts(i)%first_stress > 1.0_wp) then
@@ -87,6 +99,7 @@ contains
          call iterate(hierarchy, eased, cycle_limits_t(rough_tolerance, stress_cycles, stress_cycles), report)
          share = share/stress_step
       end do
+      hierarchy%levels%is_companion = .false.   ! they are solved for the higher stress
    end subroutine start_from_stress
 
    !> Start of the sharp scheme from the solution of the thesis's scheme on the same level.
@@ -101,6 +114,51 @@ contains
          level%is_sharp = .true.
       end associate
    end subroutine start_from_thesis
+
+   !> Where Newton's method finds no solution, but does so on a finer grid, the grid is to blame: says so in the reason.
+   !> Fit of film and grid (solve_steady) only know Newtonian contacts; shear thinning leaves less film.
+   subroutine blame_grid(contact, settings, with_roughness, report)
+      type(line_contact_t), intent(in) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      logical, intent(in) :: with_roughness
+      type(report_t), intent(inout) :: report
+      type(line_contact_t) :: finer
+      logical :: is_solved
+
+      if (index(report%reason, coarse_grid) == 1 .or. .not. any(settings%method == blaming_methods)) return
+      finer = contact
+      do while (finer%domain%intervals < min(largest_blame, 8*contact%domain%intervals))
+         finer%domain%intervals = 2*finer%domain%intervals
+         call try_grid(finer, settings%space_scheme, with_roughness, is_solved)
+         if (.not. is_solved) cycle
+         report%reason = coarse_grid//', needs '//to_text(finer%domain%intervals)//' intervals (has '// &
+            to_text(contact%domain%intervals)//'); '//report%reason
+         return
+      end do
+   end subroutine blame_grid
+
+   !> Whether Newton's method solves a steady contact on its grid.
+   subroutine try_grid(contact, space_scheme, with_roughness, is_solved)
+      type(line_contact_t), intent(in) :: contact
+      character(*), intent(in) :: space_scheme
+      logical, intent(in) :: with_roughness
+      logical, intent(out) :: is_solved
+      type(line_hierarchy_t) :: hierarchy
+      type(solver_settings_t) :: settings
+      type(silent_observer_t) :: nobody
+      type(report_t) :: report
+      type(error_t), allocatable :: error
+
+      call new_hierarchy(hierarchy, contact, 0, error)
+      is_solved = .not. allocated(error)
+      if (.not. is_solved) return
+      call pose_steady_problem(hierarchy, contact, with_roughness)
+      settings%method = 'newton_krylov'
+      settings%space_scheme = space_scheme
+      hierarchy%levels(hierarchy%finest)%is_sharp = space_scheme == 'sharp'
+      call solve_steady(hierarchy, contact, settings, nobody, report)
+      is_solved = report%converged
+   end subroutine try_grid
 
    !> Cycle limits: what the settings say, else by method. Plain Block-Jacobi counts blocks of sweeps and needs many; the
    !> residual of a Newton iteration may rise for long while a spike grows.

@@ -8,7 +8,10 @@ module line_contact
    implicit none (type, external)
    private
 
-   public :: film_estimate, line_contact_t, nodes_in_finest_wave
+   public :: film_estimate, intervals_for_waves, line_contact_t, nodes_in_finest_wave
+
+   !> Intervals in the finest wave (feature, sinusoid, profile) below which companions on n/4 may not see it.
+   integer, parameter :: fewest_in_wave = 16
 
    !> Data of one dimensionless contact.
    type :: line_contact_t
@@ -35,6 +38,26 @@ contains
 
       film = central_film(contact%moes_m_sum, contact%moes_l_sum)
    end function film_estimate
+
+   !> Intervals from which three grids, n, n/2 and n/4, all see every wave of the surfaces; 1 if they are smooth. Domain complete.
+   pure function intervals_for_waves(contact) result(intervals)
+      type(line_contact_t), intent(in) :: contact
+      integer :: intervals
+      real(wp) :: wave
+
+      wave = min(finest_wave(contact%surface_1), finest_wave(contact%surface_2))
+      intervals = ceiling(min(fewest_in_wave*(contact%domain%x_outlet - contact%domain%x_inlet)/wave, 1.0e9_wp))
+   end function intervals_for_waves
+
+   !> Shortest wavelength of a surface [b]; huge if it is smooth.
+   pure function finest_wave(surface) result(wave)
+      type(rough_surface_t), intent(in) :: surface
+      real(wp) :: wave
+
+      wave = huge(1.0_wp)
+      if (allocated(surface%features)) wave = minval([wave, surface%features%wavelength])
+      if (allocated(surface%profile)) wave = min(wave, surface%profile%finest_wave)
+   end function finest_wave
 
    !> Nodes in the finest wave of the profiles, on a complete domain; huge if there is no profile.
    pure function nodes_in_finest_wave(contact) result(nodes)

@@ -6,11 +6,12 @@ module line_hierarchy
    use line_contact, only: film_estimate, line_contact_t
    use line_level, only: line_level_t, new_level, set_plain_problem
    use newton_line, only: newton_t
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
    public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_steady_problem, roughness_at, count_work, total_products
-   public :: coarsest_for_film
+   public :: coarsest_for_film, new_growing_hierarchy, add_level
 
    !> Smoother words.
    integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, smoother_line = 3, smoother_hybrid = 4
@@ -50,8 +51,9 @@ module line_hierarchy
 
    !> All grids and the one unknown that they share.
    type :: line_hierarchy_t
-      !> Levels 1 (coarsest of the nested start) to `finest`.
+      !> Levels 1 (coarsest of the nested start) to `top`; a growing hierarchy has room for more.
       type(line_level_t), allocatable :: levels(:)
+      integer :: top = 0
       !> Coarsest level of the present method's cycles (the finest for a method on one level), the same for FAS, and the
       !> finest level in use.
       integer :: coarsest = 1, fas_coarsest = 1, finest = 1
@@ -60,12 +62,20 @@ module line_hierarchy
       type(relaxation_t) :: relaxation
       !> Exact solver of the coarsest level.
       type(newton_t) :: newton
+      !> The answer is that of the sharp space scheme: companions are too (module reynolds_line).
+      logical :: is_sharp = .false.
+      !> The nested start solves the two levels below the finest well enough to be compared with it.
+      logical :: wants_companions = .false.
+      !> Wall time that the levels of a growing hierarchy took to set up [s].
+      real(wp) :: setup_seconds = 0.0_wp
       !> Sweeps weighted by nodes, in sweeps of the finest level.
       real(wp) :: work_units = 0.0_wp
    end type line_hierarchy_t
 
    !> Bounds of the coarsest grid of the cycles (intervals).
    integer, parameter :: smallest_coarsest = 64, largest_coarsest = 512
+   !> No growing hierarchy has more intervals.
+   integer, parameter, public :: most_intervals = 2**20
    !> No grid has fewer intervals.
    integer, parameter :: smallest_grid = 8
 
@@ -96,18 +106,75 @@ contains
 
       n = contact%domain%intervals
       first = min(coarsest_for_film(contact), n)
-      coarsest = min(n, max(first, min(largest_coarsest, max(smallest_coarsest, 4*first))))
+      coarsest = cycle_coarsest(first, n)
       if (levels > 0) coarsest = max(n/2**(levels - 1), smallest_grid)
       first = min(first, coarsest)
-      hierarchy%fas_coarsest = 1 + nint(log(real(coarsest, wp)/first)/log(2.0_wp))
+      if (allocated(hierarchy%levels)) deallocate (hierarchy%levels)
+      hierarchy%fas_coarsest = 1 + doublings(first, coarsest)
       hierarchy%coarsest = hierarchy%fas_coarsest
-      hierarchy%finest = hierarchy%coarsest + nint(log(real(n, wp)/coarsest)/log(2.0_wp))
-      allocate (hierarchy%levels(hierarchy%finest))
-      do k = 1, hierarchy%finest
+      hierarchy%finest = 1 + doublings(first, n)
+      hierarchy%top = hierarchy%finest
+      allocate (hierarchy%levels(hierarchy%top))
+      do k = 1, hierarchy%top
          call new_level(hierarchy%levels(k), contact, first*2**(k - 1), error)
          if (allocated(error)) return
       end do
    end subroutine new_hierarchy
+
+   !> A hierarchy of the coarsest level alone, to which `add_level` adds finer ones.
+   subroutine new_growing_hierarchy(hierarchy, contact, error)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      type(error_t), allocatable, intent(out) :: error
+      integer :: first
+
+      first = min(coarsest_for_film(contact), most_intervals)
+      if (allocated(hierarchy%levels)) deallocate (hierarchy%levels)
+      allocate (hierarchy%levels(1 + doublings(first, most_intervals)))
+      call new_level(hierarchy%levels(1), contact, first, error)   ! error: the caller looks
+      hierarchy%top = 1
+      hierarchy%finest = 1
+      hierarchy%coarsest = 1
+      hierarchy%fas_coarsest = 1
+   end subroutine new_growing_hierarchy
+
+   !> Adds a level of twice the intervals and poses the steady problem on it.
+   subroutine add_level(hierarchy, contact, with_roughness, error)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      logical, intent(in) :: with_roughness
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: start
+      integer :: n
+
+      start = wall_seconds()
+      n = 2*hierarchy%levels(hierarchy%top)%n
+      hierarchy%top = hierarchy%top + 1
+      hierarchy%finest = hierarchy%top
+      hierarchy%coarsest = hierarchy%top
+      hierarchy%fas_coarsest = 1 + doublings(hierarchy%levels(1)%n, cycle_coarsest(hierarchy%levels(1)%n, n))
+      hierarchy%work_units = 0.5_wp*hierarchy%work_units
+      call new_level(hierarchy%levels(hierarchy%top), contact, n, error)
+      if (allocated(error)) return
+      call pose_level(hierarchy%levels(hierarchy%top), contact, with_roughness)
+      hierarchy%setup_seconds = hierarchy%setup_seconds + wall_seconds() - start
+   end subroutine add_level
+
+   !> Intervals of the coarsest grid of the cycles, where the nested start begins with `first`.
+   pure function cycle_coarsest(first, n) result(coarsest)
+      integer, intent(in) :: first, n
+      integer :: coarsest
+
+      coarsest = min(n, max(first, min(largest_coarsest, max(smallest_coarsest, 4*first))))
+   end function cycle_coarsest
+
+   !> How often `coarse` is doubled to get `fine`.
+   pure function doublings(coarse, fine) result(times)
+      integer, intent(in) :: coarse, fine
+      integer :: times
+
+      times = nint(log(real(fine, wp)/coarse)/log(2.0_wp))
+   end function doublings
 
    !> Height Psi_1 + Psi_2 of both surfaces on a level at time T (0:n).
    pure function roughness_at(contact, level, time) result(roughness)
@@ -124,19 +191,27 @@ contains
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       logical, intent(in) :: with_roughness
-      real(wp), allocatable :: roughness(:)
       integer :: k
 
-      do k = 1, size(hierarchy%levels)
-         if (with_roughness) then
-            roughness = roughness_at(contact, hierarchy%levels(k), 0.0_wp)
-         else
-            allocate (roughness(0:hierarchy%levels(k)%n), source=0.0_wp)
-         end if
-         call set_plain_problem(hierarchy%levels(k), roughness)
-         deallocate (roughness)
+      do k = 1, hierarchy%top
+         call pose_level(hierarchy%levels(k), contact, with_roughness)
       end do
    end subroutine pose_steady_problem
+
+   !> The same on one level.
+   pure subroutine pose_level(level, contact, with_roughness)
+      type(line_level_t), intent(inout) :: level
+      type(line_contact_t), intent(in) :: contact
+      logical, intent(in) :: with_roughness
+      real(wp), allocatable :: roughness(:)
+
+      if (with_roughness) then
+         roughness = roughness_at(contact, level, 0.0_wp)
+      else
+         allocate (roughness(0:level%n), source=0.0_wp)
+      end if
+      call set_plain_problem(level, roughness)
+   end subroutine pose_level
 
    !> Adds `sweeps` on level k to the work done.
    pure subroutine count_work(hierarchy, k, sweeps)
@@ -144,7 +219,7 @@ contains
       integer, intent(in) :: k, sweeps
 
       hierarchy%work_units = hierarchy%work_units &
-         + sweeps*real(hierarchy%levels(k)%n, wp)/hierarchy%levels(size(hierarchy%levels))%n
+         + sweeps*real(hierarchy%levels(k)%n, wp)/hierarchy%levels(hierarchy%top)%n
    end subroutine count_work
 
    !> Kernel products (FFT pairs) on all levels so far.

@@ -21,6 +21,8 @@ module line_level
       logical :: is_sharp = .false.
       !> 1/dT of the time step, 0 in the steady problem.
       real(wp) :: inverse_time_step = 0.0_wp
+      !> Pressure and film are the solution of the original problem on this grid, accurate enough to be compared with finer ones.
+      logical :: is_companion = .false.
       !> Products with the kernel so far (one FFT pair each).
       integer :: products = 0
       !> Nodes X.

@@ -8,7 +8,7 @@ module line_summary
    implicit none (type, external)
    private
 
-   public :: figure_t, keep_extremes, line_summary_t, summary_of
+   public :: crests_t, figure_t, keep_extremes, line_summary_t, summary_of, summary_of_fields
    public :: central_value, exit_position, node_minimum, parabola_minimum, peak_value
 
    !> One figure, when it was reached and how far off it may be.
@@ -16,11 +16,23 @@ module line_summary
       real(wp) :: value
       !> T at which it was reached; 0 in steady state.
       real(wp) :: time
-      !> Estimated discretisation error of `value`; NaN = not estimated.
+      !> Estimated error of `value`: the sum of the three below; NaN = not estimated.
       real(wp) :: error_estimate
       !> Richardson's extrapolation of `value`; NaN = not known.
       real(wp) :: extrapolated
+      !> Because of grid and time step; NaN = not estimated.
+      real(wp) :: error_grid
+      !> Because the domain ends, and because the iteration does; 0 = not estimated.
+      real(wp) :: error_domain = 0.0_wp, error_iteration = 0.0_wp
    end type figure_t
+
+   !> Maxima of P, each by the parabola through three nodes; NaN: there is none.
+   type :: crests_t
+      !> The largest.
+      real(wp) :: highest
+      !> The last one before the exit (where a pressure spike is), and the largest in front of it; only where there are two.
+      real(wp) :: last, other
+   end type crests_t
 
    !> Figures of one time, or the extremes over several.
    type :: line_summary_t
@@ -34,6 +46,8 @@ module line_summary
       type(figure_t) :: p_max
       !> X of the last node with P > 0; over several times the largest.
       type(figure_t) :: x_cavitation
+      !> What the error of p_max is estimated from; over several times the largest.
+      type(crests_t) :: crests
    end type line_summary_t
 
 contains
@@ -43,14 +57,24 @@ contains
       type(line_state_t), intent(in) :: state
       type(line_summary_t) :: summary
 
-      associate (x => state%x, p => state%pressure, h => state%film_thickness, time => state%time)
-         summary%h_min = new_figure(parabola_minimum(h), time)
-         summary%h_min_node = new_figure(node_minimum(h), time)
-         summary%h_central = new_figure(central_value(x, h), time)
-         summary%p_max = new_figure(peak_value(p), time)
-         summary%x_cavitation = new_figure(exit_position(x, p), time)
-      end associate
+      summary = summary_of_fields(state%x, state%pressure, state%film_thickness, state%time)
    end function summary_of
+
+   !> The figures of pressure `p` and film `h` on the nodes `x` of a rising grid at a time, each (nx).
+   pure function summary_of_fields(x, p, h, time) result(summary)
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(in) :: p(:)
+      real(wp), intent(in) :: h(:)
+      real(wp), intent(in) :: time
+      type(line_summary_t) :: summary
+
+      summary%h_min = new_figure(parabola_minimum(h), time)
+      summary%h_min_node = new_figure(node_minimum(h), time)
+      summary%h_central = new_figure(central_value(x, h), time)
+      summary%p_max = new_figure(peak_value(p), time)
+      summary%x_cavitation = new_figure(exit_position(x, p), time)
+      summary%crests = crests_of(p)
+   end function summary_of_fields
 
    !> Widens `summary` by the figures of another time: smallest films, largest pressure and exit.
    pure subroutine keep_extremes(summary, other)
@@ -62,6 +86,9 @@ contains
       call keep_smaller(summary%h_central, other%h_central)
       call keep_larger(summary%p_max, other%p_max)
       call keep_larger(summary%x_cavitation, other%x_cavitation)
+      summary%crests%highest = larger(summary%crests%highest, other%crests%highest)
+      summary%crests%last = larger(summary%crests%last, other%crests%last)
+      summary%crests%other = larger(summary%crests%other, other%crests%other)
    end subroutine keep_extremes
 
    !> Smallest value of a positive curve on a uniform grid: vertex of the parabola through the smallest node and its neighbours;
@@ -137,6 +164,46 @@ contains
       end do
    end function exit_position
 
+   !> Maxima of a pressure p (nx). A plateau counts once.
+   pure function crests_of(p) result(crests)
+      real(wp), intent(in) :: p(:)
+      type(crests_t) :: crests
+      integer :: i, last
+
+      crests = crests_t(not_known(), not_known(), not_known())
+      last = 0
+      do i = size(p) - 1, 2, -1
+         if (.not. (p(i) > p(i - 1) .and. p(i) >= p(i + 1))) cycle
+         if (last == 0) then
+            last = i
+         else
+            crests%other = larger(crests%other, vertex(p(i - 1:i + 1)))
+         end if
+      end do
+      if (last == 0) return
+      crests%highest = larger(crests%other, vertex(p(last - 1:last + 1)))
+      if (ieee_is_finite(crests%other)) crests%last = vertex(p(last - 1:last + 1))
+   end function crests_of
+
+   !> Top of the parabola through three values at equal distances, the middle one the largest.
+   pure function vertex(values) result(top)
+      real(wp), intent(in) :: values(3)
+      real(wp) :: top, curvature
+
+      top = values(2)
+      curvature = values(3) - 2*values(2) + values(1)
+      if (curvature < 0.0_wp) top = values(2) - 0.125_wp*(values(3) - values(1))**2/curvature
+   end function vertex
+
+   !> The larger one; a value that is not known gives way.
+   pure function larger(a, b) result(value)
+      real(wp), intent(in) :: a, b
+      real(wp) :: value
+
+      value = a
+      if (.not. ieee_is_finite(a) .or. b > a) value = b
+   end function larger
+
    !> A figure without an estimate of its error.
    pure function new_figure(value, time) result(figure)
       real(wp), intent(in) :: value
@@ -147,6 +214,7 @@ contains
       figure%time = time
       figure%error_estimate = not_known()
       figure%extrapolated = not_known()
+      figure%error_grid = not_known()
    end function new_figure
 
    !> Takes `other` if it is smaller, or not known.

@@ -11,13 +11,16 @@ module nested_start
    implicit none (type, external)
    private
 
-   public :: full_multigrid_start, hertz_start
+   public :: bump_start, full_multigrid_start, hertz_start, refine, solve_level
 
    !> Accuracy and steps of the exact solutions below the coarsest grid of the cycles.
    real(wp), parameter :: nested_tolerance = 1.0e-2_wp
    integer, parameter :: nested_steps = 60
+   !> Accuracy of a level that finer ones are compared with: over 888 levels of 246 contacts h_min was within 1.4e-4 of the
+   !> grid's own value, in 99 % within 5e-5 (with 1e-2: 0.8 and 0.2), for 0.7 Newton steps more.
+   real(wp), parameter, public :: companion_tolerance = 1.0e-3_wp
    !> First grids that are tried.
-   integer, parameter :: most_firsts = 4
+   integer, parameter, public :: most_firsts = 4
    !> Bound on Sigma in the start of a level, and smoothings at most to reach it.
    real(wp), parameter :: largest_sigma = 10.0_wp
    integer, parameter :: most_smoothings = 30
@@ -77,13 +80,52 @@ contains
       is_sound = .true.
       do k = first, hierarchy%coarsest
          if (k > first) call refine(hierarchy, contact, k)
-         if (k == size(hierarchy%levels)) return
-         call solve_newton(hierarchy%newton, contact, hierarchy%levels(k), hierarchy%rigid_displacement, &
-            nested_tolerance, nested_steps)
-         is_sound = hierarchy%newton%is_converged
+         if (k == hierarchy%top) return
+         call solve_level(hierarchy, contact, k, merge(companion_tolerance, nested_tolerance, &
+            hierarchy%wants_companions .and. k >= hierarchy%top - 2), is_sound)
          if (.not. is_sound) return
       end do
    end subroutine nested_solutions
+
+   !> Exact solution on level k from its present pressure.
+   subroutine solve_level(hierarchy, contact, k, tolerance, is_sound)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: k
+      real(wp), intent(in) :: tolerance
+      logical, intent(out) :: is_sound
+
+      associate (level => hierarchy%levels(k))
+         level%is_sharp = .false.
+         call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, tolerance, nested_steps)
+         is_sound = hierarchy%newton%is_converged
+         level%is_companion = is_sound .and. tolerance <= companion_tolerance
+         if (level%is_companion .and. hierarchy%is_sharp) call sharpen(hierarchy, contact, k, tolerance)
+      end associate
+   end subroutine solve_level
+
+   !> From the solution of the thesis's scheme on level k to that of the sharp one; where that fails, the first stays, which is no
+   !> companion.
+   subroutine sharpen(hierarchy, contact, k, tolerance)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: k
+      real(wp), intent(in) :: tolerance
+      real(wp) :: rigid_displacement
+
+      associate (level => hierarchy%levels(k))
+         level%pressure_start = level%pressure
+         rigid_displacement = hierarchy%rigid_displacement
+         level%is_sharp = .true.
+         call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, tolerance, nested_steps)
+         level%is_companion = hierarchy%newton%is_converged
+         if (level%is_companion) return
+         level%is_sharp = .false.
+         level%pressure = level%pressure_start
+         hierarchy%rigid_displacement = rigid_displacement
+         call film_of(level, rigid_displacement, level%film)
+      end associate
+   end subroutine sharpen
 
    !> The Hertz pressure (a wide bump for a thick film) on the finest level.
    subroutine hertz_start(hierarchy, contact)

@@ -1,5 +1,6 @@
 !> How a solver tells its progress and hands over time steps without knowing who listens.
 module observer
+   use error_bars, only: error_bars_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
@@ -22,6 +23,8 @@ module observer
       procedure(on_step_interface), deferred :: on_step
       !> After a time step for which `wants_state` is set.
       procedure :: keep_state => ignore_state
+      !> After a steady solution: the figures of the coarser grids that it has passed.
+      procedure :: keep_companions => ignore_companions
       !> Looks whether there is a reason to stop that the solver's own calls would not bring up.
       procedure :: look_outside => ignore_outside
    end type observer_t
@@ -69,6 +72,15 @@ contains
       end associate
       self%wants_state = .false.
    end subroutine ignore_state
+
+   !> Needs no companions.
+   subroutine ignore_companions(self, bars)
+      class(observer_t), intent(inout) :: self
+      type(error_bars_t), intent(in) :: bars
+
+      associate (unused_self => self, unused_bars => bars)
+      end associate
+   end subroutine ignore_companions
 
    !> There is no outside.
    subroutine ignore_outside(self)

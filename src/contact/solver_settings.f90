@@ -48,6 +48,10 @@ module solver_settings
       character(len=word_length) :: smoother = 'auto'
       !> Space discretisation: 'thesis', or 'sharp' (module reynolds_line), which needs a Newton method.
       character(len=word_length) :: space_scheme = 'thesis'
+      !> Relative error of h_min for which the grid of a steady contact is chosen; zero: the grid is that of the domain.
+      real(wp) :: target = 0.0_wp
+      !> The grids of n/2 and n/4 intervals on the way to a steady solution are solved well enough for error bars.
+      logical :: wants_companions = .false.
       !> After a failure: finer grids are tried, to learn whether the grid is the reason.
       logical :: explains_failure = .true.
       !> First guess: 'fmg' (full multigrid) or 'hertz' (Hertz pressure on the finest grid).

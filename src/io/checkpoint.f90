@@ -14,7 +14,7 @@ module checkpoint
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: breakdown_t, phase_count, report_t
    use kinds, only: wp
-   use line_summary, only: figure_t, line_summary_t
+   use line_summary, only: crests_t, figure_t, line_summary_t
    use march_state, only: march_state_t
    use operating_system, only: remove_file, rename_file, sync_file, sync_folder
    implicit none (type, external)
@@ -87,6 +87,8 @@ contains
       call write_dataset(file, '/companions/known', [real(wp) :: merge(1, 0, bars%has_half), merge(1, 0, bars%has_quarter)], &
          new_label('whether there are figures on n/2 and on n/4 intervals', '1'))
       call write_dataset(file, '/companions/order', [bars%lowest_order, bars%highest_order], new_label('bounds', '1'))
+      call write_dataset(file, '/companions/lubricant', [real(wp) :: merge(1, 0, bars%may_spike), &
+         merge(1, 0, bars%is_compressible)], new_label('whether it may have a spike, and is compressible', '1'))
       if (bars%has_half) call write_dataset(file, '/companions/half', summary_numbers(bars%half), new_label('as summary', '1'))
       if (bars%has_quarter) call write_dataset(file, '/companions/quarter', summary_numbers(bars%quarter), &
          new_label('as summary', '1'))
@@ -104,6 +106,9 @@ contains
       pair = reshape(reader%reals('/companions/order'), [2], pad=[0.0_wp])
       bars%lowest_order = pair(1)
       bars%highest_order = pair(2)
+      pair = reshape(reader%reals('/companions/lubricant'), [2], pad=[0.0_wp])
+      bars%may_spike = pair(1) > 0.0_wp
+      bars%is_compressible = pair(2) > 0.0_wp
       if (bars%has_half) bars%half = summary_from(reader%reals('/companions/half'))
       if (bars%has_quarter) bars%quarter = summary_from(reader%reals('/companions/quarter'))
    end subroutine read_bars
@@ -279,16 +284,17 @@ contains
          numbers(5), numbers(6))
    end function breakdown_from
 
-   !> The figures as numbers (4, 5).
+   !> The figures as numbers (4, 6).
    pure function summary_numbers(summary) result(numbers)
       type(line_summary_t), intent(in) :: summary
-      real(wp) :: numbers(4, 5)
+      real(wp) :: numbers(4, 6)
 
       numbers(:, 1) = figure_numbers(summary%h_min)
       numbers(:, 2) = figure_numbers(summary%h_min_node)
       numbers(:, 3) = figure_numbers(summary%h_central)
       numbers(:, 4) = figure_numbers(summary%p_max)
       numbers(:, 5) = figure_numbers(summary%x_cavitation)
+      numbers(:, 6) = [summary%crests%highest, summary%crests%last, summary%crests%other, 0.0_wp]
    end function summary_numbers
 
    !> Value, time, error estimate and extrapolated value of a figure.
@@ -299,18 +305,31 @@ contains
       numbers = [figure%value, figure%time, figure%error_estimate, figure%extrapolated]
    end function figure_numbers
 
-   !> The figures from their numbers (20).
+   !> The figures from their numbers (24).
    pure function summary_from(numbers) result(summary)
       real(wp), intent(in) :: numbers(:)
       type(line_summary_t) :: summary
-      real(wp) :: table(4, 5)
+      real(wp) :: table(4, 6)
 
-      table = reshape(numbers, [4, 5], pad=[0.0_wp])
-      summary%h_min = figure_t(table(1, 1), table(2, 1), table(3, 1), table(4, 1))
-      summary%h_min_node = figure_t(table(1, 2), table(2, 2), table(3, 2), table(4, 2))
-      summary%h_central = figure_t(table(1, 3), table(2, 3), table(3, 3), table(4, 3))
-      summary%p_max = figure_t(table(1, 4), table(2, 4), table(3, 4), table(4, 4))
-      summary%x_cavitation = figure_t(table(1, 5), table(2, 5), table(3, 5), table(4, 5))
+      table = reshape(numbers, [4, 6], pad=[0.0_wp])
+      summary%h_min = figure_from(table(:, 1))
+      summary%h_min_node = figure_from(table(:, 2))
+      summary%h_central = figure_from(table(:, 3))
+      summary%p_max = figure_from(table(:, 4))
+      summary%x_cavitation = figure_from(table(:, 5))
+      summary%crests = crests_t(table(1, 6), table(2, 6), table(3, 6))
    end function summary_from
+
+   !> A figure from its numbers.
+   pure function figure_from(numbers) result(figure)
+      real(wp), intent(in) :: numbers(4)
+      type(figure_t) :: figure
+
+      figure%value = numbers(1)
+      figure%time = numbers(2)
+      figure%error_estimate = numbers(3)
+      figure%extrapolated = numbers(4)
+      figure%error_grid = numbers(3)
+   end function figure_from
 
 end module checkpoint

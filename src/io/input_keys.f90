@@ -198,7 +198,7 @@ module input_keys
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, '>= 1e-7, <= 0.1', '', '', &
       'relative error of h_min for which intervals and time step are chosen'), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', '', '', '', &
-      'runs the case on half and a quarter of the intervals too, for error estimates')]
+      'compares with half and a quarter of the intervals, for error estimates')]
 
    type(key_row_t), parameter :: dry_surface_rows(*) = [ &
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid file synthetic parabola', '', &

@@ -89,7 +89,8 @@ contains
 
       call file%create_group('/summary')
       call write_attribute(file, '/summary', 'about', 'values in their units; attribute dimensionless: the same as H, P, '// &
-                           'X or T; error_estimate: estimated discretisation error, NaN = not estimated')
+                           'X or T; error_estimate: estimated error, the sum of error_grid (grid and time step), '// &
+                           'error_domain (its length) and error_iteration, NaN = not estimated')
       call write_figure('h_min', 'smallest film thickness, parabola through three nodes', summary%h_min, film_label())
       call write_figure('h_min_node', 'smallest film thickness of a node', summary%h_min_node, film_label())
       call write_figure('h_central', 'film thickness at X = 0, linear between nodes'//over_time('smallest'), &
@@ -130,6 +131,9 @@ contains
          scaled%value = figure%value*moes_unit
          scaled%error_estimate = figure%error_estimate*moes_unit
          scaled%extrapolated = figure%extrapolated*moes_unit
+         scaled%error_grid = figure%error_grid*moes_unit
+         scaled%error_domain = figure%error_domain*moes_unit
+         scaled%error_iteration = figure%error_iteration*moes_unit
       end function in_unit
 
       !> One figure; `scale` gives its unit.
@@ -144,10 +148,22 @@ contains
          call write_dataset(file, path, figure%value*scale%si_scale, new_label(long_name, scale%si_units))
          call write_attribute(file, path, 'units', scale%si_units)
          call write_attribute(file, path, 'dimensionless', figure%value)
-         call write_attribute(file, path, 'error_estimate', figure%error_estimate*scale%si_scale)
+         call write_errors(path, figure, scale%si_scale)
          if (ieee_is_finite(figure%extrapolated)) call write_extrapolated(path//'_extrapolated', name, figure, scale)
          if (is_transient .and. index(name, '_moes') == 0) call write_time(path//'_time', name, figure)
       end subroutine write_figure
+
+      !> The estimated error of a figure and its parts.
+      subroutine write_errors(path, figure, si_scale)
+         character(*), intent(in) :: path
+         type(figure_t), intent(in) :: figure
+         real(wp), intent(in) :: si_scale
+
+         call write_attribute(file, path, 'error_estimate', figure%error_estimate*si_scale)
+         call write_attribute(file, path, 'error_grid', figure%error_grid*si_scale)
+         call write_attribute(file, path, 'error_domain', figure%error_domain*si_scale)
+         call write_attribute(file, path, 'error_iteration', figure%error_iteration*si_scale)
+      end subroutine write_errors
 
       !> What a figure tends to on ever finer grids and time steps.
       subroutine write_extrapolated(path, name, figure, scale)

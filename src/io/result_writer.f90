@@ -341,7 +341,7 @@ contains
          call self%store%copy_into(self%file, self%scaling)
          call self%keep_failure()
       end if
-      if (report%converged) call apply_error_bars(self%bars, state%x(2) - state%x(1), self%summary)
+      if (report%converged) call apply_error_bars(self%bars, report, state%x(2) - state%x(1), self%summary)
       call write_solution(self%file, state, self%scaling)
       call write_summary(self%file, self%summary, self%scaling, self%is_transient)
       call write_statistics(self%file, self%statistics, self%scaling)

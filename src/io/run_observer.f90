@@ -4,6 +4,7 @@
 module run_observer
    use breakdown_text, only: breakdown_sentence
    use checkpoint, only: checkpoint_t, write_checkpoint
+   use error_bars, only: error_bars_t
    use errors, only: error_t, fail, output_error
    use interruption, only: is_interrupted
    use iteration_report, only: phase_output, phase_transient, report_t
@@ -39,7 +40,7 @@ module run_observer
       real(wp) :: time_step = 0.0_wp
       !> Wall time between checkpoints [s].
       real(wp) :: checkpoint_interval = huge(1.0_wp)
-      !> Companions on coarser grids are still to be run behind the last time step.
+      !> Companions on coarser grids are still wanted.
       logical :: has_companions = .false.
       !> Why the last checkpoint could not be written; not allocated: it could.
       type(error_t), allocatable :: failure
@@ -51,6 +52,7 @@ module run_observer
       procedure :: on_cycle
       procedure :: on_step
       procedure :: keep_state
+      procedure :: keep_companions
       procedure :: look_outside
       !> The run begins.
       procedure :: start_clock
@@ -136,6 +138,16 @@ contains
       self%last_checkpoint = wall_seconds()
       self%output_seconds = self%output_seconds + self%last_checkpoint - begin
    end subroutine keep_state
+
+   !> Coarser grids that the solution has passed: they need not be run any more.
+   subroutine keep_companions(self, bars)
+      class(run_observer_t), intent(inout) :: self
+      type(error_bars_t), intent(in) :: bars
+
+      if (.not. (self%has_companions .and. bars%has_quarter)) return
+      self%writer%bars = bars
+      self%has_companions = .false.
+   end subroutine keep_companions
 
    !> Whether the run is interrupted.
    subroutine look_outside(self)

@@ -1,0 +1,255 @@
+#!/usr/bin/env python3
+"""Are the error bars honest, and what does a wanted accuracy cost? A survey of steady contacts with known finer answers.
+
+For each contact the figures of /summary and their estimates, on the grid that the program chooses, are compared with the same
+contact on 8 times the intervals (error of the grid), and with a domain four times as long besides (the whole error). For
+each wanted accuracy of h_min: whether it is met as a whole, and the time beside that of the best fixed choice, the coarsest 2^k
+intervals on the same domain whose true error meets it. Times are of one core, the least wall time of several runs, or their
+mean processor time where other work on the machine made that smaller. Writes accuracy.csv, cost.csv and conclusion.txt.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import math
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import bench_program
+import namelists
+from bench_program import ROOT, Answer, job
+
+FIGURES = ("h_min", "h_min_node", "h_central", "p_max", "x_cavitation")
+# What the answer of a figure is on the finer grid: nodal figures tend to those between the nodes.
+LIMITS = {"h_min_node": "h_min"}
+TARGETS = (1e-2, 1e-3)
+FINER = 8
+LONGER = 4
+# Largest distance of the inlet that the program takes [half-widths].
+FARTHEST = 1000.0
+# Most intervals of a reference.
+LARGEST = 2**17
+COMPRESSIBLE = {"viscosity_law": "roelands", "density_law": "dowson_higginson"}
+BATCH = 16
+
+
+@dataclass
+class Contact:
+    """A contact by name; `groups` of its namelist without the domain."""
+
+    name: str
+    groups: dict[str, dict[str, object]]
+
+    def text(self, domain: dict[str, object] | None = None, **others: dict[str, object]) -> str:
+        """Its namelist on a domain."""
+        return namelists.namelist(self.groups | {"domain": domain or {}} | others)
+
+
+def contacts(quick: bool) -> list[Contact]:
+    """Newtonian contacts over the Moes plane with two oils, Eyring contacts in SI, Case 1 and its like, ridges at rest."""
+    found = []
+    loads = (0.5, 5, 50, 500) if quick else (0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+    for m in loads:
+        for l in (0, 10) if quick else (0, 2.5, 5, 10, 15, 20, 30):  # noqa: E741
+            moes = {"moes_m": m, "moes_l": l, "velocity": "sum"}
+            law = {"viscosity_law": "barus" if l > 0 else "constant", "density_law": "constant"}
+            found.append(Contact(f"incompressible_{m}_{l}", {"moes": moes, "lubricant": law}))
+            if l > 0:
+                found.append(Contact(f"compressible_{m}_{l}", {"moes": moes, "lubricant": COMPRESSIBLE}))
+    for m in (5, 50) if quick else (1, 5, 20, 50, 100, 200, 500):
+        for l in (10,) if quick else (5, 10, 20, 30):  # noqa: E741
+            for slide, stress in ((0.5, 5e6), (1.0, 3.3e6), (2.0, 1.5e6)):
+                found.append(Contact(f"eyring_{m}_{l}_{slide}", namelists.steel(m, l, slide, stress)))
+    for stress in (1e6, 3.3e6, 1e7):
+        for factor in (1,) if quick else (0.5, 1, 2):
+            groups = {name: dict(keys) for name, keys in namelists.CASE_1.items()}
+            groups["bodies"] |= {"speed_1": 0.1 * factor, "speed_2": 1.1 * factor}
+            groups["lubricant"]["eyring_stress"] = stress
+            found.append(Contact(f"case1_{stress:g}_{factor}", groups))
+    for height in (1e-7, 2e-7):
+        for place in (-1.0, 0.0, 0.5):
+            groups = {name: dict(keys) for name, keys in namelists.CASE_1.items()}
+            groups["bodies"]["speed_1"] = 0.0
+            groups["surface_1"] = namelists.RIDGE | {"position": place, "amplitude": height}
+            found.append(Contact(f"ridge_{height:g}_{place}", groups))
+    return found
+
+
+@dataclass
+class Row:
+    """A figure of a contact: value, estimates and true errors (of the grid alone, and whole)."""
+
+    contact: str
+    figure: str
+    intervals: int
+    value: float
+    estimated_grid: float
+    true_grid: float
+    estimated: float
+    true: float
+
+
+def survey(batch: list[Contact]) -> list[Row]:
+    """Figures, estimates and true errors of some contacts on the program's own grid."""
+    first = bench_program.run([job(each.name, each.text(), bars=1) for each in batch])
+    batch = [each for each in batch if first[each.name].converged]
+    jobs = []
+    for each in batch:
+        answer = first[each.name]
+        n, inlet, outlet = int(answer["intervals"]), answer["x_inlet"], answer["x_outlet"]
+        domain = {"x_inlet": inlet, "x_outlet": outlet, "intervals": FINER * n}
+        jobs.append(job(each.name + "_finer", each.text(domain), limit=60))
+        far = outlet - LONGER * (outlet - inlet)
+        if far > -FARTHEST:
+            domain = {"x_inlet": far, "x_outlet": outlet, "intervals": FINER * LONGER * n}
+            jobs.append(job(each.name + "_longer", each.text(domain), limit=60))
+    finer = bench_program.run(jobs)
+    rows = []
+    for each in batch:
+        answer, fine = first[each.name], finer[each.name + "_finer"]
+        whole = finer.get(each.name + "_longer", Answer({}))
+        if not fine.converged:
+            continue
+        for name in FIGURES:
+            limit = LIMITS.get(name, name)
+            true = abs(answer[name] - whole[limit]) if whole.converged else math.nan
+            grid = abs(answer[name] - fine[limit])
+            estimates = answer[name + "_error_grid"], answer[name + "_error"]
+            rows.append(Row(each.name, name, int(answer["intervals"]), answer[name], estimates[0], grid, estimates[1], true))
+    return rows
+
+
+@dataclass
+class Cost:
+    """What a wanted accuracy cost."""
+
+    contact: str
+    target: float
+    intervals: int
+    error: float
+    seconds: float
+    best_intervals: int
+    best_error: float
+    best_seconds: float
+
+    @property
+    def ratio(self) -> float:
+        """Time over that of the best fixed choice."""
+        return self.seconds / self.best_seconds
+
+
+def costs(batch: list[Contact], effort: dict[str, float]) -> list[Cost]:
+    """Wanted accuracies beside fixed grids on the same domain; the answer is that on a finer grid and a longer domain."""
+    jobs = [job(f"{each.name}:{t:g}", each.text(accuracy={"target": t}), **effort) for each in batch for t in TARGETS]
+    chosen = bench_program.run(jobs)
+    jobs = []
+    for each in batch:
+        for target in TARGETS:
+            answer = chosen[f"{each.name}:{target:g}"]
+            if not answer.converged:
+                continue
+            n, inlet, outlet = int(answer["intervals"]), answer["x_inlet"], answer["x_outlet"]
+            sizes = [2**k for k in range(max(5, int(math.log2(n)) - 4), int(math.log2(n)) + 2)]
+            domain = {"x_inlet": inlet, "x_outlet": outlet}
+            jobs += [job(f"{each.name}:{target:g}:{size}", each.text(domain | {"intervals": size}), **effort) for size in sizes]
+            domain["x_inlet"] = max(outlet - LONGER * (outlet - inlet), -FARTHEST)
+            finest = min(FINER * LONGER * n, LARGEST)
+            jobs.append(job(f"{each.name}:{target:g}:finer", each.text(domain | {"intervals": finest}), limit=60))
+    fixed = bench_program.run(jobs)
+    found = []
+    for each in batch:
+        for target in TARGETS:
+            answer, key = chosen[f"{each.name}:{target:g}"], f"{each.name}:{target:g}:"
+            reference = fixed.get(key + "finer", Answer({}))
+            if not reference.converged:
+                continue
+            true = reference["h_min"]
+            grids = [a for name, a in fixed.items() if name.startswith(key) and not name.endswith("finer") and a.converged]
+            good = [a for a in grids if abs(a["h_min"] / true - 1) <= target]
+            if good:
+                best = min(good, key=lambda a: a["intervals"])
+                times = [min(a["all_least"], a["processor"]) for a in (answer, best)]
+                errors = [abs(a["h_min"] / true - 1) for a in (answer, best)]
+                sizes = int(answer["intervals"]), int(best["intervals"])
+                found.append(Cost(each.name, target, sizes[0], errors[0], times[0], sizes[1], errors[1], times[1]))
+    return found
+
+
+def share(flags: list[bool]) -> str:
+    """How many, in percent."""
+    return f"{100 * sum(flags) / max(len(flags), 1):.1f} %"
+
+
+def quantile(values: list[float], part: float) -> float:
+    """The value below which this part lies."""
+    ordered = sorted(values)
+    return ordered[min(int(part * len(ordered)), len(ordered) - 1)] if ordered else math.nan
+
+
+def conclusion(rows: list[Row], found: list[Cost]) -> str:
+    """What the numbers say."""
+    lines = [f"Error estimates of {len({row.contact for row in rows})} contacts on the program's own grids"]
+    lines.append(f"  {'figure':14s} {'part':7s} {'cases':>5s} {'none':>5s} {'true below':>11s} {'below 10 x':>11s} {'median':>7s}")
+    for name in FIGURES:
+        for part in ("grid", "whole"):
+            pairs = [(r.estimated_grid, r.true_grid) if part == "grid" else (r.estimated, r.true) for r in rows if r.figure == name]
+            pairs = [pair for pair in pairs if not math.isnan(pair[1])]
+            known = [pair for pair in pairs if not math.isnan(pair[0])]
+            ratios = [e / t if t > 0 else math.inf for e, t in known]
+            below, tight = share([t <= e for e, t in known]), share([e < 10 * t for e, t in known])
+            lines.append(
+                f"  {name:14s} {part:7s} {len(known):5d} {len(pairs) - len(known):5d} {below:>11s} {tight:>11s} "
+                f"{quantile(ratios, 0.5):6.1f}x"
+            )
+    lines.append("Wanted accuracy of h_min: time over that of the best fixed grid")
+    for target in TARGETS:
+        each = [cost for cost in found if cost.target == target]
+        ratios = [cost.ratio for cost in each]
+        grids = [round(math.log2(cost.intervals / cost.best_intervals)) for cost in each]
+        steps = ", ".join(f"{count} on {2.0**k:g} n" for k in sorted(set(grids)) if (count := grids.count(k)))
+        lines.append(
+            f"  {100 * target:g} %: {len(each)} cases, met in {share([c.error <= target for c in each])}; median "
+            f"{quantile(ratios, 0.5):.2f}, 90 % {quantile(ratios, 0.9):.2f}, largest {max(ratios, default=math.nan):.2f}; "
+            f"{steps} (n: the best)"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def save(items: list[Row] | list[Cost], path: Path) -> None:
+    """As CSV."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(items[0].__dict__)
+        writer.writerows(item.__dict__.values() for item in items)
+
+
+def main() -> int:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="fewer contacts")
+    parser.add_argument("--output", default="results/accuracy", metavar="DIR", help="folder (default: results/accuracy)")
+    options = parser.parse_args()
+    folder = ROOT / options.output
+    folder.mkdir(parents=True, exist_ok=True)
+    effort = {"runs": 5 if options.quick else 10, "seconds": 0.1, "limit": 60}
+    rows: list[Row] = []
+    found: list[Cost] = []
+    all_contacts = contacts(options.quick)
+    for start in range(0, len(all_contacts), BATCH):
+        batch = all_contacts[start : start + BATCH]
+        rows += survey(batch)
+        found += costs(batch, effort)
+        print(f"\r{start + len(batch)} of {len(all_contacts)}", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
+    save(rows, folder / "accuracy.csv")
+    save(found, folder / "cost.csv")
+    text = conclusion(rows, found)
+    (folder / "conclusion.txt").write_text(text, encoding="utf-8")
+    print(text, end="")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
