@@ -38,7 +38,26 @@ def heavy(m: float, intervals: int, solver: dict) -> str:
     return namelists.moes(m, 10, intervals, solver, domain=namelists.WINDOW)
 
 
+def rolling(intervals: int, steps_per_dx: float, solver: dict, oil: dict | None = None) -> str:
+    """A ridge rolls into the contact of Case 1 without sliding, ten time steps."""
+    step = 5.5 / intervals / steps_per_dx
+    return namelists.case_1(
+        intervals,
+        solver,
+        bodies={"speed_1": 0.6, "speed_2": 0.6},
+        lubricant=oil or {},
+        surface_2=namelists.RIDGE | {"position": -1.5},
+        time={"transient": True, "end_time": 10 * step, "time_step": step},
+        accuracy={"error_bars": False},
+    )
+
+
+NEWTONIAN = {"rheology": "newtonian", "eyring_stress": None}
 INSIDE = {
+    "gauss_seidel_in_time_without_sliding": rolling(256, 2, GAUSS_SEIDEL),
+    "gauss_seidel_in_small_steps_without_sliding": rolling(256, 4, GAUSS_SEIDEL),
+    "gauss_seidel_in_time_newtonian": rolling(512, 2, GAUSS_SEIDEL, NEWTONIAN),
+    "auto_in_time_without_sliding": rolling(1024, 4, {}, NEWTONIAN),
     "block_jacobi_relaxation": namelists.case_1(256, BLOCK_JACOBI | {"relaxation": 0.8}),
     "line_on_long_waves": wavy(1.0, 0.3, LINE),
     "gauss_seidel_on_waves": wavy(0.5, 0.3, GAUSS_SEIDEL),
@@ -51,6 +70,8 @@ INSIDE = {
     "krylov_heaviest": namelists.moes(2000, 40, 1024, KRYLOV),
 }
 OUTSIDE = {
+    "gauss_seidel_in_time_without_sliding": (rolling(256, 2, GAUSS_SEIDEL | {"relaxation": 0.8}), "time step 1 of 10"),
+    "gauss_seidel_in_small_steps_newtonian": (rolling(1024, 4, GAUSS_SEIDEL, NEWTONIAN), "time step 1 of 10"),
     "block_jacobi_relaxation": (namelists.case_1(256, BLOCK_JACOBI | {"relaxation": 1.0}), "fas block_jacobi V(5,5): "),
     "line_on_short_waves": (wavy(0.25, 0.3, LINE), "stagnation"),
     "gauss_seidel_on_short_high_waves": (wavy(0.25, 1.0, GAUSS_SEIDEL), "stagnation"),

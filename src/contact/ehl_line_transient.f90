@@ -14,7 +14,7 @@ module ehl_line_transient
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: line_hierarchy_t, relaxation_t, roughness_at, total_products
+   use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, roughness_at, total_products
    use line_level, only: film_of, line_level_t
    use line_state, only: line_state_t
    use lubricant, only: fluid_density_value
@@ -34,11 +34,12 @@ module ehl_line_transient
    real(wp), parameter :: default_tolerance = 1.0e-6_wp
    integer, parameter :: default_cycles = 40
 
-   !> A time step: its number, its length and the scheme.
+   !> A time step: its number, its length, the scheme, and where its parts end, as shares of the length.
    type :: step_plan_t
       integer :: step
       real(wp) :: length
       character(len=word_length) :: scheme
+      real(wp), allocatable :: ends(:)
    end type step_plan_t
 
 contains
@@ -57,6 +58,7 @@ contains
       type(relaxation_t), allocatable :: attempts(:)
       type(cycle_limits_t) :: limits
       type(march_state_t) :: history
+      type(step_plan_t) :: plan
       real(wp) :: time_step
       integer :: step, steps
 
@@ -83,7 +85,8 @@ contains
                call refuse(report, 'stopped from outside')
                return
             end if
-            call take_step(hierarchy, contact, attempts, limits, step_plan_t(step, time_step, time%scheme), history, report)
+            plan = step_plan_t(step, time_step, time%scheme, part_ends(time%scheme, step, time_step))
+            call take_step(hierarchy, contact, attempts, limits, plan, history, report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
                   to_text(step*time_step)//'): '//report%reason//smallest_film_text(state))
@@ -165,7 +168,8 @@ contains
       report%reason = reason
    end subroutine refuse
 
-   !> One step, in its parts; the history then begins with its end.
+   !> One step, in its parts; the history then begins with its end. A step of the start whose parts find no solution (a smoother
+   !> on a fine grid) is taken whole, and counted.
    subroutine take_step(hierarchy, contact, attempts, limits, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -174,22 +178,50 @@ contains
       type(step_plan_t), intent(in) :: plan
       type(march_state_t), intent(inout) :: history
       type(report_t), intent(inout) :: report
-      real(wp), allocatable :: ends(:)
+      type(march_state_t) :: start
+      real(wp), allocatable :: film(:)
+
+      if (size(plan%ends) == 1) then
+         ! whole steps are easier for a smoother than their parts
+         if (history%lengths(1) < plan%length) history%way = 1
+         call take_parts(hierarchy, contact, attempts, limits, plan, history, report)
+         return
+      end if
+      start = history
+      film = hierarchy%levels(hierarchy%finest)%film
+      call take_parts(hierarchy, contact, attempts, limits, plan, history, report)
+      if (report%converged) return
+      history = start
+      history%way = 1
+      hierarchy%levels(hierarchy%finest)%film(:) = film
+      call take_parts(hierarchy, contact, attempts, limits, step_plan_t(plan%step, plan%length, plan%scheme, [1.0_wp]), &
+         history, report)
+      report%uncut_steps = report%uncut_steps + 1
+   end subroutine take_step
+
+   !> The parts of a step.
+   subroutine take_parts(hierarchy, contact, attempts, limits, plan, history, report)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      type(relaxation_t), intent(in) :: attempts(:)
+      type(cycle_limits_t), intent(in) :: limits
+      type(step_plan_t), intent(in) :: plan
+      type(march_state_t), intent(inout) :: history
+      type(report_t), intent(inout) :: report
       real(wp) :: length
       integer :: part
 
-      ends = part_ends(plan%scheme, plan%step, plan%length)
-      do part = 1, size(ends)
-         length = ends(part)*plan%length
-         if (part > 1) length = length - ends(part - 1)*plan%length
-         associate (level => hierarchy%levels(hierarchy%finest))
-            call begin_step(contact, level, history, (plan%step - 1 + ends(part))*plan%length, length, plan%scheme)
+      associate (level => hierarchy%levels(hierarchy%finest))
+         do part = 1, size(plan%ends)
+            length = plan%ends(part)*plan%length
+            if (part > 1) length = length - plan%ends(part - 1)*plan%length
+            call begin_step(contact, level, history, (plan%step - 1 + plan%ends(part))*plan%length, length, plan%scheme)
             call solve_step(hierarchy, contact, attempts, limits, length, history, report)
             if (.not. report%converged) return
             call remember(history, contact, level, hierarchy%rigid_displacement, length)
-         end associate
-      end do
-   end subroutine take_step
+         end do
+      end associate
+   end subroutine take_parts
 
    !> Right sides of the step of `length` to `new_time`.
    subroutine begin_step(contact, level, history, new_time, length, scheme)
@@ -208,23 +240,25 @@ contains
       level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, new_time)
    end subroutine begin_step
 
-   !> One step: from the quadratic extrapolation in time, then from the old pressure, each way in turn.
+   !> One step: from the quadratic extrapolation in time, then from the old pressure, each way in turn; relaxations of one
+   !> method begin with the one that found the last step.
    subroutine solve_step(hierarchy, contact, attempts, limits, length, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       type(relaxation_t), intent(in) :: attempts(:)
       type(cycle_limits_t), intent(in) :: limits
       real(wp), intent(in) :: length
-      type(march_state_t), intent(in) :: history
+      type(march_state_t), intent(inout) :: history
       type(report_t), intent(inout) :: report
       real(wp) :: old_minimum
-      integer :: attempt
+      integer :: attempt, first
 
       associate (level => hierarchy%levels(hierarchy%finest))
          old_minimum = minval(level%film)
-         do attempt = 0, size(attempts)
-            call adopt(hierarchy, attempts(max(attempt, 1)))
-            if (attempt == 0) then
+         first = min(history%way, size(attempts))
+         do attempt = first - 1, size(attempts)
+            call adopt(hierarchy, attempts(max(attempt, first)))
+            if (attempt < first) then
                call extrapolate(history, length, level, hierarchy%rigid_displacement)
             else
                level%pressure = history%pressure(:, 1)
@@ -232,11 +266,14 @@ contains
             end if
             call film_of(level, hierarchy%rigid_displacement, level%film)
             if (any(level%film <= 0.0_wp)) then
-               if (attempt == 0) cycle
+               if (attempt < first) cycle
                call lift(level, hierarchy%rigid_displacement, old_minimum)
             end if
             call iterate(hierarchy, contact, limits, report)
-            if (report%converged) return
+            if (report%converged) then
+               if (attempts(1)%method == method_fas) history%way = max(attempt, first)
+               return
+            end if
          end do
       end associate
    end subroutine solve_step

@@ -22,6 +22,8 @@ module march_state
       real(wp) :: lengths(2) = 0.0_wp
       !> rho H of the last two times (0:n, 2), for the squeeze term.
       real(wp), allocatable :: mass(:, :)
+      !> Which of the ways of solution found it; the next step begins with that where the ways are relaxations of one method.
+      integer :: way = 1
       !> H of the newest solution (0:n).
       real(wp), allocatable :: film(:)
       !> Outcome, history and cost up to here.

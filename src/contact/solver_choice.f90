@@ -85,6 +85,10 @@ contains
    end function newton_krylov
 
    !> The ways to try in turn for a time step; no line smoother, it diverges with the squeeze term.
+   !>
+   !> Where the viscosity is high enough for squeeze and wedge to outweigh the diffusion, the equation of a step is H(P) = given: a
+   !> sweep with the own share K_0 of the kernel only changes long waves of P by up to n/10 times too much, and the cycle diverges
+   !> unless the coarse grids get the better of that. So stated smoothers go on with less relaxation and more sweeps.
    pure function time_step_attempts(contact, settings) result(attempts)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -99,8 +103,23 @@ contains
       else
          attempts = [stated_way(settings, is_heavy=.true.)]
       end if
+      if (size(attempts) == 1 .and. attempts(1)%method == method_fas .and. settings%relaxation <= 0.0_wp) attempts = &
+         [attempts, gentler(attempts(1), 0.4_wp, 3), gentler(attempts(1), 0.2_wp, 5), gentler(attempts(1), 0.1_wp, 8)]
       call override(settings, attempts)
    end function time_step_attempts
+
+   !> The same with less relaxation and more sweeps.
+   pure function gentler(base, relaxation, sweeps) result(choice)
+      type(relaxation_t), intent(in) :: base
+      real(wp), intent(in) :: relaxation
+      integer, intent(in) :: sweeps
+      type(relaxation_t) :: choice
+
+      choice = base
+      choice%relaxation = relaxation
+      choice%pre_sweeps = sweeps
+      choice%post_sweeps = sweeps
+   end function gentler
 
    !> True where neither method nor smoother is stated.
    pure function is_automatic(settings) result(automatic)

@@ -13,8 +13,6 @@ module time_scheme
 
    !> Time from which on whole steps do, T; the exponent of the grading; nothing is cut shorter than this, T (round-off).
    real(wp), parameter :: start_layer = 0.02_wp, grading = 0.6_wp, shortest_part = 1.0e-6_wp
-   !> Parts of the first step at least, if long enough.
-   integer, parameter :: fewest_parts = 4
 
 contains
 
@@ -63,7 +61,7 @@ contains
          wanted = (start_layer/(step*time_step))**grading
          if (step == 1) then
             exponent = 1.0_wp/(1.0_wp - grading)
-            parts = max(fewest_parts, nint(exponent*wanted))
+            parts = nint(exponent*wanted)
          else
             parts = nint(wanted)
          end if

@@ -123,6 +123,7 @@ contains
       call write_dataset(file, '/march/pressure', march%pressure, new_label('P of the last solutions, newest first', '1'))
       call write_dataset(file, '/march/rigid_displacement', march%rigid_displacement, new_label('H0 of the same', '1'))
       call write_dataset(file, '/march/lengths', march%lengths, new_label('time between them', '1'))
+      call write_dataset(file, '/march/way', int(march%way, int64), new_label('way of solution of the newest', '1'))
       call write_dataset(file, '/march/mass', march%mass, new_label('rho H of the last two', '1'))
       call write_dataset(file, '/march/film', march%film, new_label('H of the newest', '1'))
    end subroutine write_march
@@ -140,6 +141,7 @@ contains
             b%smallest_film], new_label('films below the floor: how often; step, time, place and film of the first; smallest', '1'))
       end associate
       call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, new_label('bound', '1'))
+      call write_dataset(file, '/report/uncut_steps', int(report%uncut_steps, int64), new_label('steps taken whole', '1'))
       call write_dataset(file, '/report/work_units', report%work_units, new_label('sweeps of the finest level', '1'))
       call write_dataset(file, '/report/fft_pairs', report%fft_pairs, new_label('pairs of transforms', '1'))
       call write_dataset(file, '/report/wall_seconds', report%wall_seconds, new_label('wall time so far', 's'))
@@ -232,6 +234,7 @@ contains
 
       march%step = int(reader%integer_value('/march/step'))
       march%size = int(reader%integer_value('/march/size'))
+      march%way = int(reader%integer_value('/march/way'))
       pressure = reader%reals('/march/pressure')
       mass = reader%reals('/march/mass')
       film = reader%reals('/march/film')
@@ -268,6 +271,7 @@ contains
       report%breakdown = breakdown_from(reader%reals('/report/breakdown'))
       report%method = reader%text('/report/method')
       report%tolerance_effective = reader%real_value('/report/tolerance_effective')
+      report%uncut_steps = int(reader%integer_value('/report/uncut_steps'))
       report%work_units = reader%real_value('/report/work_units')
       report%fft_pairs = reader%integer_value('/report/fft_pairs')
       report%wall_seconds = reader%real_value('/report/wall_seconds')

@@ -172,6 +172,8 @@ contains
       if (report%converged .or. .not. self%is_quiet) then
          outcome = outcome//', '//number_text(real(report%cycles, wp), 9)//' cycles'
          if (report%steps > 0) outcome = outcome//' in '//number_text(real(report%steps, wp), 9)//' time steps'
+         if (report%uncut_steps > 0) outcome = outcome//' ('//number_text(real(report%uncut_steps, wp), 9)// &
+            ' of the start not cut into parts)'
          outcome = outcome//', '//number_text(report%wall_seconds, 3)//' s'
       end if
       if (.not. report%converged .or. .not. self%is_quiet) call self%write_line(wrapped(outcome, columns))

@@ -211,6 +211,7 @@ contains
       call write_dataset(file, '/report/method', method, new_label('method of solution', '1'))
       call write_count('cycles', int(report%cycles, int64), 'cycles on the finest level, time steps included')
       call write_count('steps', int(report%steps, int64), 'time steps')
+      call write_count('uncut_steps', int(report%uncut_steps, int64), 'steps of the start taken whole: parts without a solution')
       call write_count('levels', int(report%levels, int64), 'grid levels, the finest counted')
       call write_count('fft_pairs', report%fft_pairs, 'pairs of forward and backward transforms')
       call write_dataset(file, '/report/work_units', report%work_units, &

@@ -57,6 +57,8 @@ module iteration_report
       integer :: levels = 0
       !> Time steps done.
       integer :: steps = 0
+      !> Steps of the start that were taken whole since their parts found no solution: of less accuracy there.
+      integer :: uncut_steps = 0
       !> Last residual: max |r|/lambda over P > 0 and of max(r, 0)/lambda where P = 0 [-].
       real(wp) :: residual = huge(1.0_wp)
       !> Last |dX sum P - pi/2| [-].
