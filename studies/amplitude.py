@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Amplitude reduction of harmonic waviness: pure rolling (table and master curve), rolling-sliding, and how far it is linear.
 
-Every ratio carries its error: a third of what half the nodes (and twice the step) change.
+The ratios of vanishing amplitude are the linear response in the frequency domain, each with its error; time marching by the program
+checks them, and shows how far they hold.
 """
 
 from __future__ import annotations
@@ -13,19 +14,29 @@ from dataclasses import replace
 
 import amplitude_figures
 import numpy as np
-from study import Claims, Runner, StudyError, Table, finish, new_parser
-from waviness import Response, Waviness, compressed, run_all
+from linear_response import Advection, LinearFilm
+from rolling import (
+    SHORTEST,
+    VENNER,
+    best_table,
+    check_rolling,
+    check_table_1,
+    intervals_for,
+    order_table,
+    readings_table,
+    rolling_table,
+)
+from study import Claims, Runner, Table, finish, new_parser
+from waviness import Waviness, compressed, linear_films, run_all, smooth_contacts, take_apart
 
 PROGRAM = "amplitude.py"
-# Venner, Couhier, Lubrecht and Greenwood (1997), Table 1: M = 100, L = 11, pure rolling.
-VENNER = {4.0: 0.030, 2.0: 0.073, 1.0: 0.183, 0.5: 0.394, 0.25: 0.660, 0.125: 0.839}
-TOLERANCE = 0.03
-ROUNDING = 0.0005
 POINTS = ((20, 10), (50, 5), (50, 15), (100, 11), (200, 8), (500, 5))
 WAVELENGTHS = (0.25, 0.5, 1.0, 2.0, 4.0)
 SLIPS = (-2.0, -4 / 3, -2 / 3, 0.0, 2 / 3, 4 / 3, 2.0)
 SLIDING_WAVELENGTHS = (0.25, 0.5, 1.0, 2.0)
-AMPLITUDES = (0.02, 0.1, 0.2, 0.4, 0.6, 0.85)
+SMALL = 0.02  # amplitude over the film; a tenth is not small for a wave of 0.25 b on a fast surface
+AMPLITUDES = (SMALL, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.5)
+ENTRY = 1.0  # half-widths over which a high waviness rises where it enters
 
 
 def published(nabla: float | np.ndarray) -> float | np.ndarray:
@@ -38,144 +49,103 @@ def thesis(nabla: float | np.ndarray) -> float | np.ndarray:
     return 1 / (1 + 0.125 * nabla + 0.04 * nabla**2)
 
 
-def intervals_for(wavelength: float, slip: float = 0.0) -> int:
-    """Power of two with at least 64 nodes a wave, not below 1024."""
-    needed = 64 * 4 * max(1.0, 1 - slip / 2) / wavelength
-    return max(1024, 2 ** math.ceil(math.log2(needed) - 1e-9))
+def in_two_grids(runner: Runner, runs: list[Waviness]) -> dict[Waviness, tuple[LinearFilm, LinearFilm]]:
+    """Linear response along the characteristics of each run, and with half the nodes."""
+    kind = Advection.CHARACTERISTIC
+    found = linear_films(runner, [(item, kind) for run in runs for item in (run, run.finer(0.5))])
+    return {run: (found[run, kind], found[run.finer(0.5), kind]) for run in runs}
 
 
-def with_halves(runner: Runner, runs: list[Waviness]) -> dict[Waviness, tuple[Response, Response]]:
-    """Each run and the same with half the nodes."""
-    halves = {run: run.finer(0.5) for run in runs}
-    found = run_all(runner, list(dict.fromkeys([*runs, *halves.values()])))
-    return {run: (found[run], found[half]) for run, half in halves.items()}
-
-
-def rolling_table(runner: Runner, wavelengths: tuple[float, ...], coarser: int = 1) -> Table:
-    """Table 1 of Venner et al.; `coarser` divides the number of nodes."""
-    runs = []
-    for wavelength in wavelengths:
-        given = Waviness(wavelength=wavelength, intervals=intervals_for(wavelength) // coarser)
-        runs += [given] if coarser > 1 else [given, given.finer(2)]
-    if 0.125 in wavelengths and coarser == 1:
-        runs.append(Waviness(wavelength=0.125, intervals=2048, inlet=1.5 - 2048 * 0.125 / 48))
-    found = run_all(runner, runs)
-    table = Table(
-        wavelength="Lambda/b",
-        nodes="intervals on a wave",
-        ratio="A_d/A_i, half of largest minus smallest H(0, T)",
-        error="a third of the change to twice the nodes; of these, a third of it",
-        phase="phase of the first harmonic at X = 0 [degrees]",
-        published="Venner et al. (1997), Table 1",
-        deviation="deviation from it [%]",
-        drift="change of the ratio over the last period",
-    )
-    for run, answer in found.items():
-        other = found.get(run.finer(2)) or found.get(run.finer(0.5))
-        value = VENNER[run.wavelength]
-        table.add(
-            wavelength=run.wavelength,
-            nodes=run.nodes,
-            ratio=answer.swing,
-            error=None if other is None else abs(other.swing - answer.swing) / 3 * (4 if run.finer(2) in found else 1),
-            phase=math.degrees(cmath.phase(answer.ratio)),
-            published=value,
-            deviation=100 * (answer.swing / value - 1),
-            drift=answer.drift,
-        )
-    return table
-
-
-def check_rolling(table: Table, wavelengths: tuple[float, ...]) -> None:
-    """Within 3 % and the rounding of the table; a miss ends the study."""
-    for row in table.rows:
-        bound = TOLERANCE * row["published"] + ROUNDING
-        if row["wavelength"] in wavelengths and abs(row["ratio"] - row["published"]) > bound:
-            raise StudyError(
-                f"Lambda/b = {row['wavelength']}: ratio {row['ratio']:.4f}, published {row['published']} +- {bound:.4f}"
-            )
+def extrapolated(fine: float, half: float) -> tuple[float, float]:
+    """The value for vanishing dX, of second order, and what the extrapolation has changed: the error."""
+    return fine + (fine - half) / 3, abs(fine - half) / 3
 
 
 def master_table(runner: Runner) -> Table:
-    """Ratios in pure rolling at several operating points."""
-    runs = [Waviness(*point, wavelength) for point in POINTS for wavelength in WAVELENGTHS]
+    """Ratios in pure rolling at several operating points, linear response."""
+    runs = [Waviness(*point, wavelength, intervals=2048) for point in POINTS for wavelength in WAVELENGTHS]
     table = Table(
         moes_m="M (speed sum)",
         moes_l="L (speed sum)",
         wavelength="Lambda/b",
         nabla="(Lambda/b) M^(3/4) L^(-1/2)",
-        ratio="A_d/A_i",
-        error="a third of the change to half the nodes",
+        ratio="A_d/A_i, extrapolated from 1024 and 2048 intervals",
+        error="what the extrapolation has changed",
         published="1/(1 + 0.17 w + 0.03 w^2), Venner et al. (1997)",
         thesis="1/(1 + 0.125 w + 0.04 w^2), (2.1) with s = 1",
         phase="phase at X = 0 [degrees]",
     )
-    for run, (fine, half) in with_halves(runner, runs).items():
+    for run, (fine, half) in in_two_grids(runner, runs).items():
+        ratio, error = extrapolated(abs(fine.ratio()), abs(half.ratio()))
         table.add(
             moes_m=run.moes_m,
             moes_l=run.moes_l,
             wavelength=run.wavelength,
             nabla=run.nabla,
-            ratio=fine.swing,
-            error=abs(fine.swing - half.swing) / 3,
+            ratio=ratio,
+            error=error,
             published=published(run.nabla),
             thesis=thesis(run.nabla),
-            phase=math.degrees(cmath.phase(fine.ratio)),
+            phase=math.degrees(cmath.phase(fine.ratio())),
         )
     return table
 
 
 def sliding_table(runner: Runner) -> Table:
     """Complex ratios over slide-to-roll ratio and wavelength, M = 100, L = 11."""
-    runs = [Waviness(wavelength=w, slip=s, intervals=intervals_for(w, s)) for s in SLIPS for w in SLIDING_WAVELENGTHS]
+    runs = [Waviness(wavelength=w, slip=s, intervals=2048) for s in SLIPS for w in SLIDING_WAVELENGTHS]
+    marched = {run: replace(run, intervals=intervals_for(run.wavelength, run.slip), amplitude=SMALL) for run in runs}
     table = Table(
         slip="s = 2 (u2 - u1)/(u1 + u2); the waviness is on surface 1",
         speed="v = u1/u_mean = 1 - s/2",
         wavelength="Lambda/b on the surface",
-        ratio="|A_d/A_i| at X = 0",
+        ratio="|A_d/A_i| at X = 0, linear response",
         phase="its phase [degrees]",
-        carried="|A_d/A_i| of the part carried by the oil, wavelength Lambda/v",
-        carried_phase="its phase [degrees]",
-        error="of carried: a third of the change to half the nodes",
+        carried="|A_d/A_i| of the part carried by the oil, wavelength Lambda/v, extrapolated from 1024 and 2048 intervals",
+        error="of carried: what the extrapolation has changed",
+        lag="how far it is behind the waviness at X = -1 [degrees]",
         in_place="|A_d/A_i| of the part that moves with the surface",
         compressed="what the compressibility of the oil leaves of it",
         misfit="what the two parts leave unexplained, largest for |X| <= 0.5",
         nabla="(Lambda/b) M^(3/4) L^(-1/2) v^(-1/2)",
         published="1/(1 + 0.17 w + 0.03 w^2) with this w",
-        drift="change of the ratio over the last period",
+        marched="|A_d/A_i| at X = 0 by time marching, at least 64 nodes a wave",
+        marching_misfit="distance of its complex ratio to the linear response with the same grid and step",
     )
-    for run, pair in with_halves(runner, runs).items():
-        fine, half = (carried_part(answer, run) for answer in pair)
-        answer = pair[0]
+    films = in_two_grids(runner, runs)
+    answers = run_all(runner, list(marched.values()))
+    same = linear_films(runner, [(run, Advection.BDF2) for run in marched.values()])
+    smooth = smooth_contacts(runner, runs[:1])[runs[0]]
+    for run, (fine, half) in films.items():
+        parts = take_apart(run, fine)
+        carried, error = extrapolated(abs(parts.carried), abs(take_apart(run, half).carried))
+        launch = parts.carried * cmath.exp(-1j * fine.number * (1 - run.speed))
         nabla = run.nabla / math.sqrt(run.speed) if run.speed > 0 else math.nan
+        answer, linear = answers[marched[run]], same[marched[run], Advection.BDF2]
         table.add(
             slip=run.slip,
             speed=run.speed,
             wavelength=run.wavelength,
-            ratio=abs(answer.ratio),
-            phase=math.degrees(cmath.phase(answer.ratio)),
-            carried=abs(fine),
-            carried_phase=math.degrees(cmath.phase(fine)),
-            error=abs(fine - half) / 3,
-            in_place=math.nan if run.speed == 1 else abs(answer.in_place),
-            compressed=compressed(run, answer.film),
-            misfit=answer.misfit,
+            ratio=abs(fine.ratio()),
+            phase=math.degrees(cmath.phase(fine.ratio())),
+            carried=carried,
+            error=error,
+            lag=-math.degrees(cmath.phase(launch)),
+            in_place=math.nan if run.speed == 1 else abs(parts.in_place),
+            compressed=compressed(run, smooth.central_film),
+            misfit=parts.misfit,
             nabla=nabla,
             published=published(nabla),
-            drift=answer.drift,
+            marched=abs(answer.ratio),
+            marching_misfit=abs(answer.ratio - linear.ratio()),
         )
     return table
 
 
-def carried_part(answer: Response, run: Waviness) -> complex:
-    """The part carried by the oil; in pure rolling the two parts are one."""
-    return answer.in_place if run.speed == 1 else answer.carried
-
-
 def linearity_table(runner: Runner) -> Table:
     """Ratio over the amplitude, M = 100, L = 11, pure rolling and s = 1."""
-    pairs = [(0.0, wavelength) for wavelength in (0.25, 0.5, 1.0, 2.0)] + [(1.0, 0.5)]
-    runs = [Waviness(wavelength=w, slip=s, amplitude=a) for s, w in pairs for a in AMPLITUDES]
+    pairs = [(0.0, wavelength) for wavelength in (0.25, 0.5, 1.0, 2.0)] + [(1.0, 0.5), (-2.0, 0.5)]
+    runs = [Waviness(wavelength=w, slip=s, amplitude=a, entry=ENTRY) for s, w in pairs for a in AMPLITUDES]
     table = Table(
         slip="slide-to-roll ratio s",
         wavelength="Lambda/b",
@@ -210,14 +180,8 @@ def fitted(table: Table) -> tuple[float, float, float]:
     return float(c1), float(c2), float(np.sqrt(np.mean((r * (1 + c1 * w + c2 * w**2) - 1) ** 2)))
 
 
-def check_curves(claims: Claims, rolling: Table, master: Table) -> None:
+def check_curves(claims: Claims, master: Table) -> None:
     """Pure rolling."""
-    finest = {row["wavelength"]: row for row in rolling.rows if row["nodes"] > 100}
-    claims.check(
-        "Venner et al. (1997), Table 1, within 3 %",
-        "agrees except at Lambda/b = 0.125",
-        ", ".join(f"{w:g}: {row['ratio']:.4f} +- {row['error']:.4f} ({row['deviation']:+.1f} %)" for w, row in finest.items()),
-    )
     ratio, nabla = master.column("ratio"), master.column("nabla")
     for name, words in (("published", "Venner et al. (1997)"), ("thesis", "(2.1) of the thesis with s = 1")):
         deviation = 100 * (master.column(name) / ratio - 1)
@@ -247,6 +211,12 @@ def check_sliding(claims: Claims, sliding: Table) -> None:
         share < 15,
         f"part that moves with it at most {max(row['in_place'] for row in moving):.3f}, {share:.0f} % of the carried part; "
         f"the two leave at most {max(row['misfit'] for row in moving):.3f} unexplained",
+    )
+    far = max(row["marching_misfit"] for row in sliding.rows)
+    claims.check(
+        "Rolling-sliding: time marching gives the linear response in the frequency domain",
+        far < 0.002,
+        f"complex ratios at X = 0 differ by at most {far:.4f} (amplitude {SMALL:g} h_c)",
     )
     kinds = dict.fromkeys(row["wavelength"] for row in moving)
     parts = {w: [row["in_place"] for row in moving if row["wavelength"] == w] for w in kinds}
@@ -279,15 +249,15 @@ def check_sliding(claims: Claims, sliding: Table) -> None:
 def check_linear(claims: Claims, linear: Table) -> None:
     """How far linearity reaches."""
     worst = max(linear.rows, key=lambda row: abs(row["change"]))
-    early = max(abs(row["change"]) for row in linear.rows if row["amplitude"] < 0.5)
     where = f"A = {worst['amplitude']:g} h_c, Lambda/b = {worst['wavelength']:g}, s = {worst['slip']:g}"
-    second = {limit: 100 * max(row["second"] for row in linear.rows if row["amplitude"] <= limit) for limit in (0.1, 0.85)}
+    limits = (0.1, 0.4, 1.0)
+    change = {limit: max(abs(row["change"]) for row in linear.rows if row["amplitude"] <= limit) for limit in limits}
+    second = {limit: 100 * max(row["second"] for row in linear.rows if row["amplitude"] <= limit) for limit in limits}
     claims.check(
         "Linearity: the ratio does not depend on the amplitude",
-        f"within {abs(worst['change']):.1f} % up to {max(AMPLITUDES):g} h_c",
-        f"largest change {worst['change']:+.1f} % at {where}; at most {early:.1f} % up to 0.4 h_c; second harmonic at most "
-        f"{second[0.1]:.1f} % of the first at 0.1 h_c and {second[0.85]:.0f} % at 0.85 h_c; smallest film "
-        f"{min(row['h_min'] for row in linear.rows):.2f} h_c",
+        f"within {change[1.0]:.1f} % up to an amplitude of the film",
+        ", ".join(f"at most {change[a]:.1f} % up to {a:g} h_c, second harmonic {second[a]:.1f} % of the first" for a in limits)
+        + f"; largest change {worst['change']:+.1f} % at {where}; smallest film {min(row['h_min'] for row in linear.rows):.2f} h_c",
     )
 
 
@@ -295,8 +265,8 @@ def study(options: argparse.Namespace) -> None:
     """All parts."""
     options.output.mkdir(parents=True, exist_ok=True)
     runner = Runner(options.output / "runs", options.jobs, options.program)
-    formats = {"wavelength": "g", "nodes": ".0f", "ratio": ".4f", "error": ".4f", "published": ".3f", "deviation": "+.1f"}
-    formats |= {"phase": ".1f", "drift": ".1e"}
+    formats = {"wavelength": "g", "nodes": ".0f", "ratio": ".4f", "error": ".4f", "linear": ".4f", "published": ".3f"}
+    formats |= {"deviation": "+.1f", "phase": ".1f", "drift": ".1e"}
     title = "Pure rolling, M = 100, L = 11: amplitude at X = 0 beside Venner et al. (1997), Table 1"
     if options.quick:
         quick = (2.0, 1.0, 0.5)
@@ -308,23 +278,40 @@ def study(options: argparse.Namespace) -> None:
     rolling = rolling_table(runner, tuple(VENNER))
     rolling.show(title, **formats)
     check_rolling(rolling, tuple(w for w in VENNER if w > 0.2))
+    best = best_table(runner)
+    formats = dict.fromkeys(("half", "given", "best", "error"), ".4f") | {"published": ".3f", "deviation": "+.1f"}
+    best.show("The same by the linear response", wavelength="g", **formats, coarse=".4f", coarse_deviation="+.1f")
+    orders = order_table(runner, next(row["best"] for row in best.rows if row["wavelength"] == SHORTEST))
+    orders.show(f"Lambda/b = {SHORTEST:g} over nodes and steps", nodes="", **dict.fromkeys(list(orders.columns)[1:], ".4f"))
+    readings = readings_table(runner)
+    readings.show("Other readings of the contact", reading="", **dict.fromkeys(list(readings.columns)[1:], ".4f"))
     master = master_table(runner)
     formats = {"moes_m": "g", "moes_l": "g", "wavelength": "g", "nabla": ".2f", "ratio": ".4f", "error": ".4f"}
     master.show("Pure rolling, all operating points", **formats, published=".4f", thesis=".4f", phase=".1f")
     sliding = sliding_table(runner)
     formats = {"slip": "+.3f", "speed": ".3f", "wavelength": "g", "ratio": ".4f", "phase": ".0f", "carried": ".4f"}
-    formats |= {"carried_phase": ".0f", "error": ".4f", "in_place": ".4f", "compressed": ".4f", "misfit": ".4f"}
-    sliding.show("Rolling-sliding, M = 100, L = 11", **formats, nabla=".2f", published=".4f", drift=".0e")
+    formats |= {"error": ".4f", "lag": ".0f", "in_place": ".4f", "compressed": ".4f", "misfit": ".4f", "nabla": ".2f"}
+    sliding.show("Rolling-sliding, M = 100, L = 11", **formats, published=".4f", marched=".4f", marching_misfit=".4f")
     linear = linearity_table(runner)
     formats = {"slip": "g", "wavelength": "g", "amplitude": "g", "ratio": ".4f", "change": "+.2f"}
     linear.show("Linearity, M = 100, L = 11", **formats, swing=".4f", second=".4f", h_min=".3f")
     claims = Claims()
-    check_curves(claims, rolling, master)
+    check_table_1(claims, best, orders, readings)
+    check_curves(claims, master)
     check_sliding(claims, sliding)
     check_linear(claims, linear)
     claims.show()
     print(f"\n{runner.effort}")
-    tables = {"rolling": rolling, "master": master, "sliding": sliding, "linearity": linear, "statements": claims.table}
+    tables = {
+        "rolling": rolling,
+        "best": best,
+        "orders": orders,
+        "readings": readings,
+        "master": master,
+        "sliding": sliding,
+        "linearity": linear,
+        "statements": claims.table,
+    }
     for name, table in tables.items():
         table.write(options.output / name, f"Amplitude reduction: {name}")
     curves = {"published": published, "thesis": thesis}

@@ -43,8 +43,8 @@ def draw_master(folder: Path, master: Table, curves: dict[str, Curve], fit: tupl
 
 
 def draw_sliding(folder: Path, sliding: Table, curve: Curve) -> None:
-    """Left over the slide-to-roll ratio, right on the master curve with the speed of the waviness."""
-    figure, (left, right) = style.new_figure(style.TWO_COLUMNS, 82, ncols=2)
+    """Amplitude and lag over the slide-to-roll ratio, and the amplitude on the master curve with the speed of the waviness."""
+    figure, (left, middle, right) = style.new_figure(style.TWO_COLUMNS, 78, ncols=3)
     wavelengths = list(dict.fromkeys(row["wavelength"] for row in sliding.rows))
     for wavelength, look in zip(wavelengths, style.SERIES, strict=False):
         rows = [row for row in sliding.rows if row["wavelength"] == wavelength]
@@ -52,19 +52,20 @@ def draw_sliding(folder: Path, sliding: Table, curve: Curve) -> None:
         left.errorbar(slips, carried, error, label=f"$\\Lambda/b$ = {wavelength:g}", capsize=2, elinewidth=0.7, **look)
         hollow = {**look, "linestyle": "none", "markerfacecolor": "none"}
         left.plot(slips, [row["in_place"] for row in rows], **hollow)
+        middle.plot(slips, [row["lag"] for row in rows], **look)
         moving = [row for row in rows if row["speed"] > 0]
         right.errorbar(
             *([row[name] for row in moving] for name in ("nabla", "carried", "error")), capsize=2, **{**look, "linestyle": "none"}
         )
-    nabla = np.geomspace(1, 70, 200)
+    nabla = np.geomspace(1.4, 40, 200)
     line = right.plot(nabla, curve(nabla), color="0.25", linewidth=1.0, label="Venner et al. 1997, pure rolling")
-    left.set(
-        xlabel="Slide-to-roll ratio $s = 2(u_2 - u_1)/(u_1 + u_2)$ [-]", ylabel="$|A_\\mathrm{d}/A_\\mathrm{i}|$ [-]", yscale="log"
-    )
-    left.set(ylim=(5e-4, 1.2))
+    slip_label = "Slide-to-roll ratio $s$ [-]"
+    left.set(xlabel=slip_label, ylabel="$|A_\\mathrm{d}/A_\\mathrm{i}|$ [-]", yscale="log", ylim=(5e-4, 1.2))
+    middle.set(xlabel=slip_label, ylabel="Lag at $X$ = −1 [degrees]")
     right.set(
-        xlabel="$(\\Lambda/b)\\, M^{3/4} L^{-1/2} v^{-1/2}$, $v = u_1/\\bar{u}$ [-]", xscale="log", yscale="log", ylim=(5e-3, 1.2)
+        xlabel="$(\\Lambda/b)\\, M^{3/4} L^{-1/2} v^{-1/2}$ [-]", xscale="log", yscale="log", xlim=(1, 60), ylim=(1.5e-2, 1.2)
     )
+    right.xaxis.set_minor_formatter(style.plt.NullFormatter())
     hollow_mark = style.plt.Line2D(
         [], [], color="0.3", marker="o", markerfacecolor="none", linestyle="none", label="part that moves with the surface"
     )
@@ -79,13 +80,13 @@ def draw_linear(folder: Path, linear: Table) -> None:
     for (slip, wavelength), look in zip(kinds, style.SERIES, strict=False):
         rows = [row for row in linear.rows if (row["slip"], row["wavelength"]) == (slip, wavelength)]
         amplitudes = [row["amplitude"] for row in rows]
-        label = f"$\\Lambda/b$ = {wavelength:g}" + (f", $s$ = {slip:g}" if slip else "")
+        label = f"$\\Lambda/b$ = {wavelength:g}" + (f", $s$ = {slip:g}".replace("-", "\N{MINUS SIGN}") if slip else "")
         upper.plot(amplitudes, [row["change"] for row in rows], label=label, **look)
         lower.plot(amplitudes, [100 * row["second"] for row in rows], **look)
     upper.set(ylabel="Change of $|A_\\mathrm{d}/A_\\mathrm{i}|$ [%]")
     upper.axhline(0, color="0.6", linewidth=0.6, zorder=0)
     lower.set(
-        xlabel="Amplitude $A_\\mathrm{i}/h_\\mathrm{c}$ [-]", ylabel="Second harmonic [% of first]", xlim=(0, 0.9), ylim=(0, None)
+        xlabel="Amplitude $A_\\mathrm{i}/h_\\mathrm{c}$ [-]", ylabel="Second harmonic [% of first]", xlim=(0, 1.55), ylim=(0, None)
     )
     style.legend_below(figure, upper.get_legend_handles_labels()[0], 2)
     save(figure, folder, "amplitude_linearity")

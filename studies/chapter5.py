@@ -15,6 +15,7 @@ from pathlib import Path
 import chapter5_figures
 import h5py
 import numpy as np
+from chapter5_readings import PRINTED, Change, change, check_readings, extremes, extremes_table, readings_table
 from study import Case, Claims, Runner, StudyError, Table, base_case, changed, exchanged, finish, new_parser
 
 PROGRAM = "chapter5.py"
@@ -23,7 +24,6 @@ LENGTH = 5.5  # of the domain, half-widths
 # Steps of the whole passage that give the printed time steps, and the multiples of the step that are tried.
 STEPS = {"case2": 4464, "case3": 812}
 FACTORS = {"case2": (16, 8, 4, 2, 1, 0.5, 0.25), "case3": (4, 2, 1, 0.5, 0.25)}
-PRINTED = {"case1": (None, 0.021), "case2": (0.057, 0.12), "case3": (1.04, 0.17)}  # time, space [%]
 PRINTED_STEP = {"case2": 0.948, "case3": 0.474}  # us
 RIDGE_SPEED = {"case2": 0.1, "case3": 1.1}  # m/s
 SPEED_SUM = 1.2  # m/s
@@ -198,17 +198,28 @@ def place_of_difference(coarse: Passage, fine: Passage) -> float:
     return float(coarse.x[np.abs(fine.pressure[:, ::skip] - coarse.pressure).max(axis=0).argmax()])
 
 
-def space_errors(runner: Runner, name: str, given: Passage) -> dict[int, tuple[float, float, float]]:
-    """(5.6) of P and H for the pairs n, 2n at the printed step [%], and X where P differs most."""
+def on_all_grids(runner: Runner, name: str, given: Passage) -> dict[int, Passage]:
+    """The passage with the printed step on every grid; `given` is that with 1024 intervals."""
     cases = {f"{name}_{n}": passage_case(name, 1, n) for n in GRIDS if n != 1024}
     found = runner.run(cases, read_passage)
-    passages = {n: given if n == 1024 else found[f"{name}_{n}"] for n in GRIDS}
-    pairs = [(n, passages[n], passages[2 * n]) for n in GRIDS[:-1]]
+    return {n: given if n == 1024 else found[f"{name}_{n}"] for n in GRIDS}
+
+
+def space_errors(grids: dict[int, Passage]) -> dict[int, tuple[float, float, float]]:
+    """(5.6) of P and H for the pairs n, 2n at the printed step [%], and X where P differs most."""
     found = {}
-    for n, coarse, fine in pairs:
-        errors = (100 * difference(coarse, fine, field) / 3 for field in ("pressure", "film"))
-        found[n] = (*errors, place_of_difference(coarse, fine))
+    for n in GRIDS[:-1]:
+        errors = (100 * difference(grids[n], grids[2 * n], field) / 3 for field in ("pressure", "film"))
+        found[n] = (*errors, place_of_difference(grids[n], grids[2 * n]))
     return found
+
+
+def step_changes(runner: Runner, name: str, steps: dict[float, Passage], central_film: float) -> dict[str, Change]:
+    """The pairs of runs that a time error can be taken from."""
+    speed = 2 * RIDGE_SPEED[name] / SPEED_SUM
+    both = runner.run({f"{name}_both": passage_case(name, 2, 512)}, read_passage)[f"{name}_both"]
+    pairs = {"given": (steps[1], steps[0.5]), "double": (steps[2], steps[1]), "both": (both, steps[1])}
+    return {kind: change(*pair, speed, central_film) for kind, pair in pairs.items()}
 
 
 def table_5_2(profile: Profile) -> Table:
@@ -229,10 +240,15 @@ def table_5_3(smooth: dict[int, Profile], times: Table, spaces: dict[str, dict[i
     steady = {n: 100 * float(np.abs(smooth[2 * n].pressure[::2] - smooth[n].pressure).max()) / 3 for n in GRIDS[:-1]}
     table.add(case="case1", measure="space", printed=PRINTED["case1"][1], **{f"grid_{n}": error for n, error in steady.items()})
     for name, (time, space) in list(PRINTED.items())[1:]:
-        row = next(row for row in times.rows if row["case"] == name and abs(row["ratio"] / nominal_ratio(name) - 1) < 0.01)
+        row = given_row(times, name)
         table.add(case=name, measure="time", printed=time, step=row["pressure"])
         table.add(case=name, measure="space", printed=space, **{f"grid_{n}": pair[0] for n, pair in spaces[name].items()})
     return table
+
+
+def given_row(times: Table, name: str) -> dict[str, float]:
+    """The row of the printed step."""
+    return next(row for row in times.rows if row["case"] == name and abs(row["ratio"] / nominal_ratio(name) - 1) < 0.01)
 
 
 def nominal_ratio(name: str) -> float:
@@ -257,26 +273,53 @@ def study(options: argparse.Namespace) -> None:
         true_pressure="difference of P to BDF2 with a quarter of the printed step [% of p_h]",
         true_film="the same of H [% of b^2/R]",
     )
-    passages, spaces = {}, {}
+    passages, spaces, step_pairs, grid_pairs = {}, {}, {}, {}
+    central = smooth[1024].central
+    passing = extremes_table()
     for name in STEPS:
         steps = time_errors(runner, times, name)
-        passages[name] = steps[1]
-        spaces[name] = space_errors(runner, name, steps[1])
+        grids = on_all_grids(runner, name, steps[1])
+        passages[name], spaces[name] = steps[1], space_errors(grids)
+        passing.add(**extremes(name, steps[1], steps[0.5], grids[2048]))
+        step_pairs[name] = step_changes(runner, name, steps, central)
+        speed = 2 * RIDGE_SPEED[name] / SPEED_SUM
+        grid_pairs[name] = {n: change(grids[n], grids[2 * n], speed, central) for n in GRIDS[:-1]}
     times.show("Time errors, 1024 intervals", case="", **dict.fromkeys(list(times.columns)[1:], ".4f"))
     times.write(options.output / "time_errors", "Time errors of Cases 2 and 3 over the step")
+    passing.show("Extremes of the passages", case="", **dict.fromkeys(list(passing.columns)[1:], ".4f"))
+    passing.write(options.output / "extremes", "Smallest film and largest pressure of Cases 2 and 3")
     other = table_5_2(smooth[1024])
     other.show("Table 5.2", quantity="", printed=".3f", ours=".4f")
     other.write(options.output / "table_5_2", "Table 5.2: mesh and steps")
     errors = table_5_3(smooth, times, spaces)
     errors.show("Table 5.3, errors in per cent", case="", measure="", **dict.fromkeys(list(errors.columns)[2:], ".3f"))
     errors.write(options.output / "table_5_3", "Table 5.3: discretisation errors")
+    steady = {n: float(np.abs(smooth[2 * n].pressure[::2] - smooth[n].pressure).max()) for n in GRIDS[:-1]}
+    true = {name: given_row(times, name)["true_pressure"] for name in STEPS}
+    readings = readings_table(steady, step_pairs, grid_pairs, true)
+    readings.show("Table 5.3 by other readings [%]", error="", reading="", case1=".4f", case2=".4f", case3=".4f")
+    readings.write(options.output / "table_5_3_readings", "Table 5.3 by every reading of the definitions")
     claims = Claims()
+    check_readings(claims, readings)
+    check_coarse_steps(claims, runner)
     mirrored = runner.run({"case1_exchanged": exchanged_speeds()}, read_profile)["case1_exchanged"]
     check(claims, smooth, mirrored, passages, times, spaces)
     claims.show()
     claims.table.write(options.output / "statements", "Statements of chapter 5 and what was measured")
     print(f"\n{runner.effort}")
     chapter5_figures.draw(options.output, smooth[1024], passages, times)
+
+
+def check_coarse_steps(claims: Claims, runner: Runner) -> None:
+    """The reference solver's time error of Case 2, 512 intervals."""
+    factors = (4, 2, 1)  # dT = 2 dX, dX, dX/2
+    found = runner.run({f"coarse_{factor}": passage_case("case2", factor, 512) for factor in factors}, read_passage)
+    wide, given = (difference(found[f"coarse_{first}"], found[f"coarse_{second}"]) for first, second in ((4, 2), (2, 1)))
+    claims.check(
+        "A reference solver, Case 2 with 512 intervals and dT = dX: halving dT moves P by 5e-4",
+        "5e-4 is the halving from 2 dX, and the error of dT = dX; halving dX moves half of it",
+        f"halving 2 dX moves P by {wide:.2e}, halving dX by {given:.2e}, and so on: the error of dT = dX is {2 * given:.1e}",
+    )
 
 
 def exchanged_speeds() -> Case:
@@ -323,7 +366,7 @@ def check(
             + f"{passage.film.min():.4f}, largest P {passage.pressure.max():.4f}",
         )
     rows = {name: [row for row in times.rows if row["case"] == name] for name in STEPS}
-    given = {name: next(row for row in rows[name] if abs(row["ratio"] / nominal_ratio(name) - 1) < 0.01) for name in STEPS}
+    given = {name: given_row(times, name) for name in STEPS}
     check_times(claims, rows, given)
     places = " and ".join(f"{spaces[name][512][2]:.2f}" for name in STEPS)
     claims.check(

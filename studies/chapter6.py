@@ -14,7 +14,7 @@ from pathlib import Path
 
 import chapter6_claims
 import chapter6_figures
-from overtaking import FINEST, FORMS, Situation, Thinning, film_errors, measure
+from overtaking import FINEST, FORMS, LENGTH, Situation, Thinning, film_errors, measure
 from study import ROOT, Claims, Runner, StudyError, Table, finish, new_parser
 
 PROGRAM = "chapter6.py"
@@ -144,6 +144,35 @@ def run_profiles(folder: Path, options: argparse.Namespace) -> dict[str, Path]:
     return {words: folder / f"{item.name}.h5" for words, item in situations.items()}
 
 
+def extremes_table(profiles: dict[str, Path], options: argparse.Namespace) -> Table:
+    """Smallest film and highest spike of the four overtakings, each with its place, its time and their errors."""
+    runner = Runner(options.output / "extremes", options.jobs, options.program)
+    both = ("film_thickness", "pressure")
+    coarser = {(words, form): item.case(FORMS[form], both) for words, item in OVERTAKINGS.items() for form in ("b_step", "b_grid")}
+    meetings = {f"{OVERTAKINGS[words].name}_{form}": OVERTAKINGS[words].meeting_time for words, form in coarser}
+    cases = {f"{OVERTAKINGS[words].name}_{form}": case for (words, form), case in coarser.items()}
+    found = runner.run(cases, lambda name, path: chapter6_claims.Fields(path, meetings[name]))
+    table = Table(
+        situation="fast over slow",
+        extreme="H: smallest film of the passage; P: highest spike near the meeting",
+        value="form (b)",
+        error="a third of what halving the step and of what halving the grid change",
+        x="its place",
+        x_error="its error likewise, and half of dX",
+        time="its time after the meeting of the centres",
+        time_error="its error likewise, and half the time between two profiles",
+    )
+    for words, item in OVERTAKINGS.items():
+        fields = [chapter6_claims.Fields(profiles[words], item.meeting_time)]
+        fields += [found[f"{item.name}_{form}"] for form in ("b_step", "b_grid")]
+        for letter, rows in (("H", [f.film_minimum() for f in fields]), ("P", [f.spike() for f in fields])):
+            errors = [(abs(b - step) + abs(step - grid)) / 3 for b, step, grid in zip(*rows, strict=True)]
+            half = LENGTH / FORMS["b"].intervals / 2
+            row = {"value": rows[0][0], "error": errors[0], "x": rows[0][1], "x_error": errors[1] + half}
+            table.add(situation=words, extreme=letter, **row, time=rows[0][2], time_error=errors[2] + half)
+    return table
+
+
 def animate(options: argparse.Namespace) -> None:
     """A film of the slow overtaking, s = 1/3, by the script for passages."""
     item, folder = Situation(1, l2=-6), options.output / "profiles"
@@ -188,6 +217,9 @@ def study(options: argparse.Namespace) -> None:
     formats |= {"xi_b": ".4f", "error_b": ".4f", "contact_b": ".4f", "x": "+.3f", "time_after": "+.3f", "edge": "", "h_min": ".3f"}
     table.show("Film thinning (6.1)", **formats)
     profiles = run_profiles(options.output / "profiles", options)
+    extremes = extremes_table(profiles, options)
+    extremes.show("Extremes of the overtakings", situation="", extreme="", **dict.fromkeys(list(extremes.columns)[2:], ".3f"))
+    extremes.write(options.output / "extremes", "Smallest film and highest spike of the overtakings")
     claims = Claims()
     chapter6_claims.check_overtakings(claims, profiles, {words: item.meeting_time for words, item in OVERTAKINGS.items()})
     chapter6_claims.check_study(claims, found)

@@ -34,8 +34,15 @@ class StudyError(Exception):
 
 
 def base_case(name: str) -> Case:
-    """The namelist input/NAME.nml as groups of keys."""
-    return f90nml.read(ROOT / "input" / f"{name}.nml").todict()
+    """The namelist input/NAME.nml as groups of keys.
+
+    Without error bars, since the studies halve grids and steps themselves, and in the space scheme of the thesis.
+    """
+    case = f90nml.read(ROOT / "input" / f"{name}.nml").todict()
+    if case["case"]["problem"] == "ehl_line":
+        case["accuracy"] = {"error_bars": False}
+        case["solver"] = {**case.get("solver", {}), "space_scheme": "thesis"}
+    return case
 
 
 def changed(case: Case, **groups: dict[str, object] | None) -> Case:

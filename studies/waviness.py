@@ -7,15 +7,17 @@ v = 1 - s/2 half-widths per unit of T; s = 2 (u2 - u1)/(u1 + u2).
 from __future__ import annotations
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import h5py
 import numpy as np
+from linear_response import C1, C2, Advection, LinearFilm, Smooth, linear_film, read_smooth
 from study import Case, Runner, base_case, changed
 
 OUTLET = 1.5
-FLUSHED = 5.0  # T after which what was in the contact at T = 0 has left it
+FLUSHED = 5.0  # T after which what was in the contact has left it
 PHASES = 16  # positions of a waviness that stands still
 HARMONICS = 4
 INSIDE = 0.5  # |X| where the film is taken apart into its two waves
@@ -24,7 +26,10 @@ ALPHA, P0, MU_0 = 2.2e-8, 1.96e8, 0.04  # Venner, Couhier, Lubrecht and Greenwoo
 
 @dataclass(frozen=True)
 class Waviness:
-    """One run; wavelength in half-widths, amplitude over the smooth central film, grid."""
+    """One run; wavelength in half-widths, amplitude over the smooth central film, grid, steps of time in dX.
+
+    `entry` = 0: the waviness covers the whole domain from T = 0; else it enters from the inlet and rises over this length.
+    """
 
     moes_m: float = 100.0
     moes_l: float = 11.0
@@ -33,6 +38,10 @@ class Waviness:
     amplitude: float = 0.1
     intervals: int = 1024
     inlet: float = -2.5
+    entry: float = 0.0
+    scheme: str = "bdf2"
+    steps: int = 1
+    space: str = "thesis"
 
     @property
     def spacing(self) -> float:
@@ -57,8 +66,23 @@ class Waviness:
     @property
     def name(self) -> str:
         """Name of its files."""
-        values = (self.moes_m, self.moes_l, self.wavelength, self.slip, self.amplitude, self.intervals, self.inlet)
-        return "w" + "_".join(f"{value:.5g}" for value in values)
+        values = (self.moes_m, self.moes_l, self.wavelength, self.slip, self.amplitude, self.intervals, self.inlet, self.entry)
+        return "w" + "_".join(f"{value:.5g}" for value in values) + f"_{self.scheme}_{self.steps}_{self.space}"
+
+    @property
+    def steps_in_period(self) -> int:
+        """Steps of time in a period, a multiple of 16: dT is at most dX/`steps`, and that over v for a faster surface."""
+        return 16 * math.ceil(self.steps * self.wavelength / min(1.0, self.speed) / self.spacing / 16 - 1e-9)
+
+    @property
+    def time_step(self) -> float:
+        """dT; 0 for a waviness that stands still."""
+        return self.wavelength / self.speed / self.steps_in_period if self.speed > 0 else 0.0
+
+    @property
+    def entry_time(self) -> float:
+        """T until the waviness is whole up to X = -1, where the oil takes over what it carries."""
+        return (-1 - self.inlet + self.entry) / self.speed if self.entry > 0 else 0.0
 
     def finer(self, factor: float) -> Waviness:
         """The same on another grid, and with the step that goes with it."""
@@ -79,15 +103,17 @@ class Waviness:
         bodies, pressure, half_width = self.operating_point()
         height = self.amplitude * central_film * half_width**2 / bodies["reduced_radius"]
         surface = {"shape": "sinusoid", "amplitude": height, "wavelength": self.wavelength * half_width, "position": 0.0}
+        if self.entry > 0:
+            surface["entry_length"] = self.entry
         base = changed(base_case("rolling_sinusoid"), bodies=bodies, load={"hertz_pressure": pressure}, domain=self.domain())
+        base = changed(base, solver={"space_scheme": self.space})
         if self.speed == 0:
             steady = changed(base, time=None, output=None)
             places = [phase * self.wavelength / PHASES for phase in range(PHASES)]
             return {f"{self.name}_{i}": changed(steady, surface_1={**surface, "position": x}) for i, x in enumerate(places)}
-        period = self.wavelength / self.speed
-        per_period = 16 * math.ceil(period * max(1.0, self.speed) / self.spacing / 16)
-        periods = math.ceil(FLUSHED / period) + 2
-        time = {"end_time": periods * period, "time_step": period / per_period, "scheme": "bdf2"}
+        period, per_period = self.wavelength / self.speed, self.steps_in_period
+        periods = math.ceil((FLUSHED + self.entry_time) / period) + 2
+        time = {"end_time": periods * period, "time_step": period / per_period, "scheme": self.scheme}
         output = {"fields": "film_thickness", "profile_stride": per_period // 16}
         return {self.name: changed(base, surface_1=surface, time=time, output=output)}
 
@@ -105,8 +131,7 @@ class Waviness:
 def compressed(run: Waviness, film: float) -> float:
     """What flattening a waviness leaves because the oil gives way: h_c k d(ln rho)/dP at P = 1, with P = k A flattening it."""
     pressure = run.operating_point()[1]
-    c1, c2 = 5.9e8, 1.34  # Dowson and Higginson
-    softness = (c2 - 1) * c1 / ((c1 + pressure) * (c1 + c2 * pressure)) * pressure
+    softness = (C2 - 1) * C1 / ((C1 + pressure) * (C1 + C2 * pressure)) * pressure
     return film * 2 * math.pi / run.wavelength * softness
 
 
@@ -115,20 +140,61 @@ class Response:
     """What the waviness leaves in the film.
 
     `ratio` is the complex ratio of the first harmonic at X = 0 to the waviness (1: undeformed), `swing` half of largest minus
-    smallest H(0, T) over the amplitude, `second` the second harmonic over the first. `in_place` and `carried` are the parts that
-    move with the surface and with the mean speed of the oil, `misfit` what these two leave unexplained; `drift` is the change of
-    the ratio over the last period, `h_min` the smallest H near the centre over the smooth central film, `film` the latter [b^2/R].
+    smallest H(0, T) over the amplitude, `second` the second harmonic over the first; `drift` is the change of the ratio over the
+    last period, `h_min` the smallest H near the centre over the smooth central film.
     """
 
     ratio: complex
     swing: float
     second: float
+    drift: float
+    h_min: float
+
+
+@dataclass(frozen=True)
+class Parts:
+    """A film of linear response as two waves: the part that moves with the surface, and the one that the oil carries.
+
+    `in_place` and `carried` are their complex amplitudes at X = 0 (in pure rolling they are one, `carried`), `misfit` is what they
+    leave unexplained, largest for |X| <= 0.5.
+    """
+
     in_place: complex
     carried: complex
     misfit: float
-    drift: float
-    h_min: float
-    film: float
+
+
+def take_apart(run: Waviness, answer: LinearFilm) -> Parts:
+    """Least squares over |X| <= 0.5 with the waves exp(-i k X) and exp(-i k v X)."""
+    inside = np.abs(answer.x) <= INSIDE
+    x, film = answer.x[inside], answer.film[inside]
+    waves = np.column_stack([np.exp(-1j * answer.number * run.speed * x), np.exp(-1j * answer.number * x)])
+    if run.speed == 1:
+        waves = waves[:, :1]
+    parts, *_ = np.linalg.lstsq(waves, film, rcond=None)
+    return Parts(complex(parts[1]) if len(parts) > 1 else 0j, complex(parts[0]), float(np.abs(waves @ parts - film).max()))
+
+
+def smooth_contacts(runner: Runner, runs: list[Waviness]) -> dict[Waviness, Smooth]:
+    """The smooth contact of each run, to a tolerance far below what a linear response sees."""
+    kinds = {run: Waviness(run.moes_m, run.moes_l, intervals=run.intervals, inlet=run.inlet) for run in runs}
+    cases = {kind: changed(kind.smooth(), solver={"tolerance": 1e-9}) for kind in kinds.values()}
+    found = runner.run({f"smooth_{kind.name}": case for kind, case in cases.items()}, read_smooth)
+    return {run: found[f"smooth_{kind.name}"] for run, kind in kinds.items()}
+
+
+def linear_films(runner: Runner, jobs: list[tuple[Waviness, Advection]]) -> dict[tuple[Waviness, Advection], LinearFilm]:
+    """Linear responses with the grid and step of each run, side by side."""
+    smooth = smooth_contacts(runner, [run for run, _ in jobs])
+
+    def solve(job: tuple[Waviness, Advection]) -> LinearFilm:
+        run, advection = job
+        return linear_film(smooth[run], run.wavelength, advection, run.speed, run.time_step or run.spacing)
+
+    # The largest first: all cores end at about the same time, and the memory of two large ones is there only once.
+    order = sorted(jobs, key=lambda job: -job[0].intervals)
+    with ThreadPoolExecutor(runner.jobs) as pool:
+        return dict(zip(order, pool.map(solve, order), strict=True))
 
 
 def harmonics(phase: np.ndarray, film: np.ndarray) -> np.ndarray:
@@ -155,10 +221,10 @@ def read_steady(_: str, path: Path) -> tuple[np.ndarray, np.ndarray, float]:
 
 
 def run_all(runner: Runner, runs: list[Waviness]) -> dict[Waviness, Response]:
-    """All responses; the smooth contacts are run first, for the amplitudes."""
-    points = {(run.moes_m, run.moes_l): Waviness(run.moes_m, run.moes_l, intervals=2048) for run in runs}
-    smooth = runner.run({f"smooth_{i}": point.smooth() for i, point in enumerate(points.values())}, read_steady)
-    films = {key: float(np.interp(0.0, *result[:2])) for key, result in zip(points, smooth.values(), strict=True)}
+    """All responses by time marching; the smooth contacts are run first, for the amplitudes."""
+    finest = {run: Waviness(run.moes_m, run.moes_l, intervals=2048) for run in runs}
+    smooth = smooth_contacts(runner, list(finest.values()))
+    films = {(run.moes_m, run.moes_l): smooth[point].central_film for run, point in finest.items()}
     cases, heights = {}, {}
     for run in sorted(runs, key=lambda item: -item.intervals):
         film = films[run.moes_m, run.moes_l]
@@ -192,7 +258,6 @@ def at_centre(x: np.ndarray, values: np.ndarray) -> complex:
 
 def response(run: Waviness, height: float, x: np.ndarray, phase: np.ndarray, film: np.ndarray) -> Response:
     """Takes the last two periods of a film apart; `phase` is 2 pi v T/Lambda, `height` the amplitude in b^2/R."""
-    wave = 2 * math.pi / run.wavelength
     near = np.flatnonzero(np.abs(x) <= INSIDE + 0.1)
     x, film = x[near], film[:, near]
     last = phase > phase[-1] - 2 * math.pi * (1 + 1e-9)
@@ -205,20 +270,10 @@ def response(run: Waviness, height: float, x: np.ndarray, phase: np.ndarray, fil
     centre = [at_centre(x, values) for values in found]
     turn = np.linspace(0, 2 * math.pi, 721)
     course = sum((c * np.exp(1j * k * turn)).real for k, c in enumerate(centre[1:], start=1))
-    inside = np.abs(x) <= INSIDE
-    waves = np.column_stack([np.exp(-1j * wave * x[inside]), np.exp(-1j * wave * run.speed * x[inside])])
-    if run.speed == 1:
-        waves = waves[:, :1]
-    parts, *_ = np.linalg.lstsq(waves, -found[1][inside] / height, rcond=None)
-    rest = np.abs(waves @ parts + found[1][inside] / height).max()
     return Response(
         ratio=-centre[1] / height,
         swing=float((course.max() - course.min()) / 2 / height),
         second=float(abs(centre[2]) / abs(centre[1])),
-        in_place=complex(parts[0]),
-        carried=complex(parts[1]) if len(parts) > 1 else 0j,
-        misfit=float(rest),
         drift=float("nan") if earlier is None else abs(earlier - centre[1]) / height,
         h_min=float(film[last].min()) * run.amplitude / height,
-        film=height / run.amplitude,
     )
