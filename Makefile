@@ -17,7 +17,7 @@ RELEASE := $(COMMON) -O3 -funroll-loops -fno-semantic-interposition $(if $(filte
 DEBUG := $(COMMON) -O1 -fcheck=all,no-array-temps -finit-real=snan -finit-integer=-99999999 -ffpe-trap=invalid,zero,overflow
 
 BENCH := bench/bench_jobs.f90 bench/bench_recorder.f90 bench/bench_measure.f90 bench/asperity_bench.f90
-DEMO_CASES := input/case3_demo.nml input/case1.nml
+DEMO_CASES := input/case3_demo.nml input/case1.nml input/dry_profile.nml input/dry_area.nml
 DEMO := results/demo
 
 .DEFAULT_GOAL := help
@@ -64,7 +64,7 @@ lint: ## style of Fortran, Python and shell, order of the layers, errors that no
 	shellcheck bootstrap .ci/run $(wildcard tools/*.sh cluster/*.sh)
 	@echo "lint: no findings"
 
-demo: build ## the main job: a ridge passing through an oil film, results and figures in results/demo/
+demo: build ## the main job: a ridge passing through an oil film, a rough profile and area; results and figures in results/demo/
 	@mkdir -p $(DEMO)
 	build/bin/asperity $(DEMO_CASES) --output $(DEMO)
 	@$(MAKE) --no-print-directory figures
@@ -73,9 +73,10 @@ figures: ## the figures of the demo again, from its result files
 	$(PYTHON) postproc/profile.py $(DEMO)/case1.h5 $(DEMO)/case3_demo.h5 --output $(DEMO)
 	$(PYTHON) postproc/transient.py $(DEMO)/case3_demo.h5 --output $(DEMO)
 	$(PYTHON) postproc/convergence.py $(DEMO)/case1.h5 $(DEMO)/case3_demo.h5 --output $(DEMO)
+	$(PYTHON) postproc/dry.py $(DEMO)/dry_profile.h5 $(DEMO)/dry_area.h5 --output $(DEMO)
 	@echo "figures in $(DEMO):" && ls $(DEMO)
 
-.PHONY: chapter5 chapter6 chapter7 bench-dry amplitude thesis
+.PHONY: chapter3 chapter4 chapter5 chapter6 chapter7 area bench-dry amplitude thesis dry
 chapter5: build ## thesis, chapter 5: Cases 1 to 3, error tables, figures, statements (ARGS=--quick)
 	$(PYTHON) studies/chapter5.py $(ARGS)
 
@@ -86,10 +87,22 @@ amplitude: build ## what an oil film leaves of a waviness, rolling and sliding, 
 	$(PYTHON) studies/amplitude.py $(ARGS)
 
 thesis: chapter5 chapter6 amplitude ## the lubricated half of the thesis: the three above, and their figures into docs/images/
-	$(PYTHON) studies/page_images.py
+	$(PYTHON) studies/page_images.py chapter5 chapter6 amplitude
+
+chapter3: build ## thesis, chapter 3: elastic against elastic-perfectly plastic, load, unload, reload (ARGS=--quick)
+	$(PYTHON) studies/chapter3.py $(ARGS)
+
+chapter4: build ## thesis, chapter 4: which harmonics and how many nodes the contact area needs (ARGS=--quick)
+	$(PYTHON) studies/chapter4.py $(ARGS)
+
+area: build ## contact area of rough areas against the load, with its error (ARGS=--quick)
+	$(PYTHON) studies/area.py $(ARGS)
 
 chapter7: build ## thesis, chapter 7: four dry profiles, 13 loads, and 50 realisations of each (ARGS=--quick)
 	$(PYTHON) studies/chapter7.py $(ARGS)
+
+dry: chapter3 chapter4 chapter7 area ## the dry half of the thesis: chapters 3, 4, 7 and rough areas, and their figures into docs/images/
+	$(PYTHON) studies/page_images.py chapter3 chapter4 chapter7 area
 
 bench: bench-program ## speed and memory, in results/bench/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/run.py $(ARGS)
@@ -99,6 +112,7 @@ bench-dry: build ## dry areas beside other programs (ARGS="--peers PYTHON": the 
 
 chart: bench-program ## error against wall time of all methods, in results/chart/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/chart.py $(ARGS)
+	$(PYTHON) bench/dry_chart.py $(ARGS)
 
 orders: bench-program ## table of the observed orders in time, in results/orders/ (ARGS=--quick: coarser)
 	$(PYTHON) bench/orders.py $(ARGS)
@@ -108,6 +122,7 @@ accuracy: bench-program ## are the error bars honest, what does a wanted accurac
 
 stability: bench-program ## maps of where each method converges, in results/stability/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/stability.py $(ARGS)
+	$(PYTHON) bench/dry_stability.py $(ARGS)
 
 # The program that bench, chart and stability use: many cases in one process. Made from the library that `make build` leaves.
 bench-program: build

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws dry contacts: the profile with pressure, or maps of pressure and contact; the load sweep; bearing curves and spectrum."""
+"""Draws dry contacts: the profile with pressure, or maps of pressure and contact; the load sweep; the heights; the convergence."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from result_file import PREFIXES, ResultError
 
 PROGRAM = "dry.py"
@@ -31,6 +32,8 @@ class DryResult:
     solution: dict[str, np.ndarray]
     sweep: dict[str, np.ndarray]
     surface: dict[str, np.ndarray]
+    history: np.ndarray
+    tolerance: float
     hardness: float | None
 
     @property
@@ -60,6 +63,8 @@ def read_dry(path: Path) -> DryResult:
                 bool(file.attrs.get("converged", 0)),
                 reason.decode() if isinstance(reason, bytes) else str(reason),
                 *groups,
+                np.atleast_1d(file["report/residual_history"][()]),
+                float(file["input/effective/solver/tolerance"][()]),
                 None if hardness is None else float(hardness[()]),
             )
     except OSError as error:
@@ -178,6 +183,17 @@ def draw_surface(result: DryResult) -> Figure:
     return figure
 
 
+def draw_convergence(result: DryResult) -> Figure:
+    """The error over the iterations for the last load."""
+    figure, panel = style.new_figure(style.ONE_COLUMN, 62)
+    look = {key: style.SERIES[0][key] for key in ("color", "linestyle")}
+    panel.semilogy(np.arange(result.history.size), np.maximum(result.history, np.finfo(float).tiny), **look)
+    panel.axhline(result.tolerance, **style.REFERENCE)
+    panel.set(xlabel="Iteration [-]", ylabel="Violation of the contact conditions [-]")
+    panel.xaxis.set_major_locator(MaxNLocator(integer=True))
+    return figure
+
+
 def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     """All figures of one result; returns their names."""
     result = read_dry(path)
@@ -186,6 +202,8 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     if len(result.sweep["mean_pressure"]) > 1:
         kinds["sweep"] = draw_sweep
     kinds["surface"] = draw_surface
+    if result.history.size > 1:
+        kinds["convergence"] = draw_convergence
     names = []
     for kind, drawing in kinds.items():
         figure = drawing(result)

@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Copies the figures of the studies that docs/thesis.md shows to docs/images/, with few colours to keep them small."""
+"""Copies the figures of the studies that docs/thesis.md and docs/dry.md show to docs/images/, with few colours to keep them small.
+
+page_images.py chapter5 chapter6 ...: the studies whose figures are copied.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,12 @@ from PIL import Image
 from study import ROOT
 
 FIGURES = {
+    "chapter3": ("chapter3_profile", "chapter3_loads", "chapter3_cycle"),
+    "chapter4": ("chapter4_truncation", "chapter4_grids"),
+    "chapter7": ("chapter7_loads",),
+    "area": ("area_load",),
+    "chart": ("dry_chart",),
+    "stability": ("dry_stability",),
     "chapter5": ("figure_5_1_smooth", "figure_5_2_case2", "figure_5_3_case3", "time_errors"),
     "chapter6": (
         "figure_6_1_situations",
@@ -29,8 +38,8 @@ def main() -> None:
     """All figures; one that is missing ends with status 1."""
     target = ROOT / "docs" / "images"
     target.mkdir(parents=True, exist_ok=True)
-    for folder, names in FIGURES.items():
-        for name in names:
+    for folder in sys.argv[1:]:
+        for name in FIGURES[folder]:
             source = ROOT / "results" / folder / f"{name}.png"
             if not source.exists():
                 sys.exit(f"page_images.py: {source} is missing: make {folder}")

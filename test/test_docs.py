@@ -15,7 +15,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGES = ["README.md", "CONTRIBUTING.md", "docs/guide.md", "docs/theory.md", "docs/developer.md"]
-LINKED_PAGES = [*PAGES, "CHANGELOG.md", "docs/input.md", "docs/ford.md", "docs/thesis.md", "docs/performance.md"]
+LINKED_PAGES = [*PAGES, "CHANGELOG.md", "docs/input.md", "docs/ford.md", "docs/thesis.md", "docs/dry.md", "docs/performance.md"]
 BLOCK = re.compile(r"^(?P<exempt><!-- not run: .+ -->\n)?```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
 FOLDERS = r"(?:src|app|test|tools|docs|input|postproc|include|bench|cluster|studies|\.ci)"
 

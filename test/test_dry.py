@@ -270,8 +270,10 @@ def test_figures_of_a_profile_and_an_area(asperity, tmp_path):
         "profile_profile.png",
         "profile_sweep.png",
         "profile_surface.png",
+        "profile_convergence.png",
         "area_maps.png",
         "area_surface.png",
+        "area_convergence.png",
     }
 
 

@@ -1,0 +1,80 @@
+"""The dry half of the thesis again, in short: chapters 3, 4 and 7, and rough areas. Each study is called with --quick."""
+
+import csv
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+STUDIES = Path(__file__).resolve().parent.parent / "studies"
+
+
+def run_quick(name, program, folder):
+    """Calls a study with --quick, which must end with status 0; returns standard output."""
+    command = [sys.executable, str(STUDIES / name), "--quick", "--output", str(folder), "--jobs", "2", "--program", str(program)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def rows(path):
+    """A CSV file as list of dictionaries."""
+    with path.open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def verdicts(path):
+    """Statement: verdict."""
+    return {row["claim"]: row["verdict"] for row in rows(path)}
+
+
+def test_chapter_3_quick_form(program, tmp_path):
+    run_quick("chapter3.py", program, tmp_path)
+    assert set(verdicts(tmp_path / "statements.csv").values()) == {"agrees"}
+    found = {(row["profile"], row["kind"], row["counter"]): row for row in rows(tmp_path / "chapter3.csv") if row["load"] == "100"}
+    # The reference table of the profiles: profile A at 100 kN/m.
+    assert float(found["A", "plastic", "rigid"]["contact_area_fraction"]) == pytest.approx(34 / 512)
+    assert float(found["A", "elastic", "rigid"]["p_max"]) == pytest.approx(37e9, rel=0.02)
+    assert {path.name for path in tmp_path.glob("*.png")} == {
+        "chapter3_profile.png",
+        "chapter3_loads.png",
+        "chapter3_cycle.png",
+    }
+
+
+def test_chapter_4_quick_form(program, tmp_path):
+    run_quick("chapter4.py", program, tmp_path)
+    table = rows(tmp_path / "chapter4_truncation.csv")
+    for name in "ABCD":
+        cut = {int(row["harmonics"]): row for row in table if row["profile"] == name and row["kind"] == "elastic"}
+        # Fewer harmonics: less slope, larger contact.
+        slope = [float(cut[n]["rms_slope_undeformed"]) for n in sorted(cut)]
+        area = [float(cut[n]["contact_area_fraction"]) for n in sorted(cut)]
+        assert np.all(np.diff(slope) > 0)
+        assert area[0] > 1.5 * area[-1]
+    grids = [row for row in rows(tmp_path / "chapter4_grids.csv") if row["kind"] == "plastic"]
+    assert [int(row["nodes"]) for row in grids] == [256, 512, 1024, 65536]
+    energy = [float(row["dissipated_energy"]) for row in grids]
+    assert energy[1] == pytest.approx(energy[-1], rel=0.05)
+    assert [float(row["p_max"]) for row in grids] == [4e9] * 4
+
+
+def test_rough_area_quick_form(program, tmp_path):
+    run_quick("area.py", program, tmp_path)
+    assert set(verdicts(tmp_path / "statements.csv").values()) == {"agrees"}
+    found = rows(tmp_path / "area.csv")
+    # Between Persson's constant and that of asperities, and falling with the load.
+    kappa = [float(row["kappa"]) for row in found]
+    assert 1.6 < kappa[-1] < kappa[0] < 2.51
+    assert float(found[1]["kappa"]) == pytest.approx(2.3, abs=0.15)
+
+
+def test_chapter_7_quick_form(program, tmp_path):
+    output = run_quick("chapter7.py", program, tmp_path)
+    assert "DISAGREES" not in output
+    found = {(row["profile"], row["load"]): row for row in rows(tmp_path / "chapter7.csv")}
+    assert len(found) == 4 * 13
+    assert float(found["C", "100"]["contact_area_fraction"]) == pytest.approx(44 / 512)
+    assert float(found["C", "100"]["plasticity_index"]) == pytest.approx(0.523, abs=1e-3)

@@ -1,0 +1,102 @@
+"""Import of measured topographies: with SurfaceTopography where it is installed, and what is said where it is not."""
+
+import importlib.util
+import pathlib
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+from dry_cases import solve
+
+SCRIPT = pathlib.Path(__file__).resolve().parent.parent / "tools" / "import_topography.py"
+
+
+def call(*arguments, cwd):
+    """Runs the script."""
+    return subprocess.run([sys.executable, str(SCRIPT), *arguments], cwd=cwd, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture
+def library():
+    """The module SurfaceTopography."""
+    if importlib.util.find_spec("SurfaceTopography") is None:
+        pytest.skip("not applicable: SurfaceTopography is not installed (.venv/bin/pip install SurfaceTopography)")
+    return importlib.import_module("SurfaceTopography")
+
+
+def measured(nx=24, ny=16):
+    """Heights [µm] on a tilted plane, first index x."""
+    x, y = np.arange(nx)[:, None] / nx, np.arange(ny)[None, :] / ny
+    return np.cos(2 * np.pi * (2 * x + y)) + 0.5 * np.sin(2 * np.pi * 3 * y) + x
+
+
+def test_without_the_library_it_is_said(tmp_path):
+    # A module of that name that fails stands for one that is missing.
+    (tmp_path / "SurfaceTopography.py").write_text("raise ImportError('No module named muFFT')\n", encoding="utf-8")
+    command = (
+        f"import sys, runpy; sys.path.insert(0, {str(tmp_path)!r}); sys.argv = ['x', 'a.x3p']; "
+        f"runpy.run_path({str(SCRIPT)!r}, run_name='__main__')"
+    )
+    done = subprocess.run([sys.executable, "-c", command], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr.startswith("import_topography.py: needs the library SurfaceTopography (No module named muFFT): install it")
+    assert not (tmp_path / "heights.h5").exists()
+
+
+@pytest.mark.parametrize("ending", ["nc", "x3p"])
+def test_area_of_an_instrument(library, asperity, tmp_path, ending):
+    z = measured()
+    topography = library.Topography(z, (48.0, 64.0), unit="µm")
+    {"nc": topography.to_netcdf, "x3p": topography.to_x3p}[ending](str(tmp_path / f"scan.{ending}"))
+    done = call(f"scan.{ending}", "--output", "scan.h5", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "24 x 16 nodes, 4.8e-05 m x 6.4e-05 m" in done.stdout
+    with h5py.File(tmp_path / "scan.h5") as file:
+        np.testing.assert_allclose(file["z"][()], z.T * 1e-6, rtol=0, atol=1e-14)
+        assert file["z"].attrs["spacing_x"] == pytest.approx(2e-6)
+        assert file["z"].attrs["spacing_y"] == pytest.approx(4e-6)
+    with solve(asperity, tmp_path, "shape = 'file', file = 'scan.h5', dataset = 'z'", [1e8], problem="dry_area") as file:
+        np.testing.assert_allclose(file["solution/height_undeformed"][()], z.T * 1e-6, rtol=0, atol=1e-14)
+        assert file["solution/y"][-1] == pytest.approx(60e-6)
+
+
+def test_tilt_is_taken_off(library, tmp_path):
+    library.Topography(measured(), (48.0, 64.0), unit="µm").to_netcdf(str(tmp_path / "scan.nc"))
+    assert call("scan.nc", "--detrend", "tilt", cwd=tmp_path).returncode == 0
+    with h5py.File(tmp_path / "heights.h5") as file:
+        z = file["z"][()]
+    x, y = np.meshgrid(np.arange(24), np.arange(16))
+    assert abs(np.corrcoef(x.ravel(), z.ravel())[0, 1]) < 0.05
+    assert abs(z.mean()) < 1e-9
+    assert y.shape == z.shape
+
+
+def test_gaps_are_an_error_unless_filled(library, tmp_path):
+    z = measured()
+    holes = np.ma.masked_array(z, mask=np.zeros_like(z, dtype=bool))
+    holes[5:7, 3] = np.ma.masked
+    library.Topography(holes, (48.0, 64.0), unit="µm").to_netcdf(str(tmp_path / "scan.nc"))
+    done = call("scan.nc", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "2 points were not measured" in done.stderr
+    assert not (tmp_path / "heights.h5").exists()
+    assert call("scan.nc", "--fill", cwd=tmp_path).returncode == 0
+    with h5py.File(tmp_path / "heights.h5") as file:
+        filled = file["z"][()].T * 1e6
+    np.testing.assert_allclose(filled[~holes.mask], z[~holes.mask], atol=1e-9)
+    assert np.all(np.abs(filled - z) < 1)
+
+
+def test_files_that_are_none(library, tmp_path):
+    assert library is not None
+    done = call("none.x3p", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (1, "import_topography.py: none.x3p: no such file\n")
+    (tmp_path / "text.x3p").write_text("no topography\n", encoding="utf-8")
+    done = call("text.x3p", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "text.x3p: no format that SurfaceTopography reads" in done.stderr
+    library.Topography(measured(), (48.0, 64.0), unit="µm").to_netcdf(str(tmp_path / "scan.nc"))
+    assert call("scan.nc", "--list", cwd=tmp_path).stdout.startswith("0  Default  ")
+    assert "found no channel 3, expected 0 to 0" in call("scan.nc", "--channel", "3", cwd=tmp_path).stderr
