@@ -61,7 +61,7 @@ contains
          end if
       end if
       if (case%problem /= lubricated) then
-         call solve_and_write(case, command%output_dir, command%is_quiet, status)
+         call solve_and_write(case, command%output_dir, command%is_quiet, command%threads, status)
          return
       end if
       call listen_to_signals()

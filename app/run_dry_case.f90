@@ -9,6 +9,7 @@ module run_dry_case
    use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
    use errors, only: error_t
    use hdf5_dataset, only: new_label, write_dataset
+   use hdf5_file, only: hdf5_file_t
    use iteration_report, only: phase_steady
    use kinds, only: wp
    use progress_log, only: new_progress_log, progress_log_t
@@ -23,18 +24,19 @@ module run_dry_case
 contains
 
    !> Solves all loads of `case`, writes its result to the folder `output_dir` (empty: where the case says), tells a line a
-   !> load unless `is_quiet`.
-   subroutine solve_and_write(case, output_dir, is_quiet, status)
+   !> load unless `is_quiet`; areas are shared by `threads`.
+   subroutine solve_and_write(case, output_dir, is_quiet, threads, status)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: output_dir
       logical, intent(in) :: is_quiet
+      integer, intent(in) :: threads
       integer, intent(out) :: status
       type(result_writer_t) :: writer
       type(progress_log_t) :: log
       type(dry_scaling_t) :: scaling
       type(dry_outcome_t) :: outcome
       type(error_t), allocatable :: error
-      real(wp) :: cpu_finish, cpu_start, start
+      real(wp) :: start
 
       log = new_progress_log(is_quiet)
       call open_result(writer, result_path(case, output_dir), error)
@@ -44,9 +46,9 @@ contains
       end if
       call writer%describe(trim(case%problem), case%title, case%namelist)
       start = wall_seconds()
-      call cpu_time(cpu_start)
       associate (dry => case%dry)
          scaling = new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus)
+         if (dry%grid%ny > 1) dry%grid%threads = threads
          call solve_dry_sweep(dry%grid, dry%height, scaling, dry%loads, dry%settings, outcome, error)
       end associate
       if (allocated(error)) then
@@ -54,7 +56,6 @@ contains
          call give_up(error, log, status)
          return
       end if
-      call cpu_time(cpu_finish)
       outcome%solution%report%wall_seconds = wall_seconds() - start
       outcome%solution%report%phase_seconds(phase_steady) = outcome%solution%report%wall_seconds
       call judge_sweep(outcome%rows, outcome%solution)
@@ -65,8 +66,7 @@ contains
          call give_up(error, log, status)
          return
       end if
-      call write_dataset(writer%file, '/report/cpu_seconds', cpu_finish - cpu_start, &
-         new_label('processor time of the solution, planning of the transforms included', 's'))
+      call write_costs(writer%file, outcome)
       call writer%publish(outcome%solution%report, error)
       if (allocated(error)) then
          call give_up(error, log, status)
@@ -75,6 +75,20 @@ contains
       call tell(log, case%file(index(case%file, '/', back=.true.) + 1:), outcome%rows, outcome%solution, writer%path)
       status = merge(status_converged, status_not_converged, outcome%solution%report%converged)
    end subroutine solve_and_write
+
+   !> What the solution took: /report/cpu_..., /report/transforms.
+   subroutine write_costs(file, outcome)
+      class(hdf5_file_t), intent(inout) :: file
+      type(dry_outcome_t), intent(in) :: outcome
+
+      call write_dataset(file, '/report/cpu_seconds', outcome%cpu_prepare + outcome%cpu_solve, &
+         new_label('processor time of the solution, planning of the transforms included', 's'))
+      call write_dataset(file, '/report/cpu_prepare_seconds', outcome%cpu_prepare, new_label('the part for planning', 's'))
+      call write_dataset(file, '/report/wall_solve_seconds', outcome%wall_solve, &
+         new_label('wall time of the solution without planning', 's'))
+      call write_dataset(file, '/report/transforms', real(outcome%transforms, wp), &
+         new_label('transforms: size in x, in y, pairs in double, pairs in single precision', '1'))
+   end subroutine write_costs
 
    !> The report of the last load speaks for all: one that has not converged is enough; transforms and iterations add up.
    subroutine judge_sweep(rows, solution)

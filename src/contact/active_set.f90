@@ -5,15 +5,16 @@
 !>    E = max of |p gap|/(p_c s) where 0 < p < H,  -gap/s where p < H,  gap/s where p = H,  (-p, p - H)/p_c,  load error.
 module active_set
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use dry_problem, only: dry_problem_t
+   use, intrinsic :: iso_fortran_env, only: real32
+   use dry_problem, only: dry_grid_t, dry_problem_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
    public :: active_set_t, new_active_set
 
-   !> Nodes that are looked at together.
-   integer, parameter :: block = 64
+   !> Nodes of one row that are looked at together.
+   integer, parameter :: block = 32
 
    !> The nodes F that may move: 0 < p < H; p = 0 with negative gap; p = H with positive gap.
    type :: active_set_t
@@ -33,10 +34,13 @@ module active_set
       integer :: contacts = 0, capped = 0
       !> Nodes with p = H that are not in F.
       integer :: held = 0
-      !> Since the last survey p has only changed on F.
-      logical :: is_followed = .false.
+      !> Blocks of each row; the least v of each, and whether it had p > 0 or nodes of F in the last survey.
+      integer, private :: blocks = 0
+      real(wp), allocatable, private :: lowest(:, :)
+      logical, allocatable, private :: is_busy(:, :)
    contains
       procedure :: survey
+      procedure :: follow
    end type active_set_t
 
    !> What the nodes of a survey add up to.
@@ -46,37 +50,115 @@ module active_set
 
 contains
 
-   !> Storage for a grid of `n` nodes.
-   subroutine new_active_set(self, n)
+   !> Storage for a `grid`.
+   subroutine new_active_set(self, grid)
       type(active_set_t), intent(out) :: self
-      integer, intent(in) :: n
+      type(dry_grid_t), intent(in) :: grid
 
-      allocate (self%node(n), self%residual(n))
+      allocate (self%node(grid%nx*grid%ny), self%residual(grid%nx*grid%ny))
+      self%blocks = (grid%nx + block - 1)/block
+      allocate (self%lowest(self%blocks, grid%ny), self%is_busy(self%blocks, grid%ny))
    end subroutine new_active_set
 
    !> Finds datum, F, residual and error of the pressure `p` with `v` = K p - z (both nx*ny).
-   !> If `is_followed`, p has been moved on the last F only.
    subroutine survey(self, problem, p, v)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(in) :: p(:), v(:)
-      type(extremes_t) :: extremes
-      integer :: first, last
+      integer :: b, first, j, last
 
+      !$omp parallel do num_threads(problem%grid%threads) private(b, first, last) schedule(static)
+      do j = 1, problem%grid%ny
+         do b = 1, self%blocks
+            call bounds_of(problem%grid, b, j, first, last)
+            self%lowest(b, j) = minval(v(first:last))
+            self%is_busy(b, j) = maxval(abs(p(first:last))) > 0.0_wp
+         end do
+      end do
+      !$omp end parallel do
       call find_datum(self, problem%hardness, p, v)
+      call look_at_blocks(self, problem, p, v)
+   end subroutine survey
+
+   !> The same after p has been moved on F only: first adds `factor` times the product of `elastic` to `v`, in one go.
+   subroutine follow(self, problem, factor, p, v)
+      class(active_set_t), intent(inout) :: self
+      type(dry_problem_t), intent(in) :: problem
+      real(wp), intent(in) :: factor
+      real(wp), contiguous, intent(in) :: p(:)
+      real(wp), contiguous, intent(inout) :: v(:)
+      integer :: b, first, j, last, offset
+
+      associate (product => problem%elastic%single%product)
+         !$omp parallel do num_threads(problem%grid%threads) private(b, first, last, offset) schedule(static)
+         do j = 1, problem%grid%ny
+            offset = (j - 1)*problem%grid%nx
+            do b = 1, self%blocks
+               call bounds_of(problem%grid, b, j, first, last)
+               call add_and_find_least(v(first:last), factor, product(first - offset:last - offset, j), self%lowest(b, j))
+            end do
+         end do
+         !$omp end parallel do
+      end associate
+      call follow_datum(self, problem%hardness, p, v)
+      call look_at_blocks(self, problem, p, v)
+   end subroutine follow
+
+   !> v = v + factor times product, and its least value.
+   pure subroutine add_and_find_least(v, factor, product, least)
+      real(wp), contiguous, intent(inout) :: v(:)
+      real(wp), intent(in) :: factor
+      real(real32), contiguous, intent(in) :: product(:)
+      real(wp), intent(out) :: least
+      real(wp) :: low(2)
+      integer :: i, n
+
+      n = size(v)
+      low = v(n) + factor*product(n)
+      do i = 1, n - 1, 2
+         v(i) = v(i) + factor*product(i)
+         v(i + 1) = v(i + 1) + factor*product(i + 1)
+         low(1) = merge(v(i), low(1), v(i) < low(1))
+         low(2) = merge(v(i + 1), low(2), v(i + 1) < low(2))
+      end do
+      if (mod(n, 2) == 1) v(n) = v(n) + factor*product(n)
+      least = min(low(1), low(2))
+   end subroutine add_and_find_least
+
+   !> First and last node of block `b` in row `j`.
+   pure subroutine bounds_of(grid, b, j, first, last)
+      type(dry_grid_t), intent(in) :: grid
+      integer, intent(in) :: b, j
+      integer, intent(out) :: first, last
+
+      first = (j - 1)*grid%nx + (b - 1)*block + 1
+      last = min(first + block - 1, j*grid%nx)
+   end subroutine bounds_of
+
+   !> F, counts and error from the blocks that hold pressure or gaps below the datum.
+   subroutine look_at_blocks(self, problem, p, v)
+      class(active_set_t), intent(inout) :: self
+      type(dry_problem_t), intent(in) :: problem
+      real(wp), contiguous, intent(in) :: p(:), v(:)
+      type(extremes_t) :: extremes
+      integer :: b, before, first, j, last
+
       self%count = 0
       self%contacts = 0
       self%capped = 0
       self%held = 0
       extremes = extremes_t(0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
-      do first = 1, size(p), block
-         last = min(first + block - 1, size(p))
-         if (minval(v(first:last)) >= self%datum .and. maxval(abs(p(first:last))) <= 0.0_wp) cycle
-         call survey_block(self, problem%hardness, p, v, first, last, extremes)
+      do j = 1, problem%grid%ny
+         row: do b = 1, self%blocks
+            if (self%lowest(b, j) >= self%datum .and. .not. self%is_busy(b, j)) cycle row
+            call bounds_of(problem%grid, b, j, first, last)
+            before = self%count + self%contacts
+            call survey_block(self, problem%hardness, p, v, first, last, extremes)
+            self%is_busy(b, j) = self%count + self%contacts > before
+         end do row
       end do
       call judge(self, problem, extremes)
-      self%is_followed = .true.
-   end subroutine survey
+   end subroutine look_at_blocks
 
    !> Adds the nodes `first` ... `last` to F, to the counts and to the extremes.
    subroutine survey_block(self, hardness, p, v, first, last, extremes)
@@ -142,26 +224,16 @@ contains
       real(wp), intent(in) :: hardness
       real(wp), contiguous, intent(in) :: p(:), v(:)
       real(wp) :: total, highest, lowest
-      integer :: i, k, free
+      integer :: i, free
 
       total = 0.0_wp
       free = 0
-      if (self%is_followed) then
-         do k = 1, self%count
-            i = self%node(k)
-            if (p(i) > 0.0_wp .and. p(i) < hardness) then
-               total = total + v(i)
-               free = free + 1
-            end if
-         end do
-      else
-         do i = 1, size(p)
-            if (p(i) > 0.0_wp .and. p(i) < hardness) then
-               total = total + v(i)
-               free = free + 1
-            end if
-         end do
-      end if
+      do i = 1, size(p)
+         if (p(i) > 0.0_wp .and. p(i) < hardness) then
+            total = total + v(i)
+            free = free + 1
+         end if
+      end do
       if (free > 0) then
          self%datum = total/free
          return
@@ -174,5 +246,29 @@ contains
          self%datum = merge(highest, lowest, highest > -huge(1.0_wp))
       end if
    end subroutine find_datum
+
+   !> The same if nodes with 0 < p < H are in the last F only.
+   subroutine follow_datum(self, hardness, p, v)
+      class(active_set_t), intent(inout) :: self
+      real(wp), intent(in) :: hardness
+      real(wp), contiguous, intent(in) :: p(:), v(:)
+      real(wp) :: total
+      integer :: i, k, free
+
+      total = 0.0_wp
+      free = 0
+      do k = 1, self%count
+         i = self%node(k)
+         if (p(i) > 0.0_wp .and. p(i) < hardness) then
+            total = total + v(i)
+            free = free + 1
+         end if
+      end do
+      if (free > 0) then
+         self%datum = total/free
+      else
+         call find_datum(self, hardness, p, v)
+      end if
+   end subroutine follow_datum
 
 end module active_set

@@ -1,12 +1,14 @@
 !> Contact of rough surfaces by a projected, preconditioned conjugate gradient with both bounds as active sets.
 !>
-!> After I. A. Polonsky and L. M. Keer, Wear 231, 1999, 206, with three changes: the direction is never restarted when nodes
-!> enter or leave, |q| preconditions it, and the load is kept by shifts, not by scaling, so that an upper bound (hardness)
-!> is held exactly. Nodes at a bound leave it as soon as their gap has the wrong sign.
+!> After I. A. Polonsky and L. M. Keer, Wear 231, 1999, 206, with four changes: the direction is never restarted when nodes
+!> enter or leave, |q| preconditions it, the load is kept by shifts, not by scaling, so that an upper bound (hardness) is held
+!> exactly, and an iteration takes one product with K: the step along the direction is foretold from the iteration before,
+!> what leaves the bounds is clipped, and only then K is applied to the change of p, whose length is corrected. Nodes at a
+!> bound leave it as soon as their gap has the wrong sign.
 module dry_conjugate_gradient
    use active_set, only: active_set_t, new_active_set
    use dry_preconditioner, only: dry_preconditioner_t
-   use dry_problem, only: dry_problem_t
+   use dry_problem, only: dry_grid_t, dry_problem_t
    use dry_solution, only: dry_settings_t, dry_solution_t, take_survey
    use errors, only: error_t
    use iteration_report, only: report_t
@@ -18,25 +20,34 @@ module dry_conjugate_gradient
 
    public :: iterate_conjugate_gradient
 
-   !> v = K p - z is computed anew after so many iterations: its updates collect rounding errors.
-   integer, parameter :: refresh_interval = 15
+   !> Rounding error of a product in single precision, over its largest value.
+   real(wp), parameter :: single_noise = 2.0e-7_wp
+   !> v = K p - z is computed anew when the rounding errors of its updates reach this share of the error measure.
+   real(wp), parameter :: noise_share = 0.3_wp
    !> Iterations without a halved error after which nothing more is to be gained.
    integer, parameter :: patience = 1000
+   !> Lengths of the first step and of the second, over s = M r; later ones are like those before them.
+   real(wp), parameter :: first_length = 0.9_wp, usual_length = 0.25_wp
+   !> A clipped change that goes beyond twice its best length raises the energy: from here on it is cut to the best.
+   real(wp), parameter :: least_length = 0.5_wp
 
-   !> What an iteration works on; fields (nx*ny), lists as long as the active set.
+   !> What an iteration works on; lists are as long as the active set.
    type :: work_t
       type(active_set_t) :: set
-      !> v = K p - z.
+      !> v = K p - z (nx*ny).
       real(wp), allocatable :: v(:)
-      !> Direction t and residual r of the last iteration, zero off its active set.
-      real(wp), allocatable :: t(:), r(:)
-      !> s = M r on the list; direction, then change of p on the list.
-      real(wp), allocatable :: s(:), q(:)
-      !> r.s of the last iteration; 0: there is no direction yet.
-      real(wp) :: descent
-      !> Nodes on which t and r are not zero.
-      integer, allocatable :: old_node(:)
+      !> s = M r; direction, then change of p; K times the last change; on the list.
+      real(wp), allocatable :: s(:), q(:), kd(:)
+      !> The last change d of p, on its list.
       integer :: old_count
+      integer, allocatable :: old_node(:)
+      real(wp), allocatable :: d(:)
+      !> d.K d (0: there is none) and K d over the last product.
+      real(wp) :: curvature, scale
+      !> Length of the next step along its direction, by the last one; the same where there is no last change.
+      real(wp) :: expected, first
+      !> Sum of the largest |K d| since v was computed anew.
+      real(wp) :: path
    end type work_t
 
 contains
@@ -52,21 +63,17 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(work_t) :: work
       real(wp) :: best
-      integer :: age, iteration, stalled
+      integer :: iteration, stalled
 
-      call new_work(work, size(solution%pressure))
-      call refresh(problem, solution%pressure, work%v)
-      age = 0
+      call problem%elastic%plan_single(error)
+      if (allocated(error)) return
+      call new_work(work, problem%grid)
       best = huge(1.0_wp)
       stalled = 0
       associate (p => solution%pressure, report => solution%report)
+         call begin(problem, p, work)
          do iteration = 0, settings%max_cycles
-            call work%set%survey(problem, p, work%v)
-            if (age > 0 .and. (work%set%error <= settings%tolerance .or. age >= refresh_interval)) then
-               call refresh(problem, p, work%v)
-               age = 0
-               call work%set%survey(problem, p, work%v)
-            end if
+            if (must_refresh(work, problem, settings)) call refresh(problem, p, work)
             call report%add(work%set%error, work%set%load_error)
             report%converged = work%set%error <= settings%tolerance
             stalled = stalled + 1
@@ -78,7 +85,6 @@ contains
                .or. iteration == settings%max_cycles) exit
             call step(problem, preconditioner, p, work, error)
             if (allocated(error)) return
-            age = age + 1
          end do
       end associate
       solution%report%method = 'conjugate_gradient'
@@ -87,136 +93,234 @@ contains
       call take_survey(work%set, solution)
    end subroutine iterate_conjugate_gradient
 
-   !> Storage for `n` nodes.
-   subroutine new_work(work, n)
+   !> Storage for a `grid`.
+   subroutine new_work(work, grid)
       type(work_t), intent(out) :: work
-      integer, intent(in) :: n
+      type(dry_grid_t), intent(in) :: grid
+      integer :: n
 
-      call new_active_set(work%set, n)
-      allocate (work%v(n), work%s(n), work%q(n), work%old_node(n))
-      allocate (work%t(n), work%r(n), source=0.0_wp)
-      work%descent = 0.0_wp
+      n = grid%nx*grid%ny
+      call new_active_set(work%set, grid)
+      allocate (work%v(n), work%s(n), work%q(n), work%kd(n), work%d(n), work%old_node(n + 1))
+      work%curvature = 0.0_wp
+      work%scale = 0.0_wp
+      work%expected = usual_length
+      work%first = first_length
       work%old_count = 0
    end subroutine new_work
 
-   !> v = K p - z.
-   subroutine refresh(problem, p, v)
+   !> v = K p - z in single precision, which does while the error is large, and the first survey.
+   subroutine begin(problem, p, work)
       type(dry_problem_t), intent(inout) :: problem
       real(wp), contiguous, intent(in) :: p(:)
-      real(wp), contiguous, intent(out) :: v(:)
+      type(work_t), intent(inout) :: work
+      real(wp) :: scale
+      integer :: i, n
 
-      call problem%deflect(p, v)
-      v = v - problem%height
+      n = 0
+      do i = 1, size(p)
+         if (p(i) <= 0.0_wp) cycle
+         n = n + 1
+         work%old_node(n) = i
+         work%q(n) = p(i)
+      end do
+      call problem%elastic%single%apply(work%old_node(:n), work%q(:n), scale)
+      work%v(:) = -problem%height
+      call problem%elastic%single%add_to(scale, work%v)
+      work%path = maxval(abs(work%v + problem%height))
+      call work%set%survey(problem, p, work%v)
+   end subroutine begin
+
+   !> True if the updates of v have collected too many rounding errors, or if the solution seems found.
+   pure function must_refresh(work, problem, settings)
+      type(work_t), intent(in) :: work
+      type(dry_problem_t), intent(in) :: problem
+      type(dry_settings_t), intent(in) :: settings
+      logical :: must_refresh
+      real(wp) :: noise
+
+      noise = single_noise*work%path/max(problem%height_scale, tiny(1.0_wp))
+      must_refresh = work%path > 0.0_wp .and. (work%set%error <= settings%tolerance .or. noise > noise_share*work%set%error)
+      if (settings%is_rough) must_refresh = .false.
+   end function must_refresh
+
+   !> v = K p - z in double precision, and a survey.
+   subroutine refresh(problem, p, work)
+      type(dry_problem_t), intent(inout) :: problem
+      real(wp), contiguous, intent(in) :: p(:)
+      type(work_t), intent(inout) :: work
+
+      call problem%deflect(p, work%v)
+      work%v = work%v - problem%height
+      work%path = 0.0_wp
+      call work%set%survey(problem, p, work%v)
    end subroutine refresh
 
-   !> One iteration: direction, step, back into the bounds. Products are in single precision: they only change v, which is
-   !> computed anew now and then.
+   !> One iteration: direction, step, back into the bounds, K times the change, and its length. The product is in single
+   !> precision: it only changes v, which is computed anew now and then.
    subroutine step(problem, preconditioner, p, work, error)
       type(dry_problem_t), intent(inout) :: problem
       type(dry_preconditioner_t), intent(inout) :: preconditioner
       real(wp), contiguous, intent(inout) :: p(:)
       type(work_t), intent(inout) :: work
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: curvature, scale, slope, length
+      real(wp) :: length, scale
       logical :: is_clipped
-
-      associate (n => work%set%count, elastic => problem%elastic)
-         call preconditioner%precondition(problem%grid, work%set%node(:n), work%set%residual(:n), work%s(:n), error)
-         if (allocated(error)) return
-         call find_direction(work, slope)
-         call elastic%apply_single(work%set%node(:n), work%q(:n), scale, error)
-         if (allocated(error)) return
-         curvature = scale*elastic%dot_single(work%set%node(:n), work%q(:n))
-         length = 0.0_wp
-         if (curvature > 0.0_wp .and. slope > 0.0_wp) length = slope/curvature
-         if (.not. length > 0.0_wp) work%descent = 0.0_wp
-         call move(problem, p, length, work, is_clipped)
-         if (is_clipped) then
-            call elastic%apply_single(work%set%node(:n), work%q(:n), length, error)
-            if (allocated(error)) return
-            call elastic%add_single(length, work%v)
-         else
-            call elastic%add_single(length*scale, work%v)
-         end if
-      end associate
-   end subroutine step
-
-   !> t = s - mean s + beta (old t on F, its mean removed), beta = max(0, s.(r - r_old)/(r.s)_old), on the list q; `slope` = r.t.
-   subroutine find_direction(work, slope)
-      type(work_t), intent(inout) :: work
-      real(wp), intent(out) :: slope
-      real(wp) :: beta, descent, mean_s, mean_t, numerator
-      integer :: i, k, n
+      integer :: k, n
 
       n = work%set%count
-      mean_s = sum(work%s(:n))/n
-      mean_t = 0.0_wp
-      descent = 0.0_wp
-      numerator = 0.0_wp
-      do k = 1, n
-         i = work%set%node(k)
-         work%s(k) = work%s(k) - mean_s
-         mean_t = mean_t + work%t(i)
-         descent = descent + work%s(k)*work%set%residual(k)
-         numerator = numerator + work%s(k)*(work%set%residual(k) - work%r(i))
-         work%q(k) = work%t(i)
-      end do
-      mean_t = mean_t/n
-      beta = 0.0_wp
-      if (work%descent > 0.0_wp) beta = max(0.0_wp, numerator/work%descent)
-      slope = 0.0_wp
-      do k = 1, n
-         work%q(k) = work%s(k) + beta*(work%q(k) - mean_t)
-         slope = slope + work%q(k)*work%set%residual(k)
-      end do
-      if (slope <= 0.0_wp) then
-         work%q(:n) = work%s(:n)
-         slope = descent
-      end if
-      work%descent = descent
-      do k = 1, work%old_count
-         work%t(work%old_node(k)) = 0.0_wp
-         work%r(work%old_node(k)) = 0.0_wp
-      end do
-      do k = 1, n
-         i = work%set%node(k)
-         work%t(i) = work%q(k)
-         work%r(i) = work%set%residual(k)
-      end do
+      associate (elastic => problem%elastic, node => work%set%node(:n))
+         if (work%curvature > 0.0_wp) call elastic%single%gather(node, work%scale, work%kd(:n))
+         call preconditioner%precondition(problem%grid, node, work%set%residual(:n), work%s(:n), error)
+         if (allocated(error)) return
+         call find_direction(work, length)
+         call find_change(problem, p, length, work, is_clipped)
+         call elastic%single%apply(node, work%q(:n), scale)
+         call elastic%single%gather(node, scale, work%kd(:n))
+         call find_length(problem, p, is_clipped, work, length)
+         do k = 1, n
+            work%d(k) = length*work%q(k)
+            p(node(k)) = p(node(k)) + work%d(k)
+         end do
+      end associate
       work%old_node(:n) = work%set%node(:n)
       work%old_count = n
+      work%scale = length*scale
+      work%path = work%path + length*maxval(abs(work%kd(:n)))
+      call work%set%follow(problem, work%scale, p, work%v)
+   end subroutine step
+
+   !> t = s - mean s + beta (old d on F, its mean removed), with t conjugate to the old d, on the list q; `length`: the step
+   !> along t that is to be expected.
+   subroutine find_direction(work, length)
+      type(work_t), intent(inout) :: work
+      real(wp), intent(out) :: length
+      real(wp) :: along, beta, mean_d, mean_s, slope
+      integer :: k, n
+
+      n = work%set%count
+      associate (s => work%s(:n), q => work%q(:n), r => work%set%residual(:n))
+         mean_s = sum(s)/n
+         length = work%first
+         if (work%curvature > 0.0_wp) then
+            length = work%expected
+            call find_old_change(work, mean_d)
+            along = 0.0_wp
+            do k = 1, n
+               along = along + (s(k) - mean_s)*work%kd(k)
+            end do
+            beta = max(0.0_wp, -along/work%curvature)
+            slope = 0.0_wp
+            do k = 1, n
+               q(k) = s(k) - mean_s + beta*(q(k) - mean_d)
+               slope = slope + q(k)*r(k)
+            end do
+            if (slope > 0.0_wp) return
+         end if
+         q = s - mean_s
+      end associate
    end subroutine find_direction
 
-   !> p = p + length t on F; what leaves the bounds is clipped and the load restored by a shift of F. If so, `is_clipped` and
-   !> the list q holds the change of p.
-   subroutine move(problem, p, length, work, is_clipped)
+   !> The last change of p on the present list, q, and its mean.
+   pure subroutine find_old_change(work, mean)
+      type(work_t), intent(inout) :: work
+      real(wp), intent(out) :: mean
+      integer :: k, n, old
+
+      n = work%set%count
+      old = 1
+      mean = 0.0_wp
+      ! A node past the end of the old list stops the search.
+      work%old_node(work%old_count + 1) = huge(1)
+      do k = 1, n
+         do while (work%old_node(old) < work%set%node(k))
+            old = old + 1
+         end do
+         work%q(k) = 0.0_wp
+         if (work%old_node(old) == work%set%node(k)) work%q(k) = work%d(old)
+         mean = mean + work%q(k)
+      end do
+      mean = mean/n
+   end subroutine find_old_change
+
+   !> The change of p on F that `length` times t makes, on the list q; what leaves the bounds is clipped (`is_clipped`) and the
+   !> load restored by a shift of F, which takes away rounding errors of the load too.
+   subroutine find_change(problem, p, length, work, is_clipped)
       type(dry_problem_t), intent(in) :: problem
-      real(wp), contiguous, intent(inout) :: p(:)
+      real(wp), contiguous, intent(in) :: p(:)
       real(wp), intent(in) :: length
       type(work_t), intent(inout) :: work
       logical, intent(out) :: is_clipped
-      real(wp) :: held_load, p_new
-      integer :: i, k, n
+      real(wp) :: load, total
+      integer :: k, n
 
       n = work%set%count
-      is_clipped = length <= 0.0_wp
-      do k = 1, n
-         i = work%set%node(k)
-         work%q(k) = p(i) + length*work%t(i)
-         is_clipped = is_clipped .or. work%q(k) < 0.0_wp .or. work%q(k) > problem%hardness
+      associate (q => work%q(:n), node => work%set%node(:n))
+         is_clipped = .false.
+         total = 0.0_wp
+         do k = 1, n
+            q(k) = p(node(k)) + length*q(k)
+            total = total + q(k)
+            is_clipped = is_clipped .or. q(k) < 0.0_wp .or. q(k) > problem%hardness
+         end do
+         load = problem%load
+         if (work%set%held > 0) load = max(load - work%set%held*problem%hardness, 0.0_wp)
+         if (is_clipped) then
+            call shift_into_bounds(q, problem%hardness, load)
+            total = load
+         end if
+         do k = 1, n
+            q(k) = q(k) + (load - total)/n - p(node(k))
+         end do
+      end associate
+   end subroutine find_change
+
+   !> How much of the change q to make: the minimum of the energy along it, as far as the bounds allow.
+   subroutine find_length(problem, p, is_clipped, work, length)
+      type(dry_problem_t), intent(in) :: problem
+      real(wp), contiguous, intent(in) :: p(:)
+      logical, intent(in) :: is_clipped
+      type(work_t), intent(inout) :: work
+      real(wp), intent(out) :: length
+      real(wp) :: best, curvature, slope
+
+      associate (n => work%set%count)
+         slope = dot_product(work%set%residual(:n), work%q(:n))
+         curvature = dot_product(work%q(:n), work%kd(:n))
+         best = 1.0_wp
+         if (curvature > 0.0_wp) best = slope/curvature
+         length = 1.0_wp
+         if (.not. is_clipped) then
+            if (fits(problem, p, best, work)) length = best
+         else if (best < least_length) then
+            length = max(best, 0.0_wp)
+         end if
+         best = min(max(best, 0.25_wp), 2.0_wp)
+         if (work%curvature > 0.0_wp) then
+            work%expected = work%expected*best
+         else
+            work%first = min(work%first*best, first_length)
+         end if
+         work%curvature = length**2*curvature
+      end associate
+   end subroutine find_length
+
+   !> True if p + length q keeps the bounds.
+   pure function fits(problem, p, length, work)
+      type(dry_problem_t), intent(in) :: problem
+      real(wp), contiguous, intent(in) :: p(:)
+      real(wp), intent(in) :: length
+      type(work_t), intent(in) :: work
+      logical :: fits
+      real(wp) :: p_new
+      integer :: k
+
+      fits = length > 0.0_wp
+      do k = 1, work%set%count
+         p_new = p(work%set%node(k)) + length*work%q(k)
+         if (p_new < 0.0_wp .or. p_new > problem%hardness) fits = .false.
       end do
-      if (is_clipped) then
-         held_load = 0.0_wp
-         if (work%set%held > 0) held_load = work%set%held*problem%hardness
-         call shift_into_bounds(work%q(:n), problem%hardness, max(problem%load - held_load, 0.0_wp))
-      end if
-      do k = 1, n
-         i = work%set%node(k)
-         p_new = work%q(k)
-         work%q(k) = p_new - p(i)
-         p(i) = p_new
-      end do
-   end subroutine move
+   end function fits
 
    !> Why the iteration ended.
    function reason_of(report, error, stalled, max_cycles) result(reason)

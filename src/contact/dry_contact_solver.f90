@@ -44,11 +44,12 @@ contains
       type(dry_problem_t), intent(inout) :: problem
       type(dry_solution_t), intent(inout) :: solution
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: largest_load, pairs_before, pairs_start
+      real(wp) :: largest_load
+      integer :: before(4, 3)
       logical :: is_done
 
       solution%report = report_t()
-      pairs_start = 0.0_wp
+      solution%transforms = reshape([integer ::], [4, 0])
       if (problem%is_capped()) then
          largest_load = problem%hardness*size(problem%height)
          if (problem%load > largest_load*(1.0_wp + plastic_margin)) then
@@ -61,16 +62,47 @@ contains
             return
          end if
       end if
-      pairs_before = problem%elastic%pair_weight()
+      before = done(self, problem)
       call solve_full_contact(self, problem, solution, is_done)
       if (.not. is_done) then
-         call start(problem, solution, pairs_start, error)
+         call start(problem, solution, error)
          if (allocated(error)) return
-         call iterate(self, problem, solution, pairs_start, error)
+         call iterate(self, problem, solution, error)
          if (allocated(error)) return
       end if
-      solution%report%fft_pairs = nint(pairs_start + problem%elastic%pair_weight() - pairs_before, int64)
+      call count_transforms(done(self, problem), before, solution)
    end subroutine solve
+
+   !> Transforms of solver and problem until now (4, 3).
+   pure function done(self, problem) result(transforms)
+      class(dry_solver_t), intent(in) :: self
+      type(dry_problem_t), intent(in) :: problem
+      integer :: transforms(4, 3)
+
+      transforms(:, 1) = problem%elastic%transforms()
+      transforms(:, 2:) = self%preconditioner%transforms()
+   end function done
+
+   !> Adds what came between `before` and `after` to the transforms of `solution`, and sums up in pairs of the largest grid,
+   !> one in single precision as a half.
+   pure subroutine count_transforms(after, before, solution)
+      integer, intent(in) :: after(:, :), before(:, :)
+      type(dry_solution_t), intent(inout) :: solution
+      real(wp) :: largest, weight
+      integer :: k
+
+      solution%transforms = reshape([solution%transforms, after], [4, size(solution%transforms, 2) + size(after, 2)])
+      associate (t => solution%transforms)
+         k = size(t, 2) - size(after, 2) + 1
+         t(3:, k:) = t(3:, k:) - before(3:, :)
+         largest = real(after(1, 1), wp)*after(2, 1)
+         weight = 0.0_wp
+         do k = 1, size(t, 2)
+            weight = weight + (t(3, k) + 0.5_wp*t(4, k))*(real(t(1, k), wp)*t(2, k)/largest)
+         end do
+      end associate
+      solution%report%fft_pairs = nint(weight, int64)
+   end subroutine count_transforms
 
    !> Plans the transforms, which the first solve would do otherwise. Fails (internal_error) if FFTW does.
    subroutine prepare(self, problem, error)
@@ -93,27 +125,24 @@ contains
    end subroutine forget_surface
 
    !> A pressure to begin with.
-   subroutine start(problem, solution, pairs, error)
+   subroutine start(problem, solution, error)
       type(dry_problem_t), intent(in) :: problem
       type(dry_solution_t), intent(inout) :: solution
-      real(wp), intent(out) :: pairs
       type(error_t), allocatable, intent(out) :: error
 
-      pairs = 0.0_wp
       if (solution%contacts > 0) then
          call neighbour_start(problem, solution%v, solution%datum, solution%pressure)
       else
          if (.not. allocated(solution%pressure)) allocate (solution%pressure(size(problem%height)))
-         call nested_start(problem, solution%pressure, pairs, error)
+         call nested_start(problem, solution%pressure, solution%transforms, error)
       end if
    end subroutine start
 
-   !> The iteration of the chosen method; the preconditioner's transforms are added to `pairs`.
-   subroutine iterate(self, problem, solution, pairs, error)
+   !> The iteration of the chosen method.
+   subroutine iterate(self, problem, solution, error)
       class(dry_solver_t), intent(inout) :: self
       type(dry_problem_t), intent(inout) :: problem
       type(dry_solution_t), intent(inout) :: solution
-      real(wp), intent(inout) :: pairs
       type(error_t), allocatable, intent(out) :: error
 
       if (self%settings%method == method_steepest_descent) then
@@ -121,10 +150,8 @@ contains
       else
          call self%prepare(problem, error)
          if (allocated(error)) return
-         pairs = pairs - self%preconditioner%pairs()
          call iterate_conjugate_gradient(problem, self%preconditioner, self%settings, solution, error)
          if (allocated(error)) return
-         pairs = pairs + self%preconditioner%pairs()
       end if
       solution%report%tolerance_effective = self%settings%tolerance
    end subroutine iterate
@@ -155,7 +182,7 @@ contains
       if (.not. allocated(solution%v)) allocate (solution%v(size(problem%height)))
       call problem%deflect(solution%pressure, solution%v)
       solution%v = solution%v - problem%height
-      call new_active_set(set, size(problem%height))
+      call new_active_set(set, problem%grid)
       call set%survey(problem, solution%pressure, solution%v)
       solution%report%method = 'full_contact'
       solution%report%converged = .true.
@@ -167,15 +194,9 @@ contains
    subroutine flatten(problem, p)
       type(dry_problem_t), intent(inout) :: problem
       real(wp), allocatable, intent(out) :: p(:)
-      real(wp), allocatable :: inverse(:, :)
-      real(wp) :: weight
 
-      weight = 1.0_wp/size(problem%height)
-      allocate (inverse, mold=problem%elastic%symbol)
-      inverse = 0.0_wp
-      where (problem%elastic%symbol > 0.0_wp) inverse = weight*weight/problem%elastic%symbol
       allocate (p(size(problem%height)))
-      call problem%elastic%apply_symbol(inverse, problem%height, p)
+      call problem%elastic%apply_inverse(problem%height, p)
    end subroutine flatten
 
    !> p = H everywhere; the datum is the one with the least plastic deformation, zero at one node.

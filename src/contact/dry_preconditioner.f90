@@ -10,6 +10,7 @@ module dry_preconditioner
    use errors, only: error_t
    use half_space_response, only: wavenumbers
    use kinds, only: wp
+   use single_product, only: new_single_product, single_product_t
    use spectral_product, only: new_spectral_product, spectral_product_t
    implicit none (type, external)
    private
@@ -27,7 +28,7 @@ module dry_preconditioner
    !> Nodes of one row that the stencil takes together.
    integer, parameter :: lane = 8
    !> Share of the nodes from which on the whole |q| is cheaper.
-   real(wp), parameter :: most_listed = 0.4_wp
+   real(wp), parameter :: most_listed = 0.1_wp
 
    !> Prepared products. Not to be copied: it owns FFTW plans.
    type :: dry_preconditioner_t
@@ -47,11 +48,10 @@ module dry_preconditioner
       type(spectral_product_t) :: coarse
       real(wp), allocatable :: coarse_in(:), coarse_out(:)
       !> The whole |q|, made when it is first needed.
-      type(spectral_product_t) :: whole
-      real(wp), allocatable :: whole_in(:), whole_out(:)
+      type(single_product_t) :: whole
    contains
       procedure :: precondition
-      procedure :: pairs
+      procedure :: transforms
    end type dry_preconditioner_t
 
 contains
@@ -80,7 +80,7 @@ contains
       self%width = merge(area_width, line_width, grid%ny > 1)
       allocate (self%field(1 - self%reach:grid%nx + self%reach + lane, 1 - self%reach_y:grid%ny + self%reach_y), source=0.0_real32)
       allocate (self%coarse_in(cx*cy), self%coarse_out(cx*cy))
-      call new_spectral_product(self%coarse, cx, cy, coarse_symbol(grid, self%width, cx, cy), .false., error)
+      call new_spectral_product(self%coarse, cx, cy, coarse_symbol(grid, self%width, cx, cy), grid%threads, error)
       if (allocated(error)) return
       call make_stencil(self, grid, error)
    end subroutine new_dry_preconditioner
@@ -91,10 +91,11 @@ contains
       type(dry_grid_t), intent(in) :: grid
       type(error_t), allocatable, intent(out) :: error
 
-      call new_spectral_product(self%whole, grid%nx, grid%ny, wavenumbers(grid%nx, grid%ny, 1.0_wp, grid%aspect), .false., error)
-      if (allocated(error)) return
-      allocate (self%whole_in(grid%nx*grid%ny), self%whole_out(grid%nx*grid%ny), source=0.0_wp)
-      self%has_whole = .true.
+      associate (nx => grid%nx, ny => grid%ny)
+         call new_single_product(self%whole, [nx, ny], [nx, ny], transpose(wavenumbers(nx, ny, 1.0_wp, grid%aspect)) &
+            /(real(nx, wp)*real(ny, wp)), grid%threads, error)
+      end associate
+      self%has_whole = .not. allocated(error)
    end subroutine prepare_whole
 
    !> |q| g over the transfer functions of spreading and interpolation (sinc^2 each, in either direction), for a coarse grid
@@ -150,7 +151,7 @@ contains
             symbol(i, j) = symbol(i, j)*(1.0_wp - exp(-0.5_wp*self%width**2*(angle_x**2 + angle_y**2)))
          end do
       end do
-      call new_spectral_product(small, nx, ny, symbol, .false., error)
+      call new_spectral_product(small, nx, ny, symbol, 1, error)
       if (allocated(error)) return
       impulse = 0.0_wp
       impulse(1) = 1.0_wp
@@ -176,21 +177,14 @@ contains
       real(wp), contiguous, intent(out) :: s(:)
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: scale
-      integer :: k
 
-      if (.not. self%has_levels .or. size(node) > most_listed*self%nx*real(self%ny, wp)) then
+      if (.not. self%has_levels .or. size(node) > merge(0.1_wp, 0.4_wp, self%ny > 1)*self%nx*real(self%ny, wp)) then
          if (.not. self%has_whole) then
             call prepare_whole(self, grid, error)
             if (allocated(error)) return
          end if
-         do k = 1, size(node)
-            self%whole_in(node(k)) = r(k)
-         end do
-         call self%whole%apply(self%whole_in, self%whole_out)
-         do k = 1, size(node)
-            s(k) = self%whole_out(node(k))
-            self%whole_in(node(k)) = 0.0_wp
-         end do
+         call self%whole%apply(node, r, scale)
+         call self%whole%gather(node, scale, s)
       else
          scale = maxval(abs(r))
          if (scale <= 0.0_wp) scale = 1.0_wp
@@ -337,14 +331,13 @@ contains
       end do
    end subroutine stencil_lanes
 
-   !> Transform pairs done, in pairs of the full grid.
-   pure function pairs(self)
+   !> Transforms done: size, pairs in double, pairs in single precision (4, 2).
+   pure function transforms(self)
       class(dry_preconditioner_t), intent(in) :: self
-      real(wp) :: pairs
+      integer :: transforms(4, 2)
 
-      pairs = real(self%whole%pairs, wp)
-      if (self%has_levels) pairs = pairs + real(self%coarse%pairs, wp)*real(self%coarse%nx, wp)*real(self%coarse%ny, wp) &
-         /(real(self%nx, wp)*real(self%ny, wp))
-   end function pairs
+      transforms(:, 1) = [self%coarse%nx, self%coarse%ny, int(self%coarse%pairs), 0]
+      transforms(:, 2) = [self%nx, self%ny, 0, int(self%whole%pairs)]
+   end function transforms
 
 end module dry_preconditioner

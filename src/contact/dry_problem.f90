@@ -28,6 +28,8 @@ module dry_problem
       real(wp) :: aspect
       !> `kernel_band_limited`, `kernel_element` or `kernel_open`.
       integer :: kernel
+      !> Threads that share the work of an area.
+      integer :: threads = 1
    end type dry_grid_t
 
    !> One surface on its grid and what presses on it. `hardness` and `load` may be changed between solves.
@@ -50,13 +52,12 @@ module dry_problem
 
 contains
 
-   !> Prepares a problem on `grid` with the heights z (nx*ny); hardness none and load 0. FFTW times its plans if
-   !> `is_measured`. Fails (internal_error) if FFTW does.
-   subroutine new_dry_problem(self, grid, height, is_measured, error)
+   !> Prepares a problem on `grid` with the heights z (nx*ny); hardness none and load 0. Fails
+   !> (internal_error) if FFTW does.
+   subroutine new_dry_problem(self, grid, height, error)
       type(dry_problem_t), intent(inout) :: self
       type(dry_grid_t), intent(in) :: grid
       real(wp), intent(in) :: height(:)
-      logical, intent(in) :: is_measured
       type(error_t), allocatable, intent(out) :: error
 
       self%grid = grid
@@ -64,17 +65,17 @@ contains
       self%load = 0.0_wp
       self%height = height - sum(height)/size(height)
       self%height_scale = norm2(self%height)/sqrt(real(size(height), wp))
-      associate (nx => grid%nx, ny => grid%ny, aspect => grid%aspect)
+      associate (nx => grid%nx, ny => grid%ny, aspect => grid%aspect, threads => grid%threads)
          select case (grid%kernel)
          case (kernel_band_limited)
-            call new_spectral_product(self%elastic, nx, ny, band_limited_response(nx, ny, 1.0_wp, aspect), is_measured, error)
+            call new_spectral_product(self%elastic, nx, ny, band_limited_response(nx, ny, 1.0_wp, aspect), threads, error)
          case (kernel_element)
-            call new_spectral_product(self%elastic, nx, ny, element_response(nx, ny, 1.0_wp, aspect), is_measured, error)
+            call new_spectral_product(self%elastic, nx, ny, element_response(nx, ny, 1.0_wp, aspect), threads, error)
          case default
             if (ny == 1) then
-               call new_convolution(self%elastic, open_line_kernel(nx, 1.0_wp/nx), is_measured, error)
+               call new_convolution(self%elastic, open_line_kernel(nx, 1.0_wp/nx), threads, error)
             else
-               call new_convolution(self%elastic, open_area_kernel(nx, ny, 1.0_wp/nx, aspect/ny), is_measured, error)
+               call new_convolution(self%elastic, open_area_kernel(nx, ny, 1.0_wp/nx, aspect/ny), threads, error)
             end if
          end select
       end associate

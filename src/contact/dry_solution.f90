@@ -18,6 +18,8 @@ module dry_solution
       real(wp) :: tolerance = 1.0e-8_wp
       !> Most iterations.
       integer :: max_cycles = 10000
+      !> True: a guess is wanted; single precision does.
+      logical :: is_rough = .false.
    end type dry_settings_t
 
    !> Pressure and gaps for one load, dimensionless, fields (nx*ny).
@@ -31,6 +33,8 @@ module dry_solution
       !> Error measure.
       real(wp) :: kkt = huge(1.0_wp)
       type(report_t) :: report
+      !> Transforms done: size mx x my, pairs in double, pairs in single precision (4, any number of grids).
+      integer, allocatable :: transforms(:, :)
    end type dry_solution_t
 
 contains

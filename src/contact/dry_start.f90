@@ -16,39 +16,39 @@ module dry_start
    !> Fewest nodes a side of a coarser grid.
    integer, parameter :: coarsest = 32
    !> Error to which the coarser grids are solved, and their most iterations.
-   type(dry_settings_t), parameter :: coarse_settings = dry_settings_t(tolerance=0.1_wp, max_cycles=200)
+   type(dry_settings_t), parameter :: coarse_settings = dry_settings_t(tolerance=0.1_wp, max_cycles=200, is_rough=.true.)
    !> Step from a neighbouring solution against its gaps, as a share of the largest wavenumber of the grid.
    real(wp), parameter :: neighbour_step = 0.3_wp
 
 contains
 
    !> A pressure `p` (nx*ny) within its bounds and with its load: solutions to E = 0.1 on grids of half the nodes each, the
-   !> coarsest first, each node's pressure handed to the 2 or 4 nodes below it. `pairs` counts the transforms in pairs of
-   !> the full grid. Fails (internal_error) if FFTW does.
-   recursive subroutine nested_start(problem, p, pairs, error)
+   !> coarsest first, each node's pressure handed to the 2 or 4 nodes below it. `transforms` are those done, as
+   !> in a solution. Fails (internal_error) if FFTW does.
+   recursive subroutine nested_start(problem, p, transforms, error)
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(out) :: p(:)
-      real(wp), intent(out) :: pairs
+      integer, allocatable, intent(out) :: transforms(:, :)
       type(error_t), allocatable, intent(out) :: error
       type(dry_problem_t) :: coarse
       type(dry_preconditioner_t) :: preconditioner
       type(dry_solution_t) :: solution
       integer :: n
 
-      pairs = 0.0_wp
+      allocate (transforms(4, 0))
       n = size(p)
       p = problem%load/n
       if (.not. can_be_halved(problem%grid)) return
       call halve(problem, coarse, error)
       if (allocated(error)) return
       allocate (solution%pressure(size(coarse%height)))
-      call nested_start(coarse, solution%pressure, pairs, error)
+      call nested_start(coarse, solution%pressure, transforms, error)
       if (allocated(error)) return
       call new_dry_preconditioner(preconditioner, coarse%grid, error)
       if (allocated(error)) return
       call iterate_conjugate_gradient(coarse, preconditioner, coarse_settings, solution, error)
       if (allocated(error)) return
-      pairs = (pairs + coarse%elastic%pair_weight() + preconditioner%pairs())*size(coarse%height)/n
+      transforms = reshape([transforms, coarse%elastic%transforms(), preconditioner%transforms()], [4, size(transforms, 2) + 3])
       if (.not. solution%kkt < 1.0_wp) return
       call hand_down(coarse%grid, solution%pressure, problem%grid, p)
    end subroutine nested_start
@@ -87,7 +87,7 @@ contains
       end do
       ! A guess needs no exact element kernel, whose sums take longer than the guess.
       if (grid%kernel == kernel_element) grid%kernel = kernel_band_limited
-      call new_dry_problem(coarse, grid, height, .false., error)
+      call new_dry_problem(coarse, grid, height, error)
       if (allocated(error)) return
       coarse%load = problem%load/share
       coarse%hardness = problem%hardness

@@ -27,7 +27,7 @@ contains
       integer :: iteration, n
 
       n = size(solution%pressure)
-      call new_active_set(set, n)
+      call new_active_set(set, problem%grid)
       if (.not. allocated(solution%v)) allocate (solution%v(n))
       allocate (response(n), q(n))
       allocate (direction(n), source=0.0_wp)

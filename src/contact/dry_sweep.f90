@@ -9,6 +9,7 @@ module dry_sweep
    use kinds, only: wp
    use load_search, only: solve_for_datum
    use roughness, only: roughness_of, roughness_t
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
@@ -64,6 +65,10 @@ module dry_sweep
       type(dry_row_t), allocatable :: rows(:)
       type(dry_fields_t) :: fields
       type(dry_solution_t) :: solution
+      !> Processor time of preparing (planning of transforms) and of solving, wall time of solving, all loads [s].
+      real(wp) :: cpu_prepare = 0.0_wp, cpu_solve = 0.0_wp, wall_solve = 0.0_wp
+      !> Transforms of all loads, as in a solution.
+      integer, allocatable :: transforms(:, :)
    end type dry_outcome_t
 
 contains
@@ -81,11 +86,12 @@ contains
       type(dry_problem_t) :: problem
       type(dry_solver_t) :: solver
       real(wp), allocatable :: plastic(:), yielded(:)
-      real(wp) :: top
+      real(wp) :: cpu_start, cpu_stop, top, wall_start
       integer :: i, n
 
+      call cpu_time(cpu_start)
       solver%settings = settings
-      call new_dry_problem(problem, grid, z/scaling%height, .false., error)
+      call new_dry_problem(problem, grid, z/scaling%height, error)
       if (allocated(error)) return
       if (loads%hardness < huge(1.0_wp)) problem%hardness = loads%hardness/scaling%pressure
       n = size(z)
@@ -95,9 +101,16 @@ contains
       else
          allocate (outcome%rows(size(loads%mean_pressure)))
       end if
+      call solver%prepare(problem, error)
+      if (allocated(error)) return
+      call cpu_time(cpu_stop)
+      outcome%cpu_prepare = cpu_stop - cpu_start
       allocate (yielded(n), plastic(n), source=0.0_wp)
+      allocate (outcome%transforms(4, 0))
       associate (rows => outcome%rows, fields => outcome%fields, solution => outcome%solution)
          do i = 1, size(rows)
+            wall_start = wall_seconds()
+            call cpu_time(cpu_start)
             if (allocated(loads%separation)) then
                call solve_for_datum(solver, problem, datum_of(problem%grid, scaling, top, loads%separation(i)), solution, error)
             else
@@ -105,6 +118,11 @@ contains
                call solver%solve(problem, solution, error)
             end if
             if (allocated(error)) return
+            call cpu_time(cpu_stop)
+            outcome%cpu_solve = outcome%cpu_solve + cpu_stop - cpu_start
+            outcome%wall_solve = outcome%wall_solve + wall_seconds() - wall_start
+            outcome%transforms = reshape([outcome%transforms, solution%transforms], &
+               [4, size(outcome%transforms, 2) + size(solution%transforms, 2)])
             plastic = 0.0_wp
             where (solution%pressure >= problem%hardness) plastic = max(solution%datum - solution%v, 0.0_wp)
             call fill_fields(problem, scaling, z, solution, plastic, yielded, fields)

@@ -148,13 +148,15 @@ contains
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: edges(density_steps + 1), levels(bearing_levels)
+      real(wp) :: edges(density_steps + 1), highest, levels(bearing_levels), lowest
       integer :: i
 
       associate (z => fields%height_undeformed)
-         levels = [(minval(z) + (maxval(z) - minval(z))*real(i, wp)/(bearing_levels - 1), i=0, bearing_levels - 1)]
-         edges = [(minval(z) + (maxval(z) - minval(z))*real(i, wp)/density_steps, i=0, density_steps)]
+         lowest = minval(z)
+         highest = maxval(z)
       end associate
+      levels = [(lowest + (highest - lowest)*real(i, wp)/(bearing_levels - 1), i=0, bearing_levels - 1)]
+      edges = [(lowest + (highest - lowest)*real(i, wp)/density_steps, i=0, density_steps)]
       call write_dataset(file, '/surface/level', levels, new_label('height of the bearing curves', 'm'))
       call write_dataset(file, '/surface/density_edge', edges, new_label('ends of the steps of the height densities', 'm'))
       call write_state(file, dry, 'undeformed', fields%height_undeformed, levels, edges, error)

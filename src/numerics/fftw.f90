@@ -10,13 +10,16 @@ module fftw
 
    public :: fftw_alloc_real, fftw_alloc_complex, fftw_free, fftw_alignment_of, fftw_plan_dft_r2c, fftw_plan_dft_c2r, &
       fftw_execute_dft_r2c, fftw_execute_dft_c2r, fftw_destroy_plan, fftw_plan_dft_r2c_1d, fftw_plan_dft_c2r_1d, &
-      fftwf_alloc_real, fftwf_alloc_complex, fftwf_free, fftwf_alignment_of, fftwf_plan_dft_r2c, fftwf_plan_dft_c2r, &
-      fftwf_execute_dft_r2c, fftwf_execute_dft_c2r, fftwf_destroy_plan
+      fftw_plan_dft_1d, fftw_execute_dft, &
+      fftwf_alloc_real, fftwf_alloc_complex, fftwf_free, fftwf_plan_dft_r2c_1d, fftwf_plan_dft_c2r_1d, fftwf_plan_dft_1d, &
+      fftwf_execute_dft, fftwf_execute_dft_r2c, fftwf_execute_dft_c2r, fftwf_destroy_plan
 
    !> Plan by rule, not by timing: a repeated run gives the same bits.
    integer(c_int), parameter, public :: fftw_estimate = 64_c_int
    !> Plan by timing several candidates.
    integer(c_int), parameter, public :: fftw_measure = 0_c_int
+   !> Signs of the exponent of complex transforms.
+   integer(c_int), parameter, public :: fftw_forward = -1_c_int, fftw_backward = 1_c_int
 
    interface
       function fftw_alloc_real(n) bind(c, name='fftw_alloc_real') result(memory)
@@ -104,6 +107,21 @@ module fftw
          real(c_double), intent(out) :: out(*)
       end subroutine fftw_execute_dft_c2r
 
+      function fftw_plan_dft_1d(n, in, out, sign, flags) bind(c, name='fftw_plan_dft_1d') result(plan)
+         import :: c_double_complex, c_int, c_ptr
+         implicit none (type, external)
+         integer(c_int), value :: n, sign, flags
+         complex(c_double_complex), intent(inout) :: in(*), out(*)
+         type(c_ptr) :: plan
+      end function fftw_plan_dft_1d
+
+      subroutine fftw_execute_dft(plan, in, out) bind(c, name='fftw_execute_dft')
+         import :: c_double_complex, c_ptr
+         implicit none (type, external)
+         type(c_ptr), value :: plan
+         complex(c_double_complex), intent(inout) :: in(*), out(*)
+      end subroutine fftw_execute_dft
+
       subroutine fftw_destroy_plan(plan) bind(c, name='fftw_destroy_plan')
          import :: c_ptr
          implicit none (type, external)
@@ -130,34 +148,40 @@ module fftw
          type(c_ptr), value :: memory
       end subroutine fftwf_free
 
-      function fftwf_alignment_of(values) bind(c, name='fftwf_alignment_of') result(offset)
-         import :: c_int, c_float
-         implicit none (type, external)
-         real(c_float), intent(in) :: values(*)
-         integer(c_int) :: offset
-      end function fftwf_alignment_of
-
-      function fftwf_plan_dft_r2c(rank, n, in, out, flags) bind(c, name='fftwf_plan_dft_r2c') result(plan)
+      function fftwf_plan_dft_r2c_1d(n, in, out, flags) bind(c, name='fftwf_plan_dft_r2c_1d') result(plan)
          import :: c_float, c_float_complex, c_int, c_ptr
          implicit none (type, external)
-         integer(c_int), value :: rank
-         integer(c_int), intent(in) :: n(*)
+         integer(c_int), value :: n
          real(c_float), intent(out) :: in(*)
          complex(c_float_complex), intent(out) :: out(*)
          integer(c_int), value :: flags
          type(c_ptr) :: plan
-      end function fftwf_plan_dft_r2c
+      end function fftwf_plan_dft_r2c_1d
 
-      function fftwf_plan_dft_c2r(rank, n, in, out, flags) bind(c, name='fftwf_plan_dft_c2r') result(plan)
+      function fftwf_plan_dft_c2r_1d(n, in, out, flags) bind(c, name='fftwf_plan_dft_c2r_1d') result(plan)
          import :: c_float, c_float_complex, c_int, c_ptr
          implicit none (type, external)
-         integer(c_int), value :: rank
-         integer(c_int), intent(in) :: n(*)
+         integer(c_int), value :: n
          complex(c_float_complex), intent(out) :: in(*)
          real(c_float), intent(out) :: out(*)
          integer(c_int), value :: flags
          type(c_ptr) :: plan
-      end function fftwf_plan_dft_c2r
+      end function fftwf_plan_dft_c2r_1d
+
+      function fftwf_plan_dft_1d(n, in, out, sign, flags) bind(c, name='fftwf_plan_dft_1d') result(plan)
+         import :: c_float_complex, c_int, c_ptr
+         implicit none (type, external)
+         integer(c_int), value :: n, sign, flags
+         complex(c_float_complex), intent(inout) :: in(*), out(*)
+         type(c_ptr) :: plan
+      end function fftwf_plan_dft_1d
+
+      subroutine fftwf_execute_dft(plan, in, out) bind(c, name='fftwf_execute_dft')
+         import :: c_float_complex, c_ptr
+         implicit none (type, external)
+         type(c_ptr), value :: plan
+         complex(c_float_complex), intent(inout) :: in(*), out(*)
+      end subroutine fftwf_execute_dft
 
       subroutine fftwf_execute_dft_r2c(plan, in, out) bind(c, name='fftwf_execute_dft_r2c')
          import :: c_float, c_float_complex, c_ptr

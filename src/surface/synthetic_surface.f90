@@ -61,7 +61,7 @@ contains
          call fail(error, input_error, 'found no wave between wavelength_short and wavelength_long on the grid')
          return
       end if
-      call new_spectral_product(filter, nx, ny, symbol, .false., error)
+      call new_spectral_product(filter, nx, ny, symbol, 1, error)
       if (allocated(error)) return
       noise = normal_numbers(nx*ny, wanted%seed)
       call filter%apply(noise, z)
@@ -165,7 +165,7 @@ contains
          end do
       end do
       symbol(0, 0) = 0.0_wp
-      call new_spectral_product(filter, grid(1), grid(2), symbol, .false., error)
+      call new_spectral_product(filter, grid(1), grid(2), symbol, 1, error)
       if (allocated(error)) return
       allocate (kept, mold=z)
       call filter%apply(z, kept)
