@@ -9,10 +9,10 @@ export PKG_CONFIG_PATH := $(CURDIR)/.pc:$(PKG_CONFIG_PATH)
 PYTHON := python3
 NATIVE ?= 0
 WERROR ?= 0
-# Local arrays up to 1 MB on the stack: none becomes static, kept between calls, without a word.
+# OpenMP shares areas between threads (--threads); with it all local arrays are on the stack: none becomes static, kept between calls.
 # Of no use: allocatable results are taken for uninitialized, a clock in `a .or. clock() > b` need not be read, and an index
 # that an `if` guards counts as out of bounds (the checked build looks at run time).
-COMMON := -std=f2018 -fopenmp -fmax-stack-var-size=1048576 -g -fbacktrace -fmax-errors=20 -Wall -Wextra -Wno-maybe-uninitialized -Wno-function-elimination -Wno-do-subscript $(if $(filter 1,$(WERROR)),-Werror)
+COMMON := -std=f2018 -fopenmp -g -fbacktrace -fmax-errors=20 -Wall -Wextra -Wno-maybe-uninitialized -Wno-function-elimination -Wno-do-subscript $(if $(filter 1,$(WERROR)),-Werror)
 RELEASE := $(COMMON) -O3 -funroll-loops -fno-semantic-interposition $(if $(filter 1,$(NATIVE)),-march=native)
 DEBUG := $(COMMON) -O1 -fcheck=all,no-array-temps -finit-real=snan -finit-integer=-99999999 -ffpe-trap=invalid,zero,overflow
 

@@ -47,7 +47,7 @@ CASE = """&case problem = '{problem}' /
 PROFILES = ROOT / "test" / "data" / "profiles_ABCD.csv"
 SWEEP = """&case problem = 'dry_line' /
 &bodies youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3, hardness = 4e9 /
-&load load_per_length = {loads} /
+&load mean_pressure = {loads} /
 &surface_1 shape = 'file', file = '{file}', dataset = 'z{name}_m' /
 """
 
@@ -385,7 +385,7 @@ class Bench:
 
     def sweep(self) -> None:
         """Thirteen loads of four profiles of 512 nodes, beyond start-up, reading and writing."""
-        loads = ", ".join(f"{load}e3" for load in (5, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 125, 150))
+        loads = ", ".join(f"{load / 0.4}e6" for load in (5, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 125, 150))
         total, errors = 0.0, []
         with tempfile.TemporaryDirectory() as folder:
             for name in "ABCD":
