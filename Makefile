@@ -21,7 +21,7 @@ DEMO_CASES := input/case3_demo.nml input/case1.nml input/dry_profile.nml input/d
 DEMO := results/demo
 
 .DEFAULT_GOAL := help
-.PHONY: help build debug test test-debug unit unit-debug lint demo figures bench bench-program chart orders accuracy stability docs clean prepare generate
+.PHONY: help build debug test test-debug unit unit-debug lint demo figures bench bench-program chart orders accuracy accuracy-time stability docs clean prepare generate
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
@@ -119,6 +119,9 @@ orders: bench-program ## table of the observed orders in time, in results/orders
 
 accuracy: bench-program ## are the error bars honest, what does a wanted accuracy cost, in results/accuracy/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/accuracy.py $(ARGS)
+
+accuracy-time: build ## the same for transients: error bars and wanted accuracy of passages (ARGS=--quick: fewer)
+	$(PYTHON) bench/accuracy_time.py $(ARGS)
 
 stability: bench-program ## maps of where each method converges, in results/stability/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/stability.py $(ARGS)

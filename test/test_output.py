@@ -299,3 +299,21 @@ def test_memory_does_not_grow_with_the_steps(program, tmp_path):
         assert running.returncode == 0
         peaks.append(usage.ru_maxrss)
     assert peaks[1] - peaks[0] < 2000  # [kB]; the history of residuals takes about 100 kB
+
+
+def test_estimates_are_those_of_the_stored_times(asperity, tmp_path):
+    """The companions count the times that the run stores, else a passage that is not stored would look like an error."""
+    ridge = "&surface_2 shape = 'feature', amplitude = 2e-7, wavelength = 1e-4, position = -1.5 /\n"
+    passage = STEADY + ridge + "&time transient = .true., end_time = 1.6, time_step = 0.02 /\n"
+    for stride in (1, 3, 1000):
+        write(tmp_path, f"s{stride}.nml", passage + f"&output profile_stride = {stride} /\n")
+    assert asperity("s1.nml", "s3.nml", "s1000.nml", "--quiet").returncode == 0
+    found = {}
+    for stride in (1, 3, 1000):
+        with h5py.File(tmp_path / f"s{stride}.h5") as file:
+            h_min = file["summary/h_min"]
+            found[stride] = (h_min[()], h_min.attrs["error_grid"])
+    assert found[1][0] < 0.95 * found[1000][0]
+    assert 0 < found[1000][1] < 0.02 * found[1000][0]
+    assert 0 < found[1][1] < 0.2 * found[1][0]
+    assert 0 < found[3][1] < 3 * found[1][1]

@@ -25,6 +25,8 @@ module companions
    type, extends(silent_observer_t) :: collector_t
       type(line_summary_t) :: summary
       logical :: is_empty = .true.
+      !> How much larger the time steps are than those of the run that it is compared with, and of how many of those one counts.
+      integer :: factor = 1, stride = 1
       !> Coarser grids that a steady run has passed.
       type(error_bars_t) :: passed
       !> Whoever may stop the run.
@@ -136,6 +138,8 @@ contains
       coarse_settings%wants_companions = .true.
       is_known = .false.
       collector%is_empty = .true.
+      collector%factor = factor
+      collector%stride = time%stride
       collector%passed%has_half = .false.
       if (coarse%domain%intervals < fewest_intervals) return
       call solve_ehl_line(coarse, coarse_settings, coarse_time, collector, state, report, error)
@@ -165,7 +169,7 @@ contains
       self%passed = bars
    end subroutine collect_companions
 
-   !> Widens the extremes by one time step.
+   !> Widens the extremes by one time step, if it is the first one at or behind a time that the other run stores.
    subroutine collect_step(self, step, steps, state, report)
       class(collector_t), intent(inout) :: self
       integer, intent(in) :: step
@@ -173,14 +177,13 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
 
-      associate (unused_step => step, unused_steps => steps, unused_report => report)
+      associate (unused_steps => steps, unused_report => report)
       end associate
-      if (self%is_empty) then
-         self%summary = summary_of(state)
-      else
+      if (self%stride <= self%factor .or. modulo(self%factor*step, self%stride) < self%factor) then
+         if (self%is_empty) self%summary = summary_of(state)
          call keep_extremes(self%summary, summary_of(state))
+         self%is_empty = .false.
       end if
-      self%is_empty = .false.
       call self%watcher%look_outside()
       self%wants_stop = self%watcher%wants_stop
    end subroutine collect_step
