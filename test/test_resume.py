@@ -84,7 +84,7 @@ def test_a_signal_ends_with_status_4_and_a_checkpoint(program, tmp_path, number)
 
 METHODS = {
     "default": "",
-    "bdf2": "&time transient = .true., end_time = 6.0, time_step = 0.01, scheme = 'bdf2' /\n",
+    "backward_euler": "&time transient = .true., end_time = 6.0, time_step = 0.01, scheme = 'backward_euler' /\n",
     "fas": "&solver method = 'fas_block_jacobi' /\n",
     "gauss_seidel": "&solver smoother = 'gauss_seidel' /\n",
     "newton_dense": "&solver method = 'newton_dense' /\n",

@@ -17,14 +17,14 @@ module ehl_line_transient
    use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, roughness_at, total_products
    use line_level, only: film_of, line_level_t
    use line_state, only: line_state_t
-   use lubricant, only: fluid_density_value
+   use march_history, only: extrapolate, remember
    use march_state, only: march_state_t
    use observer, only: observer_t
    use solver_choice, only: adopt, note_choice, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t, word_length
    use state_output, only: fill_state
    use text, only: to_text
-   use time_scheme, only: derivative_weights, parabola_weights, part_ends
+   use time_scheme, only: derivative_weights, part_ends
    implicit none (type, external)
    private
 
@@ -289,41 +289,5 @@ contains
       level%film = level%film + rise
       rigid_displacement = rigid_displacement + rise
    end subroutine lift
-
-   !> P (cut at 0) and H0 at the end of a step of `length`, by the parabola through the last three solutions; fewer while there
-   !> are fewer.
-   pure subroutine extrapolate(history, length, level, rigid_displacement)
-      type(march_state_t), intent(in) :: history
-      real(wp), intent(in) :: length
-      type(line_level_t), intent(inout) :: level
-      real(wp), intent(out) :: rigid_displacement
-      real(wp) :: weights(3), last
-
-      last = merge(history%lengths(1), 1.0_wp, history%size > 1)
-      weights = parabola_weights(history%size, length/last, history%lengths(2)/last)
-      associate (p => history%pressure, h0 => history%rigid_displacement)
-         level%pressure = max(weights(1)*p(:, 1) + weights(2)*p(:, 2) + weights(3)*p(:, 3), 0.0_wp)
-         rigid_displacement = dot_product(weights, h0)
-      end associate
-   end subroutine extrapolate
-
-   !> Takes the present solution, at the end of a step of `length`, into the history.
-   pure subroutine remember(history, contact, level, rigid_displacement, length)
-      type(march_state_t), intent(inout) :: history
-      type(line_contact_t), intent(in) :: contact
-      type(line_level_t), intent(inout) :: level
-      real(wp), intent(in) :: rigid_displacement, length
-
-      if (.not. allocated(history%pressure)) allocate (history%pressure(0:level%n, 3), history%mass(0:level%n, 2), source=0.0_wp)
-      history%pressure(:, 3) = history%pressure(:, 2)
-      history%pressure(:, 2) = history%pressure(:, 1)
-      history%pressure(:, 1) = level%pressure
-      history%lengths = [length, history%lengths(1)]
-      history%rigid_displacement = [rigid_displacement, history%rigid_displacement(1:2)]
-      call fluid_density_value(contact%fluid, level%pressure, level%density)
-      history%mass(:, 2) = history%mass(:, 1)
-      history%mass(:, 1) = level%density*level%film
-      history%size = min(history%size + 1, 3)
-   end subroutine remember
 
 end module ehl_line_transient
