@@ -13,12 +13,15 @@ import figure_style as style
 import h5py
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from result_file import PREFIXES, ResultError
 
 PROGRAM = "dry.py"
 EXAMPLE = "python postproc/dry.py results/dry_profile.h5 --output results"
+# Open, elastic, plastic.
+CLASSES = ListedColormap(["#ffffff", "#56a8e0", "#000000"])
 STATES = ("undeformed", "loaded", "unloaded")
 
 
@@ -123,7 +126,7 @@ def draw_maps(result: DryResult) -> Figure:
     kinds = (pressure > 0).astype(int)
     if result.hardness:
         kinds += pressure >= result.hardness
-    image = right.imshow(kinds, cmap="Greys", vmin=0, vmax=2, **look)
+    image = right.imshow(kinds, cmap=CLASSES, vmin=-0.5, vmax=2.5, **look)
     bar = figure.colorbar(image, ax=right, ticks=[0, 1, 2], shrink=0.8)
     bar.ax.set_yticklabels(["open", "elastic", "plastic"])
     left.set(xlabel=f"$x$ [{ux}]", ylabel=f"$y$ [{ux}]")

@@ -12,7 +12,7 @@ module hdf5_input
       h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, h5t_string_f, h5tclose_f, h5tget_class_f, h5tget_size_f, &
       h5tis_variable_str_f, hid_t, hsize_t, size_t
    use hdf5_library, only: start_hdf5
-   use hdf5_reason, only: last_hdf5_reason
+   use hdf5_reason, only: keep_hdf5_failure
    use kinds, only: wp
    implicit none (type, external)
    private
@@ -78,12 +78,8 @@ contains
       class(hdf5_input_t), intent(inout) :: self
       integer, intent(in) :: status
       character(*), intent(in) :: doing
-      character(:), allocatable :: reason
 
-      if (status >= 0 .or. allocated(self%failure)) return
-      reason = last_hdf5_reason()
-      if (len(reason) > 0) reason = ': '//reason
-      call fail(self%failure, input_error, 'cannot read '//self%path//' ('//doing//')'//reason)
+      call keep_hdf5_failure(self%failure, input_error, 'cannot read ' // self%path, status, doing)
    end subroutine check
 
    !> Whether the whole path exists.

@@ -1,11 +1,12 @@
-!> Why the last HDF5 call failed, in a few words, from the library's error stack.
+!> The first failure of a series of HDF5 calls, with its reason in a few words from the library's error stack.
 module hdf5_reason
    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_funloc, c_funptr, c_int, c_int64_t, c_loc, c_ptr, &
       c_associated, c_size_t
+   use errors, only: error_t, fail
    implicit none (type, external)
    private
 
-   public :: last_hdf5_reason
+   public :: keep_hdf5_failure
 
    !> H5E_DEFAULT: the error stack of this thread.
    integer(c_int64_t), parameter :: default_stack = 0_c_int64_t
@@ -53,6 +54,19 @@ module hdf5_reason
    end interface
 
 contains
+
+   !> Keeps the first failure: `status` < 0 while `doing`; `what` says what cannot be done.
+   subroutine keep_hdf5_failure(failure, kind, what, status, doing)
+      type(error_t), allocatable, intent(inout) :: failure
+      integer, intent(in) :: kind, status
+      character(*), intent(in) :: what, doing
+      character(:), allocatable :: reason
+
+      if (status >= 0 .or. allocated(failure)) return
+      reason = last_hdf5_reason()
+      if (len(reason) > 0) reason = ': ' // reason
+      call fail(failure, kind, what // ' (' // doing // ')' // reason)
+   end subroutine keep_hdf5_failure
 
    !> The operating system's words ('No space left on device') where the library passes them on, else its own; '' if it has none.
    function last_hdf5_reason() result(reason)
