@@ -218,7 +218,7 @@ def study(options: argparse.Namespace) -> None:
     table.show("Film thinning (6.1)", **formats)
     profiles = run_profiles(options.output / "profiles", options)
     extremes = extremes_table(profiles, options)
-    extremes.show("Extremes of the overtakings", situation="", extreme="", **dict.fromkeys(list(extremes.columns)[2:], ".3f"))
+    extremes.show("Extremes of the overtakings", situation="", extreme="", **dict.fromkeys(list(extremes.columns)[2:], ".4f"))
     extremes.write(options.output / "extremes", "Smallest film and highest spike of the overtakings")
     claims = Claims()
     chapter6_claims.check_overtakings(claims, profiles, {words: item.meeting_time for words, item in OVERTAKINGS.items()})

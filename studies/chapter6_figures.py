@@ -196,5 +196,5 @@ def draw_load(folder: Path, found: Found) -> None:
         label = f"$w$ = {load / 1e3:.0f} kN/m"
         draw_series(axes, DEPTHS, found, [Situation(5, load=load, l2=depth) for depth in DEPTHS], look, label)
     axes.set(xlabel="Dent amplitude $l_2$ [0.2 µm]", ylabel=THINNING, ylim=(0.1, 0.5), xlim=(-0.9, -6.1))
-    finish_series(figure, axes, 3)
+    finish_series(figure, axes, 2)
     save(figure, folder, "figure_6_10_load")
