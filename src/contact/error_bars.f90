@@ -42,6 +42,8 @@ module error_bars
    !> A largest pressure does not grow like a spike if it changes by less than the first share and half of the change before, or
    !> in two doublings by less than the second share.
    real(wp), parameter :: calm_share = 5.0e-3_wp, still_share = 1.5e-3_wp
+   !> Error of the exit between two nodes, in spacings: rms 0.2, at most 0.6 in 32 solutions of 8 contacts.
+   real(wp), parameter :: exit_jitter = 0.2_wp
    !> Above this alpha p_h a Newtonian contact may have a spike.
    real(wp), parameter :: spike_alpha_bar = 3.0_wp
    !> An inlet of error e (`inlet_error`) starves the film by 0.4 e to 1.6 e, and changes the largest pressure by up to 12 e
@@ -134,12 +136,29 @@ contains
       call estimate(bars, bars%half%h_min_node, bars%quarter%h_min_node, bars%lowest_order, summary%h_min_node)
       call estimate(bars, bars%half%h_central, bars%quarter%h_central, bars%lowest_order, summary%h_central)
       call estimate_pressure(bars, summary)
-      call estimate(bars, bars%half%x_cavitation, bars%quarter%x_cavitation, bars%lowest_order, summary%x_cavitation)
+      call estimate_exit(bars, dx, summary%x_cavitation)
       ! nodal figures jump with the position of the nodes, which no difference of levels shows
       summary%h_min_node%error_grid = max(summary%h_min_node%error_grid, &
          summary%h_min%error_grid + abs(summary%h_min_node%value - summary%h_min%value))
-      summary%x_cavitation%error_grid = summary%x_cavitation%error_grid + 2*dx
    end subroutine estimate_grid_errors
+
+   !> Estimate of the exit: how far it lies from the last node, and the error of its place between the nodes (`extrapolated`),
+   !> which jitters with the position of the nodes by `exit_jitter` of their distance.
+   pure subroutine estimate_exit(bars, dx, figure)
+      type(error_bars_t), intent(in) :: bars
+      real(wp), intent(in) :: dx
+      type(figure_t), intent(inout) :: figure
+      type(figure_t) :: between, half, quarter
+
+      between = figure
+      half = bars%half%x_cavitation
+      quarter = bars%quarter%x_cavitation
+      between%value = figure%extrapolated
+      half%value = half%extrapolated
+      quarter%value = quarter%extrapolated
+      call estimate(bars, half, quarter, bars%lowest_order, between)
+      figure%error_grid = between%error_grid + abs(figure%value - figure%extrapolated) + exit_jitter*dx
+   end subroutine estimate_exit
 
    !> Estimate and extrapolated value of one figure, whose order is not below `lowest_order`.
    pure subroutine estimate(bars, half, quarter, lowest_order, figure)

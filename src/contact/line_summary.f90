@@ -9,7 +9,7 @@ module line_summary
    private
 
    public :: crests_t, figure_t, keep_extremes, line_summary_t, summary_of, summary_of_fields
-   public :: central_value, exit_position, node_minimum, parabola_minimum, peak_value
+   public :: central_value, exit_between_nodes, exit_position, node_minimum, parabola_minimum, peak_value
 
    !> One figure, when it was reached and how far off it may be.
    type :: figure_t
@@ -18,7 +18,7 @@ module line_summary
       real(wp) :: time
       !> Estimated error of `value`: the sum of the three below; NaN = not estimated.
       real(wp) :: error_estimate
-      !> Richardson's extrapolation of `value`; NaN = not known.
+      !> Richardson's extrapolation of `value`, of x_cavitation the exit between the nodes; NaN = not known.
       real(wp) :: extrapolated
       !> Because of grid and time step; NaN = not estimated.
       real(wp) :: error_grid
@@ -73,6 +73,7 @@ contains
       summary%h_central = new_figure(central_value(x, h), time)
       summary%p_max = new_figure(peak_value(p), time)
       summary%x_cavitation = new_figure(exit_position(x, p), time)
+      summary%x_cavitation%extrapolated = exit_between_nodes(x, p)
       summary%crests = crests_of(p)
    end function summary_of_fields
 
@@ -204,6 +205,34 @@ contains
       if (.not. ieee_is_finite(a) .or. b > a) value = b
    end function larger
 
+   !> X of the exit between two nodes. There P and dP/dX are zero, so that the root of P is nearly linear: the zero of the
+   !> parabola through the roots of P at the last three nodes with P > 0, of the line through the last two where that has no
+   !> zero ahead, at most two spacings behind the last node. NaN if there are not three such nodes in a row. x, p (nx).
+   pure function exit_between_nodes(x, p) result(position)
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(in) :: p(:)
+      real(wp) :: position
+      real(wp) :: root(3), slope, curvature, discriminant, ahead
+      integer :: i
+
+      position = not_known()
+      if (.not. all(ieee_is_finite(p))) return
+      i = findloc(p > 0.0_wp, .true., 1, back=.true.)
+      if (i < 3 .or. i == size(p)) return
+      if (.not. all(p(i - 2:i) > 0.0_wp)) return
+      root = sqrt(p(i - 2:i))
+      slope = 0.5_wp*(3*root(3) - 4*root(2) + root(1))
+      curvature = root(3) - 2*root(2) + root(1)
+      discriminant = slope**2 - 2*curvature*root(3)
+      ahead = 2.0_wp
+      if (slope < 0.0_wp .and. discriminant >= 0.0_wp) then
+         ahead = 2*root(3)/(sqrt(discriminant) - slope)
+      else if (root(3) < root(2)) then
+         ahead = root(3)/(root(2) - root(3))
+      end if
+      position = x(i) + min(ahead, 2.0_wp)*(x(i) - x(i - 1))
+   end function exit_between_nodes
+
    !> A figure without an estimate of its error.
    pure function new_figure(value, time) result(figure)
       real(wp), intent(in) :: value
@@ -240,6 +269,8 @@ contains
          figure = other
       else if (other%value > figure%value) then
          figure = other
+      else if (other%value >= figure%value) then
+         if (other%extrapolated > figure%extrapolated) figure%extrapolated = other%extrapolated
       end if
    end subroutine keep_larger
 

@@ -96,8 +96,8 @@ contains
       call write_figure('h_central', 'film thickness at X = 0, linear between nodes'//over_time('smallest'), &
                         summary%h_central, film_label())
       call write_figure('p_max', 'largest pressure of a node', summary%p_max, field_label('pressure', scaling))
-      call write_figure('x_cavitation', 'position of the last node with P > 0'//over_time('largest'), summary%x_cavitation, &
-                        field_label('x', scaling))
+      call write_figure('x_cavitation', 'last node with P > 0 (extrapolated: exit between nodes)'//over_time('largest'), &
+                        summary%x_cavitation, field_label('x', scaling))
       moes_unit = 8.0_wp*scaling%moes_m/pi
       call write_figure('h_min_moes', "h_min in units of Moes, (h/R) sqrt(E' R/(mu_0 u)), mean velocity u = u_s/2", &
                         in_unit(summary%h_min), new_label('', '1'))
