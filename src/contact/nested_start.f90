@@ -6,6 +6,7 @@ module nested_start
    use line_contact, only: film_estimate, line_contact_t
    use line_hierarchy, only: coarsest_for_film, count_work, line_hierarchy_t
    use line_level, only: film_of, line_level_t, start_from_pressure
+   use line_summary, only: exit_between_nodes
    use newton_line, only: solve_newton
    use transfer, only: prolong_cubic
    implicit none (type, external)
@@ -147,6 +148,7 @@ contains
 
       associate (level => hierarchy%levels(k))
          call prolong_cubic(hierarchy%levels(k - 1)%pressure, level%pressure)
+         call place_exit(hierarchy%levels(k - 1), level)
          do pass = 0, most_smoothings
             call film_of(level, hierarchy%rigid_displacement, level%film)
             if (.not. contact%fluid%is_eyring) exit
@@ -158,6 +160,24 @@ contains
       end associate
       call count_work(hierarchy, k, 1)
    end subroutine refine
+
+   !> The interpolated pressure round the exit: its root is nearly linear there (module line_summary), and Newton's method
+   !> moves the exit by one node a step only, so that it has to start within one.
+   pure subroutine place_exit(coarse, fine)
+      type(line_level_t), intent(in) :: coarse
+      type(line_level_t), intent(inout) :: fine
+      real(wp) :: exit, slope
+      integer :: i, last
+
+      exit = exit_between_nodes(coarse%x, coarse%pressure)
+      last = findloc(coarse%pressure > 0.0_wp, .true., 1, back=.true.) - 1
+      if (.not. (last > 0 .and. exit > coarse%x(max(last, 0)))) return
+      fine%pressure(2*last - 1) = 0.25_wp*(sqrt(coarse%pressure(last - 1)) + sqrt(coarse%pressure(last)))**2
+      slope = sqrt(coarse%pressure(last))/(exit - coarse%x(last))
+      do i = 2*last + 1, min(2*last + 4, fine%n - 1)
+         fine%pressure(i) = (slope*max(exit - fine%x(i), 0.0_wp))**2
+      end do
+   end subroutine place_exit
 
    !> Hertz pressure, or for a thick film a bump of the width S = sqrt(2 H_c) of the pressure build-up, scaled to the load;
    !> H0 so that H(0) is the Moes film times `start_film` of the way.
