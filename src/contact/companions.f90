@@ -3,7 +3,8 @@
 module companions
    use domain_choice, only: choose_domain, inlet_error
    use ehl_line_solver, only: solve_ehl_line
-   use error_bars, only: domain_error, error_bars_t, new_error_bars, observed_order, predicted_error
+   use error_bars, only: domain_error, error_bars_t, estimated_error, new_error_bars, observed_order, predicted_error, &
+      time_safety, time_safety_minimum
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -65,8 +66,8 @@ contains
    end subroutine run_companions
 
    !> Transient: sets `contact%domain%intervals` = 2^k and the time step, proportional to dX, to the coarsest that is predicted
-   !> to keep the relative error of h_min below `settings%target`; leaves the companions of that resolution. Each run costs four
-   !> times the one before, all companions a third of the run that they are for.
+   !> to keep the relative error of h_min below `settings%target`, or that of the last companion if its own estimate is; leaves
+   !> the companions of that resolution. Each run costs four times the one before.
    subroutine choose_resolution(bars, contact, settings, time, watcher, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(inout) :: contact
@@ -75,8 +76,8 @@ contains
       class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
-      real(wp) :: order, eighth, target
-      logical :: has_eighth
+      type(error_bars_t) :: coarser
+      real(wp) :: order, target
 
       bars = new_error_bars(contact, time)
       target = settings%target
@@ -89,18 +90,23 @@ contains
       time%time_step = 0.0_wp
       collector%watcher => watcher
       do
-         has_eighth = bars%has_quarter
-         if (has_eighth) eighth = bars%quarter%h_min%value
+         coarser = bars
          bars%has_quarter = bars%has_half
          if (bars%has_half) bars%quarter = bars%half
          call run_companion(contact, settings, time, 2, collector, bars%has_half, error)
          if (allocated(error) .or. watcher%wants_stop) return
          bars%half = collector%summary
          if (bars%has_half .and. bars%has_quarter .and. contact%domain%intervals >= intervals_for_waves(contact)) then
+            if (2*intervals_for_waves(contact) <= contact%domain%intervals .and. &
+               time_safety_minimum*estimated_error(coarser, bars%half) <= target) then
+               contact%domain%intervals = contact%domain%intervals/2
+               bars = coarser
+               return
+            end if
             order = bars%lowest_order
-            if (has_eighth) order = observed_order(bars%half%h_min%value, bars%quarter%h_min%value, eighth, &
-               [bars%lowest_order, bars%highest_order])
-            if (predicted_error(bars, order) <= target*bars%half%h_min%value) return
+            if (coarser%has_quarter) order = observed_order(bars%half%h_min%value, bars%quarter%h_min%value, &
+               coarser%quarter%h_min%value, [bars%lowest_order, bars%highest_order])
+            if (time_safety*predicted_error(bars, order) <= target*bars%half%h_min%value) return
          end if
          if (2*contact%domain%intervals > most_intervals) return
          contact%domain%intervals = 2*contact%domain%intervals

@@ -33,7 +33,7 @@ module error_bars
    real(wp), parameter :: safety = 1.5_wp
    !> In a transient by these besides, the first for the smallest film: extremes are those of the steps and wander between them,
    !> and errors of grid and time may cancel (found with 120 passages, held by 60 others).
-   real(wp), parameter :: time_safety_minimum = 2.5_wp, time_safety = 1.67_wp
+   real(wp), parameter, public :: time_safety_minimum = 2.5_wp, time_safety = 1.67_wp
    !> The same for the largest pressure.
    real(wp), parameter :: pressure_safety = 2.0_wp
    !> In a compressible lubricant a pressure spike grows with the grid for long, in all by no more than this many times the
