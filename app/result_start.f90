@@ -101,9 +101,35 @@ contains
       if (is_complete) is_complete = reader%text_attribute('/', 'version') == program_version
       if (is_complete) is_complete = reader%text_attribute('/', 'git_commit') == git_commit()
       if (is_complete) is_complete = reader%text('/input/namelist') == case%namelist
+      if (is_complete) is_complete = has_same_heights(reader, case)
       is_converged = reader%integer_attribute('/', 'converged') == 1
       call reader%close(error)
       if (allocated(error)) is_complete = .false.
    end subroutine find_complete_result
+
+   !> Whether the surfaces of a result had the heights of those of `case`: the namelist only names their files.
+   function has_same_heights(reader, case) result(is_same)
+      type(hdf5_input_t), intent(inout) :: reader
+      type(case_t), intent(in) :: case
+      logical :: is_same
+      character(:), allocatable :: path
+      integer :: i
+      integer, parameter :: all_digits = 17
+
+      is_same = .true.
+      do i = 1, size(case%effective)
+         associate (entry => case%effective(i))
+            if (index(entry%key, 'heights_') /= 1) cycle
+            path = '/input/effective/'//entry%group//'/'//entry%key
+            is_same = is_same .and. reader%has(path)
+            if (.not. is_same) return
+            if (entry%unit == '') then
+               is_same = reader%text(path) == entry%value
+            else
+               is_same = to_text(reader%real_value(path), all_digits) == entry%value
+            end if
+         end associate
+      end do
+   end function has_same_heights
 
 end module result_start

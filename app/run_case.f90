@@ -1,5 +1,6 @@
 !> One case from its record to its result file and its exit status.
 module run_case
+   use, intrinsic :: iso_fortran_env, only: int64
    use breakdown_text, only: breakdown_sentence
    use case_outcome, only: give_up, status_converged, status_interrupted, status_not_converged, status_not_written, &
       store_input
@@ -95,7 +96,8 @@ contains
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: seconds
+      character(:), allocatable :: note
+      real(wp) :: nodes, seconds
       logical :: is_open
 
       seconds = 0.0_wp
@@ -110,12 +112,14 @@ contains
          call compare_grids(case, contact, watcher, seconds, error)
          if (allocated(error) .or. watcher%wants_stop) return
       end if
-      if (.not. is_open) call tell_coarse_waves(case, contact, watcher)
+      if (.not. is_open) call tell_coarse_waves(case, contact, watcher, nodes, note)
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
       call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
       if (allocated(error)) return
-      if (is_open) call tell_coarse_waves(case, contact, watcher)
+      if (is_open) call tell_coarse_waves(case, contact, watcher, nodes, note)
+      report%nodes_per_wave = nodes
+      call move_alloc(note, report%note)
       call refuse_nonsense(state, report)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
       if (watcher%has_companions .and. report%converged) then
@@ -142,20 +146,24 @@ contains
       end associate
    end subroutine complete_report
 
-   !> Says where the finest waves of a profile have few nodes of the grid.
-   subroutine tell_coarse_waves(case, contact, watcher)
+   !> `nodes` in the finest wave of a profile, huge if there is none; `note` says where they are few, else it stays unallocated.
+   subroutine tell_coarse_waves(case, contact, watcher, nodes, note)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: watcher
+      real(wp), intent(out) :: nodes
+      character(:), allocatable, intent(out) :: note
       type(line_contact_t) :: whole
-      real(wp) :: nodes
+      integer :: doublings
 
       whole = contact
       call choose_domain(whole)
       nodes = nodes_in_finest_wave(whole)
-      if (nodes < fewest_nodes) call watcher%log%say(case%file//': the finest waves of the roughness have '//to_text(nodes, 2)// &
-         ' nodes, '//to_text(nint(fewest_nodes))//' are needed: '//to_text(int(whole%domain%intervals* &
-         2.0_wp**ceiling(log(fewest_nodes/nodes)/log(2.0_wp))))//' intervals, or fewer harmonics')
+      if (nodes >= fewest_nodes) return
+      doublings = ceiling(log(fewest_nodes/nodes)/log(2.0_wp))
+      note = 'the finest waves of the roughness have '//to_text(nodes, 2)//' nodes, '//to_text(nint(fewest_nodes))// &
+         ' are needed: '//to_text(int(whole%domain%intervals, int64)*2_int64**doublings)//' intervals, or fewer harmonics'
+      call watcher%log%say(case%file//': '//note)
    end subroutine tell_coarse_waves
 
    !> Writes the result.

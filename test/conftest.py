@@ -2,9 +2,14 @@
 
 import os
 import pathlib
+import signal
 import subprocess
 
 import pytest
+
+# Shells ignore SIGINT for what runs in the background, and programs inherit that: the runs that these tests interrupt must not.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 

@@ -18,7 +18,7 @@ import pytest
 import result_maker
 
 ROOT = Path(__file__).resolve().parent.parent
-SCRIPTS = ("profile", "transient", "convergence", "compare")
+SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics")
 RIDGE = {"shape": "feature", "amplitude": 2e-7, "wavelength": 1e-4, "position": -2.5}
 
 
@@ -181,6 +181,28 @@ def test_figures_of_the_program(asperity, tmp_path: Path) -> None:
     assert thinner < 0.8
 
 
+def test_film_statistics_of_the_program(asperity, tmp_path: Path) -> None:
+    text = (ROOT / "input" / "rough_passage.nml").read_text(encoding="utf-8")
+    for old, new in (("intervals = 512", "intervals = 128"), ("time_step = 0.01", "time_step = 0.04"), ("= 48.0", "= 12.0")):
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "rough.nml").write_text(text, encoding="utf-8")
+    assert asperity("rough.nml", "--quiet").returncode == 0
+    done = run("film_statistics", tmp_path / "rough.h5", "--output", tmp_path / "out", "--format", "png")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert files_of(tmp_path / "out") == ["rough_film_statistics.png"]
+    values = load("film_statistics").read_statistics(tmp_path / "rough.h5")
+    for name in ("h_min", "p_max"):
+        assert values[f"{name}_share"].sum() == pytest.approx(1.0, abs=1e-12)
+        assert len(values[f"{name}_edges"]) == len(values[f"{name}_share"]) + 1
+    # the distribution and the counted share of the time agree to a class
+    film, below = values["film_threshold"][3], values["time_below"][3]
+    up_to = np.searchsorted(values["h_min_edges"], film)
+    assert values["h_min_share"][: up_to - 1].sum() <= below + 1e-12
+    assert values["h_min_share"][:up_to].sum() >= below - 1e-12
+    assert 0 < below < 1
+
+
 def test_history_of_a_transient_is_cut_at_its_start(moving: Path, tmp_path: Path) -> None:
     convergence = load("convergence")
     read = load_module("result_file").read_result
@@ -244,6 +266,10 @@ def test_dry_result(script: str, steady: Path, tmp_path: Path) -> None:
 
 def test_transient_needs_transient(steady: Path, tmp_path: Path) -> None:
     assert "has no /transient" in refused("transient", steady, tmp_path)
+
+
+def test_film_statistics_need_statistics(moving: Path, tmp_path: Path) -> None:
+    assert "has no /statistics" in refused("film_statistics", moving, tmp_path)
 
 
 def test_missing_field(steady: Path, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ module ehl_line_solver
    use grid_choice, only: gather_companions, solve_to_accuracy
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: line_contact_t, move_profiles
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, total_products
    use line_state, only: line_state_t
    use observer, only: observer_t
@@ -28,7 +28,7 @@ contains
    !> and every time step, and the figures of the coarser grids that a steady solution has passed. With `time%resume_from` the
    !> transient goes on there. With `settings%target` the grid of a steady contact is chosen for that accuracy of h_min, and so is
    !> its inlet, unless it is given: then the accuracy is that on the given domain. Not converging is in the report; `error` is
-   !> for failures of memory and libraries.
+   !> for failures of memory, libraries and files of heights.
    subroutine solve_ehl_line(contact, settings, time, watcher, state, report, error)
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -45,6 +45,8 @@ contains
       start = wall_seconds()
       if (allocated(time%resume_from)) report = time%resume_from%report
       call complete_domain(contact, settings, wanted)
+      call load_profiles(contact, time, error)
+      if (allocated(error)) return
       companions = new_error_bars(contact, time)
       report%inlet_error = inlet_error(contact)
       if (settings%target > 0.0_wp .and. .not. time%is_transient) then
@@ -69,8 +71,8 @@ contains
             if (.not. time%is_transient) call gather_companions(hierarchy, companions)
          end if
       end if
-      if (report%converged .and. .not. time%is_transient) call watcher%keep_companions(companions)
       if (report%converged .and. .not. time%is_transient) then
+         call watcher%keep_companions(companions)
          call look_for_breakdown(state%x, state%film_thickness, settings, 0, 0.0_wp, report)
       end if
       if (time%is_transient .and. report%converged) then
@@ -99,6 +101,19 @@ contains
          wanted%target = max(settings%target - domain_error(inlet_error(contact)), 0.0_wp)
       end if
    end subroutine complete_domain
+
+   !> Has the profiles at hand where the run begins, at T = 0 or where it is resumed. Error: a file cannot be read.
+   subroutine load_profiles(contact, time, error)
+      type(line_contact_t), intent(inout) :: contact
+      type(time_settings_t), intent(in) :: time
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: begin, dx
+
+      dx = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
+      begin = 0.0_wp
+      if (allocated(time%resume_from)) begin = time%resume_from%step*merge(time%time_step, dx, time%time_step > 0.0_wp)
+      call move_profiles(contact, begin, error)   ! error: the caller looks
+   end subroutine load_profiles
 
    !> The steady solution on a given grid: the answer, or with smooth surfaces the start of a transient.
    subroutine solve_start(hierarchy, contact, settings, time, watcher, report)

@@ -10,10 +10,11 @@
 module ehl_line_transient
    use cycle_control, only: cycle_limits_t, iterate
    use ehl_line_steady, only: limits_of
+   use errors, only: error_t
    use film_breakdown, only: look_for_breakdown
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: line_contact_t, move_profiles
    use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, roughness_at, total_products
    use line_level, only: film_of, line_level_t
    use line_state, only: line_state_t
@@ -45,11 +46,11 @@ module ehl_line_transient
 contains
 
    !> Marches from the smooth steady solution on the finest level, or from where an earlier run stood, to `time%end_time`;
-   !> the observer gets every step. Ends early, not converged, where a step finds no solution; `state` is then the last
-   !> good one.
+   !> the observer gets every step. Ends early, not converged, where a step finds no solution, or the heights of a
+   !> surface cannot be read any more; `state` is then the last good one. The profiles are at hand where it begins.
    subroutine march(hierarchy, contact, settings, time, watcher, state, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
+      type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
       class(observer_t), intent(inout) :: watcher
@@ -172,7 +173,7 @@ contains
    !> on a fine grid) is taken whole, and counted.
    subroutine take_step(hierarchy, contact, attempts, limits, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
+      type(line_contact_t), intent(inout) :: contact
       type(relaxation_t), intent(in) :: attempts(:)
       type(cycle_limits_t), intent(in) :: limits
       type(step_plan_t), intent(in) :: plan
@@ -202,20 +203,27 @@ contains
    !> The parts of a step.
    subroutine take_parts(hierarchy, contact, attempts, limits, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
+      type(line_contact_t), intent(inout) :: contact
       type(relaxation_t), intent(in) :: attempts(:)
       type(cycle_limits_t), intent(in) :: limits
       type(step_plan_t), intent(in) :: plan
       type(march_state_t), intent(inout) :: history
       type(report_t), intent(inout) :: report
-      real(wp) :: length
+      type(error_t), allocatable :: error
+      real(wp) :: length, new_time
       integer :: part
 
       associate (level => hierarchy%levels(hierarchy%finest))
          do part = 1, size(plan%ends)
             length = plan%ends(part)*plan%length
             if (part > 1) length = length - plan%ends(part - 1)*plan%length
-            call begin_step(contact, level, history, (plan%step - 1 + plan%ends(part))*plan%length, length, plan%scheme)
+            new_time = (plan%step - 1 + plan%ends(part))*plan%length
+            call move_profiles(contact, new_time, error)
+            if (allocated(error)) then
+               call refuse(report, error%message)
+               return
+            end if
+            call begin_step(contact, level, history, new_time, length, plan%scheme)
             call solve_step(hierarchy, contact, attempts, limits, length, history, report)
             if (.not. report%converged) return
             call remember(history, contact, level, hierarchy%rigid_displacement, length)

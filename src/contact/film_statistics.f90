@@ -12,7 +12,7 @@ module film_statistics
    public :: add_start, add_time, film_statistics_t, from_numbers, new_statistics, numbers_of
 
    !> Bins of the distributions: equal in the logarithm, from 10^first on. The outer ones also take what lies beyond.
-   integer, parameter, public :: bins_per_decade = 50, film_first = -7, pressure_first = -2, bin_count = 500
+   integer, parameter, public :: bins_per_decade = 200, film_first = -7, pressure_first = -2, bin_count = 2000
 
    !> Sums over the time steps so far. Dimensionless.
    type :: film_statistics_t

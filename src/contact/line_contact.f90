@@ -3,12 +3,14 @@ module line_contact
    use kinds, only: wp
    use lubricant, only: fluid_t
    use moes, only: central_film
+   use errors, only: error_t
    use features, only: rough_surface_t
+   use profile, only: load_window
    use solver_settings, only: domain_t
    implicit none (type, external)
    private
 
-   public :: film_estimate, intervals_for_waves, line_contact_t, nodes_in_finest_wave
+   public :: film_estimate, intervals_for_waves, line_contact_t, move_profiles, nodes_in_finest_wave
 
    !> Intervals in the finest wave (feature, sinusoid, profile) below which companions on n/4 may not see it.
    integer, parameter :: fewest_in_wave = 16
@@ -70,5 +72,26 @@ contains
       if (allocated(contact%surface_1%profile)) nodes = contact%surface_1%profile%finest_wave/dx
       if (allocated(contact%surface_2%profile)) nodes = min(nodes, contact%surface_2%profile%finest_wave/dx)
    end function nodes_in_finest_wave
+
+   !> Has the profiles of both surfaces at hand for the whole of a complete domain at `time`. Error: a file cannot be read.
+   subroutine move_profiles(contact, time, error)
+      type(line_contact_t), intent(inout) :: contact
+      real(wp), intent(in) :: time
+      type(error_t), allocatable, intent(out) :: error
+
+      call move_profile(contact%surface_1, contact%domain, time, error)
+      if (.not. allocated(error)) call move_profile(contact%surface_2, contact%domain, time, error)
+   end subroutine move_profiles
+
+   !> The same of one surface.
+   subroutine move_profile(surface, domain, time, error)
+      type(rough_surface_t), intent(inout) :: surface
+      type(domain_t), intent(in) :: domain
+      real(wp), intent(in) :: time
+      type(error_t), allocatable, intent(out) :: error
+
+      if (allocated(surface%profile)) call load_window(surface%profile, domain%x_inlet - surface%speed*time, &
+         domain%x_outlet - surface%speed*time, error)
+   end subroutine move_profile
 
 end module line_contact

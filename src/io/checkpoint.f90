@@ -23,7 +23,7 @@ module checkpoint
    public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 3
+   integer, parameter :: format_number = 4
 
    !> What a checkpoint holds.
    type :: checkpoint_t

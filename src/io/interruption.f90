@@ -10,8 +10,8 @@ module interruption
 
    public :: listen_to_signals, is_interrupted
 
-   !> SIGINT and SIGTERM on every POSIX system.
-   integer(c_int), parameter :: signal_interrupt = 2_c_int, signal_terminate = 15_c_int
+   !> SIGINT, SIGPIPE and SIGTERM on every POSIX system.
+   integer(c_int), parameter :: signal_interrupt = 2_c_int, signal_pipe = 13_c_int, signal_terminate = 15_c_int
    !> SIG_DFL and SIG_IGN as addresses.
    integer(c_intptr_t), parameter :: default_address = 0_c_intptr_t, ignore_address = 1_c_intptr_t
 
@@ -32,8 +32,11 @@ module interruption
 contains
 
    !> From now on the first SIGINT or SIGTERM is noted instead of ending the program. One that was ignored (nohup, a job in
-   !> the background) stays ignored.
+   !> the background) stays ignored. That nobody reads standard error any more (SIGPIPE) is no reason to end.
    subroutine listen_to_signals()
+      type(c_funptr) :: previous
+
+      previous = c_signal(signal_pipe, transfer(ignore_address, previous))
       call listen_to(signal_interrupt)
       call listen_to(signal_terminate)
    end subroutine listen_to_signals

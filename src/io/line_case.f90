@@ -18,7 +18,7 @@ contains
 
    !> Makes `scaling` and `contact` of a case.
    !> The domain is as in the case: what is left open there is chosen by the solver.
-   pure subroutine build_line_contact(case, scaling, contact)
+   subroutine build_line_contact(case, scaling, contact)
       type(case_t), intent(in) :: case
       type(scaling_t), intent(out) :: scaling
       type(line_contact_t), intent(out) :: contact
@@ -34,7 +34,12 @@ contains
          contact%surface_1 = scaled_surface(case%surface_1, scaling)
          contact%surface_2 = scaled_surface(case%surface_2, scaling)
          whole = contact
-         call choose_domain(whole)
+         ! the domain that the solver will choose: the inlet depends on the wanted accuracy
+         if (whole%domain%has_inlet) then
+            call choose_domain(whole)
+         else
+            call choose_domain(whole, case%accuracy%target)
+         end if
          call place_surface(contact%surface_1, whole%domain%x_inlet, whole%domain%x_outlet)
          call place_surface(contact%surface_2, whole%domain%x_inlet, whole%domain%x_outlet)
       else

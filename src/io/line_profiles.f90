@@ -2,14 +2,16 @@
 module line_profiles
    use, intrinsic :: iso_fortran_env, only: int64
    use case_record, only: case_t, set_effective
+   use checksum, only: checksum_t
    use errors, only: error_t
    use features, only: rough_surface_t
    use findings, only: findings_t
-   use height_file, only: heights_t, read_heights
+   use height_file, only: open_heights
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
-   use profile, only: profile_t
+   use profile, only: profile_length, profile_t
    use scaling, only: new_scaling, scaling_t
+   use synthetic_pieces, only: new_synthetic_pieces, synthetic_pieces_t
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text
    implicit none (type, external)
@@ -23,7 +25,13 @@ module line_profiles
    real(wp), parameter :: usual_domain = 30.0_wp
    !> Smooth entry of a profile where it is not given [half-widths].
    real(wp), parameter :: usual_entry = 1.0_wp
-   integer, parameter :: most_nodes = 2**24
+   !> Nodes of a profile up to which it is made at once; behind that it is put together from pieces. Then a piece has at least
+   !> 32 of the longest waves, which are at most `most_waves` times as long as the shortest.
+   integer, parameter :: most_nodes = 2**20, most_waves = most_nodes/(32*nodes_per_wave)
+   !> Nodes of half a piece, at least.
+   integer, parameter :: least_half = 32768
+   !> Nodes of a file up to which harmonics can be taken.
+   integer(int64), parameter :: most_truncated = 4194304_int64
 
 contains
 
@@ -43,7 +51,7 @@ contains
       if (case%time%is_transient .and. .not. values%is_given(group, 'entry_length')) surface%entry_length = usual_entry
       allocate (surface%profile)
       if (shape == 'file') then
-         call fill_from_file(values, group, case%file, surface%profile, findings)
+         call fill_from_file(values, group, case, surface%profile, findings)
       else
          call fill_synthetic(values, group, case, surface, findings)
       end if
@@ -53,61 +61,75 @@ contains
       surface%profile%is_placed = position%is_given
       if (position%is_given) surface%profile%start = position%reals(1)
       if (case%time%is_transient) call set_effective(case, group, 'entry_length', to_text(surface%entry_length, 17), 'half-widths')
-      call set_effective(case, group, 'heights_checksum', checksum(surface%profile%heights), '')
    end subroutine add_profile
 
-   !> Heights of the file; with harmonics they repeat themselves.
-   subroutine fill_from_file(values, group, namelist, profile, findings)
+   !> Heights of the file, which are read as they are needed; with harmonics they repeat themselves and are held.
+   subroutine fill_from_file(values, group, case, profile, findings)
       type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group, namelist
+      character(*), intent(in) :: group
+      type(case_t), intent(inout) :: case
       type(profile_t), intent(inout) :: profile
       type(findings_t), intent(inout) :: findings
       type(value_t) :: name, dataset, harmonics
-      type(heights_t) :: heights
       type(error_t), allocatable :: error
       character(:), allocatable :: path
+      character(len=16) :: digits
+      integer(int64) :: most
 
       name = values%slot(group, 'file')
       dataset = values%slot(group, 'dataset')
       path = trim(name%text)
-      if (index(path, '/') /= 1) path = namelist(:index(namelist, '/', back=.true.))//path
-      call read_heights(path, trim(dataset%text), heights, error)
+      if (index(path, '/') /= 1) path = case%file(:index(case%file, '/', back=.true.))//path
+      call open_heights(path, trim(dataset%text), profile%source, profile%spacing, digits, error)
       if (allocated(error)) then
          call findings%add(name%line, group, 'file', error%message)
          return
       end if
-      if (heights%grid(2) > 1) call findings%add(name%line, group, 'file', 'found an area, expected a profile')
-      if (.not. heights%spacing(1) > 0.0_wp) call findings%add(name%line, group, 'file', 'found no spacing in '//path// &
+      if (.not. profile%spacing > 0.0_wp) call findings%add(name%line, group, 'file', 'found no spacing in '//path// &
          ', expected the attribute spacing_x or spacing [m] of the dataset')
+      profile%finest_wave = 2.0_wp*profile%spacing
+      call set_effective(case, group, 'heights_checksum', digits, '')
+      call set_effective(case, group, 'heights_spacing', to_text(profile%spacing, 17), 'm')
       harmonics = values%slot(group, 'harmonics')
-      profile%is_periodic = harmonics%is_given
-      if (harmonics%is_given .and. harmonics%integer > size(heights%z)/2 - 1) call findings%add(harmonics%line, group, &
-         'harmonics', 'found '//to_text(harmonics%integer)//', expected at most '//to_text(size(heights%z)/2 - 1)// &
-         ', half the nodes less one')
-      if (findings%count > 0) return
-      if (harmonics%is_given) then
-         call truncate_harmonics(harmonics%integer, [size(heights%z), 1], heights%z, error)
-         if (allocated(error)) call findings%add(harmonics%line, group, 'harmonics', error%message)
-         profile%finest_wave = size(heights%z)*heights%spacing(1)/harmonics%integer
+      if (.not. harmonics%is_given .or. findings%count > 0) return
+      most = min(profile%source%nodes/2 - 1, int(most_nodes, int64))
+      if (profile%source%nodes > most_truncated) then
+         call findings%add(harmonics%line, group, 'harmonics', 'found a profile of '//to_text(profile%source%nodes)// &
+            ' nodes, expected at most '//to_text(most_truncated)//': a series needs all of them at once')
+      else if (harmonics%integer > most) then
+         call findings%add(harmonics%line, group, 'harmonics', 'found '//to_text(harmonics%integer)//', expected at most '// &
+            to_text(most)//', half the nodes less one')
       else
-         profile%finest_wave = 2.0_wp*heights%spacing(1)
+         call truncate_profile(harmonics%integer, profile, error)
+         if (allocated(error)) call findings%add(harmonics%line, group, 'harmonics', error%message)
       end if
-      call move_alloc(heights%z, profile%heights)
-      profile%spacing = heights%spacing(1)
    end subroutine fill_from_file
+
+   !> The truncated Fourier series of a whole profile, which is held from now on.
+   subroutine truncate_profile(harmonics, profile, error)
+      integer, intent(in) :: harmonics
+      type(profile_t), intent(inout) :: profile
+      type(error_t), allocatable, intent(out) :: error
+
+      allocate (profile%heights(profile%source%nodes))
+      call profile%source%get(0_int64, profile%heights, error)
+      if (allocated(error)) return
+      deallocate (profile%source)
+      call truncate_harmonics(harmonics, [size(profile%heights), 1], profile%heights, error)   ! error: the caller looks
+      profile%is_periodic = .true.
+      profile%finest_wave = size(profile%heights)*profile%spacing/harmonics
+   end subroutine truncate_profile
 
    !> Heights with a wanted spectrum, long enough for the whole passage; they repeat themselves behind it.
    subroutine fill_synthetic(values, group, case, surface, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      type(case_t), intent(in) :: case
+      type(case_t), intent(inout) :: case
       type(rough_surface_t), intent(inout) :: surface
       type(findings_t), intent(inout) :: findings
       type(synthesis_t) :: wanted
       type(value_t) :: seed
-      type(error_t), allocatable :: error
-      real(wp) :: length
-      integer :: nodes
+      real(wp) :: length, longest
 
       seed = values%slot(group, 'seed')
       wanted%seed = seed%integer
@@ -117,27 +139,63 @@ contains
       wanted%kurtosis = values%real_value(group, 'kurtosis')
       wanted%wavelength_short = values%real_value(group, 'wavelength_short')
       length = max(passage(case, surface%speed), values%real_value(group, 'wavelength_long'), 4.0_wp*wanted%wavelength_short)
-      if (length*nodes_per_wave/wanted%wavelength_short > most_nodes) then
-         call findings%add(values%line_of(group, 'wavelength_short'), group, 'wavelength_short', 'found waves so short that '// &
-            'the profile of '//to_text(length, 3)//' m has more than '//to_text(most_nodes)//' nodes, expected longer ones')
-         return
-      end if
-      nodes = 2*ceiling(0.5_wp*length*nodes_per_wave/wanted%wavelength_short)
-      surface%profile%spacing = length/nodes
-      surface%profile%is_periodic = .true.
-      surface%profile%finest_wave = wanted%wavelength_short
-      wanted%wavelength_long = length
+      longest = length
+      if (length*nodes_per_wave > most_nodes*wanted%wavelength_short) longest = most_waves*wanted%wavelength_short
+      wanted%wavelength_long = longest
       if (values%is_given(group, 'wavelength_long')) wanted%wavelength_long = values%real_value(group, 'wavelength_long')
       wanted%wavelength_rolloff = wanted%wavelength_long
       if (values%is_given(group, 'wavelength_rolloff')) wanted%wavelength_rolloff = values%real_value(group, 'wavelength_rolloff')
-      if (wanted%wavelength_short > wanted%wavelength_rolloff .or. wanted%wavelength_rolloff > wanted%wavelength_long) then
+      if (wanted%wavelength_long > longest) then
+         call findings%add(values%line_of(group, 'wavelength_long'), group, 'wavelength_long', 'found '// &
+            to_text(wanted%wavelength_long)//' m, expected at most '//to_text(most_waves)//' times wavelength_short in a '// &
+            'profile of '//to_text(length, 3)//' m, which is too long to be made at once')
+      else if (wanted%wavelength_short > wanted%wavelength_rolloff .or. wanted%wavelength_rolloff > wanted%wavelength_long) then
          call findings%add(values%line_of(group, 'shape'), group, 'wavelength_rolloff', 'found '// &
             to_text(wanted%wavelength_rolloff)//' m, expected wavelength_short <= wavelength_rolloff <= wavelength_long')
-         return
+      else
+         call set_effective(case, group, 'wavelength_long', to_text(wanted%wavelength_long, 17), 'm')
+         call set_effective(case, group, 'wavelength_rolloff', to_text(wanted%wavelength_rolloff, 17), 'm')
+         call synthesise(wanted, length, group, values%line_of(group, 'shape'), case, surface%profile, findings)
       end if
-      call synthetic_heights(wanted, [nodes, 1], length, tiny(1.0_wp), surface%profile%heights, error)
-      if (allocated(error)) call findings%add(values%line_of(group, 'shape'), group, 'shape', error%message)
    end subroutine fill_synthetic
+
+   !> At once, or from pieces if that needs more than `most_nodes`. Findings: what the synthesis finds.
+   subroutine synthesise(wanted, length, group, line, case, profile, findings)
+      type(synthesis_t), intent(in) :: wanted
+      real(wp), intent(in) :: length
+      character(*), intent(in) :: group
+      integer, intent(in) :: line
+      type(case_t), intent(inout) :: case
+      type(profile_t), intent(inout) :: profile
+      type(findings_t), intent(inout) :: findings
+      type(synthetic_pieces_t), allocatable :: pieces
+      type(checksum_t) :: sums
+      type(error_t), allocatable :: error
+      integer :: half, nodes
+
+      profile%is_periodic = .true.
+      profile%finest_wave = wanted%wavelength_short
+      if (length*nodes_per_wave > most_nodes*wanted%wavelength_short) then
+         profile%spacing = wanted%wavelength_short/nodes_per_wave
+         half = least_half
+         do while (half < most_nodes/(2*most_waves)*(wanted%wavelength_long/wanted%wavelength_short))
+            half = 2*half
+         end do
+         profile%window = half
+         allocate (pieces)
+         call new_synthetic_pieces(pieces, wanted, profile%spacing, half, ceiling(length/(half*profile%spacing), int64), error)
+         if (.not. allocated(error)) call move_alloc(pieces, profile%source)
+      else
+         nodes = 2*ceiling(0.5_wp*length*nodes_per_wave/wanted%wavelength_short)
+         profile%spacing = length/nodes
+         call synthetic_heights(wanted, [nodes, 1], length, tiny(1.0_wp), profile%heights, error)
+         if (.not. allocated(error)) then
+            call sums%add(profile%heights)
+            call set_effective(case, group, 'heights_checksum', sums%digits(), '')
+         end if
+      end if
+      if (allocated(error)) call findings%add(line, group, 'shape', error%message)
+   end subroutine synthesise
 
    !> Length of a surface that passes through the domain or lies in it [m]; `speed` [m/s].
    function passage(case, speed) result(length)
@@ -162,7 +220,7 @@ contains
 
       surface%entry_position = merge(x_inlet, x_outlet, surface%speed >= 0.0_wp)
       if (.not. allocated(surface%profile)) return
-      length = (size(surface%profile%heights) - 1)*surface%profile%spacing
+      length = profile_length(surface%profile)
       if (surface%profile%is_placed) then
          surface%profile%start = surface%profile%start - 0.5_wp*length
       else if (surface%speed > 0.0_wp) then
@@ -174,25 +232,5 @@ contains
       end if
       surface%profile%is_placed = .true.
    end subroutine place_surface
-
-   !> Fletcher's sum of the bits of the heights, in 32-bit halves, as 16 hexadecimal digits.
-   pure function checksum(heights) result(digits)
-      real(wp), intent(in) :: heights(:)
-      character(len=16) :: digits
-      integer(int64), parameter :: modulus = 4294967295_int64
-      integer(int64) :: bits, first, second
-      integer :: i
-
-      first = 0_int64
-      second = 0_int64
-      do i = 1, size(heights)
-         bits = transfer(heights(i), bits)
-         first = modulo(first + ibits(bits, 0, 32), modulus)
-         second = modulo(second + first, modulus)
-         first = modulo(first + ibits(bits, 32, 32), modulus)
-         second = modulo(second + first, modulus)
-      end do
-      write (digits, '(2z8.8)') second, first
-   end function checksum
 
 end module line_profiles

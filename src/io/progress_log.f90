@@ -195,6 +195,7 @@ contains
                            number_text(report%load_error, 2)//'   bound '//number_text(report%tolerance_effective, 2))
       if (report%inlet_error > telling_inlet_error) call self%write_line('  inlet     starves the film by '// &
                            number_text(100*report%inlet_error, 2)//' % (x_inlet further out cures it)')
+      if (allocated(report%note)) call self%write_line('  '//wrapped('note      '//report%note, columns - 2))
       call self%write_line('  result    '//path)
 
    contains

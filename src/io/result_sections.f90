@@ -224,6 +224,10 @@ contains
                          new_label('relative error of the film thickness because the domain ends at its inlet (estimate)', '1'))
       call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, &
                          new_label('bound on residual and load error: max(tolerance, 5 x round-off floor)', '1'))
+      if (report%nodes_per_wave < huge(1.0_wp)) call write_dataset(file, '/report/nodes_per_wave', report%nodes_per_wave, &
+                         new_label('nodes of the grid in the finest wave of the roughness', '1'))
+      if (allocated(report%note)) call write_dataset(file, '/report/note', report%note, &
+                                                     new_label('what should be known about this result', '1'))
       call write_dataset(file, '/report/residual_history', report%residual_history(), &
                          new_label('residual after each cycle', '1'))
       call write_dataset(file, '/report/load_error_history', report%load_error_history(), &

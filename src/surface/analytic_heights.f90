@@ -26,7 +26,7 @@ contains
 
    !> Heights (nx*ny) of `features` [m], the same at every y; on a periodic domain each node sees the nearest image of a
    !> feature. `x` (nx) are positions, `length` that of the domain [m].
-   pure function feature_heights(features, x, ny, length, is_periodic) result(z)
+   function feature_heights(features, x, ny, length, is_periodic) result(z)
       type(feature_t), intent(in) :: features(:)
       real(wp), intent(in) :: x(:), length
       integer, intent(in) :: ny

@@ -1,15 +1,28 @@
 !> A measured or synthetic profile: heights at equal distances, between which a cubic runs.
+!>
+!> A long profile stays where it comes from; only a window of its heights is held, which `load_window` moves along. What the
+!> profile is does not depend on the window: the same heights at the same places, to the bit.
 module profile
+   use, intrinsic :: iso_fortran_env, only: int64
+   use errors, only: error_t
+   use height_source, only: height_source_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: profile_height, profile_t, smooth_ramp
+   public :: load_window, profile_height, profile_length, profile_t, smooth_ramp
 
    !> Lengths in any unit, the same for spacing, start and x.
    type :: profile_t
-      !> Heights (n), n >= 2, positive out of the material.
+      !> Heights of the window (m), positive out of the material; without a source all of them, at least 2.
       real(wp), allocatable :: heights(:)
+      !> Number of the first height of the window; those of the profile count from 0.
+      integer(int64) :: first = 0_int64
+      !> Where the heights come from, and the unit [m] in which the window has them.
+      class(height_source_t), allocatable :: source
+      real(wp) :: unit = 1.0_wp
+      !> A window has at least this many heights, if the profile has them.
+      integer(int64) :: window = 32768_int64
       !> Distance of the heights, > 0.
       real(wp) :: spacing = 1.0_wp
       !> Position of the first height at time 0.
@@ -26,7 +39,7 @@ module profile
 
 contains
 
-   !> Height of the profile at `x` (m), which must count from where the profile is at time 0.
+   !> Height of the profile at `x`, which must count from where the profile is at time 0 and lie in the window.
    !>
    !> Between two heights the cubic of Catmull and Rom (1974): through the heights, with the slope of the neighbours there.
    pure function profile_height(profile, x) result(z)
@@ -34,18 +47,19 @@ contains
       real(wp), intent(in) :: x(:)
       real(wp) :: z(size(x))
       real(wp) :: nodes, s, t, h(4), last
-      integer :: i, k, n
+      integer(int64) :: k, n
+      integer :: i
 
-      n = size(profile%heights)
+      n = node_count(profile)
       last = real(n - 1, wp)
       z = 0.0_wp
       do i = 1, size(x)
          nodes = (x(i) - profile%start)/profile%spacing
          if (profile%is_periodic) nodes = modulo(nodes, real(n, wp))
          if (.not. profile%is_periodic .and. (nodes < 0.0_wp .or. nodes > last)) cycle
-         k = min(int(nodes), n - 1)
+         k = min(int(nodes, int64), n - 1)
          t = nodes - k
-         h = profile%heights(neighbours(k, n, profile%is_periodic))
+         h = profile%heights(neighbours(profile, k, n))
          z(i) = h(2) + 0.5_wp*t*(h(3) - h(1) + t*(2*h(1) - 5*h(2) + 4*h(3) - h(4) + t*(3*(h(2) - h(3)) + h(4) - h(1))))
          if (profile%is_periodic .or. .not. profile%end_length > 0.0_wp) cycle
          s = min(nodes, last - nodes)*profile%spacing/profile%end_length
@@ -53,19 +67,104 @@ contains
       end do
    end function profile_height
 
-   !> The heights before, at, behind and two behind node `k` (0 = the first).
-   pure function neighbours(k, n, is_periodic) result(place)
-      integer, intent(in) :: k, n
-      logical, intent(in) :: is_periodic
-      integer :: place(4)
+   !> Places in the window of the heights before, at, behind and two behind height `k` of `n`.
+   pure function neighbours(profile, k, n) result(place)
+      type(profile_t), intent(in) :: profile
+      integer(int64), intent(in) :: k, n
+      integer(int64) :: place(4)
 
       place = [k - 1, k, k + 1, k + 2]
-      if (is_periodic) then
-         place = modulo(place, n) + 1
+      if (profile%is_periodic) then
+         place = modulo(place - profile%first, n) + 1
       else
-         place = min(max(place, 0), n - 1) + 1
+         place = min(max(place, 0_int64), n - 1) - profile%first + 1
       end if
    end function neighbours
+
+   !> Moves the window to where `profile_height` can be asked for any x of x_low ... x_high. Error: the source has one.
+   subroutine load_window(profile, x_low, x_high, error)
+      type(profile_t), intent(inout) :: profile
+      real(wp), intent(in) :: x_low, x_high
+      type(error_t), allocatable, intent(out) :: error
+      integer(int64) :: count, from, needed, n, to
+
+      if (.not. allocated(profile%source)) return
+      n = profile%source%nodes
+      ! the four neighbours, and one more for the rounding of x
+      from = floor((x_low - profile%start)/profile%spacing, int64) - 2
+      to = floor((x_high - profile%start)/profile%spacing, int64) + 3
+      if (.not. profile%is_periodic) then
+         from = max(from, 0_int64)
+         to = min(to, n - 1)
+         if (to < from) return
+      end if
+      needed = min(to - from + 1, n)
+      if (holds(profile, from, needed)) return
+      count = min(max(profile%window, 2*needed), n)
+      profile%first = from - (count - needed)/2
+      if (profile%is_periodic) then
+         profile%first = modulo(profile%first, n)
+      else
+         profile%first = min(max(profile%first, 0_int64), n - count)
+      end if
+      call read_window(profile, count, error)
+   end subroutine load_window
+
+   !> Whether the window has the `needed` heights from number `from` on.
+   pure function holds(profile, from, needed)
+      type(profile_t), intent(in) :: profile
+      integer(int64), intent(in) :: from, needed
+      logical :: holds
+      integer(int64) :: place
+
+      holds = .false.
+      if (.not. allocated(profile%heights)) return
+      place = from - profile%first
+      if (profile%is_periodic) place = modulo(place, profile%source%nodes)
+      holds = place >= 0 .and. place + needed <= size(profile%heights, kind=int64)
+      if (profile%is_periodic) holds = holds .or. size(profile%heights, kind=int64) == profile%source%nodes
+   end function holds
+
+   !> Fills the window with `count` heights; one that repeats itself goes on with its beginning.
+   subroutine read_window(profile, count, error)
+      type(profile_t), intent(inout) :: profile
+      integer(int64), intent(in) :: count
+      type(error_t), allocatable, intent(out) :: error
+      integer(int64) :: before_end
+
+      if (allocated(profile%heights)) then
+         if (size(profile%heights, kind=int64) /= count) deallocate (profile%heights)
+      end if
+      if (.not. allocated(profile%heights)) allocate (profile%heights(count))
+      before_end = min(count, profile%source%nodes - profile%first)
+      call profile%source%get(profile%first, profile%heights(:before_end), error)
+      if (.not. allocated(error) .and. before_end < count) call profile%source%get(0_int64, profile%heights(before_end + 1:), error)
+      if (allocated(error)) then
+         deallocate (profile%heights)
+      else
+         profile%heights = profile%heights/profile%unit
+      end if
+   end subroutine read_window
+
+   !> Number of heights of the whole profile.
+   pure function node_count(profile) result(n)
+      type(profile_t), intent(in) :: profile
+      integer(int64) :: n
+
+      if (allocated(profile%source)) then
+         n = profile%source%nodes
+      else
+         n = size(profile%heights, kind=int64)
+      end if
+   end function node_count
+
+   !> Distance of the last height from the first.
+   pure function profile_length(profile) result(length)
+      type(profile_t), intent(in) :: profile
+      real(wp) :: length
+
+      length = (node_count(profile) - 1)*profile%spacing
+   end function profile_length
 
    !> 0 up to s = 0, 1 from s = 1 on, between them a rise with continuous slope and curvature.
    pure elemental function smooth_ramp(s) result(share)

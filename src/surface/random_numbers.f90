@@ -52,16 +52,18 @@ contains
       low = ior(shiftl(iand(low, low_16), 16), iand(carry, low_16))
    end subroutine multiply
 
-   !> `n` independent normal numbers (mean 0, variance 1) of a `seed` >= 0, by the transform of Box and Muller.
-   pure function normal_numbers(n, seed) result(values)
+   !> `n` independent normal numbers (mean 0, variance 1) of a `seed` >= 0, by the transform of Box and Muller. Each `series`
+   !> (0 ... 2^32 - 1) of a seed has other ones.
+   pure function normal_numbers(n, seed, series) result(values)
       integer, intent(in) :: n, seed
+      integer(int64), intent(in) :: series
       real(wp) :: values(n)
       integer(int64) :: words(4)
       real(wp) :: angle, radius
       integer :: i
 
       do i = 1, n, 2
-         words = philox([int(i/2, int64), 0_int64, 0_int64, 0_int64], [int(seed, int64), 0_int64])
+         words = philox([int(i/2, int64), 0_int64, series, 0_int64], [int(seed, int64), 0_int64])
          radius = sqrt(-2.0_wp*log(uniform(words(1), words(2))))
          angle = 2.0_wp*pi*uniform(words(3), words(4))
          values(i) = radius*cos(angle)

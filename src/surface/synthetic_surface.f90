@@ -1,5 +1,6 @@
 !> Surfaces with a wanted spectrum: self-affine with roll-off and cut-offs, wanted rms height, skewness and kurtosis.
 module synthetic_surface
+   use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
    use kinds, only: wp
    use random_numbers, only: normal_numbers
@@ -8,7 +9,7 @@ module synthetic_surface
    implicit none (type, external)
    private
 
-   public :: synthesis_t, synthetic_heights, truncate_harmonics
+   public :: bend_t, bent, find_bend, gaussian_heights, synthesis_t, synthetic_heights, truncate_harmonics
 
    !> What is wanted. Lengths [m].
    type :: synthesis_t
@@ -23,6 +24,12 @@ module synthetic_surface
       !> Rsk and Rku of the heights (Gaussian: 0 and 3).
       real(wp) :: skewness = 0.0_wp, kurtosis = 3.0_wp
    end type synthesis_t
+
+   !> A rising function of heights: Tukey's, less a mean, over an rms.
+   type :: bend_t
+      real(wp) :: g = 0.0_wp, h = 0.0_wp
+      real(wp) :: mean = 0.0_wp, rms = 1.0_wp
+   end type bend_t
 
    !> Newton steps for skewness and kurtosis, and how close they must come.
    integer, parameter :: most_steps = 60
@@ -41,6 +48,24 @@ contains
       type(synthesis_t), intent(in) :: wanted
       integer, intent(in) :: grid(2)
       real(wp), intent(in) :: length_x, length_y
+      real(wp), allocatable, intent(out) :: z(:)
+      type(error_t), allocatable, intent(out) :: error
+      type(bend_t) :: bend
+
+      call gaussian_heights(wanted, grid, length_x, length_y, 0_int64, z, error)
+      if (allocated(error)) return
+      call find_bend(wanted, z, bend, error)
+      if (allocated(error)) return
+      z = wanted%rms_height*bent(z, bend)
+   end subroutine synthetic_heights
+
+   !> Gaussian heights z (nx*ny) of mean 0 and rms 1 with the spectrum of `wanted`, from one `series` of random numbers of the
+   !> seed. Error (input_error): no wave fits the grid.
+   subroutine gaussian_heights(wanted, grid, length_x, length_y, series, z, error)
+      type(synthesis_t), intent(in) :: wanted
+      integer, intent(in) :: grid(2)
+      real(wp), intent(in) :: length_x, length_y
+      integer(int64), intent(in) :: series
       real(wp), allocatable, intent(out) :: z(:)
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: noise(:), symbol(:, :)
@@ -63,15 +88,10 @@ contains
       end if
       call new_spectral_product(filter, nx, ny, symbol, 1, error)
       if (allocated(error)) return
-      noise = normal_numbers(nx*ny, wanted%seed)
+      noise = normal_numbers(nx*ny, wanted%seed, series)
       call filter%apply(noise, z)
       z = z/(norm2(z)/sqrt(real(size(z), wp)))
-      if (abs(wanted%skewness) > 0.0_wp .or. abs(wanted%kurtosis - 3.0_wp) > 0.0_wp) then
-         call bend(wanted%skewness, wanted%kurtosis, z, error)
-         if (allocated(error)) return
-      end if
-      z = wanted%rms_height*z
-   end subroutine synthetic_heights
+   end subroutine gaussian_heights
 
    !> Amplitude, the root of the spectrum, at `waves` [1/m] in d = `dimensions`; 0 outside the cut-offs.
    pure function amplitude_at(wanted, waves, dimensions) result(amplitude)
@@ -85,22 +105,26 @@ contains
       amplitude = max(1.0_wp, waves*wanted%wavelength_rolloff)**(-wanted%hurst - 0.5_wp*dimensions)
    end function amplitude_at
 
-   !> z of mean 0 and rms 1 goes through Tukey's function, again with mean 0 and rms 1, with the wanted skewness and kurtosis.
-   subroutine bend(skewness, kurtosis, z, error)
-      real(wp), intent(in) :: skewness, kurtosis
-      real(wp), intent(inout) :: z(:)
+   !> The function that gives heights `z` of mean 0 and rms 1 the wanted skewness and kurtosis; mean and rms stay.
+   !> Error (input_error): there is none.
+   subroutine find_bend(wanted, z, bend, error)
+      type(synthesis_t), intent(in) :: wanted
+      real(wp), intent(in) :: z(:)
+      type(bend_t), intent(out) :: bend
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: change(2), determinant, g, h, miss(2), slope(2, 2)
+      real(wp) :: change(2), determinant, g, goal(2), h, miss(2), slope(2, 2)
       integer :: i
       real(wp), parameter :: delta = 1.0e-6_wp, longest_step = 0.05_wp
 
-      g = skewness/3.0_wp
+      if (is_gaussian(wanted)) return
+      goal = [wanted%skewness, wanted%kurtosis]
+      g = wanted%skewness/3.0_wp
       h = 0.0_wp
       do i = 1, most_steps
-         miss = moments(tukey(z, g, h)) - [skewness, kurtosis]
+         miss = moments(tukey(z, g, h)) - goal
          if (maxval(abs(miss)) < close_enough) exit
-         slope(:, 1) = (moments(tukey(z, g + delta, h)) - [skewness, kurtosis] - miss)/delta
-         slope(:, 2) = (moments(tukey(z, g, h + delta)) - [skewness, kurtosis] - miss)/delta
+         slope(:, 1) = (moments(tukey(z, g + delta, h)) - goal - miss)/delta
+         slope(:, 2) = (moments(tukey(z, g, h + delta)) - goal - miss)/delta
          determinant = slope(1, 1)*slope(2, 2) - slope(1, 2)*slope(2, 1)
          if (.not. abs(determinant) > 0.0_wp) exit
          change = [slope(2, 2)*miss(1) - slope(1, 2)*miss(2), slope(1, 1)*miss(2) - slope(2, 1)*miss(1)]/determinant
@@ -109,14 +133,32 @@ contains
          h = h - change(2)
       end do
       if (.not. maxval(abs(miss)) < 1.0e-6_wp .or. .not. is_rising(z, g, h)) then
-         call fail(error, input_error, 'found skewness ' // to_text(skewness) // ' and kurtosis ' // to_text(kurtosis) &
-            // ', which this Gaussian surface cannot be given')
+         call fail(error, input_error, 'found skewness ' // to_text(wanted%skewness) // ' and kurtosis ' &
+            // to_text(wanted%kurtosis) // ', which this Gaussian surface cannot be given')
          return
       end if
-      z = tukey(z, g, h)
-      z = z - sum(z)/size(z)
-      z = z/(norm2(z)/sqrt(real(size(z), wp)))
-   end subroutine bend
+      bend%g = g
+      bend%h = h
+      bend%mean = sum(tukey(z, g, h))/size(z)
+      bend%rms = norm2(tukey(z, g, h) - bend%mean)/sqrt(real(size(z), wp))
+   end subroutine find_bend
+
+   !> True if heights stay Gaussian.
+   pure function is_gaussian(wanted)
+      type(synthesis_t), intent(in) :: wanted
+      logical :: is_gaussian
+
+      is_gaussian = .not. (abs(wanted%skewness) > 0.0_wp .or. abs(wanted%kurtosis - 3.0_wp) > 0.0_wp)
+   end function is_gaussian
+
+   !> The function of a height.
+   pure elemental function bent(z, bend) result(y)
+      real(wp), intent(in) :: z
+      type(bend_t), intent(in) :: bend
+      real(wp) :: y
+
+      y = (tukey(z, bend%g, bend%h) - bend%mean)/bend%rms
+   end function bent
 
    !> (exp(g z) - 1)/g exp(h z^2/2): g > 0 lengthens the upper tail, h > 0 both.
    pure elemental function tukey(z, g, h) result(y)

@@ -1,0 +1,133 @@
+!> Heights in an HDF5 file: a dataset of one or two dimensions and the spacing of its nodes, read a stretch at a time.
+module hdf5_heights
+   use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
+   use, intrinsic :: iso_fortran_env, only: int64
+   use errors, only: error_t, fail, input_error
+   use hdf5, only: h5aclose_f, h5aexists_f, h5aopen_f, h5aread_f, h5dget_space_f, h5dread_f, h5s_select_set_f, h5sclose_f, &
+      h5screate_simple_f, h5sselect_hyperslab_f, h5t_native_double, hid_t, hsize_t
+   use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   use height_source, only: height_source_t
+   use kinds, only: wp
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: hdf5_heights_t, open_hdf5_heights
+
+   !> A dataset (nx) or, as h5py sees it, (ny, nx); x runs fastest. The file is open only while it is read.
+   type, extends(height_source_t) :: hdf5_heights_t
+      character(:), allocatable, private :: file, dataset
+      !> nx, ny; and metres in one unit of the dataset.
+      integer(int64) :: grid(2) = 0_int64
+      real(wp), private :: si_scale = 1.0_wp
+   contains
+      procedure :: get
+   end type hdf5_heights_t
+
+contains
+
+   !> Heights of `dataset` in `file`, times its attribute `si_scale` if it has one. `spacing` (2) [m] from its attributes
+   !> `spacing_x`, `spacing_y` or `spacing`; 0 where there is none. Errors (input_error): no such file or dataset, another
+   !> number of dimensions.
+   subroutine open_hdf5_heights(source, file, dataset, spacing, error)
+      type(hdf5_heights_t), intent(out) :: source
+      character(*), intent(in) :: file, dataset
+      real(wp), intent(out) :: spacing(2)
+      type(error_t), allocatable, intent(out) :: error
+      type(hdf5_input_t) :: reader
+      integer(int64), allocatable :: extents(:)
+      integer(hid_t) :: set_id
+      logical :: exists
+
+      source%file = file
+      source%dataset = dataset
+      spacing = 0.0_wp
+      call open_hdf5_input(reader, file, error)
+      if (allocated(error)) return
+      exists = reader%has(dataset)
+      if (exists) then
+         extents = reader%extents(dataset)
+         call reader%open_dataset(dataset, set_id)
+         if (.not. allocated(reader%failure)) then
+            spacing = attribute_of(set_id, 'spacing', 0.0_wp)
+            spacing = [attribute_of(set_id, 'spacing_x', spacing(1)), attribute_of(set_id, 'spacing_y', spacing(2))]
+            source%si_scale = attribute_of(set_id, 'si_scale', 1.0_wp)
+         end if
+         call reader%close_dataset(dataset, set_id)
+      end if
+      call reader%close(error)
+      if (allocated(error)) return
+      if (.not. exists) then
+         call fail(error, input_error, 'found no dataset '//dataset//' in '//file)
+      else if (size(extents) < 1 .or. size(extents) > 2) then
+         call fail(error, input_error, 'found '//to_text(size(extents))//' dimensions in '//file//' '//dataset// &
+            ', expected 1 or 2')
+      else
+         source%grid = 1
+         source%grid(:size(extents)) = extents
+         source%nodes = product(source%grid)
+      end if
+   end subroutine open_hdf5_heights
+
+   !> Heights from number `first` on; of an area all of them. Error: they cannot be read.
+   subroutine get(self, first, z, error)
+      class(hdf5_heights_t), intent(in) :: self
+      integer(int64), intent(in) :: first
+      real(wp), intent(out) :: z(:)
+      type(error_t), allocatable, intent(out) :: error
+      type(hdf5_input_t) :: reader
+      real(wp), allocatable, target :: values(:)
+      integer(hid_t) :: file_space, memory_space, set_id
+      integer(hsize_t) :: extents(2), offset(2)
+      type(c_ptr) :: place
+      integer :: status
+
+      z = 0.0_wp
+      call open_hdf5_input(reader, self%file, error)
+      if (allocated(error)) return
+      offset = [int(first, hsize_t), 0_hsize_t]
+      extents = [size(z, kind=hsize_t), 1_hsize_t]
+      if (self%grid(2) > 1) extents = self%grid
+      allocate (values(size(z)))
+      place = c_loc(values)
+      call reader%open_dataset(self%dataset, set_id)
+      if (.not. allocated(reader%failure)) then
+         call h5dget_space_f(set_id, file_space, status)
+         call h5sselect_hyperslab_f(file_space, h5s_select_set_f, offset, extents, status)
+         call reader%check(status, self%dataset//': fewer nodes than before')
+         call h5screate_simple_f(1, [size(z, kind=hsize_t)], memory_space, status)
+         call reader%check(status, self%dataset)
+         if (.not. allocated(reader%failure)) then
+            call h5dread_f(set_id, h5t_native_double, place, status, memory_space, file_space)
+            call reader%check(status, self%dataset//' as real numbers')
+            z = values*self%si_scale
+         end if
+         call h5sclose_f(memory_space, status)
+         call h5sclose_f(file_space, status)
+      end if
+      call reader%close_dataset(self%dataset, set_id)
+      call reader%close(error)   ! error: handed up
+   end subroutine get
+
+   !> A real attribute of an open dataset; `default` if there is none.
+   function attribute_of(set_id, name, default) result(value)
+      integer(hid_t), intent(in) :: set_id
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: default
+      real(wp) :: value
+      integer(hid_t) :: attribute_id
+      logical :: exists
+      integer :: status
+      real(wp) :: read_value(1)
+
+      value = default
+      call h5aexists_f(set_id, name, exists, status)
+      if (status /= 0 .or. .not. exists) return
+      call h5aopen_f(set_id, name, attribute_id, status)
+      if (status /= 0) return
+      call h5aread_f(attribute_id, h5t_native_double, read_value, [1_hsize_t], status)
+      if (status == 0) value = read_value(1)
+      call h5aclose_f(attribute_id, status)
+   end function attribute_of
+
+end module hdf5_heights

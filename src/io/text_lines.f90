@@ -1,0 +1,131 @@
+!> The lines of a text file of any length, one after another from any place on.
+module text_lines
+   use, intrinsic :: iso_fortran_env, only: int64
+   use errors, only: error_t, fail, input_error
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: open_lines, text_lines_t
+
+   !> Longest line [bytes].
+   integer, parameter, public :: longest_line = 65536
+
+   !> An open file.
+   type :: text_lines_t
+      !> The present line, its first byte in the file and its number, counted from `seek` on.
+      character(len=longest_line) :: line = ''
+      integer :: length = 0
+      integer(int64) :: place = 1_int64
+      integer(int64) :: number = 0_int64
+      character(:), allocatable :: file
+      integer, private :: unit = -1
+      !> Bytes of the file; the part of it that is held, from byte `base` on, filled up to `filled`, read up to `used`.
+      integer(int64), private :: bytes = 0_int64, base = 1_int64
+      character(len=longest_line), private :: buffer = ''
+      integer, private :: filled = 0, used = 0
+   contains
+      !> Goes to byte `place` (1 = the first), where line `number` begins.
+      procedure :: seek
+      !> Reads the next line; `is_there` is false behind the last one.
+      procedure :: next
+      procedure :: close => close_lines
+      procedure, private :: refill
+   end type text_lines_t
+
+contains
+
+   !> Opens `file` at its first line. Error: no such file; a folder; not a file of known size.
+   subroutine open_lines(lines, file, error)
+      type(text_lines_t), intent(out) :: lines
+      character(*), intent(in) :: file
+      type(error_t), allocatable, intent(out) :: error
+      integer :: status
+      logical :: exists, is_folder
+      character(len=256) :: message
+
+      lines%file = file
+      inquire (file=file//'/.', exist=is_folder)
+      inquire (file=file, exist=exists)
+      if (is_folder .or. .not. exists) then
+         call fail(error, input_error, file//trim(merge(': found a folder', ': no such file  ', is_folder)))
+         return
+      end if
+      open (newunit=lines%unit, file=file, access='stream', form='unformatted', action='read', status='old', iostat=status, &
+         iomsg=message)
+      if (status == 0) inquire (unit=lines%unit, size=lines%bytes)
+      if (status /= 0) then
+         call fail(error, input_error, file//': cannot be opened: '//trim(message))
+      else if (lines%bytes < 0) then
+         call fail(error, input_error, file//': found something without a size (a pipe?), expected a file')
+      end if
+   end subroutine open_lines
+
+   !> Goes elsewhere.
+   subroutine seek(self, place, number)
+      class(text_lines_t), intent(inout) :: self
+      integer(int64), intent(in) :: place, number
+
+      self%base = place
+      self%filled = 0
+      self%used = 0
+      self%number = number - 1
+   end subroutine seek
+
+   !> The next line without its end. Errors: the file cannot be read; the line is too long.
+   subroutine next(self, is_there, error)
+      class(text_lines_t), intent(inout) :: self
+      logical, intent(out) :: is_there
+      type(error_t), allocatable, intent(out) :: error
+      integer :: length
+
+      is_there = .true.
+      length = index(self%buffer(self%used + 1:self%filled), new_line('a')) - 1
+      if (length < 0) then
+         call self%refill(error)
+         if (allocated(error)) return
+         length = index(self%buffer(:self%filled), new_line('a')) - 1
+      end if
+      self%place = self%base + self%used
+      self%number = self%number + 1
+      if (length < 0) then
+         is_there = self%filled > 0
+         self%length = self%filled
+         if (self%filled == len(self%buffer) .and. self%base + self%filled <= self%bytes) call fail(error, input_error, &
+            self%file//':'//to_text(self%number)//': found a line of more than '//to_text(len(self%buffer))//' characters')
+      else
+         self%length = length
+      end if
+      self%line(:self%length) = self%buffer(self%used + 1:self%used + self%length)
+      self%used = min(self%used + self%length + 1, self%filled)
+      if (self%length == 0) return
+      if (self%line(self%length:self%length) == achar(13)) self%length = self%length - 1
+   end subroutine next
+
+   !> Moves what is not used to the front of the buffer and fills the rest.
+   subroutine refill(self, error)
+      class(text_lines_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+      character(len=256) :: message
+      integer :: more, rest, status
+
+      rest = self%filled - self%used
+      self%buffer(:rest) = self%buffer(self%used + 1:self%filled)
+      self%base = self%base + self%used
+      self%used = 0
+      more = int(min(int(len(self%buffer) - rest, int64), self%bytes - (self%base + rest) + 1))
+      self%filled = rest
+      if (more <= 0) return
+      read (self%unit, pos=self%base + rest, iostat=status, iomsg=message) self%buffer(rest + 1:rest + more)
+      self%filled = rest + more
+      if (status /= 0) call fail(error, input_error, self%file//': cannot be read: '//trim(message))
+   end subroutine refill
+
+   !> Closes the file.
+   subroutine close_lines(self)
+      class(text_lines_t), intent(inout) :: self
+
+      close (self%unit)
+   end subroutine close_lines
+
+end module text_lines
