@@ -32,7 +32,7 @@ module error_bars
    !> An estimate is widened by this factor: the observed order is uncertain.
    real(wp), parameter :: safety = 1.5_wp
    !> In a transient by these besides, the first for the smallest film: extremes are those of the steps and wander between them,
-   !> and errors of grid and time may cancel (found with 120 passages, held by 60 others).
+   !> and errors of grid and time may cancel (found with 120 passages; the first held by 60 others).
    real(wp), parameter, public :: time_safety_minimum = 2.5_wp, time_safety = 1.67_wp
    !> The same for the largest pressure.
    real(wp), parameter :: pressure_safety = 2.0_wp
