@@ -16,6 +16,7 @@ import textwrap
 from collections import Counter, defaultdict
 from pathlib import Path
 
+import dry
 import stability_cells
 from bench_program import ROOT
 
@@ -201,6 +202,28 @@ def cells_of_auto(names: list[str]) -> str:
     return f"\n`auto` is right in {total - len(bad)} of {total} cells of these maps. The others:\n\n" + "\n".join(bad) + "\n"
 
 
+DRY_HEAD = """
+## Dry contacts
+
+`make bench-dry`: time of solutions to an error measure of 1e-6, in processor seconds of one core, beside the fastest of aspher,
+tamaas and ContactMechanics on the same surface, each with the loosest tolerance that makes its answer as good by the same measure.
+Planning of transforms is counted against asperity. `over transforms`: time of the solution without planning over the sum, for all
+its transforms, of FFTW's own time at their size and precision with plans measured beforehand.
+
+"""
+
+
+def dry_section() -> str:
+    """The table of `make bench-dry`, of this run or as it is on the page already."""
+    fresh, kept = RESULTS / "bench" / "dry.csv", IMAGES / "dry.csv"
+    if fresh.exists():
+        shutil.copy(fresh, kept)
+    if not kept.exists():
+        return ""
+    table = "\n".join(wrapped(dry.line_of(row)) for row in rows(kept))
+    return f"{DRY_HEAD}```text\n{table}\n```\n\n[The rows as CSV](images/performance/dry.csv).\n"
+
+
 def main() -> int:
     """Writes the page; status 1 if results are missing."""
     needed = [RESULTS / "bench" / "bench.txt"]
@@ -218,7 +241,8 @@ def main() -> int:
         shutil.copy(path, IMAGES)
     bench, chart, accuracy = (path.read_text(encoding="utf-8").strip() for path in needed[:3])
     text = HEAD.format(bench=bench, chart=wrapped(chart), accuracy=wrapped(accuracy), native=native_table(), **machine())
-    PAGE.write_text(text + cells_of_auto(names) + "".join(map_section(name) for name in names), encoding="utf-8")
+    text += cells_of_auto(names) + "".join(map_section(name) for name in names) + dry_section()
+    PAGE.write_text(text, encoding="utf-8")
     print(PAGE)
     return 0
 

@@ -125,9 +125,9 @@ contains
          work%q(n) = p(i)
       end do
       call problem%elastic%single%apply(work%old_node(:n), work%q(:n), scale)
-      work%v(:) = -problem%height
+      work%path = scale*problem%elastic%single%largest()
+      work%v = -problem%height
       call problem%elastic%single%add_to(scale, work%v)
-      work%path = maxval(abs(work%v + problem%height))
       call work%set%survey(problem, p, work%v)
    end subroutine begin
 

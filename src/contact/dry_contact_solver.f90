@@ -63,10 +63,11 @@ contains
          end if
       end if
       before = done(self, problem)
-      call solve_full_contact(self, problem, solution, is_done)
+      call start(problem, solution, error)
+      if (allocated(error)) return
+      is_done = .false.
+      if (2*count(solution%pressure > 0.0_wp) > size(problem%height)) call solve_full_contact(self, problem, solution, is_done)
       if (.not. is_done) then
-         call start(problem, solution, error)
-         if (allocated(error)) return
          call iterate(self, problem, solution, error)
          if (allocated(error)) return
       end if

@@ -45,8 +45,10 @@ module dry_preconditioner
       !> r scaled to 1, zero off the list, with a periodic rim: (1-reach:nx+reach+lane, 1-reach_y:ny+reach_y).
       real(real32), allocatable :: field(:, :)
       !> The coarse level.
-      type(spectral_product_t) :: coarse
+      integer :: cx = 0, cy = 0
+      type(single_product_t) :: coarse
       real(wp), allocatable :: coarse_in(:), coarse_out(:)
+      integer, allocatable :: coarse_node(:)
       !> The whole |q|, made when it is first needed.
       type(single_product_t) :: whole
    contains
@@ -62,7 +64,7 @@ contains
       type(dry_preconditioner_t), intent(inout) :: self
       type(dry_grid_t), intent(in) :: grid
       type(error_t), allocatable, intent(out) :: error
-      integer :: cx, cy
+      integer :: cx, cy, i
 
       self%nx = grid%nx
       self%ny = grid%ny
@@ -80,7 +82,11 @@ contains
       self%width = merge(area_width, line_width, grid%ny > 1)
       allocate (self%field(1 - self%reach:grid%nx + self%reach + lane, 1 - self%reach_y:grid%ny + self%reach_y), source=0.0_real32)
       allocate (self%coarse_in(cx*cy), self%coarse_out(cx*cy))
-      call new_spectral_product(self%coarse, cx, cy, coarse_symbol(grid, self%width, cx, cy), grid%threads, error)
+      self%cx = cx
+      self%cy = cy
+      self%coarse_node = [(i, i=1, cx*cy)]
+      call new_single_product(self%coarse, [cx, cy], [cx, cy], transpose(coarse_symbol(grid, self%width, cx, cy)) &
+         /(real(cx, wp)*real(cy, wp)), grid%threads, error)
       if (allocated(error)) return
       call make_stencil(self, grid, error)
    end subroutine new_dry_preconditioner
@@ -201,51 +207,97 @@ contains
       integer, contiguous, intent(in) :: node(:)
       real(wp), contiguous, intent(in) :: r(:)
       real(wp), contiguous, intent(out) :: s(:)
-      integer :: corner(4), k, row, row_end
-      real(wp) :: weight(4)
+      real(wp) :: scale
+      integer :: first, j, next
 
       self%coarse_in = 0.0_wp
-      row = 0
-      row_end = self%nx
-      do k = 1, size(node)
-         do while (node(k) > row_end)
-            row = row + 1
-            row_end = row_end + self%nx
-         end do
-         call coarse_neighbours(self%coarse%nx, self%coarse%ny, node(k) - row_end + self%nx - 1, row, corner, weight)
-         self%coarse_in(corner) = self%coarse_in(corner) + weight*r(k)
+      next = 1
+      do j = 0, self%ny - 1
+         first = next
+         call pass_row(node, (j + 1)*self%nx, next)
+         if (next > first) call spread_row(self, j, node(first:next - 1), r(first:next - 1))
       end do
-      call self%coarse%apply(self%coarse_in, self%coarse_out)
-      row = 0
-      row_end = self%nx
-      do k = 1, size(node)
-         do while (node(k) > row_end)
-            row = row + 1
-            row_end = row_end + self%nx
-         end do
-         call coarse_neighbours(self%coarse%nx, self%coarse%ny, node(k) - row_end + self%nx - 1, row, corner, weight)
-         s(k) = weight(1)*self%coarse_out(corner(1)) + weight(2)*self%coarse_out(corner(2)) &
-                + weight(3)*self%coarse_out(corner(3)) + weight(4)*self%coarse_out(corner(4))
+      call self%coarse%apply(self%coarse_node, self%coarse_in, scale)
+      call self%coarse%gather(self%coarse_node, scale, self%coarse_out)
+      next = 1
+      do j = 0, self%ny - 1
+         first = next
+         call pass_row(node, (j + 1)*self%nx, next)
+         if (next > first) call interpolate_row(self, j, node(first:next - 1), s(first:next - 1))
       end do
    end subroutine coarse_part
 
-   !> The four coarse nodes round the fine node (`ix`, `iy`), counted from 0, and their weights; in a line the last two are 0.
-   pure subroutine coarse_neighbours(cx, cy, ix, iy, corner, weight)
-      integer, intent(in) :: cx, cy, ix, iy
-      integer, intent(out) :: corner(4)
-      real(wp), intent(out) :: weight(4)
-      real(wp) :: fx, fy
-      integer :: left, right, lower, upper
+   !> Moves `next` behind the nodes up to `last`.
+   pure subroutine pass_row(node, last, next)
+      integer, contiguous, intent(in) :: node(:)
+      integer, intent(in) :: last
+      integer, intent(inout) :: next
 
-      left = ix/coarsening
-      right = merge(left + 1, 0, left + 1 < cx)
-      fx = real(ix - coarsening*left, wp)/coarsening
-      lower = iy/coarsening
-      upper = merge(lower + 1, 0, lower + 1 < cy)
-      fy = real(iy - coarsening*lower, wp)/coarsening
-      corner = [left + cx*lower + 1, right + cx*lower + 1, left + cx*upper + 1, right + cx*upper + 1]
-      weight = [(1.0_wp - fx)*(1.0_wp - fy), fx*(1.0_wp - fy), (1.0_wp - fx)*fy, fx*fy]
-   end subroutine coarse_neighbours
+      do while (next <= size(node))
+         if (node(next) > last) return
+         next = next + 1
+      end do
+   end subroutine pass_row
+
+   !> The two coarse rows round the fine row `j` (from 0): where they begin, and the weight of the second.
+   pure subroutine coarse_rows(self, j, lower, upper, weight)
+      class(dry_preconditioner_t), intent(in) :: self
+      integer, intent(in) :: j
+      integer, intent(out) :: lower, upper
+      real(wp), intent(out) :: weight
+
+      lower = j/coarsening
+      weight = real(j - coarsening*lower, wp)/coarsening
+      upper = self%cx*modulo(lower + 1, self%cy)
+      lower = self%cx*lower
+   end subroutine coarse_rows
+
+   !> Spreads the values `r` on nodes of the fine row `j` to the coarse grid.
+   pure subroutine spread_row(self, j, node, r)
+      class(dry_preconditioner_t), intent(inout) :: self
+      integer, intent(in) :: j
+      integer, contiguous, intent(in) :: node(:)
+      real(wp), contiguous, intent(in) :: r(:)
+      real(wp) :: fx, fy, row(0:self%cx)
+      integer :: i, k, lower, upper
+
+      row = 0.0_wp
+      do k = 1, size(node)
+         i = node(k) - j*self%nx - 1
+         fx = real(modulo(i, coarsening), wp)/coarsening
+         i = i/coarsening
+         row(i) = row(i) + (1.0_wp - fx)*r(k)
+         row(i + 1) = row(i + 1) + fx*r(k)
+      end do
+      row(0) = row(0) + row(self%cx)
+      call coarse_rows(self, j, lower, upper, fy)
+      associate (cx => self%cx, values => self%coarse_in)
+         values(lower + 1:lower + cx) = values(lower + 1:lower + cx) + (1.0_wp - fy)*row(:cx - 1)
+         values(upper + 1:upper + cx) = values(upper + 1:upper + cx) + fy*row(:cx - 1)
+      end associate
+   end subroutine spread_row
+
+   !> Interpolates from the coarse grid to nodes of the fine row `j`.
+   pure subroutine interpolate_row(self, j, node, s)
+      class(dry_preconditioner_t), intent(in) :: self
+      integer, intent(in) :: j
+      integer, contiguous, intent(in) :: node(:)
+      real(wp), contiguous, intent(out) :: s(:)
+      real(wp) :: fx, fy, row(0:self%cx)
+      integer :: i, k, lower, upper
+
+      call coarse_rows(self, j, lower, upper, fy)
+      associate (cx => self%cx, values => self%coarse_out)
+         row(:cx - 1) = (1.0_wp - fy)*values(lower + 1:lower + cx) + fy*values(upper + 1:upper + cx)
+         row(cx) = row(0)
+      end associate
+      do k = 1, size(node)
+         i = node(k) - j*self%nx - 1
+         fx = real(modulo(i, coarsening), wp)/coarsening
+         i = i/coarsening
+         s(k) = (1.0_wp - fx)*row(i) + fx*row(i + 1)
+      end do
+   end subroutine interpolate_row
 
    !> Puts r times `factor` on the field and on its periodic rim.
    pure subroutine fill_field(self, node, r, factor)
@@ -336,7 +388,7 @@ contains
       class(dry_preconditioner_t), intent(in) :: self
       integer :: transforms(4, 2)
 
-      transforms(:, 1) = [self%coarse%nx, self%coarse%ny, int(self%coarse%pairs), 0]
+      transforms(:, 1) = [self%cx, self%cy, 0, int(self%coarse%pairs)]
       transforms(:, 2) = [self%nx, self%ny, 0, int(self%whole%pairs)]
    end function transforms
 

@@ -52,13 +52,14 @@ module dry_problem
 
 contains
 
-   !> Prepares a problem on `grid` with the heights z (nx*ny); hardness none and load 0. Fails
-   !> (internal_error) if FFTW does.
-   subroutine new_dry_problem(self, grid, height, error)
+   !> Prepares a problem on `grid` with the heights z (nx*ny); hardness none and load 0. With
+   !> `is_guess` only products in single precision are prepared: no `deflect`. Fails (internal_error) if FFTW does.
+   subroutine new_dry_problem(self, grid, height, error, is_guess)
       type(dry_problem_t), intent(inout) :: self
       type(dry_grid_t), intent(in) :: grid
       real(wp), intent(in) :: height(:)
       type(error_t), allocatable, intent(out) :: error
+      logical, intent(in), optional :: is_guess
 
       self%grid = grid
       self%hardness = no_hardness
@@ -68,14 +69,15 @@ contains
       associate (nx => grid%nx, ny => grid%ny, aspect => grid%aspect, threads => grid%threads)
          select case (grid%kernel)
          case (kernel_band_limited)
-            call new_spectral_product(self%elastic, nx, ny, band_limited_response(nx, ny, 1.0_wp, aspect), threads, error)
+            call new_spectral_product(self%elastic, nx, ny, band_limited_response(nx, ny, 1.0_wp, aspect), threads, error, &
+               is_guess)
          case (kernel_element)
-            call new_spectral_product(self%elastic, nx, ny, element_response(nx, ny, 1.0_wp, aspect), threads, error)
+            call new_spectral_product(self%elastic, nx, ny, element_response(nx, ny, 1.0_wp, aspect), threads, error, is_guess)
          case default
             if (ny == 1) then
-               call new_convolution(self%elastic, open_line_kernel(nx, 1.0_wp/nx), threads, error)
+               call new_convolution(self%elastic, open_line_kernel(nx, 1.0_wp/nx), threads, error, is_guess)
             else
-               call new_convolution(self%elastic, open_area_kernel(nx, ny, 1.0_wp/nx, aspect/ny), threads, error)
+               call new_convolution(self%elastic, open_area_kernel(nx, ny, 1.0_wp/nx, aspect/ny), threads, error, is_guess)
             end if
          end select
       end associate

@@ -87,7 +87,7 @@ contains
       end do
       ! A guess needs no exact element kernel, whose sums take longer than the guess.
       if (grid%kernel == kernel_element) grid%kernel = kernel_band_limited
-      call new_dry_problem(coarse, grid, height, error)
+      call new_dry_problem(coarse, grid, height, error, is_guess=.true.)
       if (allocated(error)) return
       coarse%load = problem%load/share
       coarse%hardness = problem%hardness

@@ -42,6 +42,7 @@ module single_product
       procedure :: apply
       procedure :: add_to
       procedure :: gather
+      procedure :: largest
       procedure, private :: transform_rows
       procedure, private :: transform_columns
       final :: destroy_single_product
@@ -277,6 +278,14 @@ contains
       end do
       !$omp end parallel do
    end subroutine add_to
+
+   !> The largest absolute value of the last product on the grid.
+   pure function largest(self)
+      class(single_product_t), intent(in) :: self
+      real(wp) :: largest
+
+      largest = maxval(abs(self%product(:self%nx, :self%ny)))
+   end function largest
 
    !> The last product, times `factor`, on the listed nodes (rising).
    subroutine gather(self, node, factor, values)

@@ -52,23 +52,27 @@ contains
 
    !> Plans a periodic product on a grid of `nx` x `ny` >= 1 nodes (ny = 1: a line) with the real `symbol(0:nx/2, 0:ny-1)`
    !> in the order of the FFT: wavenumbers 0 ... nx/2, and 0 ... , -1 in y. Work is shared by `threads`.
+   !> If `is_single`, products in double precision are not planned and must not be asked for.
    !> Fails (internal_error) if FFTW gives no memory or no plan.
-   subroutine new_spectral_product(self, nx, ny, symbol, threads, error)
+   subroutine new_spectral_product(self, nx, ny, symbol, threads, error, is_single)
       type(spectral_product_t), intent(inout) :: self
       integer, intent(in) :: nx, ny, threads
       real(wp), intent(in) :: symbol(0:, 0:)
       type(error_t), allocatable, intent(out) :: error
+      logical, intent(in), optional :: is_single
 
-      call set_up(self, [nx, ny], [nx, ny], symbol, threads, error)
+      call set_up(self, [nx, ny], [nx, ny], symbol, threads)
+      call plan_as_wanted(self, error, is_single)
    end subroutine new_spectral_product
 
    !> Plans the product y(i) = sum over j of kernel(|i - j|) x(j) on an open grid; `kernel(0:nx-1, 0:ny-1)` is even in both
-   !> directions. `threads` and errors as in `new_spectral_product`.
-   subroutine new_convolution(self, kernel, threads, error)
+   !> directions. `threads`, `is_single` and errors as in `new_spectral_product`.
+   subroutine new_convolution(self, kernel, threads, error, is_single)
       type(spectral_product_t), intent(inout) :: self
       real(wp), intent(in) :: kernel(0:, 0:)
       integer, intent(in) :: threads
       type(error_t), allocatable, intent(out) :: error
+      logical, intent(in), optional :: is_single
       real(c_double), pointer, contiguous :: values(:, :)
       complex(c_double_complex), pointer, contiguous :: spectrum(:, :)
       real(wp), allocatable :: symbol(:, :)
@@ -103,15 +107,16 @@ contains
       end if
       if (associated(values)) call fftw_free(c_loc(values))
       if (associated(spectrum)) call fftw_free(c_loc(spectrum))
-      if (.not. allocated(error)) call set_up(self, [nx, ny], [mx, my], symbol, threads, error)
+      if (allocated(error)) return
+      call set_up(self, [nx, ny], [mx, my], symbol, threads)
+      call plan_as_wanted(self, error, is_single)
    end subroutine new_convolution
 
-   !> Sizes, symbol and plans.
-   subroutine set_up(self, nodes, sizes, symbol, threads, error)
+   !> Sizes and symbol.
+   subroutine set_up(self, nodes, sizes, symbol, threads)
       type(spectral_product_t), intent(inout) :: self
       integer, intent(in) :: nodes(2), sizes(2), threads
       real(wp), intent(in) :: symbol(:, :)
-      type(error_t), allocatable, intent(out) :: error
 
       call destroy_spectral_product(self)
       self%nx = nodes(1)
@@ -121,8 +126,23 @@ contains
       self%threads = threads
       self%pairs = 0_int64
       self%symbol = transpose(symbol)/(real(self%mx, wp)*real(self%my, wp))
-      call plan(self, error)
    end subroutine set_up
+
+   !> Plans in double precision, or in single alone.
+   subroutine plan_as_wanted(self, error, is_single)
+      type(spectral_product_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+      logical, intent(in), optional :: is_single
+      logical :: wants_single
+
+      wants_single = .false.
+      if (present(is_single)) wants_single = is_single
+      if (wants_single) then
+         call self%plan_single(error)
+      else
+         call plan(self, error)
+      end if
+   end subroutine plan_as_wanted
 
    !> Length of the transform of an open line of `n` nodes: the least 2^a 3^b 5^c >= 2n - 1 (1 for a single node).
    pure function padded_size(n) result(m)
