@@ -36,7 +36,7 @@ PEERS = {
     "ContactMechanics": (1e-4, 1e-6, 1e-8),
 }
 WANTED = 1e-6
-ONE_THREAD = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+ONE_THREAD = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "passive"}
 CASE = """&case problem = '{problem}' /
 &bodies reduced_modulus = 2e9{hardness} /
 &load mean_pressure = {pressure!r} /

@@ -27,8 +27,8 @@ module dry_preconditioner
    integer, parameter :: template = 64
    !> Nodes of one row that the stencil takes together.
    integer, parameter :: lane = 8
-   !> Share of the nodes from which on the whole |q| is cheaper.
-   real(wp), parameter :: most_listed = 0.1_wp
+   !> Share of the nodes from which on the whole |q| is cheaper: areas, lines.
+   real(wp), parameter :: most_area = 0.1_wp, most_line = 0.4_wp
 
    !> Prepared products. Not to be copied: it owns FFTW plans.
    type :: dry_preconditioner_t
@@ -184,7 +184,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: scale
 
-      if (.not. self%has_levels .or. size(node) > merge(0.1_wp, 0.4_wp, self%ny > 1)*self%nx*real(self%ny, wp)) then
+      if (.not. self%has_levels .or. size(node) > merge(most_area, most_line, self%ny > 1)*self%nx*real(self%ny, wp)) then
          if (.not. self%has_whole) then
             call prepare_whole(self, grid, error)
             if (allocated(error)) return

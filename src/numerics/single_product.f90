@@ -45,6 +45,7 @@ module single_product
       procedure :: largest
       procedure, private :: transform_rows
       procedure, private :: transform_columns
+      procedure :: release
       final :: destroy_single_product
    end type single_product_t
 
@@ -306,9 +307,9 @@ contains
       end do
    end subroutine gather
 
-   !> Gives plans and memory back.
-   subroutine destroy_single_product(self)
-      type(single_product_t), intent(inout) :: self
+   !> Gives plans and memory back: the product is not planned any more.
+   subroutine release(self)
+      class(single_product_t), intent(inout) :: self
 
       if (c_associated(self%row_forward)) call fftwf_destroy_plan(self%row_forward)
       if (c_associated(self%row_backward)) call fftwf_destroy_plan(self%row_backward)
@@ -324,6 +325,13 @@ contains
       if (associated(self%columns)) call fftwf_free(c_loc(self%columns))
       nullify (self%product, self%spectrum, self%row, self%columns)
       if (allocated(self%symbol)) deallocate (self%symbol)
+   end subroutine release
+
+   !> Gives plans and memory back.
+   subroutine destroy_single_product(self)
+      type(single_product_t), intent(inout) :: self
+
+      call self%release()
    end subroutine destroy_single_product
 
 end module single_product

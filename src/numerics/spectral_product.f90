@@ -361,6 +361,7 @@ contains
       if (associated(self%columns)) call fftw_free(c_loc(self%columns))
       nullify (self%spectrum, self%row, self%columns)
       if (allocated(self%symbol)) deallocate (self%symbol)
+      call self%single%release()
    end subroutine destroy_spectral_product
 
 end module spectral_product
