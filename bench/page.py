@@ -208,7 +208,8 @@ DRY_HEAD = """
 `make bench-dry`: time of solutions to an error measure of 1e-6, in processor seconds of one core, beside the fastest of aspher,
 tamaas and ContactMechanics on the same surface, each with the loosest tolerance that makes its answer as good by the same measure.
 Planning of transforms is counted against asperity. `over transforms`: time of the solution without planning over the sum, for all
-its transforms, of FFTW's own time at their size and precision with plans measured beforehand.
+its transforms, of FFTW's own time at their size and precision with plans measured beforehand. A row names the peers that it
+was measured beside; nothing was asked of two threads but to print them beside FFTW's own.
 
 """
 
