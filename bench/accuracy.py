@@ -100,11 +100,11 @@ def survey(batch: list[Contact]) -> list[Row]:
         answer = first[each.name]
         n, inlet, outlet = int(answer["intervals"]), answer["x_inlet"], answer["x_outlet"]
         domain = {"x_inlet": inlet, "x_outlet": outlet, "intervals": FINER * n}
-        jobs.append(job(each.name + "_finer", each.text(domain), limit=60))
+        jobs.append(job(each.name + "_finer", each.text(domain), limit=20))
         far = outlet - LONGER * (outlet - inlet)
         if far > -FARTHEST:
             domain = {"x_inlet": far, "x_outlet": outlet, "intervals": FINER * LONGER * n}
-            jobs.append(job(each.name + "_longer", each.text(domain), limit=60))
+            jobs.append(job(each.name + "_longer", each.text(domain), limit=20))
     finer = bench_program.run(jobs)
     rows = []
     for each in batch:
@@ -151,12 +151,12 @@ def costs(batch: list[Contact], effort: dict[str, float]) -> list[Cost]:
             if not answer.converged:
                 continue
             n, inlet, outlet = int(answer["intervals"]), answer["x_inlet"], answer["x_outlet"]
-            sizes = [2**k for k in range(max(5, int(math.log2(n)) - 4), int(math.log2(n)) + 2)]
+            sizes = [2**k for k in range(max(5, int(math.log2(n)) - 3), int(math.log2(n)) + 2)]
             domain = {"x_inlet": inlet, "x_outlet": outlet}
             jobs += [job(f"{each.name}:{target:g}:{size}", each.text(domain | {"intervals": size}), **effort) for size in sizes]
             domain["x_inlet"] = max(outlet - LONGER * (outlet - inlet), -FARTHEST)
             finest = min(FINER * LONGER * n, LARGEST)
-            jobs.append(job(f"{each.name}:{target:g}:finer", each.text(domain | {"intervals": finest}), limit=60))
+            jobs.append(job(f"{each.name}:{target:g}:finer", each.text(domain | {"intervals": finest}), limit=20))
     fixed = bench_program.run(jobs)
     found = []
     for each in batch:
@@ -233,7 +233,7 @@ def main() -> int:
     options = parser.parse_args()
     folder = ROOT / options.output
     folder.mkdir(parents=True, exist_ok=True)
-    effort = {"runs": 5 if options.quick else 10, "seconds": 0.1, "limit": 60}
+    effort = {"runs": 5 if options.quick else 10, "seconds": 0.03, "limit": 20}
     rows: list[Row] = []
     found: list[Cost] = []
     all_contacts = contacts(options.quick)

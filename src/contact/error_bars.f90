@@ -9,25 +9,13 @@ module error_bars
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_summary, only: figure_t, line_summary_t
-   use lubricant, only: density_constant
+   use lubricant, only: density_constant, viscosity_constant
    use solver_settings, only: time_settings_t
    implicit none (type, external)
    private
 
    public :: error_bars_t, new_error_bars, apply_error_bars, domain_error, estimated_error, predicted_error
    public :: error_from_levels, observed_order
-
-   !> The companions of a result and what is known of the order of the scheme.
-   type :: error_bars_t
-      !> Figures on n/2 and n/4 intervals; valid where the logical says so.
-      type(line_summary_t) :: half, quarter
-      logical :: has_half = .false., has_quarter = .false.
-      !> Bounds of the order of convergence: 2 in space, 1 or 2 in time.
-      real(wp) :: lowest_order = 1.0_wp, highest_order = 2.0_wp
-      !> A Newtonian piezoviscous contact may have a pressure spike, which in an incompressible lubricant has no end on finer
-      !> grids.
-      logical :: may_spike = .false., is_compressible = .false.
-   end type error_bars_t
 
    !> An estimate is widened by this factor: the observed order is uncertain.
    real(wp), parameter :: safety = 1.5_wp
@@ -46,9 +34,23 @@ module error_bars
    real(wp), parameter :: exit_jitter = 0.2_wp
    !> Above this alpha p_h a Newtonian contact may have a spike.
    real(wp), parameter :: spike_alpha_bar = 3.0_wp
-   !> An inlet of error e (`inlet_error`) starves the film by 0.4 e to 1.6 e, and changes the largest pressure by up to 12 e
-   !> times the smaller one of 1 and H_c (63 contacts, M 0.5-500, L 2.5-20, against four times the domain).
-   real(wp), parameter :: film_safety = 2.0_wp, starved_pressure = 12.0_wp
+   !> An inlet of error e (`inlet_error`) starves the film by 0.4 e to 1.6 e, and changes the largest pressure by up to 8 e, with
+   !> constant viscosity 20 e, times the smaller one of 1 and H_c (M 0.5-500, L 0-30, against four times the domain).
+   real(wp), parameter :: film_safety = 2.0_wp, starved_pressure = 8.0_wp, starved_isoviscous = 20.0_wp
+
+   !> The companions of a result and what is known of the order of the scheme.
+   type :: error_bars_t
+      !> Figures on n/2 and n/4 intervals; valid where the logical says so.
+      type(line_summary_t) :: half, quarter
+      logical :: has_half = .false., has_quarter = .false.
+      !> Bounds of the order of convergence: 2 in space, 1 or 2 in time.
+      real(wp) :: lowest_order = 1.0_wp, highest_order = 2.0_wp
+      !> A Newtonian piezoviscous contact may have a pressure spike, which in an incompressible lubricant has no end on finer
+      !> grids.
+      logical :: may_spike = .false., is_compressible = .false.
+      !> Change of the largest pressure over that of a starved film.
+      real(wp) :: starving = starved_pressure
+   end type error_bars_t
 
 contains
 
@@ -93,7 +95,7 @@ contains
       call add_up(summary%h_min, domain_error(report%inlet_error), iteration)
       call add_up(summary%h_min_node, domain_error(report%inlet_error), iteration)
       call add_up(summary%h_central, domain_error(report%inlet_error), iteration)
-      call add_up(summary%p_max, starved_pressure*share, iteration)
+      call add_up(summary%p_max, bars%starving*share, iteration)
       call add_up(summary%x_cavitation, share, iteration)
    end subroutine apply_error_bars
 
@@ -217,7 +219,9 @@ contains
       real(wp) :: order
 
       order = observed_order(values(1), values(2), values(3), [bars%lowest_order, bars%highest_order])
-      figure%error_grid = pressure_safety/safety*error_from_levels(values(1), values(2), order) + abs(values(1) - figure%value)
+      figure%error_grid = max(error_from_levels(values(1), values(2), order), &
+         error_from_levels(values(2), values(3), order)/2.0_wp**bars%highest_order)
+      figure%error_grid = pressure_safety/safety*figure%error_grid + abs(values(1) - figure%value)
       figure%extrapolated = values(1) + (values(1) - values(2))/(2.0_wp**order - 1.0_wp)
    end subroutine estimate_crest
 
@@ -283,6 +287,7 @@ contains
       type(error_bars_t) :: bars
 
       bars%is_compressible = contact%fluid%density_law /= density_constant
+      if (contact%fluid%viscosity_law == viscosity_constant) bars%starving = starved_isoviscous
       bars%may_spike = contact%fluid%alpha_bar > spike_alpha_bar .and. .not. contact%fluid%is_eyring
       if (time%is_transient .and. time%scheme == 'backward_euler') then
          bars%lowest_order = 0.7_wp

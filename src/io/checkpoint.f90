@@ -88,7 +88,7 @@ contains
          new_label('whether there are figures on n/2 and on n/4 intervals', '1'))
       call write_dataset(file, '/companions/order', [bars%lowest_order, bars%highest_order], new_label('bounds', '1'))
       call write_dataset(file, '/companions/lubricant', [real(wp) :: merge(1, 0, bars%may_spike), &
-         merge(1, 0, bars%is_compressible)], new_label('whether it may have a spike, and is compressible', '1'))
+         merge(1, 0, bars%is_compressible), bars%starving], new_label('may have a spike, is compressible, starving', '1'))
       if (bars%has_half) call write_dataset(file, '/companions/half', summary_numbers(bars%half), new_label('as summary', '1'))
       if (bars%has_quarter) call write_dataset(file, '/companions/quarter', summary_numbers(bars%quarter), &
          new_label('as summary', '1'))
@@ -98,7 +98,7 @@ contains
    subroutine read_bars(reader, bars)
       type(hdf5_input_t), intent(inout) :: reader
       type(error_bars_t), intent(out) :: bars
-      real(wp) :: pair(2)
+      real(wp) :: pair(2), lubricant(3)
 
       pair = reshape(reader%reals('/companions/known'), [2], pad=[0.0_wp])
       bars%has_half = pair(1) > 0.0_wp
@@ -106,9 +106,10 @@ contains
       pair = reshape(reader%reals('/companions/order'), [2], pad=[0.0_wp])
       bars%lowest_order = pair(1)
       bars%highest_order = pair(2)
-      pair = reshape(reader%reals('/companions/lubricant'), [2], pad=[0.0_wp])
-      bars%may_spike = pair(1) > 0.0_wp
-      bars%is_compressible = pair(2) > 0.0_wp
+      lubricant = reshape(reader%reals('/companions/lubricant'), [3], pad=[0.0_wp])
+      bars%may_spike = lubricant(1) > 0.0_wp
+      bars%is_compressible = lubricant(2) > 0.0_wp
+      bars%starving = lubricant(3)
       if (bars%has_half) bars%half = summary_from(reader%reals('/companions/half'))
       if (bars%has_quarter) bars%quarter = summary_from(reader%reals('/companions/quarter'))
    end subroutine read_bars
