@@ -5,6 +5,7 @@ module cycle_control
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: count_work, line_hierarchy_t
+   use line_level, only: line_level_t
    use observer, only: observer_t
    use reynolds_line, only: measure_residual, residual_t
    use text, only: to_text
@@ -49,6 +50,7 @@ contains
       type(report_t), intent(inout) :: report
       class(observer_t), intent(inout), optional :: watcher
       type(residual_t) :: residual
+      real(wp), allocatable :: pressure(:), film(:)
       real(wp) :: first_residual, best, checkpoint
       integer :: cycle, last_progress
 
@@ -58,6 +60,8 @@ contains
       checkpoint = huge(1.0_wp)
       last_progress = 0
       do cycle = 1, limits%max_cycles
+         pressure = hierarchy%levels(hierarchy%finest)%pressure
+         film = hierarchy%levels(hierarchy%finest)%film
          call cycle_from(hierarchy, contact, hierarchy%finest)
          call measure_residual(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, residual)
          call count_work(hierarchy, hierarchy%finest, 1)
@@ -65,6 +69,12 @@ contains
          report%tolerance_effective = effective_tolerance(limits%tolerance, residual)
          if (present(watcher)) call watcher%on_cycle(cycle, residual%reynolds, residual%load)
          if (cycle == 1) first_residual = max(residual%reynolds, residual%load)
+         if (.not. is_finite(hierarchy%levels(hierarchy%finest))) then
+            hierarchy%levels(hierarchy%finest)%pressure = pressure
+            hierarchy%levels(hierarchy%finest)%film = film
+            report%reason = 'divergence: pressure or film outgrew all numbers; the state before is kept'
+            return
+         end if
          report%converged = residual%film_is_open .and. residual%reynolds <= report%tolerance_effective &
             .and. residual%load <= max(limits%tolerance, load_floor)
          if (report%converged) exit
@@ -103,5 +113,13 @@ contains
       end function obstacle
 
    end subroutine iterate
+
+   !> True if pressure and film are numbers of a size that can be worked on.
+   pure function is_finite(level)
+      type(line_level_t), intent(in) :: level
+      logical :: is_finite
+
+      is_finite = all(abs(level%pressure) < huge(1.0_wp)) .and. all(abs(level%film) < huge(1.0_wp))
+   end function is_finite
 
 end module cycle_control

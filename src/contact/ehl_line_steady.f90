@@ -10,6 +10,7 @@ module ehl_line_steady
       pose_steady_problem, relaxation_t
    use nested_start, only: full_multigrid_start, hertz_start
    use observer, only: observer_t, silent_observer_t
+   use pseudo_time, only: follow_time
    use solver_choice, only: adopt, note_choice, steady_attempts
    use solver_settings, only: solver_settings_t
    use text, only: to_text
@@ -18,11 +19,10 @@ module ehl_line_steady
 
    public :: blame_grid, solve_steady, limits_of
 
-   !> Words with which the reason begins where the grid carries no discrete film.
-   character(len=*), parameter :: coarse_grid = 'grid too coarse for the film'
-   !> Methods whose failure is looked into on finer grids, up to this many intervals.
+   !> Methods whose failure is looked into on finer grids whatever the fit of film and grid says: others have borders of their own.
    character(len=*), parameter :: blaming_methods(2) = [character(len=13) :: 'auto', 'newton_krylov']
-   integer, parameter :: largest_blame = 2**14
+   !> Grids tried to find one that carries the film: so many times the one that failed or the fit, and no larger; cycles on each.
+   integer, parameter :: most_refinement = 8, largest_blame = 2**16, blame_cycles = 40
    !> Default bound on the residuals of a steady solution.
    real(wp), parameter :: default_tolerance = 1.0e-8_wp
    !> Lowering the Eyring stress: ratio of two steps, accuracy and cycles of each.
@@ -60,6 +60,7 @@ contains
          else if (settings%start == 'hertz') then
             call hertz_start(hierarchy, contact)
             is_sound = .true.
+            if (attempts(i)%follows_time) call follow_time(hierarchy, contact, hierarchy%finest, is_sound)
          else if (attempts(i)%first_stress > 1.0_wp) then
             call start_from_stress(hierarchy, contact, attempts(i)%first_stress, is_sound)
          else
@@ -72,10 +73,11 @@ contains
          else
             report%converged = .false.
             report%reason = 'the exact solution of the coarse start grid failed'
+            if (attempts(i)%follows_time) report%reason = 'the start in pseudo-time came to no end'
          end if
          failures = failures//merge('  ', '; ', i == 1)//report%method//': '//report%reason
       end do
-      report%reason = too_coarse(contact)//adjustl(failures)
+      report%reason = adjustl(failures)
    end subroutine solve_steady
 
    !> Start of an Eyring contact from the solution at a higher stress, `factor` times its own, which is lowered in steps.
@@ -115,26 +117,37 @@ contains
       end associate
    end subroutine start_from_thesis
 
-   !> Where Newton's method finds no solution, but does so on a finer grid, the grid is to blame: says so in the reason.
-   !> Fit of film and grid (solve_steady) only know Newtonian contacts; shear thinning leaves less film.
+   !> Where there is no solution, but Newton's method finds one on a finer grid, the grid is to blame: says so in the reason, with
+   !> the first number of intervals that was seen to do. The fit of film and grid only knows Newtonian contacts; shear thinning
+   !> leaves less film.
    subroutine blame_grid(contact, settings, with_roughness, report)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       logical, intent(in) :: with_roughness
       type(report_t), intent(inout) :: report
       type(line_contact_t) :: finer
+      integer :: fitted, given, last
       logical :: is_solved
 
-      if (index(report%reason, coarse_grid) == 1 .or. .not. any(settings%method == blaming_methods)) return
+      given = contact%domain%intervals
+      fitted = intervals_for_film(contact)
+      if (given >= fitted .and. .not. any(settings%method == blaming_methods)) return
       finer = contact
-      do while (finer%domain%intervals < min(largest_blame, 8*contact%domain%intervals))
-         finer%domain%intervals = 2*finer%domain%intervals
+      finer%domain%intervals = max(fitted, 2*given)
+      last = min(largest_blame, most_refinement*max(fitted, given))
+      is_solved = .false.
+      do while (finer%domain%intervals <= last)
          call try_grid(finer, settings%space_scheme, with_roughness, is_solved)
-         if (.not. is_solved) cycle
-         report%reason = coarse_grid//', needs '//to_text(finer%domain%intervals)//' intervals (has '// &
-            to_text(contact%domain%intervals)//'); '//report%reason
-         return
+         if (is_solved) exit
+         finer%domain%intervals = 2*finer%domain%intervals
       end do
+      if (is_solved) then
+         report%reason = 'grid too coarse for the film, needs '//to_text(finer%domain%intervals)//' intervals (has '// &
+            to_text(given)//'); '//report%reason
+      else if (given < fitted) then
+         report%reason = 'grid too coarse for the film, needs at least '//to_text(fitted)//' intervals (has '// &
+            to_text(given)//'; none found up to '//to_text(last)//'); '//report%reason
+      end if
    end subroutine blame_grid
 
    !> Whether Newton's method solves a steady contact on its grid.
@@ -156,6 +169,7 @@ contains
       settings%method = 'newton_krylov'
       settings%space_scheme = space_scheme
       hierarchy%levels(hierarchy%finest)%is_sharp = space_scheme == 'sharp'
+      settings%max_cycles = blame_cycles
       call solve_steady(hierarchy, contact, settings, nobody, report)
       is_solved = report%converged
    end subroutine try_grid
@@ -182,17 +196,5 @@ contains
       end select
       if (settings%max_cycles > 0) limits%max_cycles = settings%max_cycles
    end function limits_of
-
-   !> The likely cause of a failure: a grid on which no positive film exists.
-   function too_coarse(contact) result(cause)
-      type(line_contact_t), intent(in) :: contact
-      character(:), allocatable :: cause
-      integer :: needed
-
-      cause = ''
-      needed = intervals_for_film(contact)
-      if (contact%domain%intervals < needed) cause = coarse_grid//', needs '//to_text(needed)//' intervals ('
-      if (len(cause) > 0) cause = cause//'has '//to_text(contact%domain%intervals)//'); '
-   end function too_coarse
 
 end module ehl_line_steady

@@ -45,6 +45,8 @@ module line_hierarchy
       real(wp) :: first_stress = 1.0_wp
       !> Sharp scheme: the finest level is first solved by the thesis's scheme.
       logical :: thesis_first = .false.
+      !> Where Newton's method fails on a level it follows the pressure in pseudo-time.
+      logical :: follows_time = .false.
       !> The film is recomputed from the pressure before every sweep (false: H is relaxed with P, as in the thesis).
       logical :: film_is_recomputed = .true.
    end type relaxation_t

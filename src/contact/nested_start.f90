@@ -8,6 +8,7 @@ module nested_start
    use line_level, only: film_of, line_level_t, start_from_pressure
    use line_summary, only: exit_between_nodes
    use newton_line, only: solve_newton
+   use pseudo_time, only: follow_time
    use transfer, only: prolong_cubic
    implicit none (type, external)
    private
@@ -69,21 +70,34 @@ contains
    end function first_with_film
 
    !> Exact solutions on the levels from `first` to the coarsest of the cycles; if that is the finest level, it is left with
-   !> the interpolated pressure.
+   !> the interpolated pressure, or (`follows_time`) where that has moved to.
    subroutine nested_solutions(hierarchy, contact, first, is_sound)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: first
       logical, intent(out) :: is_sound
+      real(wp) :: tolerance
       integer :: k
 
       call bump_start(hierarchy, contact, first)
       is_sound = .true.
       do k = first, hierarchy%coarsest
          if (k > first) call refine(hierarchy, contact, k)
-         if (k == hierarchy%top) return
-         call solve_level(hierarchy, contact, k, merge(companion_tolerance, nested_tolerance, &
-            hierarchy%wants_companions .and. k >= hierarchy%top - 2), is_sound)
+         if (k == hierarchy%top) then
+            if (hierarchy%relaxation%follows_time) call follow_time(hierarchy, contact, k, is_sound)
+            return
+         end if
+         tolerance = merge(companion_tolerance, nested_tolerance, hierarchy%wants_companions .and. k >= hierarchy%top - 2)
+         call solve_level(hierarchy, contact, k, tolerance, is_sound)
+         if (.not. is_sound .and. hierarchy%relaxation%follows_time) then
+            if (k == first) then
+               call bump_start(hierarchy, contact, k)
+            else
+               call refine(hierarchy, contact, k)
+            end if
+            call follow_time(hierarchy, contact, k, is_sound)
+            if (is_sound) call solve_level(hierarchy, contact, k, tolerance, is_sound)
+         end if
          if (.not. is_sound) return
       end do
    end subroutine nested_solutions

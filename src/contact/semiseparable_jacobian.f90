@@ -6,7 +6,7 @@
 module semiseparable_jacobian
    use constants, only: pi
    use errors, only: error_t
-   use exponential_sum, only: exponential_sum_t, fit_exponentials
+   use exponential_sum, only: exponential_sum_t, fit_exponentials, terms
    use gmres, only: gmres_t, krylov_system_t, solve_gmres
    use kinds, only: wp
    use line_level, only: line_level_t
@@ -101,14 +101,14 @@ contains
       type(reynolds_jacobian_t), intent(in) :: jacobian
       logical, intent(in) :: is_cavitated(:)
       real(wp), intent(in) :: constant
-      real(wp), dimension(size(self%fit%ratio), -2:1) :: below, above
-      real(wp), dimension(size(self%fit%ratio)) :: omega, rho
+      integer, parameter :: q = terms
+      real(wp), dimension(q, -2:1) :: below, above
+      real(wp), dimension(q) :: omega, rho
       real(wp) :: near(-3:3)
-      integer :: i, o, q
+      integer :: i, o
 
       rho = self%fit%ratio
       omega = level%dx/pi*self%fit%weight
-      q = size(rho)
       do o = -2, 1
          below(:, o) = omega*rho**o
          above(:, o) = omega*rho**(-o)

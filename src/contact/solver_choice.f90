@@ -2,6 +2,7 @@
 module solver_choice
    use cycle_control, only: cycle_limits_t
    use dense_jacobian, only: dense_jacobian_t
+   use domain_choice, only: intervals_for_film
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -22,7 +23,7 @@ module solver_choice
    real(wp), parameter :: high_stress = 16.0_wp
    !> An Eyring contact with L (sum velocity) above this is started from a thin film.
    real(wp), parameter :: thinning_l = 2.0_wp
-   !> Up to this many intervals the dense Newton method is the last resort of 'auto'.
+   !> Up to this many intervals the dense Newton method is the last resort of 'auto' in a time step.
    integer, parameter :: largest_dense = 512
 
 contains
@@ -38,19 +39,12 @@ contains
       films = start_films(contact)
       is_heavy = (contact%moes_m_sum >= heavy_m .or. contact%moes_l_sum >= heavy_l) .and. .not. contact%fluid%is_eyring
       if (is_automatic(settings)) then
-         if (is_heavy) then
-            attempts = [newton_krylov(films(1)), newton_krylov(films(2)), gauss_seidel(.true.), line(.true.), &
-               w_cycle(gauss_seidel(.true.))]
-         else
-            attempts = [newton_krylov(films(1)), newton_krylov(films(2)), line(.false.), gauss_seidel(.true.), line(.true.)]
+         attempts = newton_starts(contact, films)
+         if (contact%domain%intervals >= intervals_for_film(contact) .and. settings%space_scheme /= 'sharp') then
+            attempts = [attempts, last_resort(is_heavy, films(1))]
          end if
-         if (settings%space_scheme == 'sharp') attempts = attempts(:2)
-         if (contact%domain%intervals <= largest_dense) attempts = [attempts, one_level(method_newton_dense)]
-         attempts(3:)%start_film = films(1)
-         if (contact%fluid%is_eyring) attempts = [attempts(:2), newton_krylov(films(1), high_stress), attempts(3:)]
       else if (settings%method == 'newton_krylov') then
-         attempts = [newton_krylov(films(1)), newton_krylov(films(2))]
-         if (contact%fluid%is_eyring) attempts = [attempts, newton_krylov(films(1), high_stress)]
+         attempts = newton_starts(contact, films)
       else
          attempts = [stated_way(settings, is_heavy)]
          attempts%start_film = films(1)
@@ -61,6 +55,31 @@ contains
       end if
       call override(settings, attempts)
    end function steady_attempts
+
+   !> A way that shares nothing with Newton's method above the coarsest level: the cycle with its better smoother.
+   pure function last_resort(is_heavy, start_film) result(choice)
+      logical, intent(in) :: is_heavy
+      real(wp), intent(in) :: start_film
+      type(relaxation_t) :: choice
+
+      if (is_heavy) then
+         choice = gauss_seidel(.true.)
+      else
+         choice = line(.false.)
+      end if
+      choice%start_film = start_film
+   end function last_resort
+
+   !> The ways of Newton-Krylov to a first solution: from both films, in pseudo-time, from a higher Eyring stress.
+   pure function newton_starts(contact, films) result(attempts)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: films(2)
+      type(relaxation_t), allocatable :: attempts(:)
+
+      attempts = [newton_krylov(films(1)), newton_krylov(films(2)), newton_krylov(films(1))]
+      attempts(3)%follows_time = .true.
+      if (contact%fluid%is_eyring) attempts = [attempts, newton_krylov(films(1), high_stress)]
+   end function newton_starts
 
    !> Films of the first start over the Moes film, the better one first: a thin film of constant viscosity starts from twice the
    !> fit (from the fit itself 8 of 1100 Newtonian contacts with M > 200, L < 2 fail, from twice the fit none), shear thinning

@@ -1,0 +1,134 @@
+"""Cases built to break each method: an answer or a stated reason, within a bounded time, never NaN, never a hang."""
+
+import math
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from cases import text
+
+sys.path.append(str(Path(__file__).resolve().parent.parent / "bench"))
+
+import namelists
+
+FAS = "fas_block_jacobi"
+METHODS = {
+    "auto": {},
+    "krylov": {"method": "newton_krylov"},
+    "dense": {"method": "newton_dense"},
+    "block_jacobi": {"method": "block_jacobi", "max_cycles": 200},
+    "fas_block_jacobi": {"method": FAS, "smoother": "block_jacobi"},
+    "fas_gauss_seidel": {"method": FAS, "smoother": "gauss_seidel"},
+    "fas_line": {"method": FAS, "smoother": "line"},
+    "fas_hybrid": {"method": FAS, "smoother": "hybrid"},
+}
+CYCLES = [name for name in METHODS if name.startswith("fas")]
+IN_TIME = ["auto", "krylov", "dense", "fas_block_jacobi", "fas_gauss_seidel"]
+# Seconds that a run may take on a busy machine, compilers and all; idle, none takes a fifth of that.
+PATIENCE = 100
+
+
+def heavy(m: float, intervals: int, solver: dict, **more: object) -> str:
+    """Barus, L = 10, on the domain of the thesis."""
+    return namelists.moes(m, 10, intervals, solver | more, domain=namelists.WINDOW)
+
+
+def spike(solver: dict) -> str:
+    """A pressure spike of 11 Hertz pressures, a node or two wide on this grid."""
+    return namelists.moes(3, 40, 2048, solver, domain=namelists.WINDOW)
+
+
+def waves(amplitude: float, solver: dict) -> str:
+    """Case 1 with a wavy surface at rest, amplitude in central films."""
+    wave = {"shape": "sinusoid", "amplitude": amplitude * namelists.CASE_1_FILM, "wavelength": namelists.CASE_1_HALF_WIDTH / 4}
+    return namelists.case_1(256, solver, bodies={"speed_1": 0.0, "speed_2": 1.2}, surface_1=wave)
+
+
+def feature(amplitude: float, solver: dict, position: float = -1.6) -> str:
+    """A ridge or dent passes Case 1; amplitude in central films."""
+    form = {"shape": "feature", "amplitude": amplitude * namelists.CASE_1_FILM, "wavelength": 1e-4, "position": position}
+    time = {"transient": True, "end_time": 1.2, "time_step": 0.04}
+    return namelists.case_1(256, solver, surface_2=form, time=time)
+
+
+def low_stress(stress: float, solver: dict) -> str:
+    """An Eyring stress at which a start has |Sigma| beyond 717, where exp(|Sigma|) overflows."""
+    groups = namelists.steel(300, 15, 5 / 3, stress)
+    return namelists.namelist(groups | {"domain": {"intervals": 512}, "solver": solver})
+
+
+def collect():
+    """All cases by name: the namelist of one method on one of the cases."""
+    cases = {}
+    for name, solver in METHODS.items():
+        cases[f"far_start-{name}"] = heavy(1000, 1024, solver, start="hertz")
+        cases[f"far_start_of_shear_thinning-{name}"] = low_stress(1e6, solver | {"start": "hertz"})
+        cases[f"low_stress-{name}"] = low_stress(2e5, solver)
+        cases[f"closing_film-{name}"] = waves(3.0, solver)
+        if name != "dense":
+            cases[f"spike-{name}"] = spike(solver)
+    for name in CYCLES:
+        cases[f"coarsest_level_of_16_at_m_1000-{name}"] = heavy(1000, 1024, METHODS[name], levels=7)
+    for name in IN_TIME:
+        cases[f"ridge_through_the_film-{name}"] = feature(3.0, METHODS[name])
+        cases[f"dent_deeper_than_the_film-{name}"] = feature(-3.0, METHODS[name])
+        cases[f"feature_appears_in_the_contact-{name}"] = feature(1.5, METHODS[name], position=0.0)
+    return cases
+
+
+CASES = collect()
+# What must not only end but be solved.
+SOLVED = {
+    "far_start-auto",
+    "far_start_of_shear_thinning-auto",
+    "low_stress-auto",
+    "spike-auto",
+    "spike-krylov",
+    "dent_deeper_than_the_film-auto",
+    "dent_deeper_than_the_film-krylov",
+}
+
+
+def look_at(path: Path, returncode: int) -> str:
+    """Checks of a result whatever came out; returns its reason."""
+    with h5py.File(path) as file:
+        reason = text(file.attrs["reason"])
+        pressure, film = file["solution/pressure"][()], file["solution/film_thickness"][()]
+        history = file["report/residual_history"][()]
+        assert file.attrs["converged"] == (returncode == 0)
+        assert np.isfinite(pressure).all()
+        assert np.isfinite(film).all()
+        assert (pressure >= 0).all()
+        assert not np.isnan(history).any()
+        if returncode == 0:
+            assert reason == "converged"
+            assert (film > 0).all()
+            assert history[-1] <= file["report/tolerance_effective"][()]
+        else:
+            assert len(reason) > 10
+            assert reason != "converged"
+    return reason
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_breaks_no_method_without_a_word(asperity, tmp_path, name):
+    (tmp_path / "case.nml").write_text(CASES[name])
+    done = asperity("case.nml", "--quiet", timeout=PATIENCE)
+    assert done.returncode in {0, 2}, done.stderr
+    reason = look_at(tmp_path / "case.h5", done.returncode)
+    if name in SOLVED:
+        assert done.returncode == 0, reason
+
+
+def test_ends_at_the_round_off_of_a_million_intervals(asperity, tmp_path):
+    # the residual cannot fall to this tolerance: its round-off floor is 1e9 times higher
+    solver = {"method": "newton_krylov", "tolerance": 1e-14}
+    (tmp_path / "case.nml").write_text(namelists.case_1(2**20, solver, accuracy={"error_bars": False}))
+    done = asperity("case.nml", "--quiet", timeout=PATIENCE)
+    assert done.returncode in {0, 2}, done.stderr
+    look_at(tmp_path / "case.h5", done.returncode)
+    with h5py.File(tmp_path / "case.h5") as file:
+        # H_min of 2048 intervals, whose discretisation error is 3e-5
+        assert math.isclose(file["summary/h_min"].attrs["dimensionless"], 0.3854792, rel_tol=1e-4)
