@@ -69,12 +69,6 @@ contains
          report%tolerance_effective = effective_tolerance(limits%tolerance, residual)
          if (present(watcher)) call watcher%on_cycle(cycle, residual%reynolds, residual%load)
          if (cycle == 1) first_residual = max(residual%reynolds, residual%load)
-         if (.not. is_finite(hierarchy%levels(hierarchy%finest))) then
-            hierarchy%levels(hierarchy%finest)%pressure = pressure
-            hierarchy%levels(hierarchy%finest)%film = film
-            report%reason = 'divergence: pressure or film outgrew all numbers; the state before is kept'
-            return
-         end if
          report%converged = residual%film_is_open .and. residual%reynolds <= report%tolerance_effective &
             .and. residual%load <= max(limits%tolerance, load_floor)
          if (report%converged) exit
@@ -95,12 +89,13 @@ contains
 
    contains
 
-      !> Why going on is of no use; empty if it is.
+      !> Why going on is of no use; empty if it is. A state that is no numbers is replaced by the one before.
       function obstacle(cycle, last_progress) result(reason)
          integer, intent(in) :: cycle, last_progress
          character(:), allocatable :: reason
 
          reason = ''
+         call keep_finite(hierarchy%levels(hierarchy%finest), pressure, film, reason)
          if (.not. (abs(hierarchy%rigid_displacement) < huge(1.0_wp))) reason = 'divergence: the rigid displacement is not a number'
          if (len(reason) > 0 .or. cycle - last_progress < limits%patience) return
          if (.not. residual%film_is_open) then
@@ -114,12 +109,16 @@ contains
 
    end subroutine iterate
 
-   !> True if pressure and film are numbers of a size that can be worked on.
-   pure function is_finite(level)
-      type(line_level_t), intent(in) :: level
-      logical :: is_finite
+   !> Where pressure or film of the level are no numbers any more, gives them back those of before, and a reason to stop.
+   pure subroutine keep_finite(level, pressure, film, reason)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: pressure(0:), film(0:)
+      character(:), allocatable, intent(inout) :: reason
 
-      is_finite = all(abs(level%pressure) < huge(1.0_wp)) .and. all(abs(level%film) < huge(1.0_wp))
-   end function is_finite
+      if (all(abs(level%pressure) < huge(1.0_wp)) .and. all(abs(level%film) < huge(1.0_wp))) return
+      level%pressure = pressure
+      level%film = film
+      reason = 'divergence: pressure or film outgrew all numbers; the state before is kept'
+   end subroutine keep_finite
 
 end module cycle_control
