@@ -65,7 +65,7 @@ contains
       end if
    end subroutine run_companions
 
-   !> Transient: sets `contact%domain%intervals` = 2^k and the time step, proportional to dX, to the coarsest that is predicted
+   !> In a transient sets `contact%domain%intervals` = 2^k and the time step, proportional to dX, to the coarsest that is predicted
    !> to keep the relative error of h_min below `settings%target`, or that of the last companion if its own estimate is; leaves
    !> the companions of that resolution. Each run costs four times the one before.
    subroutine choose_resolution(bars, contact, settings, time, watcher, error)

@@ -53,6 +53,8 @@ contains
          attempts = [attempts(1), attempts]
          attempts(2:)%thesis_first = .true.
       end if
+      ! who bounds the cycles wants no motion of many steps before them
+      if (settings%max_cycles > 0) attempts = pack(attempts, .not. attempts%follows_time)
       call override(settings, attempts)
    end function steady_attempts
 

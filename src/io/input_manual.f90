@@ -90,19 +90,15 @@ contains
       end select
    end function type_text
 
-   !> "&group key, key; &group key" of all keys not built yet.
+   !> "&group key, &group key" of all keys not built yet.
    pure function later_list() result(list)
       character(:), allocatable :: list
       integer :: i
 
-      list = '&' // trim(later_rows(1)%group) // ' ' // trim(later_rows(1)%key)
-      do i = 2, size(later_rows)
-         if (later_rows(i)%group /= later_rows(i - 1)%group) then
-            list = list // '; &' // trim(later_rows(i)%group) // ' '
-         else
-            list = list // ', '
-         end if
-         list = list // trim(later_rows(i)%key)
+      list = ''
+      do i = 1, size(later_rows)
+         if (i > 1) list = list // ', '
+         list = list // '&' // trim(later_rows(i)%group) // ' ' // trim(later_rows(i)%key)
       end do
    end function later_list
 
