@@ -127,7 +127,7 @@ contains
             where (solution%pressure >= problem%hardness) plastic = max(solution%datum - solution%v, 0.0_wp)
             call fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
             where (solution%pressure >= problem%hardness) fields%pressure = loads%hardness
-            call fill_row(grid, scaling, loads, solution, fields, problem, rows(i))
+            call fill_row(grid, scaling, solution, fields, problem, rows(i))
             rows(i)%mean_pressure = problem%load/n*scaling%pressure
             if (allocated(loads%mean_pressure)) rows(i)%mean_pressure = loads%mean_pressure(i)
             rows(i)%load = rows(i)%mean_pressure*area_of(grid, scaling)
@@ -195,10 +195,9 @@ contains
    end subroutine fill_fields
 
    !> Figures of one load from its fields.
-   subroutine fill_row(grid, scaling, loads, solution, fields, problem, row)
+   subroutine fill_row(grid, scaling, solution, fields, problem, row)
       type(dry_grid_t), intent(in) :: grid
       type(dry_scaling_t), intent(in) :: scaling
-      type(dry_loads_t), intent(in) :: loads
       type(dry_solution_t), intent(in) :: solution
       type(dry_fields_t), intent(in) :: fields
       type(dry_problem_t), intent(in) :: problem

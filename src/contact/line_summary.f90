@@ -202,7 +202,12 @@ contains
       real(wp) :: value
 
       value = a
-      if (.not. ieee_is_finite(a) .or. b > a) value = b
+      if (.not. ieee_is_finite(b)) return
+      if (ieee_is_finite(a)) then
+         value = max(a, b)
+      else
+         value = b
+      end if
    end function larger
 
    !> X of the exit between two nodes. There P and dP/dX are zero, so that the root of P is nearly linear: the zero of the
@@ -270,7 +275,7 @@ contains
       else if (other%value > figure%value) then
          figure = other
       else if (other%value >= figure%value) then
-         if (other%extrapolated > figure%extrapolated) figure%extrapolated = other%extrapolated
+         figure%extrapolated = larger(figure%extrapolated, other%extrapolated)
       end if
    end subroutine keep_larger
 
