@@ -92,10 +92,10 @@ def test_inside_converges(asperity, tmp_path, name):
 
 
 @pytest.mark.parametrize("name", OUTSIDE)
-def test_outside_says_why(asperity, tmp_path, name):
+def test_outside_says_why(diverging, tmp_path, name):
     text, reason = OUTSIDE[name]
     (tmp_path / "case.nml").write_text(text)
-    done = asperity("case.nml", "--quiet")
+    done = diverging("case.nml", "--quiet")
     assert done.returncode == 2
     with h5py.File(tmp_path / "case.h5") as file:
         stated = file.attrs["reason"]

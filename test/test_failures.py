@@ -113,9 +113,9 @@ def look_at(path: Path, returncode: int) -> str:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_breaks_no_method_without_a_word(asperity, tmp_path, name):
+def test_breaks_no_method_without_a_word(diverging, tmp_path, name):
     (tmp_path / "case.nml").write_text(CASES[name])
-    done = asperity("case.nml", "--quiet", timeout=PATIENCE)
+    done = diverging("case.nml", "--quiet", timeout=PATIENCE)
     assert done.returncode in {0, 2}, done.stderr
     reason = look_at(tmp_path / "case.h5", done.returncode)
     if name in SOLVED:

@@ -1,5 +1,6 @@
 !> Repeats cycles until the residuals of the original problem are below their bounds, or says why they are not.
 module cycle_control
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use fas_cycle, only: cycle_from
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -16,7 +17,7 @@ module cycle_control
 
    !> When to stop.
    type :: cycle_limits_t
-      !> Bound on the residuals of equations.md, section 1.
+      !> Bound on the residuals (theory page, residuals and convergence).
       real(wp) :: tolerance = 1.0e-8_wp
       !> Cycles at most.
       integer :: max_cycles = 60
@@ -96,11 +97,11 @@ contains
 
          reason = ''
          call keep_finite(hierarchy%levels(hierarchy%finest), pressure, film, reason)
-         if (.not. (abs(hierarchy%rigid_displacement) < huge(1.0_wp))) reason = 'divergence: the rigid displacement is not a number'
+         if (.not. ieee_is_finite(hierarchy%rigid_displacement)) reason = 'divergence: the rigid displacement is not a number'
          if (len(reason) > 0 .or. cycle - last_progress < limits%patience) return
          if (.not. residual%film_is_open) then
             reason = 'film closed: the film of the pressure is negative and stays so for '//to_text(limits%patience)//' cycles'
-         else if (max(residual%reynolds, residual%load) > divergence_factor*first_residual) then
+         else if (max(residual%reynolds, residual%load)/divergence_factor > first_residual) then
             reason = 'divergence: the residual has grown to '//to_text(residual%reynolds, 2)
          else
             reason = 'stagnation: '//to_text(limits%patience)//' cycles left the residual at '//to_text(best, 2)
@@ -115,7 +116,7 @@ contains
       real(wp), intent(in) :: pressure(0:), film(0:)
       character(:), allocatable, intent(inout) :: reason
 
-      if (all(abs(level%pressure) < huge(1.0_wp)) .and. all(abs(level%film) < huge(1.0_wp))) return
+      if (all(ieee_is_finite(level%pressure)) .and. all(ieee_is_finite(level%film))) return
       level%pressure = pressure
       level%film = film
       reason = 'divergence: pressure or film outgrew all numbers; the state before is kept'

@@ -237,7 +237,8 @@ contains
       if (.not. ieee_is_finite(spike(2))) return
       change = abs(spike(1) - spike(2))
       if (.not. bars%is_compressible) then
-         if (.not. change < 0.5_wp*abs(spike(2) - spike(3))) return
+         if (.not. ieee_is_finite(spike(3))) return
+         if (change >= 0.5_wp*abs(spike(2) - spike(3))) return
       end if
       if (ieee_is_finite(spike(3))) change = largest_change(spike)
       stays_below = spike(1) + spike_growth*change <= crest

@@ -1,5 +1,6 @@
 !> First approximations: nested exact solutions and full multigrid, or the Hertz pressure.
 module nested_start
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use constants, only: pi
    use fas_cycle, only: cycle_from
    use kinds, only: wp
@@ -185,7 +186,8 @@ contains
 
       exit = exit_between_nodes(coarse%x, coarse%pressure)
       last = findloc(coarse%pressure > 0.0_wp, .true., 1, back=.true.) - 1
-      if (.not. (last > 0 .and. exit > coarse%x(max(last, 0)))) return
+      if (last < 1 .or. .not. ieee_is_finite(exit)) return
+      if (exit <= coarse%x(last)) return
       fine%pressure(2*last - 1) = 0.25_wp*(sqrt(coarse%pressure(last - 1)) + sqrt(coarse%pressure(last)))**2
       slope = sqrt(coarse%pressure(last))/(exit - coarse%x(last))
       do i = 2*last + 1, min(2*last + 4, fine%n - 1)
