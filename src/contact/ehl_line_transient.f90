@@ -35,11 +35,15 @@ module ehl_line_transient
    real(wp), parameter :: default_tolerance = 1.0e-6_wp
    integer, parameter :: default_cycles = 40
 
-   !> A time step: its number, its length, the scheme, and where its parts end, as shares of the length.
+   !> A time step and how it is solved.
    type :: step_plan_t
-      integer :: step
-      real(wp) :: length
-      character(len=word_length) :: scheme
+      !> The ways that are tried, and when each ends.
+      type(relaxation_t), allocatable :: attempts(:)
+      type(cycle_limits_t) :: limits
+      !> Number of the step, its length, the scheme, and where its parts end, as shares of the length.
+      integer :: step = 0
+      real(wp) :: length = 0.0_wp
+      character(len=word_length) :: scheme = ''
       real(wp), allocatable :: ends(:)
    end type step_plan_t
 
@@ -56,19 +60,19 @@ contains
       class(observer_t), intent(inout) :: watcher
       type(line_state_t), intent(inout) :: state
       type(report_t), intent(inout) :: report
-      type(relaxation_t), allocatable :: attempts(:)
-      type(cycle_limits_t) :: limits
       type(march_state_t) :: history
       type(step_plan_t) :: plan
       real(wp) :: time_step
       integer :: step, steps
 
-      allocate (attempts, source=time_step_attempts(contact, settings))
-      limits = limits_of(settings, default_tolerance, attempts(1)%method)
-      if (settings%max_cycles == 0) limits%max_cycles = min(limits%max_cycles, default_cycles)
-      call note_choice(report, attempts(1), limits)
+      allocate (plan%attempts, source=time_step_attempts(contact, settings))
+      plan%limits = limits_of(settings, default_tolerance, plan%attempts(1)%method)
+      if (settings%max_cycles == 0) plan%limits%max_cycles = min(plan%limits%max_cycles, default_cycles)
+      call note_choice(report, plan%attempts(1), plan%limits)
       associate (level => hierarchy%levels(hierarchy%finest))
          time_step = merge(time%time_step, level%dx, time%time_step > 0.0_wp)
+         plan%length = time_step
+         plan%scheme = time%scheme
          steps = nint(time%end_time/time_step)
          if (allocated(time%resume_from)) then
             history = time%resume_from
@@ -86,8 +90,9 @@ contains
                call refuse(report, 'stopped from outside')
                return
             end if
-            plan = step_plan_t(step, time_step, time%scheme, part_ends(time%scheme, step, time_step))
-            call take_step(hierarchy, contact, attempts, limits, plan, history, report)
+            plan%step = step
+            plan%ends = part_ends(plan%scheme, step, time_step)
+            call take_step(hierarchy, contact, plan, history, report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
                   to_text(step*time_step)//'): '//report%reason//smallest_film_text(state))
@@ -171,41 +176,39 @@ contains
 
    !> One step, in its parts; the history then begins with its end. A step of the start whose parts find no solution (a smoother
    !> on a fine grid) is taken whole, and counted.
-   subroutine take_step(hierarchy, contact, attempts, limits, plan, history, report)
+   subroutine take_step(hierarchy, contact, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
-      type(relaxation_t), intent(in) :: attempts(:)
-      type(cycle_limits_t), intent(in) :: limits
       type(step_plan_t), intent(in) :: plan
       type(march_state_t), intent(inout) :: history
       type(report_t), intent(inout) :: report
+      type(step_plan_t) :: whole
       type(march_state_t) :: start
       real(wp), allocatable :: film(:)
 
       if (size(plan%ends) == 1) then
          ! whole steps are easier for a smoother than their parts
          if (history%lengths(1) < plan%length) history%way = 1
-         call take_parts(hierarchy, contact, attempts, limits, plan, history, report)
+         call take_parts(hierarchy, contact, plan, history, report)
          return
       end if
       start = history
       film = hierarchy%levels(hierarchy%finest)%film
-      call take_parts(hierarchy, contact, attempts, limits, plan, history, report)
+      call take_parts(hierarchy, contact, plan, history, report)
       if (report%converged) return
       history = start
       history%way = 1
       hierarchy%levels(hierarchy%finest)%film(:) = film
-      call take_parts(hierarchy, contact, attempts, limits, step_plan_t(plan%step, plan%length, plan%scheme, [1.0_wp]), &
-         history, report)
+      whole = plan
+      whole%ends = [1.0_wp]
+      call take_parts(hierarchy, contact, whole, history, report)
       report%uncut_steps = report%uncut_steps + 1
    end subroutine take_step
 
    !> The parts of a step.
-   subroutine take_parts(hierarchy, contact, attempts, limits, plan, history, report)
+   subroutine take_parts(hierarchy, contact, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
-      type(relaxation_t), intent(in) :: attempts(:)
-      type(cycle_limits_t), intent(in) :: limits
       type(step_plan_t), intent(in) :: plan
       type(march_state_t), intent(inout) :: history
       type(report_t), intent(inout) :: report
@@ -224,14 +227,14 @@ contains
                return
             end if
             call begin_step(contact, level, history, new_time, length, plan%scheme)
-            call solve_step(hierarchy, contact, attempts, limits, length, history, report)
+            call solve_step(hierarchy, contact, plan, length, history, report)
             if (.not. report%converged) return
             call remember(history, contact, level, hierarchy%rigid_displacement, length)
          end do
       end associate
    end subroutine take_parts
 
-   !> Right sides of the step of `length` to `new_time`.
+   !> Right sides of the part of `length` to `new_time`.
    subroutine begin_step(contact, level, history, new_time, length, scheme)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
@@ -248,13 +251,12 @@ contains
       level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, new_time)
    end subroutine begin_step
 
-   !> One step: from the quadratic extrapolation in time, then from the old pressure, each way in turn; relaxations of one
-   !> method begin with the one that found the last step.
-   subroutine solve_step(hierarchy, contact, attempts, limits, length, history, report)
+   !> One part of `length`: from the quadratic extrapolation in time, then from the old pressure, each way in turn; relaxations
+   !> of one method begin with the one that found the last step.
+   subroutine solve_step(hierarchy, contact, plan, length, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
-      type(relaxation_t), intent(in) :: attempts(:)
-      type(cycle_limits_t), intent(in) :: limits
+      type(step_plan_t), intent(in) :: plan
       real(wp), intent(in) :: length
       type(march_state_t), intent(inout) :: history
       type(report_t), intent(inout) :: report
@@ -263,9 +265,9 @@ contains
 
       associate (level => hierarchy%levels(hierarchy%finest))
          old_minimum = minval(level%film)
-         first = min(history%way, size(attempts))
-         do attempt = first - 1, size(attempts)
-            call adopt(hierarchy, attempts(max(attempt, first)))
+         first = min(history%way, size(plan%attempts))
+         do attempt = first - 1, size(plan%attempts)
+            call adopt(hierarchy, plan%attempts(max(attempt, first)))
             if (attempt < first) then
                call extrapolate(history, length, level, hierarchy%rigid_displacement)
             else
@@ -277,9 +279,9 @@ contains
                if (attempt < first) cycle
                call lift(level, hierarchy%rigid_displacement, old_minimum)
             end if
-            call iterate(hierarchy, contact, limits, report)
+            call iterate(hierarchy, contact, plan%limits, report)
             if (report%converged) then
-               if (attempts(1)%method == method_fas) history%way = max(attempt, first)
+               if (plan%attempts(1)%method == method_fas) history%way = max(attempt, first)
                return
             end if
          end do
