@@ -1,6 +1,6 @@
-!> Requests from outside to end: SIGINT (Ctrl-C) and SIGTERM (batch systems, kill).
+!> Signals (POSIX): SIGINT (Ctrl-C) and SIGTERM (batch systems, kill) ask the program to end; others must not end it.
 !>
-!> The first one is only noted; the program looks at the note between time steps, keeps where it stands and ends. The second
+!> The first request is only noted; the program looks at the note between time steps, keeps where it stands and ends. The second
 !> one ends the program at once. The note is the one variable of the program that outlives a call: a signal handler has no
 !> arguments through which it could reach anything else.
 module interruption
@@ -8,10 +8,12 @@ module interruption
    implicit none (type, external)
    private
 
-   public :: listen_to_signals, is_interrupted
+   public :: ignore_file_size_signal, is_interrupted, listen_to_signals
 
    !> SIGINT, SIGPIPE and SIGTERM on every POSIX system.
    integer(c_int), parameter :: signal_interrupt = 2_c_int, signal_pipe = 13_c_int, signal_terminate = 15_c_int
+   !> SIGXFSZ on Linux, macOS and the BSDs.
+   integer(c_int), parameter :: signal_file_size = 25_c_int
    !> SIG_DFL and SIG_IGN as addresses.
    integer(c_intptr_t), parameter :: default_address = 0_c_intptr_t, ignore_address = 1_c_intptr_t
 
@@ -34,12 +36,23 @@ contains
    !> From now on the first SIGINT or SIGTERM is noted instead of ending the program. One that was ignored (nohup, a job in
    !> the background) stays ignored. That nobody reads standard error any more (SIGPIPE) is no reason to end.
    subroutine listen_to_signals()
-      type(c_funptr) :: previous
-
-      previous = c_signal(signal_pipe, transfer(ignore_address, previous))
+      call ignore(signal_pipe)
       call listen_to(signal_interrupt)
       call listen_to(signal_terminate)
    end subroutine listen_to_signals
+
+   !> A write beyond the allowed file size (`ulimit -f`) fails from now on instead of ending the program without a word.
+   subroutine ignore_file_size_signal()
+      call ignore(signal_file_size)
+   end subroutine ignore_file_size_signal
+
+   !> A signal has no effect from now on.
+   subroutine ignore(number)
+      integer(c_int), intent(in) :: number
+      type(c_funptr) :: previous
+
+      previous = c_signal(number, transfer(ignore_address, previous))
+   end subroutine ignore
 
    !> Notes one signal, unless it was ignored before.
    subroutine listen_to(number)

@@ -1,24 +1,19 @@
 !> The few services of the operating system that Fortran lacks, through the C library (POSIX).
 module operating_system
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_funptr, c_int, c_intptr_t, c_null_char, c_null_ptr, &
-      c_ptr
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_null_ptr, c_ptr
    implicit none (type, external)
    private
 
-   public :: closed, ignore_file_size_signal, is_folder, is_terminal, lock_t, opened, remove_file, rename_file, &
-      set_environment, sync_file, sync_folder
+   public :: closed, is_folder, is_terminal, lock_t, opened, remove_file, rename_file, set_environment, sync_file, &
+      sync_folder
 
    !> File descriptor of standard error.
    integer, parameter, public :: standard_error_descriptor = 2
 
-   !> SIGXFSZ on Linux, macOS and the BSDs.
-   integer(c_int), parameter :: signal_file_size = 25_c_int
    !> LOCK_EX + LOCK_NB, LOCK_SH + LOCK_NB, LOCK_UN of flock(2).
    integer(c_int), parameter :: lock_exclusive = 6_c_int, lock_shared = 5_c_int, lock_none = 8_c_int
    !> O_RDONLY and O_RDWR.
    integer(c_int), parameter :: read_only = 0_c_int, read_and_write = 2_c_int
-   !> SIG_IGN as an address.
-   integer(c_intptr_t), parameter :: ignore_address = 1_c_intptr_t
 
    !> A lock on a file, held until `release` or the end of the process, however that comes.
    type :: lock_t
@@ -125,15 +120,6 @@ module operating_system
          integer(c_int), value :: overwrite
          integer(c_int) :: status
       end function c_setenv
-
-      !> signal(2): sets what a signal does.
-      function c_signal(number, action) bind(c, name='signal') result(previous)
-         import :: c_funptr, c_int
-         implicit none (type, external)
-         integer(c_int), value :: number
-         type(c_funptr), value :: action
-         type(c_funptr) :: previous
-      end function c_signal
    end interface
 
 contains
@@ -255,12 +241,5 @@ contains
 
       answer = c_isatty(int(descriptor, c_int)) == 1_c_int
    end function is_terminal
-
-   !> A write beyond the allowed file size (`ulimit -f`) fails from now on instead of ending the program without a word.
-   subroutine ignore_file_size_signal()
-      type(c_funptr) :: previous
-
-      previous = c_signal(signal_file_size, transfer(ignore_address, previous))
-   end subroutine ignore_file_size_signal
 
 end module operating_system

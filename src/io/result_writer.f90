@@ -16,12 +16,13 @@ module result_writer
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: create_hdf5_file, hdf5_file_t
    use input_section, only: write_input
+   use interruption, only: ignore_file_size_signal
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: keep_extremes, line_summary_t, summary_of
    use observer, only: observer_t
-   use operating_system, only: ignore_file_size_signal, is_folder, lock_t, remove_file, rename_file, sync_file
+   use operating_system, only: is_folder, lock_t, remove_file, rename_file, sync_file
    use result_labels, only: field_names
    use result_sections, only: write_report, write_scaling, write_solution, write_summary
    use scaling, only: scaling_t
