@@ -12,7 +12,7 @@ module hdf5_dataset
    implicit none (type, external)
    private
 
-   public :: label_t, new_label, write_dataset, write_label
+   public :: create_labelled, label_t, new_label, new_properties, write_dataset
 
    !> What a stored value is. value * si_scale = value in si_units.
    type :: label_t
@@ -114,16 +114,44 @@ contains
       call close_type(file, string_type)
    end subroutine write_string
 
-   !> Attaches `label` to an open dataset of `file`.
-   subroutine write_label(file, dataset, label)
+   !> Properties of a new dataset, for `create_labelled`: without a time stamp.
+   subroutine new_properties(file, path, properties)
       class(hdf5_file_t), intent(inout) :: file
-      integer(hid_t), intent(in) :: dataset
-      type(label_t), intent(in) :: label
+      character(*), intent(in) :: path
+      integer(hid_t), intent(out) :: properties
+      integer :: status
 
+      properties = -1_hid_t
+      if (allocated(file%failure)) return
+      call h5pcreate_f(h5p_dataset_create_f, properties, status)
+      call file%check(status, path)
+      if (allocated(file%failure)) return
+      call h5pset_obj_track_times_f(properties, .false., status)
+      call file%check(status, path)
+   end subroutine new_properties
+
+   !> Creates a labelled dataset, which stays open, and the groups above it; `space` and `properties` are given back.
+   subroutine create_labelled(file, path, type_id, space, properties, label, dataset)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      integer(hid_t), intent(in) :: type_id, space, properties
+      type(label_t), intent(in) :: label
+      integer(hid_t), intent(out) :: dataset
+      integer :: status
+
+      dataset = -1_hid_t
+      if (allocated(file%failure)) return
+      call h5dcreate_f(file%id, path, type_id, space, dataset, status, dcpl_id=properties, lcpl_id=file%link_creation)
+      call file%check(status, path)
+      if (allocated(file%failure)) return
+      call h5pclose_f(properties, status)
+      call file%check(status, path)
+      call h5sclose_f(space, status)
+      call file%check(status, path)
       call attach_string(file, dataset, 'long_name', label%long_name)
       call attach_string(file, dataset, 'si_units', label%si_units)
       call attach_real(file, dataset, 'si_scale', label%si_scale)
-   end subroutine write_label
+   end subroutine create_labelled
 
    !> Creates, writes, labels and closes a dataset; no extents = one value.
    subroutine store(file, path, type_id, extents, values, label)
@@ -133,7 +161,7 @@ contains
       integer, intent(in) :: extents(:)
       type(c_ptr), intent(in) :: values
       type(label_t), intent(in) :: label
-      integer(hid_t) :: space, dataset, creation
+      integer(hid_t) :: space, dataset, properties
       integer :: status
 
       if (allocated(file%failure)) return
@@ -143,22 +171,12 @@ contains
          call h5screate_simple_f(size(extents), int(extents, hsize_t), space, status)
       end if
       call file%check(status, path)
-      call h5pcreate_f(h5p_dataset_create_f, creation, status)
-      call file%check(status, path)
-      if (allocated(file%failure)) return
-      call h5pset_obj_track_times_f(creation, .false., status)
-      call file%check(status, path)
-      call h5dcreate_f(file%id, path, type_id, space, dataset, status, dcpl_id=creation, lcpl_id=file%link_creation)
-      call file%check(status, path)
+      call new_properties(file, path, properties)
+      call create_labelled(file, path, type_id, space, properties, label, dataset)
       if (allocated(file%failure)) return
       if (product(extents) > 0) call h5dwrite_f(dataset, type_id, values, status)
       call file%check(status, path)
-      call write_label(file, dataset, label)
       call h5dclose_f(dataset, status)
-      call file%check(status, path)
-      call h5pclose_f(creation, status)
-      call file%check(status, path)
-      call h5sclose_f(space, status)
       call file%check(status, path)
    end subroutine store
 

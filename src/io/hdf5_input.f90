@@ -158,20 +158,11 @@ contains
       character(*), intent(in) :: path
       real(wp), allocatable, target :: values(:)
       integer(int64), allocatable :: counts(:)
-      integer(hid_t) :: dataset
-      type(c_ptr) :: place
-      integer :: status
 
       counts = self%extents(path)
       if (allocated(self%failure)) counts = [0_int64]
       allocate (values(product(counts)), source=0.0_wp)
-      if (size(values) == 0) return
-      call self%open_dataset(path, dataset)
-      if (allocated(self%failure)) return
-      place = c_loc(values)
-      call h5dread_f(dataset, h5kind_to_type(wp, h5_real_kind), place, status)
-      call self%check(status, path)
-      call self%close_dataset(path, dataset)
+      if (size(values) > 0) call read_numbers(self, path, h5kind_to_type(wp, h5_real_kind), c_loc(values))
    end function reals
 
    !> The first number of a dataset.
@@ -191,19 +182,29 @@ contains
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
       integer(int64), target :: value
-      integer(hid_t) :: dataset
-      type(c_ptr) :: place
-      integer :: status
 
       value = 0_int64
       if (size(self%extents(path)) > 0) call self%check(-1, path//': one number expected')
-      call self%open_dataset(path, dataset)
-      if (allocated(self%failure)) return
-      place = c_loc(value)
-      call h5dread_f(dataset, h5kind_to_type(int64, h5_integer_kind), place, status)
-      call self%check(status, path)
-      call self%close_dataset(path, dataset)
+      call read_numbers(self, path, h5kind_to_type(int64, h5_integer_kind), c_loc(value))
    end function integer_value
+
+   !> All numbers of a dataset, converted to `type_id`, to `place`, which has room for them.
+   subroutine read_numbers(reader, path, type_id, place)
+      class(hdf5_input_t), intent(inout) :: reader
+      character(*), intent(in) :: path
+      integer(hid_t), intent(in) :: type_id
+      type(c_ptr), intent(in) :: place
+      type(c_ptr) :: address
+      integer(hid_t) :: dataset
+      integer :: status
+
+      call reader%open_dataset(path, dataset)
+      if (allocated(reader%failure)) return
+      address = place   ! the argument of h5dread_f is intent(inout)
+      call h5dread_f(dataset, type_id, address, status)
+      call reader%check(status, path)
+      call reader%close_dataset(path, dataset)
+   end subroutine read_numbers
 
    !> The text of a dataset; null characters at its end are cut off.
    function text(self, path)

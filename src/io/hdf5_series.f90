@@ -1,11 +1,10 @@
 !> Datasets of an HDF5 file that grow by one record at a time, so that a long run needs no more memory than a short one.
 module hdf5_series
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
-   use hdf5, only: h5dcreate_f, h5dget_space_f, h5dset_extent_f, h5dwrite_f, &
-      h5p_dataset_create_f, h5pclose_f, h5pcreate_f, h5pset_chunk_f, h5pset_deflate_f, h5pset_obj_track_times_f, &
-      h5pset_shuffle_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, &
-      h5z_filter_deflate_f, h5zfilter_avail_f, hid_t, hsize_t
-   use hdf5_dataset, only: label_t, write_label
+   use hdf5, only: h5dget_space_f, h5dset_extent_f, h5dwrite_f, h5pset_chunk_f, h5pset_deflate_f, h5pset_shuffle_f, &
+      h5s_select_set_f, h5s_unlimited_f, h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, h5z_filter_deflate_f, &
+      h5zfilter_avail_f, hid_t, hsize_t
+   use hdf5_dataset, only: create_labelled, label_t, new_properties
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    implicit none (type, external)
@@ -41,7 +40,7 @@ contains
       character(*), intent(in) :: path
       integer, intent(in) :: row_length
       type(label_t), intent(in) :: label
-      integer(hid_t) :: space, creation
+      integer(hid_t) :: space, properties
       integer(hsize_t) :: extents(2), limits(2)
       integer :: status, first
 
@@ -53,47 +52,36 @@ contains
       first = merge(2, 1, row_length == 0)
       call h5screate_simple_f(3 - first, extents(first:), space, status, limits(first:))
       call file%check(status, path)
-      call new_creation_properties(file, path, row_length, creation)
-      if (allocated(file%failure)) return
-      call h5dcreate_f(file%id, path, file%real_type, space, series%id, status, dcpl_id=creation, lcpl_id=file%link_creation)
-      call file%check(status, path)
-      call write_label(file, series%id, label)
-      call h5pclose_f(creation, status)
-      call file%check(status, path)
-      call h5sclose_f(space, status)
-      call file%check(status, path)
+      call new_properties(file, path, properties)
+      call add_chunks(file, path, row_length, properties)
+      call create_labelled(file, path, file%real_type, space, properties, label, series%id)
    end subroutine create_series
 
-   !> Chunks, compression and no time stamp.
-   subroutine new_creation_properties(file, path, row_length, creation)
+   !> Chunks, and compression of rows.
+   subroutine add_chunks(file, path, row_length, properties)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
       integer, intent(in) :: row_length
-      integer(hid_t), intent(out) :: creation
+      integer(hid_t), intent(in) :: properties
       integer(hsize_t) :: chunk(2)
       logical :: can_deflate
       integer :: status, rank
 
-      creation = -1_hid_t
+      if (allocated(file%failure)) return
       rank = merge(1, 2, row_length == 0)
       chunk(1) = int(min(row_length, chunk_numbers), hsize_t)
       chunk(2) = int(max(chunk_numbers/max(row_length, 32), 1), hsize_t)
-      call h5pcreate_f(h5p_dataset_create_f, creation, status)
-      call file%check(status, path)
-      if (allocated(file%failure)) return
-      call h5pset_obj_track_times_f(creation, .false., status)
-      call file%check(status, path)
-      call h5pset_chunk_f(creation, rank, chunk(3 - rank:), status)
+      call h5pset_chunk_f(properties, rank, chunk(3 - rank:), status)
       call file%check(status, path)
       if (rank == 1) return
       call h5zfilter_avail_f(h5z_filter_deflate_f, can_deflate, status)
       call file%check(status, path)
       if (.not. can_deflate) return
-      call h5pset_shuffle_f(creation, status)
+      call h5pset_shuffle_f(properties, status)
       call file%check(status, path)
-      call h5pset_deflate_f(creation, deflate_level, status)
+      call h5pset_deflate_f(properties, deflate_level, status)
       call file%check(status, path)
-   end subroutine new_creation_properties
+   end subroutine add_chunks
 
    !> Appends a number.
    subroutine append_number(self, file, value)

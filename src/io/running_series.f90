@@ -12,10 +12,9 @@ module running_series
    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: fail, output_error
-   use hdf5, only: h5d_alloc_time_early_f, h5d_fill_time_never_f, h5dclose_f, h5dcreate_f, h5p_dataset_create_f, h5pclose_f, &
-      h5pcreate_f, h5pset_alloc_time_f, h5pset_fill_time_f, h5pset_obj_track_times_f, h5sclose_f, h5screate_simple_f, hid_t, &
-      hsize_t
-   use hdf5_dataset, only: label_t, write_label
+   use hdf5, only: h5d_alloc_time_early_f, h5d_fill_time_never_f, h5dclose_f, h5pset_alloc_time_f, h5pset_fill_time_f, &
+      h5screate_simple_f, hid_t, hsize_t
+   use hdf5_dataset, only: create_labelled, label_t, new_properties
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use positional_file, only: positional_file_t, real_bytes
@@ -78,7 +77,7 @@ contains
       character(*), intent(in) :: path
       integer, intent(in) :: row_length, capacity
       type(label_t), intent(in) :: label
-      integer(hid_t) :: space, creation, dataset
+      integer(hid_t) :: space, properties, dataset
       integer(hsize_t) :: extents(2)
       integer :: first, status
 
@@ -87,26 +86,17 @@ contains
       first = merge(2, 1, row_length == 0)
       call h5screate_simple_f(3 - first, extents(first:), space, status)
       call file%check(status, path)
-      call h5pcreate_f(h5p_dataset_create_f, creation, status)
-      call file%check(status, path)
+      call new_properties(file, path, properties)
       if (allocated(file%failure)) return
-      call h5pset_obj_track_times_f(creation, .false., status)
+      call h5pset_alloc_time_f(properties, h5d_alloc_time_early_f, status)
       call file%check(status, path)
-      call h5pset_alloc_time_f(creation, h5d_alloc_time_early_f, status)
+      call h5pset_fill_time_f(properties, h5d_fill_time_never_f, status)
       call file%check(status, path)
-      call h5pset_fill_time_f(creation, h5d_fill_time_never_f, status)
-      call file%check(status, path)
-      call h5dcreate_f(file%id, path, file%real_type, space, dataset, status, dcpl_id=creation, lcpl_id=file%link_creation)
-      call file%check(status, path)
+      call create_labelled(file, path, file%real_type, space, properties, label, dataset)
       if (allocated(file%failure)) return
-      call write_label(file, dataset, label)
       call place_of_dataset(series, dataset, path, row_length, status)
       call file%check(status, path)
       call h5dclose_f(dataset, status)
-      call file%check(status, path)
-      call h5pclose_f(creation, status)
-      call file%check(status, path)
-      call h5sclose_f(space, status)
       call file%check(status, path)
    end subroutine create_running_series
 
