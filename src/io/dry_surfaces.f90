@@ -9,6 +9,7 @@ module dry_surfaces
    use height_file, only: heights_t, read_heights
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
+   use synthesis_keys, only: read_synthesis, synthetic_keys
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text
    use validation_messages, only: report_missing, report_unused
@@ -22,8 +23,6 @@ module dry_surfaces
    !> Keys of one shape only.
    character(len=20), parameter :: file_keys(*) = [character(len=20) :: 'file', 'dataset']
    character(len=20), parameter :: feature_keys(*) = [character(len=20) :: 'amplitude', 'wavelength', 'position']
-   character(len=20), parameter :: synthetic_keys(*) = [character(len=20) :: 'seed', 'hurst', 'rms_height', 'wavelength_long', &
-      'wavelength_rolloff', 'wavelength_short', 'skewness', 'kurtosis']
 
 contains
 
@@ -257,30 +256,14 @@ contains
       real(wp), allocatable, intent(inout) :: z(:)
       type(findings_t), intent(inout) :: findings
       type(synthesis_t) :: wanted
-      type(value_t) :: seed
       type(error_t), allocatable :: error
 
       if (.not. values%is_given(group, 'rms_height')) then
          call report_missing(values, group, 'rms_height', findings)
          return
       end if
-      seed = values%slot(group, 'seed')
-      wanted%seed = seed%integer
-      wanted%hurst = values%real_value(group, 'hurst')
-      wanted%rms_height = values%real_value(group, 'rms_height')
-      wanted%skewness = values%real_value(group, 'skewness')
-      wanted%kurtosis = values%real_value(group, 'kurtosis')
-      wanted%wavelength_long = maxval(dry%lengths)
-      if (values%is_given(group, 'wavelength_long')) wanted%wavelength_long = values%real_value(group, 'wavelength_long')
-      wanted%wavelength_rolloff = wanted%wavelength_long
-      if (values%is_given(group, 'wavelength_rolloff')) wanted%wavelength_rolloff = values%real_value(group, 'wavelength_rolloff')
-      wanted%wavelength_short = 2.0_wp*dry%lengths(1)/dry%grid%nx
-      if (values%is_given(group, 'wavelength_short')) wanted%wavelength_short = values%real_value(group, 'wavelength_short')
-      if (wanted%wavelength_short > wanted%wavelength_rolloff .or. wanted%wavelength_rolloff > wanted%wavelength_long) then
-         call findings%add(values%line_of(group, 'shape'), group, 'wavelength_rolloff', 'found ' &
-            // to_text(wanted%wavelength_rolloff) // ' m, expected wavelength_short <= wavelength_rolloff <= wavelength_long')
-         return
-      end if
+      call read_synthesis(values, group, maxval(dry%lengths), 2.0_wp*dry%lengths(1)/dry%grid%nx, wanted, findings)
+      if (findings%count > 0) return
       call synthetic_heights(wanted, [dry%grid%nx, dry%grid%ny], dry%lengths(1), max(dry%lengths(2), tiny(1.0_wp)), z, error)
       if (allocated(error)) call findings%add(values%line_of(group, 'shape'), group, 'shape', error%message)
    end subroutine add_synthetic

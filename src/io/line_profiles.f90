@@ -11,6 +11,7 @@ module line_profiles
    use kinds, only: wp
    use profile, only: profile_length, profile_t
    use scaling, only: new_scaling, scaling_t
+   use synthesis_keys, only: read_synthesis
    use synthetic_pieces, only: new_synthetic_pieces, synthetic_pieces_t
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text
@@ -128,35 +129,24 @@ contains
       type(rough_surface_t), intent(inout) :: surface
       type(findings_t), intent(inout) :: findings
       type(synthesis_t) :: wanted
-      type(value_t) :: seed
-      real(wp) :: length, longest
+      real(wp) :: length, longest, shortest
+      integer :: before
 
-      seed = values%slot(group, 'seed')
-      wanted%seed = seed%integer
-      wanted%hurst = values%real_value(group, 'hurst')
-      wanted%rms_height = values%real_value(group, 'rms_height')
-      wanted%skewness = values%real_value(group, 'skewness')
-      wanted%kurtosis = values%real_value(group, 'kurtosis')
-      wanted%wavelength_short = values%real_value(group, 'wavelength_short')
-      length = max(passage(case, surface%speed), values%real_value(group, 'wavelength_long'), 4.0_wp*wanted%wavelength_short)
+      shortest = values%real_value(group, 'wavelength_short')
+      length = max(passage(case, surface%speed), values%real_value(group, 'wavelength_long'), 4.0_wp*shortest)
       longest = length
-      if (length*nodes_per_wave > most_nodes*wanted%wavelength_short) longest = most_waves*wanted%wavelength_short
-      wanted%wavelength_long = longest
-      if (values%is_given(group, 'wavelength_long')) wanted%wavelength_long = values%real_value(group, 'wavelength_long')
-      wanted%wavelength_rolloff = wanted%wavelength_long
-      if (values%is_given(group, 'wavelength_rolloff')) wanted%wavelength_rolloff = values%real_value(group, 'wavelength_rolloff')
+      if (length*nodes_per_wave > most_nodes*shortest) longest = most_waves*shortest
+      before = findings%count
+      call read_synthesis(values, group, longest, shortest, wanted, findings)
       if (wanted%wavelength_long > longest) then
          call findings%add(values%line_of(group, 'wavelength_long'), group, 'wavelength_long', 'found '// &
             to_text(wanted%wavelength_long)//' m, expected at most '//to_text(most_waves)//' times wavelength_short in a '// &
             'profile of '//to_text(length, 3)//' m, which is too long to be made at once')
-      else if (wanted%wavelength_short > wanted%wavelength_rolloff .or. wanted%wavelength_rolloff > wanted%wavelength_long) then
-         call findings%add(values%line_of(group, 'shape'), group, 'wavelength_rolloff', 'found '// &
-            to_text(wanted%wavelength_rolloff)//' m, expected wavelength_short <= wavelength_rolloff <= wavelength_long')
-      else
-         call set_effective(case, group, 'wavelength_long', to_text(wanted%wavelength_long, 17), 'm')
-         call set_effective(case, group, 'wavelength_rolloff', to_text(wanted%wavelength_rolloff, 17), 'm')
-         call synthesise(wanted, length, group, values%line_of(group, 'shape'), case, surface%profile, findings)
       end if
+      if (findings%count > before) return
+      call set_effective(case, group, 'wavelength_long', to_text(wanted%wavelength_long, 17), 'm')
+      call set_effective(case, group, 'wavelength_rolloff', to_text(wanted%wavelength_rolloff, 17), 'm')
+      call synthesise(wanted, length, group, values%line_of(group, 'shape'), case, surface%profile, findings)
    end subroutine fill_synthetic
 
    !> At once, or from pieces if that needs more than `most_nodes`. Findings: what the synthesis finds.

@@ -3,6 +3,7 @@ module surface_validation
    use findings, only: findings_t
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
+   use synthesis_keys, only: synthetic_keys
    use text, only: to_text
    use validation_messages, only: report_missing, report_unused
    implicit none (type, external)
@@ -13,8 +14,6 @@ module surface_validation
    !> Keys of some shapes only.
    character(len=20), parameter :: feature_keys(*) = [character(len=20) :: 'amplitude', 'wavelength', 'position']
    character(len=20), parameter :: file_keys(*) = [character(len=20) :: 'file', 'dataset', 'harmonics']
-   character(len=20), parameter :: synthetic_keys(*) = [character(len=20) :: 'seed', 'hurst', 'rms_height', 'wavelength_long', &
-      'wavelength_rolloff', 'wavelength_short', 'skewness', 'kurtosis']
 
 contains
 
