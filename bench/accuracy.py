@@ -10,7 +10,6 @@ mean processor time where other work on the machine made that smaller. Writes ac
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 import sys
@@ -19,7 +18,7 @@ from pathlib import Path
 
 import bench_program
 import namelists
-from bench_program import ROOT, Answer, job
+from bench_program import Answer, job, new_parser, output_folder
 
 FIGURES = ("h_min", "h_min_node", "h_central", "p_max", "x_cavitation")
 # What the answer of a figure is on the finer grid: nodal figures tend to those between the nodes.
@@ -227,12 +226,9 @@ def save(items: list[Row] | list[Cost], path: Path) -> None:
 
 def main() -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="fewer contacts")
-    parser.add_argument("--output", default="results/accuracy", metavar="DIR", help="folder (default: results/accuracy)")
+    parser = new_parser(__doc__, "fewer contacts", "results/accuracy")
     options = parser.parse_args()
-    folder = ROOT / options.output
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = output_folder(options)
     effort = {"runs": 5 if options.quick else 10, "seconds": 0.03, "limit": 20}
     rows: list[Row] = []
     found: list[Cost] = []

@@ -11,7 +11,6 @@ cost_time.csv and conclusion_time.txt.
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 import statistics
@@ -22,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
-from bench_program import ENVIRONMENT, ROOT
+from bench_program import ENVIRONMENT, ROOT, new_parser, output_folder
 from passages import Passage, passages
 
 PROGRAM = ROOT / "build" / "bin" / "asperity"
@@ -162,13 +161,10 @@ def save(items: list[Row] | list[Cost], path: Path) -> None:
 
 def main() -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="fewer passages")
+    parser = new_parser(__doc__, "fewer passages", "results/accuracy")
     parser.add_argument("--no-cost", action="store_true", help="the error bars only")
-    parser.add_argument("--output", default="results/accuracy", metavar="DIR", help="folder (default: results/accuracy)")
     options = parser.parse_args()
-    folder = ROOT / options.output
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = output_folder(options)
     count = 40 if options.quick else 120
     with tempfile.TemporaryDirectory() as scratch:
         rows = survey(passages(count), Path(scratch))

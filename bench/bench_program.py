@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import csv
 import os
 import selectors
@@ -19,6 +20,21 @@ ENVIRONMENT = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 WORDS = {"name", "method", "reason"}
 HANG = "no answer within the time limit, killed"
 CRASH = "the program crashed"
+
+
+def new_parser(description: str, quick: str, folder: str) -> argparse.ArgumentParser:
+    """A command line with --quick (what it does) and --output (the default folder)."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help=quick)
+    parser.add_argument("--output", default=folder, metavar="DIR", help=f"folder (default: {folder})")
+    return parser
+
+
+def output_folder(options: argparse.Namespace) -> Path:
+    """The folder of --output, made if there is none."""
+    folder = ROOT / options.output
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
 
 
 @dataclass

@@ -10,7 +10,6 @@ chart.csv and conclusion.txt, which is made from the same numbers.
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 import sys
@@ -19,7 +18,7 @@ from pathlib import Path
 
 import bench_program
 import namelists
-from bench_program import ROOT, Answer, Job, job
+from bench_program import ROOT, Answer, Job, job, new_parser, output_folder
 
 sys.path.append(str(ROOT / "postproc"))
 
@@ -317,12 +316,9 @@ def grids(first: int, last: int) -> list[int]:
 
 def main() -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="coarser grids and fewer runs, under 3 minutes")
-    parser.add_argument("--output", default="results/chart", metavar="DIR", help="folder of the chart (default: results/chart)")
+    parser = new_parser(__doc__, "coarser grids and fewer runs, under 3 minutes", "results/chart")
     options = parser.parse_args()
-    folder = ROOT / options.output
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = output_folder(options)
     quick = options.quick
     effort = {"runs": 15 if quick else 101, "seconds": 0.5 if quick else 1}
     panels = [

@@ -8,14 +8,13 @@ a finer grid (the error of both). Writes orders.csv and orders.txt.
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 import sys
 
 import bench_program
 import namelists
-from bench_program import ROOT, job
+from bench_program import job, new_parser, output_folder
 
 SCHEMES = {"backward Euler": "backward_euler", "BDF2": "bdf2"}
 START, END_OVER_DX = -1.5, 28  # of 256 intervals
@@ -54,12 +53,9 @@ def table(title: str, runs: list[tuple[int, float]], found: dict[str, list[float
 
 def main() -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="coarser grids")
-    parser.add_argument("--output", default="results/orders", metavar="DIR", help="folder (default: results/orders)")
+    parser = new_parser(__doc__, "coarser grids", "results/orders")
     options = parser.parse_args()
-    folder = ROOT / options.output
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = output_folder(options)
     fixed = 128 if options.quick else 256
     in_time = [(fixed, factor) for factor in (1, 2, 4, 8, 16)]
     in_both = [(n, 2) for n in ((64, 128, 256) if options.quick else (64, 128, 256, 512, 1024))]

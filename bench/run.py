@@ -8,7 +8,6 @@ by the mean processor time of a run (planning included). Results: a table on sta
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 import os
@@ -24,7 +23,7 @@ from pathlib import Path
 import bench_program
 import h5py
 import namelists
-from bench_program import ROOT, Answer, Job, job
+from bench_program import ROOT, Answer, Job, job, new_parser, output_folder
 
 ASPERITY = ROOT / "build" / "bin" / "asperity"
 BLOCK_JACOBI = {"method": "fas_block_jacobi", "smoother": "block_jacobi"}
@@ -393,9 +392,7 @@ def sampled_shares(jobs: list[Job]) -> dict[str, float]:
 
 def main() -> int:
     """Command line; status 1 if a row that has a limit is missed, unless --quick."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="fewer runs and cells, under 30 s")
-    parser.add_argument("--output", default="results/bench", metavar="DIR", help="folder for bench.csv (default: results/bench)")
+    parser = new_parser(__doc__, "fewer runs and cells, under 30 s", "results/bench")
     options = parser.parse_args()
     runs = 20 if options.quick else 300
     table = Table()
@@ -414,7 +411,7 @@ def main() -> int:
     map_row(table, 100 if options.quick else 400)
     table.title("Where the time goes")
     share_rows(table)
-    path = ROOT / options.output / "bench.csv"
+    path = output_folder(options) / "bench.csv"
     table.save(path)
     missed = [row.work for row in table.rows if row.verdict == "MISSED"]
     print(f"\n{path.relative_to(ROOT)}; missed: {', '.join(missed) or 'none'}")

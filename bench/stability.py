@@ -9,7 +9,6 @@ right answer. Results for each map: stability_NAME.png, .pdf, .csv; conclusion.t
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 import sys
@@ -19,7 +18,7 @@ from pathlib import Path
 
 import bench_program
 import stability_cells
-from bench_program import ROOT, Answer, job
+from bench_program import Answer, job, new_parser, output_folder
 from stability_cells import Cell, StabilityMap
 from stability_figure import draw_map
 
@@ -97,17 +96,14 @@ def report(each: StabilityMap, answers: dict[tuple[str, int, int], Answer], cell
 
 def main() -> int:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="fewer cells and coarser grids, under 3 minutes")
+    parser = new_parser(__doc__, "fewer cells and coarser grids, under 3 minutes", "results/stability")
     parser.add_argument("--only", nargs="+", metavar="MAP", help=f"only these maps: {', '.join(stability_cells.NAMES)}")
     parser.add_argument("--processes", type=int, default=2, metavar="N", help="processes side by side (default: 2)")
-    parser.add_argument("--output", default="results/stability", metavar="DIR", help="folder (default: results/stability)")
     options = parser.parse_args()
     unknown = set(options.only or []) - set(stability_cells.NAMES)
     if unknown:
         parser.error(f"no map is named {', '.join(sorted(unknown))}")
-    folder = ROOT / options.output
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = output_folder(options)
     lines = []
     for each in stability_cells.all_maps(options.quick):
         if options.only and each.key not in options.only:

@@ -112,11 +112,17 @@ def kill_until_complete(program, folder, reference, source, longest):
     return kills, resumed
 
 
-def main():
-    """Kill as often as asked for."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+def new_parser(description):
+    """The command line of a check that is run by hand; its description is the first line."""
+    parser = argparse.ArgumentParser(description=description.split("\n", maxsplit=1)[0])
     root = pathlib.Path(__file__).resolve().parent.parent
     parser.add_argument("program", nargs="?", default=root / "build" / "bin" / "asperity", type=pathlib.Path)
+    return parser
+
+
+def main():
+    """Kill as often as asked for."""
+    parser = new_parser(__doc__)
     parser.add_argument("--kills", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()

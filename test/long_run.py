@@ -8,7 +8,6 @@ Looks into NAME.h5.part when a hundredth, a tenth, half and nearly all of the st
 does not hold what it should. The quick form of this is in test_long_run.py.
 """
 
-import argparse
 import pathlib
 import subprocess
 import sys
@@ -18,7 +17,7 @@ import time
 import h5py
 import numpy as np
 from cases import write
-from kill_and_resume import BUSY, killed_at_last, start
+from kill_and_resume import BUSY, killed_at_last, new_parser, start
 
 STEP = 0.01
 
@@ -91,9 +90,7 @@ def finish(program, folder):
 
 def main():
     """The long form."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    root = pathlib.Path(__file__).resolve().parent.parent
-    parser.add_argument("program", nargs="?", default=root / "build" / "bin" / "asperity", type=pathlib.Path)
+    parser = new_parser(__doc__)
     parser.add_argument("--steps", type=int, default=100000)
     parser.add_argument("--intervals", type=int, default=1024)
     parser.add_argument("--limit", type=float, default=500.0, help="largest resident memory [MB]")

@@ -1,28 +1,8 @@
 """The dry half of the thesis again, in short: chapters 3, 4 and 7, and rough areas. Each study is called with --quick."""
 
-import csv
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-STUDIES = Path(__file__).resolve().parent.parent / "studies"
-
-
-def run_quick(name, program, folder):
-    """Calls a study with --quick, which must end with status 0; returns standard output."""
-    command = [sys.executable, str(STUDIES / name), "--quick", "--output", str(folder), "--jobs", "2", "--program", str(program)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
-def rows(path):
-    """A CSV file as list of dictionaries."""
-    with path.open(encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+from study_runs import rows, run_quick
 
 
 def verdicts(path):

@@ -1,41 +1,24 @@
 """The thesis again, in short: error tables of chapter 5, film thinning of chapter 6, amplitude of a rolling waviness."""
 
-import csv
-import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from study_runs import STUDIES, rows, run_quick
 
-STUDIES = Path(__file__).resolve().parent.parent / "studies"
 sys.path.append(str(STUDIES))
 
-import chapter5  # noqa: E402
-import overtaking  # noqa: E402
-import waviness  # noqa: E402
-from linear_response import Advection  # noqa: E402
-from study import Runner, exchanged  # noqa: E402
+import chapter5
+import overtaking
+import waviness
+from linear_response import Advection
+from study import Runner, exchanged
 
 
 @pytest.fixture
 def runner(program, tmp_path):
     """Runs cases of the studies in an empty folder, two at once."""
     return Runner(tmp_path / "runs", 2, program)
-
-
-def run_quick(name, program, folder):
-    """Calls a study with --quick; it checks its own references and must end with status 0. Returns standard output."""
-    command = [sys.executable, str(STUDIES / name), "--quick", "--output", str(folder), "--jobs", "2", "--program", str(program)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
-def rows(path):
-    """A CSV file as list of dictionaries."""
-    with path.open(encoding="utf-8") as file:
-        return list(csv.DictReader(file))
 
 
 def test_case_1_films_and_spatial_errors(program, tmp_path):
