@@ -23,3 +23,10 @@ if [ "$(cat build/info/git_commit.inc 2> /dev/null)" != "$line" ]; then
   echo "$line" > build/info/git_commit.inc
   rm -f build/gfortran_*/*/src_base_build_info.f90.o.digest
 fi
+
+# A source is built again if a text that it includes has changed.
+for text in include/*.inc; do
+  grep -l "^ *include '${text#include/}'" src/*/*.f90 | tr / _ | while read -r source; do
+    find build/gfortran_*/ -name "$source.o.digest" ! -newer "$text" -exec rm -f {} + 2> /dev/null || true
+  done
+done

@@ -124,7 +124,7 @@ contains
          work%old_node(n) = i
          work%q(n) = p(i)
       end do
-      call problem%elastic%single%apply(work%old_node(:n), work%q(:n), scale)
+      call problem%elastic%single%apply_listed(work%old_node(:n), work%q(:n), scale)
       work%path = scale*problem%elastic%single%largest()
       work%v = -problem%height
       call problem%elastic%single%add_to(scale, work%v)
@@ -175,7 +175,7 @@ contains
          if (allocated(error)) return
          call find_direction(work, length)
          call find_change(problem, p, length, work, is_clipped)
-         call elastic%single%apply(node, work%q(:n), scale)
+         call elastic%single%apply_listed(node, work%q(:n), scale)
          call elastic%single%gather(node, scale, work%kd(:n))
          call find_length(problem, p, is_clipped, work, length)
          do k = 1, n

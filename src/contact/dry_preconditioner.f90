@@ -10,7 +10,7 @@ module dry_preconditioner
    use errors, only: error_t
    use half_space_response, only: wavenumbers
    use kinds, only: wp
-   use single_product, only: new_single_product, single_product_t
+   use single_product, only: new_single_product => new_grid_product, single_product_t => grid_product_t
    use spectral_product, only: new_spectral_product, spectral_product_t
    implicit none (type, external)
    private
@@ -48,7 +48,6 @@ module dry_preconditioner
       integer :: cx = 0, cy = 0
       type(single_product_t) :: coarse
       real(wp), allocatable :: coarse_in(:), coarse_out(:)
-      integer, allocatable :: coarse_node(:)
       !> The whole |q|, made when it is first needed.
       type(single_product_t) :: whole
    contains
@@ -64,7 +63,7 @@ contains
       type(dry_preconditioner_t), intent(inout) :: self
       type(dry_grid_t), intent(in) :: grid
       type(error_t), allocatable, intent(out) :: error
-      integer :: cx, cy, i
+      integer :: cx, cy
 
       self%nx = grid%nx
       self%ny = grid%ny
@@ -84,10 +83,9 @@ contains
       allocate (self%coarse_in(cx*cy), self%coarse_out(cx*cy))
       self%cx = cx
       self%cy = cy
-      self%coarse_node = [(i, i=1, cx*cy)]
-      call new_single_product(self%coarse, [cx, cy], [cx, cy], transpose(coarse_symbol(grid, self%width, cx, cy)) &
-         /(real(cx, wp)*real(cy, wp)), grid%threads, error)
+      call new_single_product(self%coarse, [cx, cy], [cx, cy], grid%threads, error)
       if (allocated(error)) return
+      call self%coarse%set_symbol(coarse_symbol(grid, self%width, cx, cy))
       call make_stencil(self, grid, error)
    end subroutine new_dry_preconditioner
 
@@ -98,10 +96,11 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       associate (nx => grid%nx, ny => grid%ny)
-         call new_single_product(self%whole, [nx, ny], [nx, ny], transpose(wavenumbers(nx, ny, 1.0_wp, grid%aspect)) &
-            /(real(nx, wp)*real(ny, wp)), grid%threads, error)
+         call new_single_product(self%whole, [nx, ny], [nx, ny], grid%threads, error)
+         if (allocated(error)) return
+         call self%whole%set_symbol(wavenumbers(nx, ny, 1.0_wp, grid%aspect))
       end associate
-      self%has_whole = .not. allocated(error)
+      self%has_whole = .true.
    end subroutine prepare_whole
 
    !> |q| g over the transfer functions of spreading and interpolation (sinc^2 each, in either direction), for a coarse grid
@@ -189,7 +188,7 @@ contains
             call prepare_whole(self, grid, error)
             if (allocated(error)) return
          end if
-         call self%whole%apply(node, r, scale)
+         call self%whole%apply_listed(node, r, scale)
          call self%whole%gather(node, scale, s)
       else
          scale = maxval(abs(r))
@@ -207,7 +206,6 @@ contains
       integer, contiguous, intent(in) :: node(:)
       real(wp), contiguous, intent(in) :: r(:)
       real(wp), contiguous, intent(out) :: s(:)
-      real(wp) :: scale
       integer :: first, j, next
 
       self%coarse_in = 0.0_wp
@@ -217,8 +215,7 @@ contains
          call pass_row(node, (j + 1)*self%nx, next)
          if (next > first) call spread_row(self, j, node(first:next - 1), r(first:next - 1))
       end do
-      call self%coarse%apply(self%coarse_node, self%coarse_in, scale)
-      call self%coarse%gather(self%coarse_node, scale, self%coarse_out)
+      call self%coarse%apply(self%coarse_in, self%coarse_out)
       next = 1
       do j = 0, self%ny - 1
          first = next

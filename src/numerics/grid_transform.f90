@@ -20,14 +20,14 @@ contains
       real(wp), intent(in) :: z(:)
       complex(wp), allocatable, intent(out) :: spectrum(:, :)
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: copy(size(z))
+      real(wp), allocatable :: copy(:)
       type(c_ptr) :: plan
 
-      allocate (spectrum(0:grid(1)/2, 0:grid(2) - 1))
-      copy = z
+      allocate (spectrum(0:grid(1)/2, 0:grid(2) - 1), copy(size(z)))
       plan = fftw_plan_dft_r2c(rank_of(grid), sizes_of(grid), copy, spectrum, fftw_estimate)
       call check_plan(plan, grid, error)
       if (allocated(error)) return
+      copy = z
       call fftw_execute_dft_r2c(plan, copy, spectrum)
       call fftw_destroy_plan(plan)
    end subroutine transform_field
