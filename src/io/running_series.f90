@@ -7,7 +7,20 @@
 !> the file at any time, and a kill at any time leaves a file with all records counted so far.
 !>
 !> Layout of the header: HDF5 File Format Specification 3.0, IV.A.1.a (version 1 object header), IV.A.2.b (dataspace) and
-!> IV.A.2.q (continuation). `create_hdf5_file` asks the library for these oldest versions.
+!> IV.A.2.q (continuation). `create_hdf5_file` asks the library for these oldest versions, and a header of another version is an
+!> error before the run begins.
+!>
+!> Why the library does not write the records itself (tried with HDF5 2.0, writers killed before a random one of their writes):
+!>
+!> - Chunks that grow (H5Dset_extent) and H5Fflush after each record: a flush is several writes, in an order that is not promised.
+!>   Where new chunks come often, 12 of 100 files could not be read or held zeros where records were counted.
+!> - One writer, many readers (SWMR, from HDF5 1.10): 80 of 80 files were whole, but the mark of a file being written stays when its
+!>   writer is killed. All of them were refused without SWMR access; the mark is taken away by the tool h5clear, by no public call, so
+!>   a resumed run could not go on in the file. And SWMR is not for network file systems, on which clusters compute.
+!> - The same place in the file and the number of records as a dataset of its own: always whole, but the series would have the
+!>   extents of the whole run, and every reader would have to know that their ends are not there yet.
+!>
+!> As it is, 80 of 80 files of runs killed before a random write held all records counted, opened like any other file.
 module running_series
    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t
    use, intrinsic :: iso_fortran_env, only: int64
