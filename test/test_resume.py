@@ -265,6 +265,19 @@ def test_interrupted_before_the_first_step_keeps_nothing(program, tmp_path):
     assert names(tmp_path) == ["case.nml"]
 
 
+def test_interrupted_in_the_nested_start_of_a_large_grid(program, tmp_path):
+    """A grid so large that its nested start alone takes seconds: the run ends before its first cycle."""
+    write(tmp_path, "case.nml", STEADY.replace("intervals = 256", "intervals = 1048576"))
+    with subprocess.Popen([program, "case.nml"], cwd=tmp_path, stderr=subprocess.PIPE, text=True) as running:
+        wait_for(tmp_path / "case.h5.part", running)
+        running.send_signal(signal.SIGTERM)
+        message = running.stderr.read()
+    assert running.returncode == 4
+    assert message.endswith("asperity: interrupted without a checkpoint, nothing is kept of case.h5\n")
+    assert "cycle" not in message
+    assert names(tmp_path) == ["case.nml"]
+
+
 def test_part_is_readable_while_the_run_writes(program, tmp_path):
     reference, _ = undisturbed(program, tmp_path, busy(1000.0))
     seen = []

@@ -12,7 +12,7 @@ module companions
    use line_hierarchy, only: coarsest_for_film, most_intervals
    use line_state, only: line_state_t
    use line_summary, only: keep_extremes, line_summary_t, summary_of
-   use observer, only: observer_t, silent_observer_t
+   use observer, only: lookout_t, observer_t
    use solver_settings, only: solver_settings_t, time_settings_t
    implicit none (type, external)
    private
@@ -23,17 +23,14 @@ module companions
    integer, parameter :: fewest_intervals = 32
 
    !> Collects the figures of a run: of its state, or the extremes over its time steps.
-   type, extends(silent_observer_t) :: collector_t
+   type, extends(lookout_t) :: collector_t
       type(line_summary_t) :: summary
       logical :: is_empty = .true.
       !> How much larger the time steps are than those of the run that it is compared with, and of how many of those one counts.
       integer :: factor = 1, stride = 1
       !> Coarser grids that a steady run has passed.
       type(error_bars_t) :: passed
-      !> Whoever may stop the run.
-      class(observer_t), pointer :: watcher => null()
    contains
-      procedure :: on_cycle => look_at_cycle
       procedure :: on_step => collect_step
       procedure :: keep_companions => collect_companions
    end type collector_t
@@ -154,19 +151,6 @@ contains
       if (is_known .and. .not. time%is_transient) collector%summary = summary_of(state)
    end subroutine run_companion
 
-   !> Cycles are of no interest here, but the outside is.
-   subroutine look_at_cycle(self, cycle, residual, load_error)
-      class(collector_t), intent(inout) :: self
-      integer, intent(in) :: cycle
-      real(wp), intent(in) :: residual
-      real(wp), intent(in) :: load_error
-
-      associate (unused_cycle => cycle, unused_residual => residual, unused_load_error => load_error)
-      end associate
-      call self%watcher%look_outside()
-      self%wants_stop = self%watcher%wants_stop
-   end subroutine look_at_cycle
-
    !> Keeps what a steady run has passed.
    subroutine collect_companions(self, bars)
       class(collector_t), intent(inout) :: self
@@ -190,8 +174,7 @@ contains
          call keep_extremes(self%summary, summary_of(state))
          self%is_empty = .false.
       end if
-      call self%watcher%look_outside()
-      self%wants_stop = self%watcher%wants_stop
+      call self%look_outside()
    end subroutine collect_step
 
 end module companions

@@ -128,7 +128,7 @@ contains
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
       call solve_steady(hierarchy, contact, settings, watcher, report)
       if (settings%explains_failure .and. .not. (report%converged .or. watcher%wants_stop)) then
-         call blame_grid(contact, settings, .not. time%is_transient, report)
+         call blame_grid(contact, settings, .not. time%is_transient, watcher, report)
       end if
    end subroutine solve_start
 

@@ -9,7 +9,7 @@ module ehl_line_steady
    use line_hierarchy, only: line_hierarchy_t, method_block_jacobi, method_newton_dense, method_newton_krylov, new_hierarchy, &
       pose_steady_problem, relaxation_t
    use nested_start, only: full_multigrid_start, hertz_start
-   use observer, only: observer_t, silent_observer_t
+   use observer, only: lookout_t, observer_t
    use pseudo_time, only: follow_time
    use solver_choice, only: adopt, note_choice, steady_attempts
    use solver_settings, only: solver_settings_t
@@ -37,7 +37,7 @@ contains
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
-      class(observer_t), intent(inout) :: watcher
+      class(observer_t), intent(inout), target :: watcher
       type(report_t), intent(inout) :: report
       logical, intent(in), optional :: is_started
       type(relaxation_t), allocatable :: attempts(:)
@@ -60,20 +60,22 @@ contains
          else if (settings%start == 'hertz') then
             call hertz_start(hierarchy, contact)
             is_sound = .true.
-            if (attempts(i)%follows_time) call follow_time(hierarchy, contact, hierarchy%finest, is_sound)
+            if (attempts(i)%follows_time) call follow_time(hierarchy, contact, hierarchy%finest, is_sound, watcher)
          else if (attempts(i)%first_stress > 1.0_wp) then
-            call start_from_stress(hierarchy, contact, attempts(i)%first_stress, is_sound)
+            call start_from_stress(hierarchy, contact, attempts(i)%first_stress, watcher, is_sound)
          else
-            call full_multigrid_start(hierarchy, contact, is_sound)
+            call full_multigrid_start(hierarchy, contact, is_sound, watcher)
          end if
          if (is_sound) then
-            if (attempts(i)%thesis_first) call start_from_thesis(hierarchy, contact)
+            if (attempts(i)%thesis_first) call start_from_thesis(hierarchy, contact, watcher)
             call iterate(hierarchy, contact, limits, report, watcher)
             if (report%converged .or. watcher%wants_stop) return
          else
             report%converged = .false.
             report%reason = 'the exact solution of the coarse start grid failed'
             if (attempts(i)%follows_time) report%reason = 'the start in pseudo-time came to no end'
+            if (watcher%wants_stop) report%reason = 'stopped from outside'
+            if (watcher%wants_stop) return
          end if
          failures = failures//merge('  ', '; ', i == 1)//report%method//': '//report%reason
       end do
@@ -81,38 +83,46 @@ contains
    end subroutine solve_steady
 
    !> Start of an Eyring contact from the solution at a higher stress, `factor` times its own, which is lowered in steps.
-   subroutine start_from_stress(hierarchy, contact, factor, is_sound)
+   subroutine start_from_stress(hierarchy, contact, factor, watcher, is_sound)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: factor
+      class(observer_t), intent(inout), target :: watcher
       logical, intent(out) :: is_sound
+      type(lookout_t) :: lookout
       type(line_contact_t) :: eased
       type(report_t) :: report
       real(wp) :: share
 
+      lookout%watcher => watcher
       eased = contact
       share = factor
       do while (share > 1.0_wp)
          eased%fluid%sigma_scale = contact%fluid%sigma_scale/share
          eased%fluid%ln_b_scale = contact%fluid%ln_b_scale - log(share)
          is_sound = .true.
-         if (share >= factor) call full_multigrid_start(hierarchy, eased, is_sound)
+         if (share >= factor) call full_multigrid_start(hierarchy, eased, is_sound, watcher)
          if (.not. is_sound) return
-         call iterate(hierarchy, eased, cycle_limits_t(rough_tolerance, stress_cycles, stress_cycles), report)
+         call iterate(hierarchy, eased, cycle_limits_t(rough_tolerance, stress_cycles, stress_cycles), report, lookout)
+         is_sound = .not. watcher%wants_stop
+         if (.not. is_sound) return
          share = share/stress_step
       end do
       hierarchy%levels%is_companion = .false.   ! they are solved for the higher stress
    end subroutine start_from_stress
 
    !> Start of the sharp scheme from the solution of the thesis's scheme on the same level.
-   subroutine start_from_thesis(hierarchy, contact)
+   subroutine start_from_thesis(hierarchy, contact, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
+      class(observer_t), intent(inout), target :: watcher
+      type(lookout_t) :: lookout
       type(report_t) :: report
 
+      lookout%watcher => watcher
       associate (level => hierarchy%levels(hierarchy%finest))
          level%is_sharp = .false.
-         call iterate(hierarchy, contact, cycle_limits_t(rough_tolerance, stress_cycles, stress_cycles), report)
+         call iterate(hierarchy, contact, cycle_limits_t(rough_tolerance, stress_cycles, stress_cycles), report, lookout)
          level%is_sharp = .true.
       end associate
    end subroutine start_from_thesis
@@ -120,11 +130,13 @@ contains
    !> Where there is no solution, but Newton's method finds one on a finer grid, the grid is to blame: says so in the reason, with
    !> the first number of intervals that was seen to do. The fit of film and grid only knows Newtonian contacts; shear thinning
    !> leaves less film.
-   subroutine blame_grid(contact, settings, with_roughness, report)
+   subroutine blame_grid(contact, settings, with_roughness, watcher, report)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       logical, intent(in) :: with_roughness
+      class(observer_t), intent(inout), target :: watcher
       type(report_t), intent(inout) :: report
+      type(lookout_t) :: lookout
       type(line_contact_t) :: finer
       integer :: fitted, given, last
       logical :: is_solved
@@ -132,12 +144,14 @@ contains
       given = contact%domain%intervals
       fitted = intervals_for_film(contact)
       if (given >= fitted .and. .not. any(settings%method == blaming_methods)) return
+      lookout%watcher => watcher
       finer = contact
       finer%domain%intervals = max(fitted, 2*given)
       last = min(largest_blame, most_refinement*max(fitted, given))
       is_solved = .false.
       do while (finer%domain%intervals <= last)
-         call try_grid(finer, settings%space_scheme, with_roughness, is_solved)
+         call try_grid(finer, settings%space_scheme, with_roughness, lookout, is_solved)
+         if (watcher%wants_stop) return
          if (is_solved) exit
          finer%domain%intervals = 2*finer%domain%intervals
       end do
@@ -151,14 +165,14 @@ contains
    end subroutine blame_grid
 
    !> Whether Newton's method solves a steady contact on its grid.
-   subroutine try_grid(contact, space_scheme, with_roughness, is_solved)
+   subroutine try_grid(contact, space_scheme, with_roughness, lookout, is_solved)
       type(line_contact_t), intent(in) :: contact
       character(*), intent(in) :: space_scheme
       logical, intent(in) :: with_roughness
+      class(observer_t), intent(inout) :: lookout
       logical, intent(out) :: is_solved
       type(line_hierarchy_t) :: hierarchy
       type(solver_settings_t) :: settings
-      type(silent_observer_t) :: nobody
       type(report_t) :: report
       type(error_t), allocatable :: error
 
@@ -170,7 +184,7 @@ contains
       settings%space_scheme = space_scheme
       hierarchy%levels(hierarchy%finest)%is_sharp = space_scheme == 'sharp'
       settings%max_cycles = blame_cycles
-      call solve_steady(hierarchy, contact, settings, nobody, report)
+      call solve_steady(hierarchy, contact, settings, lookout, report)
       is_solved = report%converged
    end subroutine try_grid
 

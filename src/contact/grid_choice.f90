@@ -13,7 +13,7 @@ module grid_choice
    use line_level, only: line_level_t
    use line_summary, only: line_summary_t, summary_of_fields
    use nested_start, only: bump_start, companion_tolerance, most_firsts, refine, solve_level
-   use observer, only: observer_t
+   use observer, only: is_stopped, observer_t
    use solver_choice, only: adopt, steady_attempts
    use solver_settings, only: solver_settings_t
    implicit none (type, external)
@@ -80,8 +80,8 @@ contains
       first = 1
       k = 1
       do
-         call watcher%look_outside()
-         if (watcher%wants_stop) return
+         is_sound = .false.
+         if (is_stopped(watcher)) return
          if (k > hierarchy%top) then
             call add_level(hierarchy, contact, .true., error)
             if (allocated(error)) return
@@ -91,7 +91,7 @@ contains
          else
             call refine(hierarchy, contact, k)
          end if
-         call solve_level(hierarchy, contact, k, min(companion_tolerance, target), is_sound)
+         call solve_level(hierarchy, contact, k, min(companion_tolerance, target), is_sound, watcher)
          if (is_sound) then
             call gather_companions(hierarchy, bars)
             if (hierarchy%levels(k)%n >= intervals_for_waves(contact) .and. hierarchy%levels(k)%is_companion .and. &

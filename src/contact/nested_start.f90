@@ -9,6 +9,7 @@ module nested_start
    use line_level, only: film_of, line_level_t, start_from_pressure
    use line_summary, only: exit_between_nodes
    use newton_line, only: solve_newton
+   use observer, only: is_stopped, observer_t
    use pseudo_time, only: follow_time
    use transfer, only: prolong_cubic
    implicit none (type, external)
@@ -34,23 +35,28 @@ contains
 
    !> Exact solutions from the coarsest grid that carries a film up to the coarsest of the cycles, then cubic
    !> interpolation and one cycle on each finer level; the finest is left with the interpolated pressure.
-   !> Where no film is found on the first grid, the next finer ones are tried. `is_sound` is false if that fails too.
-   subroutine full_multigrid_start(hierarchy, contact, is_sound)
+   !> Where no film is found on the first grid, the next finer ones are tried. `is_sound` is false if that fails too, or
+   !> `watcher` wants to stop.
+   subroutine full_multigrid_start(hierarchy, contact, is_sound, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       logical, intent(out) :: is_sound
+      class(observer_t), intent(inout), optional :: watcher
       integer :: finest, first, k, sound
 
       sound = first_with_film(hierarchy, contact)
       do first = sound, min(sound + most_firsts - 1, hierarchy%coarsest)
-         call nested_solutions(hierarchy, contact, first, is_sound)
+         call nested_solutions(hierarchy, contact, first, is_sound, watcher)
          if (is_sound) exit
+         if (is_stopped(watcher)) return
       end do
       if (.not. is_sound) return
       finest = hierarchy%finest
       do k = hierarchy%coarsest + 1, finest
          call refine(hierarchy, contact, k)
          if (k == finest) exit
+         is_sound = .not. is_stopped(watcher)
+         if (.not. is_sound) return
          hierarchy%finest = k
          call cycle_from(hierarchy, contact, k)
          hierarchy%finest = finest
@@ -72,11 +78,12 @@ contains
 
    !> Exact solutions on the levels from `first` to the coarsest of the cycles; if that is the finest level, it is left with
    !> the interpolated pressure, or (`follows_time`) where that has moved to.
-   subroutine nested_solutions(hierarchy, contact, first, is_sound)
+   subroutine nested_solutions(hierarchy, contact, first, is_sound, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: first
       logical, intent(out) :: is_sound
+      class(observer_t), intent(inout), optional :: watcher
       real(wp) :: tolerance
       integer :: k
 
@@ -85,55 +92,58 @@ contains
       do k = first, hierarchy%coarsest
          if (k > first) call refine(hierarchy, contact, k)
          if (k == hierarchy%top) then
-            if (hierarchy%relaxation%follows_time) call follow_time(hierarchy, contact, k, is_sound)
+            if (hierarchy%relaxation%follows_time) call follow_time(hierarchy, contact, k, is_sound, watcher)
             return
          end if
          tolerance = merge(companion_tolerance, nested_tolerance, hierarchy%wants_companions .and. k >= hierarchy%top - 2)
-         call solve_level(hierarchy, contact, k, tolerance, is_sound)
+         call solve_level(hierarchy, contact, k, tolerance, is_sound, watcher)
          if (.not. is_sound .and. hierarchy%relaxation%follows_time) then
+            if (is_stopped(watcher)) return
             if (k == first) then
                call bump_start(hierarchy, contact, k)
             else
                call refine(hierarchy, contact, k)
             end if
-            call follow_time(hierarchy, contact, k, is_sound)
-            if (is_sound) call solve_level(hierarchy, contact, k, tolerance, is_sound)
+            call follow_time(hierarchy, contact, k, is_sound, watcher)
+            if (is_sound) call solve_level(hierarchy, contact, k, tolerance, is_sound, watcher)
          end if
          if (.not. is_sound) return
       end do
    end subroutine nested_solutions
 
    !> Exact solution on level k from its present pressure.
-   subroutine solve_level(hierarchy, contact, k, tolerance, is_sound)
+   subroutine solve_level(hierarchy, contact, k, tolerance, is_sound, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: k
       real(wp), intent(in) :: tolerance
       logical, intent(out) :: is_sound
+      class(observer_t), intent(inout), optional :: watcher
 
       associate (level => hierarchy%levels(k))
          level%is_sharp = .false.
-         call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, tolerance, nested_steps)
+         call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, tolerance, nested_steps, watcher)
          is_sound = hierarchy%newton%is_converged
          level%is_companion = is_sound .and. tolerance <= companion_tolerance
-         if (level%is_companion .and. hierarchy%is_sharp) call sharpen(hierarchy, contact, k, tolerance)
+         if (level%is_companion .and. hierarchy%is_sharp) call sharpen(hierarchy, contact, k, tolerance, watcher)
       end associate
    end subroutine solve_level
 
    !> From the solution of the thesis's scheme on level k to that of the sharp one; where that fails, the first stays, which is no
    !> companion.
-   subroutine sharpen(hierarchy, contact, k, tolerance)
+   subroutine sharpen(hierarchy, contact, k, tolerance, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: k
       real(wp), intent(in) :: tolerance
+      class(observer_t), intent(inout), optional :: watcher
       real(wp) :: rigid_displacement
 
       associate (level => hierarchy%levels(k))
          level%pressure_start = level%pressure
          rigid_displacement = hierarchy%rigid_displacement
          level%is_sharp = .true.
-         call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, tolerance, nested_steps)
+         call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, tolerance, nested_steps, watcher)
          level%is_companion = hierarchy%newton%is_converged
          if (level%is_companion) return
          level%is_sharp = .false.

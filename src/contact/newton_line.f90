@@ -8,6 +8,7 @@ module newton_line
    use line_contact, only: line_contact_t
    use line_level, only: film_of, line_level_t, load_defect
    use linear_solver, only: linear_solver_t
+   use observer, only: is_stopped, observer_t
    use reynolds_jacobian, only: evaluate_jacobian, new_jacobian, reynolds_jacobian_t
    use reynolds_line, only: evaluate_reynolds
    implicit none (type, external)
@@ -43,14 +44,15 @@ module newton_line
 contains
 
    !> Solves the level's equations (with its right sides) from its present pressure; film and H0 are updated.
-   !> Ends when a full step is below `tolerance` or at round-off, or after `max_steps`.
-   subroutine solve_newton(newton, contact, level, rigid_displacement, tolerance, max_steps)
+   !> Ends when a full step is below `tolerance` or at round-off, after `max_steps`, or before a step where `watcher` wants to stop.
+   subroutine solve_newton(newton, contact, level, rigid_displacement, tolerance, max_steps, watcher)
       type(newton_t), intent(inout) :: newton
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
       real(wp), intent(inout) :: rigid_displacement
       real(wp), intent(in) :: tolerance
       integer, intent(in) :: max_steps
+      class(observer_t), intent(inout), optional :: watcher
       real(wp) :: previous_step, share
       logical :: is_solved
 
@@ -62,6 +64,7 @@ contains
       if (any(newton%film_trial <= 0.0_wp)) return
       level%film = newton%film_trial
       do while (newton%steps < max_steps)
+         if (is_stopped(watcher)) return
          call evaluate_reynolds(contact, level)
          call evaluate_jacobian(contact, level, newton%jacobian)
          call prepare_system(newton, level)

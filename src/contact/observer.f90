@@ -8,7 +8,7 @@ module observer
    implicit none (type, external)
    private
 
-   public :: observer_t, silent_observer_t
+   public :: is_stopped, lookout_t, observer_t, silent_observer_t
 
    !> Somebody who listens to a solver.
    type, abstract :: observer_t
@@ -36,6 +36,15 @@ module observer
       procedure :: on_step => ignore_step
    end type silent_observer_t
 
+   !> Listens to a run that serves another one: tells nobody, but ends the run where the other one's `watcher` wants to stop.
+   type, extends(silent_observer_t) :: lookout_t
+      class(observer_t), pointer :: watcher => null()
+   contains
+      procedure :: on_cycle => look_at_cycle
+      procedure :: on_step => look_at_step
+      procedure :: look_outside => look_through
+   end type lookout_t
+
    abstract interface
 
       !> `cycle` counts from 1; `residual` and `load_error` are those after it [-].
@@ -62,6 +71,17 @@ module observer
    end interface
 
 contains
+
+   !> Looks outside: whether `watcher` wants to stop. Without one nobody does.
+   function is_stopped(watcher) result(answer)
+      class(observer_t), intent(inout), optional :: watcher
+      logical :: answer
+
+      answer = .false.
+      if (.not. present(watcher)) return
+      call watcher%look_outside()
+      answer = watcher%wants_stop
+   end function is_stopped
 
    !> Keeps nothing.
    subroutine ignore_state(self, history)
@@ -112,5 +132,38 @@ contains
       associate (unused_self => self, unused_step => step, unused_steps => steps, unused_state => state, unused_report => report)
       end associate
    end subroutine ignore_step
+
+   !> A cycle is a moment to look outside.
+   subroutine look_at_cycle(self, cycle, residual, load_error)
+      class(lookout_t), intent(inout) :: self
+      integer, intent(in) :: cycle
+      real(wp), intent(in) :: residual
+      real(wp), intent(in) :: load_error
+
+      associate (unused_cycle => cycle, unused_residual => residual, unused_load_error => load_error)
+      end associate
+      call self%look_outside()
+   end subroutine look_at_cycle
+
+   !> And so is a time step.
+   subroutine look_at_step(self, step, steps, state, report)
+      class(lookout_t), intent(inout) :: self
+      integer, intent(in) :: step
+      integer, intent(in) :: steps
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(in) :: report
+
+      associate (unused_step => step, unused_steps => steps, unused_state => state, unused_report => report)
+      end associate
+      call self%look_outside()
+   end subroutine look_at_step
+
+   !> Does what the watcher does.
+   subroutine look_through(self)
+      class(lookout_t), intent(inout) :: self
+
+      call self%watcher%look_outside()
+      self%wants_stop = self%watcher%wants_stop
+   end subroutine look_through
 
 end module observer

@@ -10,6 +10,7 @@ module pseudo_time
    use line_level, only: line_level_t
    use lubricant, only: fluid_density_value
    use newton_line, only: solve_newton
+   use observer, only: is_stopped, observer_t
    implicit none (type, external)
    private
 
@@ -28,12 +29,13 @@ module pseudo_time
 contains
 
    !> Follows the steady problem posed on level k from its present pressure. `is_settled` is false if the steps shrink to nothing
-   !> or are too many; the level is then left where the motion stands.
-   subroutine follow_time(hierarchy, contact, k, is_settled)
+   !> or are too many, or `watcher` wants to stop; the level is then left where the motion stands.
+   subroutine follow_time(hierarchy, contact, k, is_settled, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: k
       logical, intent(out) :: is_settled
+      class(observer_t), intent(inout), optional :: watcher
       real(wp), allocatable :: pressure(:), film(:), right_side(:)
       real(wp) :: time_step, rigid_displacement
       integer :: step
@@ -43,11 +45,13 @@ contains
          time_step = first_step*level%dx
          is_settled = .false.
          do step = 1, most_steps
+            if (is_stopped(watcher)) exit
             pressure = level%pressure
             film = level%film
             rigid_displacement = hierarchy%rigid_displacement
             call pose_step(contact, level, right_side, time_step)
-            call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, step_tolerance, most_newton_steps)
+            call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, step_tolerance, most_newton_steps, &
+               watcher)
             call count_work(hierarchy, k, hierarchy%newton%steps)
             if (hierarchy%newton%is_converged) then
                is_settled = time_step >= last_step

@@ -153,7 +153,7 @@ contains
    subroutine look_outside(self)
       class(run_observer_t), intent(inout) :: self
 
-      self%wants_stop = is_interrupted()
+      self%wants_stop = self%wants_stop .or. is_interrupted()
    end subroutine look_outside
 
 end module run_observer
