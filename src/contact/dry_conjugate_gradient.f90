@@ -1,20 +1,21 @@
 !> Contact of rough surfaces by a projected, preconditioned conjugate gradient with both bounds as active sets.
 !>
 !> After I. A. Polonsky and L. M. Keer, Wear 231, 1999, 206, with four changes: the direction is never restarted when nodes
-!> enter or leave, |q| preconditions it, the load is kept by shifts, not by scaling, so that an upper bound (hardness) is held
-!> exactly, and an iteration takes one product with K: the step along the direction is foretold from the iteration before,
-!> what leaves the bounds is clipped, and only then K is applied to the change of p, whose length is corrected. Nodes at a
-!> bound leave it as soon as their gap has the wrong sign.
+!> enter or leave, a tree network (`tree_network`) preconditions it, what leaves the bounds is brought back by the same network,
+!> so that its neighbours take over what it lost and load and upper bound (hardness) are held exactly, and an iteration takes
+!> one product with K: the step along the direction is foretold from the iteration before, brought back into the bounds, and
+!> only then K is applied to the change of p, whose length is corrected. Nodes at a bound leave it as soon as their gap has the
+!> wrong sign.
 module dry_conjugate_gradient
    use active_set, only: active_set_t, new_active_set
-   use dry_preconditioner, only: dry_preconditioner_t
-   use dry_problem, only: dry_grid_t, dry_problem_t
+   use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open
    use dry_solution, only: dry_settings_t, dry_solution_t, take_survey
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use load_projection, only: shift_into_bounds
    use text, only: to_text
+   use tree_network, only: new_tree_network, tree_network_t
    implicit none (type, external)
    private
 
@@ -26,18 +27,24 @@ module dry_conjugate_gradient
    real(wp), parameter :: noise_share = 0.3_wp
    !> Iterations without a halved error after which nothing more is to be gained.
    integer, parameter :: patience = 1000
-   !> Lengths of the first step and of the second, over s = M r; later ones are like those before them.
+   !> Lengths of the first step and of the second, over s; later ones are like those before them.
    real(wp), parameter :: first_length = 0.9_wp, usual_length = 0.25_wp
+   !> Times that nodes beyond a bound are brought back by the network in an iteration; the rest is clipped and shifted.
+   integer, parameter :: most_returns = 20
    !> A clipped change that goes beyond twice its best length raises the energy: from here on it is cut to the best.
    real(wp), parameter :: least_length = 0.5_wp
 
    !> What an iteration works on; lists are as long as the active set.
    type :: work_t
       type(active_set_t) :: set
+      type(tree_network_t) :: network
       !> v = K p - z (nx*ny).
       real(wp), allocatable :: v(:)
-      !> s = M r; direction, then change of p; K times the last change; on the list.
+      !> Currents of the network; direction, then change of p; K times the last change; on the list.
       real(wp), allocatable :: s(:), q(:), kd(:)
+      !> What nodes beyond a bound give back, and which they are; on the list.
+      real(wp), allocatable :: back(:)
+      logical, allocatable :: is_back(:)
       !> The last change d of p, on its list.
       integer :: old_count
       integer, allocatable :: old_node(:)
@@ -55,9 +62,8 @@ contains
    !> Improves the pressure of `solution` (within its bounds and with its load) until the error measure is the tolerance or
    !> less; the rest of the solution follows. Its report gets one entry an iteration.
    !> Fails (internal_error) if FFTW does.
-   subroutine iterate_conjugate_gradient(problem, preconditioner, settings, solution, error)
+   subroutine iterate_conjugate_gradient(problem, settings, solution, error)
       type(dry_problem_t), intent(inout) :: problem
-      type(dry_preconditioner_t), intent(inout) :: preconditioner
       type(dry_settings_t), intent(in) :: settings
       type(dry_solution_t), intent(inout) :: solution
       type(error_t), allocatable, intent(out) :: error
@@ -83,8 +89,7 @@ contains
             end if
             if (report%converged .or. stalled > patience .or. work%set%error >= huge(1.0_wp) &
                .or. iteration == settings%max_cycles) exit
-            call step(problem, preconditioner, p, work, error)
-            if (allocated(error)) return
+            call step(problem, p, work)
          end do
       end associate
       solution%report%method = 'conjugate_gradient'
@@ -101,7 +106,9 @@ contains
 
       n = grid%nx*grid%ny
       call new_active_set(work%set, grid)
-      allocate (work%v(n), work%s(n), work%q(n), work%kd(n), work%d(n), work%old_node(n + 1))
+      call new_tree_network(work%network, [grid%nx, grid%ny], [1.0_wp/grid%nx, grid%aspect/grid%ny], grid%kernel /= kernel_open)
+      allocate (work%v(n), work%s(n), work%q(n), work%kd(n), work%d(n), work%old_node(n + 1), work%back(n), &
+         work%is_back(n))
       work%curvature = 0.0_wp
       work%scale = 0.0_wp
       work%expected = usual_length
@@ -158,12 +165,10 @@ contains
 
    !> One iteration: direction, step, back into the bounds, K times the change, and its length. The product is in single
    !> precision: it only changes v, which is computed anew now and then.
-   subroutine step(problem, preconditioner, p, work, error)
+   subroutine step(problem, p, work)
       type(dry_problem_t), intent(inout) :: problem
-      type(dry_preconditioner_t), intent(inout) :: preconditioner
       real(wp), contiguous, intent(inout) :: p(:)
       type(work_t), intent(inout) :: work
-      type(error_t), allocatable, intent(out) :: error
       real(wp) :: length, scale
       logical :: is_clipped
       integer :: k, n
@@ -171,8 +176,8 @@ contains
       n = work%set%count
       associate (elastic => problem%elastic, node => work%set%node(:n))
          if (work%curvature > 0.0_wp) call elastic%single%gather(node, work%scale, work%kd(:n))
-         call preconditioner%precondition(problem%grid, node, work%set%residual(:n), work%s(:n), error)
-         if (allocated(error)) return
+         call work%network%settle(node)
+         call work%network%solve(work%set%residual(:n), work%s(:n))
          call find_direction(work, length)
          call find_change(problem, p, length, work, is_clipped)
          call elastic%single%apply_listed(node, work%q(:n), scale)
@@ -190,34 +195,33 @@ contains
       call work%set%follow(problem, work%scale, p, work%v)
    end subroutine step
 
-   !> t = s - mean s + beta (old d on F, its mean removed), with t conjugate to the old d, on the list q; `length`: the step
-   !> along t that is to be expected.
+   !> t = s + beta (old d on F, its mean removed), with t conjugate to the old d, on the list q; `length`: the step along t that
+   !> is to be expected.
    subroutine find_direction(work, length)
       type(work_t), intent(inout) :: work
       real(wp), intent(out) :: length
-      real(wp) :: along, beta, mean_d, mean_s, slope
+      real(wp) :: along, beta, mean_d, slope
       integer :: k, n
 
       n = work%set%count
       associate (s => work%s(:n), q => work%q(:n), r => work%set%residual(:n))
-         mean_s = sum(s)/n
          length = work%first
          if (work%curvature > 0.0_wp) then
             length = work%expected
             call find_old_change(work, mean_d)
             along = 0.0_wp
             do k = 1, n
-               along = along + (s(k) - mean_s)*work%kd(k)
+               along = along + s(k)*work%kd(k)
             end do
             beta = max(0.0_wp, -along/work%curvature)
             slope = 0.0_wp
             do k = 1, n
-               q(k) = s(k) - mean_s + beta*(q(k) - mean_d)
+               q(k) = s(k) + beta*(q(k) - mean_d)
                slope = slope + q(k)*r(k)
             end do
             if (slope > 0.0_wp) return
          end if
-         q = s - mean_s
+         q = s
       end associate
    end subroutine find_direction
 
@@ -243,8 +247,8 @@ contains
       mean = mean/n
    end subroutine find_old_change
 
-   !> The change of p on F that `length` times t makes, on the list q; what leaves the bounds is clipped (`is_clipped`) and the
-   !> load restored by a shift of F, which takes away rounding errors of the load too.
+   !> The change of p on F that `length` times t makes, on the list q; what leaves the bounds is brought back (`is_clipped`).
+   !> A shift of F takes away rounding errors of the load.
    subroutine find_change(problem, p, length, work, is_clipped)
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(in) :: p(:)
@@ -266,14 +270,54 @@ contains
          load = problem%load
          if (work%set%held > 0) load = max(load - work%set%held*problem%hardness, 0.0_wp)
          if (is_clipped) then
-            call shift_into_bounds(q, problem%hardness, load)
-            total = load
+            call bring_back(problem%hardness, work%network, q, work%back(:n), work%s(:n), work%is_back(:n))
+            call settle_load(problem%hardness, load, q)
+         else
+            q = q + (load - total)/n
          end if
          do k = 1, n
-            q(k) = q(k) + (load - total)/n - p(node(k))
+            q(k) = q(k) - p(node(k))
          end do
       end associate
    end subroutine find_change
+
+   !> Puts values of `q` beyond 0 and `hardness` on these bounds. What that adds to the load the network takes from the
+   !> other nodes, such that its potentials there stay: neighbours give most. So the energy rises little, which a uniform shift
+   !> of q would raise all over the grid. Nodes that are driven out of the bounds by this follow; at the end few or none are
+   !> outside. `back`, `change` and `is_back`: memory.
+   subroutine bring_back(hardness, network, q, back, change, is_back)
+      real(wp), intent(in) :: hardness
+      type(tree_network_t), intent(inout) :: network
+      real(wp), contiguous, intent(inout) :: q(:)
+      real(wp), contiguous, intent(out) :: back(:), change(:)
+      logical, contiguous, intent(out) :: is_back(:)
+      integer :: turn
+
+      is_back = .false.
+      do turn = 1, most_returns
+         back = min(max(q, 0.0_wp), hardness) - q
+         if (.not. maxval(abs(back)) > 0.0_wp) exit
+         is_back = is_back .or. abs(back) > 0.0_wp
+         call network%solve(back, change, is_back)
+         q = q + change
+      end do
+   end subroutine bring_back
+
+   !> Makes `q` add up to `load`: nodes between the bounds share the rounding error that is missing, nodes on a bound stay there.
+   !> Values that are still beyond a bound, or none between them: the nearest that has bounds and load.
+   subroutine settle_load(hardness, load, q)
+      real(wp), intent(in) :: hardness, load
+      real(wp), contiguous, intent(inout) :: q(:)
+      real(wp) :: share
+      integer :: inside
+
+      inside = count(q > 0.0_wp .and. q < hardness)
+      if (inside > 0) then
+         share = (load - sum(q))/inside
+         where (q > 0.0_wp .and. q < hardness) q = q + share
+      end if
+      if (inside == 0 .or. minval(q) < 0.0_wp .or. maxval(q) > hardness) call shift_into_bounds(q, hardness, load)
+   end subroutine settle_load
 
    !> How much of the change q to make: the minimum of the energy along it, as far as the bounds allow.
    subroutine find_length(problem, p, is_clipped, work, length)

@@ -3,7 +3,6 @@ module dry_contact_solver
    use, intrinsic :: iso_fortran_env, only: int64
    use active_set, only: active_set_t, new_active_set
    use dry_conjugate_gradient, only: iterate_conjugate_gradient
-   use dry_preconditioner, only: dry_preconditioner_t, new_dry_preconditioner
    use dry_problem, only: dry_problem_t, kernel_open
    use dry_solution, only: dry_settings_t, dry_solution_t, method_steepest_descent, take_survey
    use dry_start, only: nested_start, neighbour_start
@@ -23,7 +22,6 @@ module dry_contact_solver
    !> A solver for one surface and any number of loads: each starts from the solution before it.
    type :: dry_solver_t
       type(dry_settings_t) :: settings
-      type(dry_preconditioner_t), private :: preconditioner
       logical, private :: is_prepared = .false.
       !> Least and largest pressure of full contact without load; the surface must stay the same.
       real(wp), private :: full_range(2)
@@ -45,7 +43,7 @@ contains
       type(dry_solution_t), intent(inout) :: solution
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: largest_load
-      integer :: before(4, 3)
+      integer :: before(4)
       logical :: is_done
 
       solution%report = report_t()
@@ -62,7 +60,7 @@ contains
             return
          end if
       end if
-      before = done(self, problem)
+      before = problem%elastic%transforms()
       call start(problem, solution, error)
       if (allocated(error)) return
       is_done = .false.
@@ -71,33 +69,24 @@ contains
          call iterate(self, problem, solution, error)
          if (allocated(error)) return
       end if
-      call count_transforms(done(self, problem), before, solution)
+      call count_transforms(problem, before, solution)
    end subroutine solve
 
-   !> Transforms of solver and problem until now (4, 3).
-   pure function done(self, problem) result(transforms)
-      class(dry_solver_t), intent(in) :: self
+   !> Adds the transforms that the problem has done since `before` to those of `solution`, and sums up in pairs of its grid, one
+   !> in single precision as a half.
+   pure subroutine count_transforms(problem, before, solution)
       type(dry_problem_t), intent(in) :: problem
-      integer :: transforms(4, 3)
-
-      transforms(:, 1) = problem%elastic%transforms()
-      transforms(:, 2:) = self%preconditioner%transforms()
-   end function done
-
-   !> Adds what came between `before` and `after` to the transforms of `solution`, and sums up in pairs of the largest grid,
-   !> one in single precision as a half.
-   pure subroutine count_transforms(after, before, solution)
-      integer, intent(in) :: after(:, :), before(:, :)
+      integer, intent(in) :: before(4)
       type(dry_solution_t), intent(inout) :: solution
       real(wp) :: largest, weight
-      integer :: k
+      integer :: done(4), k
 
-      solution%transforms = reshape([solution%transforms, after], [4, size(solution%transforms, 2) + size(after, 2)])
+      done = problem%elastic%transforms()
+      largest = real(done(1), wp)*done(2)
+      done(3:) = done(3:) - before(3:)
+      solution%transforms = reshape([solution%transforms, done], [4, size(solution%transforms, 2) + 1])
+      weight = 0.0_wp
       associate (t => solution%transforms)
-         k = size(t, 2) - size(after, 2) + 1
-         t(3:, k:) = t(3:, k:) - before(3:, :)
-         largest = real(after(1, 1), wp)*after(2, 1)
-         weight = 0.0_wp
          do k = 1, size(t, 2)
             weight = weight + (t(3, k) + 0.5_wp*t(4, k))*(real(t(1, k), wp)*t(2, k)/largest)
          end do
@@ -112,8 +101,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (self%is_prepared) return
-      call new_dry_preconditioner(self%preconditioner, problem%grid, error)
-      if (allocated(error)) return
       call problem%elastic%plan_single(error)
       self%is_prepared = .not. allocated(error)
    end subroutine prepare
@@ -151,7 +138,7 @@ contains
       else
          call self%prepare(problem, error)
          if (allocated(error)) return
-         call iterate_conjugate_gradient(problem, self%preconditioner, self%settings, solution, error)
+         call iterate_conjugate_gradient(problem, self%settings, solution, error)
          if (allocated(error)) return
       end if
       solution%report%tolerance_effective = self%settings%tolerance

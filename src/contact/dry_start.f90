@@ -1,7 +1,6 @@
 !> First guesses of the contact pressure: from coarser grids, or from the solution for a neighbouring load.
 module dry_start
    use dry_conjugate_gradient, only: iterate_conjugate_gradient
-   use dry_preconditioner, only: dry_preconditioner_t, new_dry_preconditioner
    use constants, only: pi
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_band_limited, kernel_element, new_dry_problem
    use dry_solution, only: dry_settings_t, dry_solution_t
@@ -16,13 +15,13 @@ module dry_start
    !> Fewest nodes a side of a coarser grid.
    integer, parameter :: coarsest = 32
    !> Error to which the coarser grids are solved, and their most iterations.
-   type(dry_settings_t), parameter :: coarse_settings = dry_settings_t(tolerance=0.1_wp, max_cycles=200, is_rough=.true.)
+   type(dry_settings_t), parameter :: coarse_settings = dry_settings_t(tolerance=1.0e-3_wp, max_cycles=200, is_rough=.true.)
    !> Step from a neighbouring solution against its gaps, as a share of the largest wavenumber of the grid.
    real(wp), parameter :: neighbour_step = 0.3_wp
 
 contains
 
-   !> A pressure `p` (nx*ny) within its bounds and with its load: solutions to E = 0.1 on grids of half the nodes each, the
+   !> A pressure `p` (nx*ny) within its bounds and with its load: solutions to E = 1e-3 on grids of half the nodes each, the
    !> coarsest first, each node's pressure handed to the 2 or 4 nodes below it. `transforms` are those done, as
    !> in a solution. Fails (internal_error) if FFTW does.
    recursive subroutine nested_start(problem, p, transforms, error)
@@ -31,7 +30,6 @@ contains
       integer, allocatable, intent(out) :: transforms(:, :)
       type(error_t), allocatable, intent(out) :: error
       type(dry_problem_t) :: coarse
-      type(dry_preconditioner_t) :: preconditioner
       type(dry_solution_t) :: solution
       integer :: n
 
@@ -44,11 +42,9 @@ contains
       allocate (solution%pressure(size(coarse%height)))
       call nested_start(coarse, solution%pressure, transforms, error)
       if (allocated(error)) return
-      call new_dry_preconditioner(preconditioner, coarse%grid, error)
+      call iterate_conjugate_gradient(coarse, coarse_settings, solution, error)
       if (allocated(error)) return
-      call iterate_conjugate_gradient(coarse, preconditioner, coarse_settings, solution, error)
-      if (allocated(error)) return
-      transforms = reshape([transforms, coarse%elastic%transforms(), preconditioner%transforms()], [4, size(transforms, 2) + 3])
+      transforms = reshape([transforms, coarse%elastic%transforms()], [4, size(transforms, 2) + 1])
       if (.not. solution%kkt < 1.0_wp) return
       call hand_down(coarse%grid, solution%pressure, problem%grid, p)
    end subroutine nested_start

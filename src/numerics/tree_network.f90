@@ -1,0 +1,341 @@
+!> An approximate inverse of the elastic half-space on any set of nodes: a network of resistors that is a tree.
+!>
+!> Pressure and deflection of a half-space are current into and potential of its surface (transfer function 1/q). Replace its
+!> inside by a tree: each node is joined by a resistor to a cell of 2 (line) or 2 x 2 (area) nodes, each cell to one twice as
+!> large, and so on. A current into one node then raises the potential of another by the resistance that their ways to the root
+!> share, which depends on their distance alone, about as in the half-space; the resistances are chosen so. Where potentials
+!> are given at some nodes and the others are left open, the currents of a tree follow exactly by one sweep to the root and
+!> one back, in work proportional to the number of nodes given.
+!>
+!> This inverts the tree's matrix T restricted to the set F of nodes given; and if c <= x.K x/x.T x <= C for all x, so it is
+!> for all x that are zero off F: the bound C/c on the condition number does not depend on F. That of |q|, the inverse of K
+!> on all nodes, does: restricted to F it takes the nodes off F for loaded too, and its condition number grows with the number of
+!> contacts.
+!>
+!> A tree parts neighbours that lie on two sides of a large cell. The mean of two trees, one shifted by a third of the grid,
+!> does not: condition numbers of 2 to 5.
+module tree_network
+   use constants, only: pi
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: tree_network_t, new_tree_network
+
+   integer, parameter :: trees = 2
+   !> Cells of a side double at most so often.
+   integer, parameter :: most_levels = 31
+
+   !> One tree over a set of nodes. The cells of all levels stand one level after the other, the nodes themselves first, each
+   !> level by rows.
+   type :: tree_t
+      !> Place of the grid's first node in the first row of smallest cells, and its row.
+      integer :: shift(2) = 0
+      !> First cell of each level, and of the one above the last.
+      integer :: first(0:most_levels + 1) = 1
+      !> First cell of each row of the last level.
+      integer, allocatable :: row(:)
+      !> Place of each node in the list of nodes.
+      integer, allocatable :: place(:)
+      !> Column of each cell on its level; the cell that it is joined to.
+      integer, allocatable :: column(:), parent(:)
+      !> Seen from beyond the resistor above each cell: conductance, and current at no potential.
+      real(wp), allocatable :: conductance(:), current(:)
+      real(wp), allocatable :: potential(:)
+   end type tree_t
+
+   !> The trees over a grid.
+   type :: tree_network_t
+      private
+      !> Nodes in x and y (1: a line).
+      integer :: nodes(2) = 0
+      logical :: is_periodic = .false.
+      !> Levels above the nodes.
+      integer :: levels = 0
+      !> Resistor above the cells of each level, and whether they are joined in x and in y.
+      real(wp) :: resistance(0:most_levels) = 0.0_wp
+      logical :: is_joined(2, 0:most_levels) = .false.
+      !> Most cells of each level.
+      integer :: most(0:most_levels) = 0
+      type(tree_t) :: tree(trees)
+   contains
+      procedure :: settle
+      procedure :: solve
+   end type tree_network_t
+
+contains
+
+   !> Prepares the trees of a grid of `nodes` (nx, ny >= 1; ny = 1: a line) at the distances `spacing` (2), in which first and
+   !> last nodes are neighbours if it `is_periodic`.
+   pure subroutine new_tree_network(self, nodes, spacing, is_periodic)
+      type(tree_network_t), intent(out) :: self
+      integer, intent(in) :: nodes(2)
+      real(wp), intent(in) :: spacing(2)
+      logical, intent(in) :: is_periodic
+      !> Answer of a tree to a current into one half of a cell and out of the other, over that of a wave as long as the cell.
+      real(wp), parameter :: halves = 2.0_wp*log(2.0_wp)
+      real(wp) :: answer, answer_below, side(2)
+      logical :: joined(2)
+      integer :: cells(2), level, tree
+
+      self%nodes = nodes
+      self%is_periodic = is_periodic
+      do tree = 1, trees
+         self%tree(tree)%shift = (tree - 1)*(nodes/3)
+      end do
+      cells = nodes
+      if (.not. is_periodic) cells = nodes + self%tree(trees)%shift
+      side = spacing
+      answer_below = 0.0_wp
+      do level = 0, most_levels
+         self%levels = level
+         self%most(level) = int(min(real(cells(1), wp)*cells(2), real(huge(1), wp)))
+         joined = cells > 1
+         if (.not. any(joined)) exit
+         ! Longer sides wait until the others have caught up.
+         joined = joined .and. side < 1.5_wp*minval(side, mask=joined)
+         self%is_joined(:, level) = joined
+         answer = merge(1.0_wp, halves, level == 0)/pi*product(side, mask=joined)**(1.0_wp/count(joined))
+         self%resistance(level) = (answer - answer_below)*product(spacing/side)
+         answer_below = answer
+         where (joined)
+            cells = (cells + 1)/2
+            side = 2.0_wp*side
+         end where
+      end do
+   end subroutine new_tree_network
+
+   !> Grows the trees over the listed nodes `node` (rising).
+   pure subroutine settle(self, node)
+      class(tree_network_t), intent(inout) :: self
+      integer, contiguous, intent(in) :: node(:)
+      integer :: level, rows, tree
+
+      do tree = 1, trees
+         associate (t => self%tree(tree))
+            call make_room(t, size(node), sum(min(real(self%most(:self%levels), wp), real(size(node), wp))))
+            call place_nodes(t, self%nodes, self%is_periodic, node, rows)
+            do level = 0, self%levels - 1
+               call join_cells(t, level, rows, self%is_joined(:, level))
+            end do
+         end associate
+      end do
+   end subroutine settle
+
+   !> Memory for `n` nodes and `cells` cells.
+   pure subroutine make_room(tree, n, cells)
+      type(tree_t), intent(inout) :: tree
+      integer, intent(in) :: n
+      real(wp), intent(in) :: cells
+      integer :: room
+
+      if (allocated(tree%place)) then
+         if (size(tree%place) >= n .and. size(tree%parent) >= cells) return
+         deallocate (tree%place, tree%column, tree%parent, tree%conductance, tree%current, tree%potential)
+      end if
+      ! A set that grows does not ask for more each time.
+      room = int(min(1.2_wp*cells, real(huge(1), wp)))
+      allocate (tree%place(n + n/5), tree%column(room), tree%parent(room), tree%conductance(room), tree%current(room), &
+         tree%potential(room))
+   end subroutine make_room
+
+   !> The nodes in the order of the tree: with the shift, rows and columns that it moves past the end of a periodic grid come
+   !> first.
+   pure subroutine place_nodes(tree, nodes, is_periodic, node, rows)
+      type(tree_t), intent(inout) :: tree
+      integer, intent(in) :: nodes(2)
+      logical, intent(in) :: is_periodic
+      integer, contiguous, intent(in) :: node(:)
+      integer, intent(out) :: rows
+      integer :: first(0:nodes(2)), begin, j, k, n, row
+
+      k = 1
+      do j = 0, nodes(2) - 1
+         first(j) = k
+         row_end: do while (k <= size(node))
+            if (node(k) > (j + 1)*nodes(1)) exit row_end
+            k = k + 1
+         end do row_end
+      end do
+      first(nodes(2)) = k
+      rows = nodes(2)
+      if (.not. is_periodic) rows = rows + tree%shift(2)
+      if (.not. allocated(tree%row)) allocate (tree%row(0:rows))
+      n = 0
+      do row = 0, rows - 1
+         tree%row(row) = n + 1
+         j = row - tree%shift(2)
+         if (is_periodic) j = modulo(j, nodes(2))
+         if (j < 0) cycle
+         begin = first(j + 1)
+         if (is_periodic) begin = first(j) + count(node(first(j):first(j + 1) - 1) <= (j + 1)*nodes(1) - tree%shift(1))
+         call place_run(tree, node, begin, first(j + 1) - 1, j*nodes(1) + nodes(1) - tree%shift(1), n)
+         call place_run(tree, node, first(j), begin - 1, j*nodes(1) - tree%shift(1), n)
+      end do
+      tree%row(rows) = n + 1
+      tree%first(0:1) = [1, n + 1]
+   end subroutine place_nodes
+
+   !> Appends the nodes `begin` ... `end` of the list behind the `n` nodes that have a place; columns count from `before` + 1.
+   pure subroutine place_run(tree, node, begin, end, before, n)
+      type(tree_t), intent(inout) :: tree
+      integer, contiguous, intent(in) :: node(:)
+      integer, intent(in) :: begin, end, before
+      integer, intent(inout) :: n
+      integer :: k
+
+      do k = begin, end
+         n = n + 1
+         tree%place(n) = k
+         tree%column(n) = node(k) - before - 1
+      end do
+   end subroutine place_run
+
+   !> Joins the cells of `level` to those of the next, in x, in y, or both (`is_joined`).
+   pure subroutine join_cells(tree, level, rows, is_joined)
+      type(tree_t), intent(inout) :: tree
+      integer, intent(in) :: level
+      integer, intent(inout) :: rows
+      logical, intent(in) :: is_joined(2)
+      integer :: ends(2), here, next(2), row, rows_above, shift
+
+      shift = merge(-1, 0, is_joined(1))
+      rows_above = merge((rows + 1)/2, rows, is_joined(2))
+      here = tree%first(level + 1) - 1
+      do row = 0, rows_above - 1
+         next(1) = tree%row(merge(2*row, row, is_joined(2)))
+         ends(1) = tree%row(merge(2*row + 1, row + 1, is_joined(2)))
+         next(2) = ends(1)
+         ends(2) = ends(1)
+         if (is_joined(2)) ends(2) = tree%row(min(2*row + 2, rows))
+         tree%row(row) = here + 1
+         call join_rows(tree, next, ends, shift, here)
+      end do
+      tree%row(rows_above) = here + 1
+      tree%first(level + 2) = here + 1
+      rows = rows_above
+   end subroutine join_cells
+
+   !> Joins the cells of one row, or of two: `next` ... `ends` - 1; columns are moved by `shift` bits.
+   pure subroutine join_rows(tree, next, ends, shift, here)
+      type(tree_t), intent(inout) :: tree
+      integer, intent(in) :: ends(2), shift
+      integer, intent(inout) :: next(2), here
+      integer :: above, column, k
+
+      associate (cell => tree%column, parent => tree%parent)
+         do while (next(1) < ends(1) .and. next(2) < ends(2))
+            here = here + 1
+            above = min(ishft(cell(next(1)), shift), ishft(cell(next(2)), shift))
+            cell(here) = above
+            do k = 1, 2
+               same: do while (next(k) < ends(k))
+                  if (ishft(cell(next(k)), shift) > above) exit same
+                  parent(next(k)) = here
+                  next(k) = next(k) + 1
+               end do same
+            end do
+         end do
+         ! What is left of one row.
+         above = -1
+         do k = minval(merge(next, huge(1), next < ends)), maxval(merge(ends, 0, next < ends)) - 1
+            column = ishft(cell(k), shift)
+            here = here + merge(0, 1, column == above)
+            cell(here) = column
+            parent(k) = here
+            above = column
+         end do
+      end associate
+   end subroutine join_rows
+
+   !> Currents into the nodes of the last `settle`, in its order, that give them the potentials `given` up to a constant, or are
+   !> `given` themselves where `is_given`; the mean of the trees. They add up to zero unless all are given.
+   pure subroutine solve(self, given, current, is_given)
+      class(tree_network_t), intent(inout) :: self
+      real(wp), contiguous, intent(in) :: given(:)
+      real(wp), contiguous, intent(out) :: current(:)
+      logical, contiguous, intent(in), optional :: is_given(:)
+      integer :: k, tree
+
+      current = 0.0_wp
+      if (size(given) == 0 .or. self%levels == 0) return
+      do tree = 1, trees
+         associate (t => self%tree(tree))
+            call begin_sweep(t, 1.0_wp/self%resistance(0), given, is_given)
+            call sweep_up(t, self%levels, self%resistance)
+            call sweep_down(t, self%levels, self%resistance)
+            do k = 1, size(given)
+               current(t%place(k)) = current(t%place(k)) &
+                                     + (t%current(k) - t%conductance(k)*t%potential(t%parent(k)))/trees
+            end do
+         end associate
+      end do
+   end subroutine solve
+
+   !> The nodes, seen from beyond their resistors of the `conductance`.
+   pure subroutine begin_sweep(tree, conductance, given, is_given)
+      type(tree_t), intent(inout) :: tree
+      real(wp), intent(in) :: conductance
+      real(wp), contiguous, intent(in) :: given(:)
+      logical, contiguous, intent(in), optional :: is_given(:)
+      integer :: k
+
+      do k = 1, size(given)
+         tree%conductance(k) = conductance
+         tree%current(k) = conductance*given(tree%place(k))
+      end do
+      if (.not. present(is_given)) return
+      do k = 1, size(given)
+         if (.not. is_given(tree%place(k))) cycle
+         tree%conductance(k) = 0.0_wp
+         tree%current(k) = given(tree%place(k))
+      end do
+   end subroutine begin_sweep
+
+   !> From the nodes to the root, which has no resistor.
+   pure subroutine sweep_up(tree, levels, resistance)
+      type(tree_t), intent(inout) :: tree
+      integer, intent(in) :: levels
+      real(wp), intent(in) :: resistance(0:)
+      real(wp) :: factor
+      integer :: k, level
+
+      associate (g => tree%conductance, current => tree%current, first => tree%first)
+         do level = 1, levels
+            g(first(level):first(level + 1) - 1) = 0.0_wp
+            current(first(level):first(level + 1) - 1) = 0.0_wp
+            do k = first(level - 1), first(level) - 1
+               g(tree%parent(k)) = g(tree%parent(k)) + g(k)
+               current(tree%parent(k)) = current(tree%parent(k)) + current(k)
+            end do
+            if (level == levels) exit
+            do k = first(level), first(level + 1) - 1
+               factor = 1.0_wp/(1.0_wp + resistance(level)*g(k))
+               g(k) = factor*g(k)
+               current(k) = factor*current(k)
+            end do
+         end do
+      end associate
+   end subroutine sweep_up
+
+   !> From the root, into which no current goes, to the smallest cells.
+   pure subroutine sweep_down(tree, levels, resistance)
+      type(tree_t), intent(inout) :: tree
+      integer, intent(in) :: levels
+      real(wp), intent(in) :: resistance(0:)
+      integer :: k, level
+
+      associate (g => tree%conductance, current => tree%current, potential => tree%potential, first => tree%first, &
+         root => tree%first(levels))
+         potential(root) = 0.0_wp
+         if (g(root) > 0.0_wp) potential(root) = current(root)/g(root)
+         do level = levels - 1, 1, -1
+            do k = first(level), first(level + 1) - 1
+               potential(k) = potential(tree%parent(k)) &
+                              + resistance(level)*(current(k) - g(k)*potential(tree%parent(k)))
+            end do
+         end do
+      end associate
+   end subroutine sweep_down
+
+end module tree_network
