@@ -16,12 +16,23 @@ module active_set
    !> Nodes of one row that are looked at together.
    integer, parameter :: block = 32
 
+   !> What the nodes of a row add up to. Sums are kept by rows: their order, and so every bit, is the same for any number of
+   !> threads.
+   type :: row_t
+      !> Largest |p gap| on 0 < p < H, opening and penetration, excess of pressure over its bounds; sum of p.
+      real(wp) :: product = 0.0_wp, opening = 0.0_wp, penetration = 0.0_wp, negative = 0.0_wp, excess = 0.0_wp, sum = 0.0_wp
+      !> Nodes in F, with p > 0, with p = H, and of these not in F.
+      integer :: count = 0, contacts = 0, capped = 0, held = 0
+   end type row_t
+
    !> The nodes F that may move: 0 < p < H; p = 0 with negative gap; p = H with positive gap.
    type :: active_set_t
       !> Number of nodes in F.
       integer :: count = 0
       !> Their indices, rising; the first `count` are in use.
       integer, allocatable :: node(:)
+      !> Where each row begins in the list; one past its end for the row after the last (ny + 1).
+      integer, allocatable :: begin(:)
       !> r = -gap on F.
       real(wp), allocatable :: residual(:)
       !> d.
@@ -34,19 +45,15 @@ module active_set
       integer :: contacts = 0, capped = 0
       !> Nodes with p = H that are not in F.
       integer :: held = 0
-      !> Blocks of each row; the least v of each, and whether it had p > 0 or nodes of F in the last survey.
+      !> Blocks of each row; whether each had p > 0 or nodes of F in the last survey (blocks, ny).
       integer, private :: blocks = 0
-      real(wp), allocatable, private :: lowest(:, :)
       logical, allocatable, private :: is_busy(:, :)
+      !> What each row adds up to (ny).
+      type(row_t), allocatable, private :: row(:)
    contains
       procedure :: survey
       procedure :: follow
    end type active_set_t
-
-   !> What the nodes of a survey add up to.
-   type :: extremes_t
-      real(wp) :: product, opening, penetration, negative, excess, sum
-   end type extremes_t
 
 contains
 
@@ -55,54 +62,96 @@ contains
       type(active_set_t), intent(out) :: self
       type(dry_grid_t), intent(in) :: grid
 
-      allocate (self%node(grid%nx*grid%ny), self%residual(grid%nx*grid%ny))
+      allocate (self%node(grid%nx*grid%ny), self%residual(grid%nx*grid%ny), self%begin(grid%ny + 1))
       self%blocks = (grid%nx + block - 1)/block
-      allocate (self%lowest(self%blocks, grid%ny), self%is_busy(self%blocks, grid%ny))
+      allocate (self%is_busy(self%blocks, grid%ny), self%row(grid%ny))
    end subroutine new_active_set
 
    !> Finds datum, F, residual and error of the pressure `p` with `v` = K p - z (both nx*ny).
    subroutine survey(self, problem, p, v)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
-      real(wp), contiguous, intent(in) :: p(:), v(:)
-      integer :: b, first, j, last
+      real(wp), contiguous, intent(in) :: p(:)
+      real(wp), contiguous, intent(inout) :: v(:)
 
-      !$omp parallel do num_threads(problem%grid%threads) private(b, first, last) schedule(static)
-      do j = 1, problem%grid%ny
-         do b = 1, self%blocks
-            call bounds_of(problem%grid, b, j, first, last)
-            self%lowest(b, j) = minval(v(first:last))
-            self%is_busy(b, j) = maxval(abs(p(first:last))) > 0.0_wp
-         end do
-      end do
-      !$omp end parallel do
       call find_datum(self, problem%hardness, p, v)
-      call look_at_blocks(self, problem, p, v)
+      self%is_busy = .true.
+      call look_at_rows(self, problem, 0.0_wp, p, v)
    end subroutine survey
 
-   !> The same after p has been moved on F only: first adds `factor` times the product of `elastic` to `v`, in one go.
-   subroutine follow(self, problem, factor, p, v)
+   !> The same after p has been moved on F only: adds `factor` times the last product of `elastic` to `v` on the way. `change`
+   !> is what it adds on F.
+   subroutine follow(self, problem, factor, change, p, v)
+      class(active_set_t), intent(inout) :: self
+      type(dry_problem_t), intent(in) :: problem
+      real(wp), intent(in) :: factor
+      real(wp), contiguous, intent(in) :: change(:), p(:)
+      real(wp), contiguous, intent(inout) :: v(:)
+      logical :: is_found
+
+      call follow_datum(self, problem, change, p, is_found)
+      if (is_found) then
+         call look_at_rows(self, problem, factor, p, v)
+      else
+         call problem%elastic%single%add_to(factor, v)
+         call self%survey(problem, p, v)
+      end if
+   end subroutine follow
+
+   !> Adds `factor` times the last product to `v`, block by block, and finds F, counts and error from the blocks that hold
+   !> pressure or gaps below the datum. Each thread has a share of the rows and of the list.
+   subroutine look_at_rows(self, problem, factor, p, v)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
       real(wp), intent(in) :: factor
       real(wp), contiguous, intent(in) :: p(:)
       real(wp), contiguous, intent(inout) :: v(:)
-      integer :: b, first, j, last, offset
+      integer :: j, last, t
 
-      associate (product => problem%elastic%single%product)
-         !$omp parallel do num_threads(problem%grid%threads) private(b, first, last, offset) schedule(static)
-         do j = 1, problem%grid%ny
-            offset = (j - 1)*problem%grid%nx
-            do b = 1, self%blocks
-               call bounds_of(problem%grid, b, j, first, last)
-               call add_and_find_least(v(first:last), factor, product(first - offset:last - offset, j), self%lowest(b, j))
+      associate (nx => problem%grid%nx, ny => problem%grid%ny, threads => problem%grid%threads)
+         !$omp parallel do num_threads(threads) private(j, last) schedule(static)
+         do t = 1, threads
+            last = nx*((t - 1)*ny/threads)
+            do j = (t - 1)*ny/threads + 1, t*ny/threads
+               call look_at_row(self, problem, j, factor, p, v, last)
             end do
          end do
          !$omp end parallel do
       end associate
-      call follow_datum(self, problem%hardness, p, v)
-      call look_at_blocks(self, problem, p, v)
-   end subroutine follow
+      call close_list(self, problem%grid)
+      call judge(self, problem)
+   end subroutine look_at_rows
+
+   !> One row, whose part of the list begins behind `last`; `last` moves to its end.
+   subroutine look_at_row(self, problem, j, factor, p, v, last)
+      class(active_set_t), intent(inout) :: self
+      type(dry_problem_t), intent(in) :: problem
+      integer, intent(in) :: j
+      real(wp), intent(in) :: factor
+      real(wp), contiguous, intent(in) :: p(:)
+      real(wp), contiguous, intent(inout) :: v(:)
+      integer, intent(inout) :: last
+      type(row_t) :: row
+      real(wp) :: least
+      integer :: b, before, lower, upper, offset
+
+      row = row_t()
+      offset = (j - 1)*problem%grid%nx
+      blocks: do b = 1, self%blocks
+         lower = offset + (b - 1)*block + 1
+         upper = min(lower + block - 1, offset + problem%grid%nx)
+         if (abs(factor) > 0.0_wp) then
+            associate (product => problem%elastic%single%product)
+               call add_and_find_least(v(lower:upper), factor, product(lower - offset:upper - offset, j), least)
+            end associate
+            if (least >= self%datum .and. .not. self%is_busy(b, j)) cycle blocks
+         end if
+         before = row%count + row%contacts
+         call survey_block(self, problem%hardness, p, v, lower, upper, last, row)
+         self%is_busy(b, j) = row%count + row%contacts > before
+      end do blocks
+      self%row(j) = row
+   end subroutine look_at_row
 
    !> v = v + factor times product, and its least value.
    pure subroutine add_and_find_least(v, factor, product, least)
@@ -125,95 +174,88 @@ contains
       least = min(low(1), low(2))
    end subroutine add_and_find_least
 
-   !> First and last node of block `b` in row `j`.
-   pure subroutine bounds_of(grid, b, j, first, last)
-      type(dry_grid_t), intent(in) :: grid
-      integer, intent(in) :: b, j
-      integer, intent(out) :: first, last
-
-      first = (j - 1)*grid%nx + (b - 1)*block + 1
-      last = min(first + block - 1, j*grid%nx)
-   end subroutine bounds_of
-
-   !> F, counts and error from the blocks that hold pressure or gaps below the datum.
-   subroutine look_at_blocks(self, problem, p, v)
-      class(active_set_t), intent(inout) :: self
-      type(dry_problem_t), intent(in) :: problem
-      real(wp), contiguous, intent(in) :: p(:), v(:)
-      type(extremes_t) :: extremes
-      integer :: b, before, first, j, last
-
-      self%count = 0
-      self%contacts = 0
-      self%capped = 0
-      self%held = 0
-      extremes = extremes_t(0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
-      do j = 1, problem%grid%ny
-         row: do b = 1, self%blocks
-            if (self%lowest(b, j) >= self%datum .and. .not. self%is_busy(b, j)) cycle row
-            call bounds_of(problem%grid, b, j, first, last)
-            before = self%count + self%contacts
-            call survey_block(self, problem%hardness, p, v, first, last, extremes)
-            self%is_busy(b, j) = self%count + self%contacts > before
-         end do row
-      end do
-      call judge(self, problem, extremes)
-   end subroutine look_at_blocks
-
-   !> Adds the nodes `first` ... `last` to F, to the counts and to the extremes.
-   subroutine survey_block(self, hardness, p, v, first, last, extremes)
+   !> Adds the nodes `lower` ... `upper` to F behind `last`, and to their row.
+   pure subroutine survey_block(self, hardness, p, v, lower, upper, last, row)
       class(active_set_t), intent(inout) :: self
       real(wp), intent(in) :: hardness
       real(wp), contiguous, intent(in) :: p(:), v(:)
-      integer, intent(in) :: first, last
-      type(extremes_t), intent(inout) :: extremes
+      integer, intent(in) :: lower, upper
+      integer, intent(inout) :: last
+      type(row_t), intent(inout) :: row
       real(wp) :: gap
       integer :: i
 
-      do i = first, last
+      do i = lower, upper
          gap = v(i) - self%datum
          if (p(i) <= 0.0_wp) then
-            extremes%negative = max(extremes%negative, -p(i))
+            row%negative = max(row%negative, -p(i))
             if (gap >= 0.0_wp) cycle
-            extremes%opening = max(extremes%opening, -gap)
+            row%opening = max(row%opening, -gap)
          else
-            extremes%sum = extremes%sum + p(i)
-            self%contacts = self%contacts + 1
+            row%sum = row%sum + p(i)
+            row%contacts = row%contacts + 1
             if (p(i) < hardness) then
-               extremes%product = max(extremes%product, abs(p(i)*gap))
-               extremes%opening = max(extremes%opening, -gap)
+               row%product = max(row%product, abs(p(i)*gap))
+               row%opening = max(row%opening, -gap)
             else
-               extremes%excess = max(extremes%excess, p(i) - hardness)
-               self%capped = self%capped + 1
-               extremes%penetration = max(extremes%penetration, gap)
+               row%excess = max(row%excess, p(i) - hardness)
+               row%capped = row%capped + 1
+               row%penetration = max(row%penetration, gap)
                if (gap <= 0.0_wp) then
-                  self%held = self%held + 1
+                  row%held = row%held + 1
                   cycle
                end if
             end if
          end if
-         self%count = self%count + 1
-         self%node(self%count) = i
-         self%residual(self%count) = -gap
+         last = last + 1
+         row%count = row%count + 1
+         self%node(last) = i
+         self%residual(last) = -gap
       end do
    end subroutine survey_block
 
-   !> E from the extremes.
-   subroutine judge(self, problem, extremes)
+   !> Joins the threads' shares of the list, and finds where rows begin.
+   pure subroutine close_list(self, grid)
+      class(active_set_t), intent(inout) :: self
+      type(dry_grid_t), intent(in) :: grid
+      integer :: j, k, shift, t
+
+      self%begin(1) = 1
+      do j = 1, grid%ny
+         self%begin(j + 1) = self%begin(j) + self%row(j)%count
+      end do
+      self%count = self%begin(grid%ny + 1) - 1
+      do t = 2, grid%threads
+         j = (t - 1)*grid%ny/grid%threads
+         shift = grid%nx*j + 1 - self%begin(j + 1)
+         do k = self%begin(j + 1), self%begin(t*grid%ny/grid%threads + 1) - 1
+            self%node(k) = self%node(k + shift)
+            self%residual(k) = self%residual(k + shift)
+         end do
+      end do
+   end subroutine close_list
+
+   !> Counts and E from the rows.
+   subroutine judge(self, problem)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
-      type(extremes_t), intent(in) :: extremes
-      real(wp) :: mean_pressure, scale
+      real(wp) :: mean_pressure, scale, total
 
+      self%contacts = sum(self%row%contacts)
+      self%capped = sum(self%row%capped)
+      self%held = sum(self%row%held)
+      total = sum(self%row%sum)
       self%error = huge(1.0_wp)
       self%load_error = huge(1.0_wp)
-      if (.not. (ieee_is_finite(self%datum) .and. ieee_is_finite(extremes%sum))) return
+      if (.not. (ieee_is_finite(self%datum) .and. ieee_is_finite(total))) return
       mean_pressure = problem%load/max(self%contacts, 1)
       scale = problem%height_scale
       if (scale <= 0.0_wp) scale = mean_pressure/problem%grid%nx
-      self%load_error = abs(extremes%sum - problem%load)/problem%load
-      self%error = max(extremes%product/(mean_pressure*scale), extremes%opening/scale, extremes%penetration/scale, &
-                       extremes%negative/mean_pressure, extremes%excess/mean_pressure, self%load_error)
+      self%load_error = abs(total - problem%load)/problem%load
+      associate (row => self%row)
+         self%error = max(maxval(row%product)/(mean_pressure*scale), maxval(row%opening)/scale, maxval(row%penetration)/scale, &
+                          maxval(row%negative)/mean_pressure, maxval(row%excess)/mean_pressure, self%load_error)
+      end associate
       if (.not. ieee_is_finite(self%error)) self%error = huge(1.0_wp)
    end subroutine judge
 
@@ -247,28 +289,31 @@ contains
       end if
    end subroutine find_datum
 
-   !> The same if nodes with 0 < p < H are in the last F only.
-   subroutine follow_datum(self, hardness, p, v)
+   !> The same, if there are nodes with 0 < p < H (`is_found`) and all of them are in the last F, on which v has had a `change`.
+   subroutine follow_datum(self, problem, change, p, is_found)
       class(active_set_t), intent(inout) :: self
-      real(wp), intent(in) :: hardness
-      real(wp), contiguous, intent(in) :: p(:), v(:)
-      real(wp) :: total
-      integer :: i, k, free
+      type(dry_problem_t), intent(in) :: problem
+      real(wp), contiguous, intent(in) :: change(:), p(:)
+      logical, intent(out) :: is_found
+      real(wp) :: row_total, total(problem%grid%ny)
+      integer :: free(problem%grid%ny), j, k, row_free
 
-      total = 0.0_wp
-      free = 0
-      do k = 1, self%count
-         i = self%node(k)
-         if (p(i) > 0.0_wp .and. p(i) < hardness) then
-            total = total + v(i)
-            free = free + 1
-         end if
+      !$omp parallel do num_threads(problem%grid%threads) private(k, row_free, row_total) schedule(static)
+      do j = 1, problem%grid%ny
+         row_total = 0.0_wp
+         row_free = 0
+         do k = self%begin(j), self%begin(j + 1) - 1
+            if (p(self%node(k)) > 0.0_wp .and. p(self%node(k)) < problem%hardness) then
+               row_total = row_total + (change(k) - self%residual(k))
+               row_free = row_free + 1
+            end if
+         end do
+         total(j) = row_total
+         free(j) = row_free
       end do
-      if (free > 0) then
-         self%datum = total/free
-      else
-         call find_datum(self, hardness, p, v)
-      end if
+      !$omp end parallel do
+      is_found = sum(free) > 0
+      if (is_found) self%datum = self%datum + sum(total)/sum(free)
    end subroutine follow_datum
 
 end module active_set

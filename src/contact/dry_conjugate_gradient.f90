@@ -122,16 +122,22 @@ contains
       real(wp), contiguous, intent(in) :: p(:)
       type(work_t), intent(inout) :: work
       real(wp) :: scale
-      integer :: i, n
+      integer :: i, j, n
 
       n = 0
-      do i = 1, size(p)
-         if (p(i) <= 0.0_wp) cycle
-         n = n + 1
-         work%old_node(n) = i
-         work%q(n) = p(i)
-      end do
-      call problem%elastic%single%apply_listed(work%old_node(:n), work%q(:n), scale)
+      associate (nx => problem%grid%nx, begin => work%set%begin)
+         do j = 1, problem%grid%ny
+            begin(j) = n + 1
+            row: do i = (j - 1)*nx + 1, j*nx
+               if (p(i) <= 0.0_wp) cycle row
+               n = n + 1
+               work%old_node(n) = i
+               work%q(n) = p(i)
+            end do row
+         end do
+         begin(problem%grid%ny + 1) = n + 1
+         call problem%elastic%single%apply_listed(work%old_node(:n), begin, work%q(:n), scale)
+      end associate
       work%path = scale*problem%elastic%single%largest()
       work%v = -problem%height
       call problem%elastic%single%add_to(scale, work%v)
@@ -175,24 +181,25 @@ contains
 
       n = work%set%count
       associate (elastic => problem%elastic, node => work%set%node(:n))
-         if (work%curvature > 0.0_wp) call elastic%single%gather(node, work%scale, work%kd(:n))
+         if (work%curvature > 0.0_wp) call elastic%single%gather(node, work%set%begin, work%scale, work%kd(:n))
          call work%network%settle(node)
          call work%network%solve(work%set%residual(:n), work%s(:n))
          call find_direction(work, length)
          call find_change(problem, p, length, work, is_clipped)
-         call elastic%single%apply_listed(node, work%q(:n), scale)
-         call elastic%single%gather(node, scale, work%kd(:n))
+         call elastic%single%apply_listed(node, work%set%begin, work%q(:n), scale)
+         call elastic%single%gather(node, work%set%begin, scale, work%kd(:n))
          call find_length(problem, p, is_clipped, work, length)
          do k = 1, n
             work%d(k) = length*work%q(k)
             p(node(k)) = p(node(k)) + work%d(k)
+            work%kd(k) = length*work%kd(k)
          end do
       end associate
       work%old_node(:n) = work%set%node(:n)
       work%old_count = n
       work%scale = length*scale
-      work%path = work%path + length*maxval(abs(work%kd(:n)))
-      call work%set%follow(problem, work%scale, p, work%v)
+      work%path = work%path + maxval(abs(work%kd(:n)))
+      call work%set%follow(problem, work%scale, work%kd(:n), p, work%v)
    end subroutine step
 
    !> t = s + beta (old d on F, its mean removed), with t conjugate to the old d, on the list q; `length`: the step along t that
