@@ -27,9 +27,9 @@ def wavy(wavelength: float, amplitude: float, solver: dict) -> str:
     return namelists.case_1(512, solver, bodies={"speed_1": 0.0, "speed_2": 1.2}, surface_1=surface)
 
 
-def thinning(m: float, oil: float, intervals: int, solver: dict) -> str:
-    """A contact with an Eyring stress of 1 MPa, slide-to-roll 5/3."""
-    groups = namelists.steel(m, oil, 5 / 3, 1e6)
+def thinning(m: float, oil: float, intervals: int | None, solver: dict, slide: float = 5 / 3) -> str:
+    """A contact with an Eyring stress of 1 MPa."""
+    groups = namelists.steel(m, oil, slide, 1e6)
     return namelists.namelist(groups | {"domain": {"intervals": intervals}, "solver": solver})
 
 
@@ -52,6 +52,11 @@ def rolling(intervals: int, steps_per_dx: float, solver: dict, oil: dict | None 
     )
 
 
+def without_sliding(intervals: int, solver: dict) -> str:
+    """Case 1, both surfaces at its mean speed: an Eyring oil that nothing thins."""
+    return namelists.case_1(intervals, solver, bodies={"speed_1": 0.6, "speed_2": 0.6})
+
+
 NEWTONIAN = {"rheology": "newtonian", "eyring_stress": None}
 INSIDE = {
     "gauss_seidel_in_time_without_sliding": rolling(256, 2, GAUSS_SEIDEL),
@@ -65,6 +70,12 @@ INSIDE = {
     "auto_heavy_isoviscous": namelists.moes(980, 0, 2048),
     "auto_heavy_isoviscous_window": namelists.moes(980, 0, 2048, domain=namelists.WINDOW),
     "auto_heaviest_thinning": thinning(2000, 40, 2048, {}),
+    "auto_heaviest_thinning_by_much_sliding": thinning(2000, 40, None, {}, 4),
+    "auto_heaviest_thinning_without_sliding": thinning(2000, 40, None, {}, 0),
+    "auto_thinning_by_much_sliding": thinning(900, 30, 8192, {}, 4),
+    "auto_thinning_without_sliding": thinning(410, 40, 8192, {}, 0),
+    "auto_thinning_on_a_fine_grid": thinning(500, 40, 2**17, {}),
+    "gauss_seidel_without_sliding": without_sliding(1024, GAUSS_SEIDEL),
     "auto_passes_over_coarse_levels": heavy(100, 512, {"levels": 7}),
     "krylov_lightest": namelists.moes(0.01, 10, 256, KRYLOV),
     "krylov_heaviest": namelists.moes(2000, 40, 1024, KRYLOV),
@@ -79,6 +90,13 @@ OUTSIDE = {
         heavy(100, 512, GAUSS_SEIDEL | {"levels": 7}),
         "the exact solution of the coarse start grid failed",
     ),
+    "gauss_seidel_without_sliding_on_a_fine_grid": (without_sliding(4096, GAUSS_SEIDEL), "stagnation"),
+    "line_without_sliding": (without_sliding(512, LINE), "stagnation"),
+    "too_coarse_when_thinning_by_much_sliding": (
+        thinning(2000, 40, 2048, {}, 4),
+        "grid too coarse for the film, needs 16384 intervals (has 2048)",
+    ),
+    "steps_at_round_off": (thinning(2000, 25, 8192, {}, 4), "Newton steps at round-off leave the residual at"),
     "too_coarse": (heavy(1000, 512, {}), "grid too coarse for the film, needs 1024 intervals (has 512)"),
     "too_coarse_when_thinning": (thinning(980, 30, 256, {}), "grid too coarse for the film, needs 1024 intervals (has 256)"),
 }

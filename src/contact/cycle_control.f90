@@ -5,7 +5,7 @@ module cycle_control
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: count_work, line_hierarchy_t
+   use line_hierarchy, only: count_work, line_hierarchy_t, method_newton_dense, method_newton_krylov
    use line_level, only: line_level_t
    use observer, only: observer_t
    use reynolds_line, only: measure_residual, residual_t
@@ -29,6 +29,8 @@ module cycle_control
    real(wp), parameter :: floor_factor = 5.0_wp
    !> Round-off of dX sum P = pi/2: the bound on the load error is not taken below it.
    real(wp), parameter :: load_floor = 1.0e-13_wp
+   !> A Newton step below this in every pressure and in H0 changes no residual any more.
+   real(wp), parameter :: still_step = 1.0e-11_wp
    !> Residuals that grew by this factor over the first one diverge.
    real(wp), parameter :: divergence_factor = 1.0e6_wp
 
@@ -98,17 +100,37 @@ contains
          reason = ''
          call keep_finite(hierarchy%levels(hierarchy%finest), pressure, film, reason)
          if (.not. ieee_is_finite(hierarchy%rigid_displacement)) reason = 'divergence: the rigid displacement is not a number'
-         if (len(reason) > 0 .or. cycle - last_progress < limits%patience) return
+         if (len(reason) > 0 .or. cycle - last_progress < merge(2, limits%patience, steps_at_round_off(hierarchy))) return
          if (.not. residual%film_is_open) then
             reason = 'film closed: the film of the pressure is negative and stays so for '//to_text(limits%patience)//' cycles'
          else if (max(residual%reynolds, residual%load)/divergence_factor > first_residual) then
             reason = 'divergence: the residual has grown to '//to_text(residual%reynolds, 2)
          else
-            reason = 'stagnation: '//to_text(limits%patience)//' cycles left the residual at '//to_text(best, 2)
+            reason = stagnation(hierarchy, limits)//to_text(best, 2)
          end if
       end function obstacle
 
    end subroutine iterate
+
+   !> What leaves the residual where it is.
+   pure function stagnation(hierarchy, limits) result(reason)
+      type(line_hierarchy_t), intent(in) :: hierarchy
+      type(cycle_limits_t), intent(in) :: limits
+      character(:), allocatable :: reason
+
+      reason = 'stagnation: '//to_text(limits%patience)//' cycles left the residual at '
+      if (steps_at_round_off(hierarchy)) reason = 'stagnation: Newton steps at round-off leave the residual at '
+   end function stagnation
+
+   !> Whether Newton's method on the finest level moves nothing any more, so that no step will: nodes at the exit on which the
+   !> linear system and the conditions P >= 0, r <= 0 do not agree.
+   pure function steps_at_round_off(hierarchy) result(is_still)
+      type(line_hierarchy_t), intent(in) :: hierarchy
+      logical :: is_still
+
+      is_still = hierarchy%coarsest == hierarchy%finest .and. hierarchy%newton%last_step < still_step &
+         .and. any(hierarchy%relaxation%method == [method_newton_krylov, method_newton_dense])
+   end function steps_at_round_off
 
    !> Where pressure or film of the level are no numbers any more, gives them back those of before, and a reason to stop.
    pure subroutine keep_finite(level, pressure, film, reason)

@@ -6,7 +6,7 @@
 !> c^2 = (9.5 (1e-3/t)^0.4)^2 + 42^2 r^3 (1e-3/t).
 module domain_choice
    use kinds, only: wp
-   use line_contact, only: film_estimate, line_contact_t
+   use line_contact, only: film_estimate, line_contact_t, newtonian_film
    use moes, only: rigid_film
    implicit none (type, external)
    private
@@ -34,7 +34,7 @@ contains
       if (present(target)) then
          if (target > 0.0_wp) tolerance = min(tolerance, 0.125_wp*target)
       end if
-      film = film_estimate(contact)
+      film = newtonian_film(contact)
       reach = inlet_reach(contact, tolerance)
       associate (domain => contact%domain)
          if (.not. domain%has_inlet) domain%x_inlet = -(1 + reach*sqrt(2*film))
@@ -53,7 +53,7 @@ contains
       real(wp), intent(in) :: tolerance
       real(wp) :: reach, rigid_share, ratio
 
-      rigid_share = rigid_film(contact%moes_m_sum)/film_estimate(contact)
+      rigid_share = rigid_film(contact%moes_m_sum)/newtonian_film(contact)
       ratio = default_inlet_error/tolerance
       reach = sqrt((9.5_wp*ratio**0.4_wp)**2 + 42.0_wp**2*rigid_share**3*ratio)
    end function inlet_reach
@@ -65,7 +65,7 @@ contains
       real(wp) :: error, reach, lower, upper
       integer :: i
 
-      reach = (-contact%domain%x_inlet - 1)/sqrt(2*film_estimate(contact))
+      reach = (-contact%domain%x_inlet - 1)/sqrt(2*newtonian_film(contact))
       lower = log(1.0e-6_wp)
       upper = 0.0_wp
       do i = 1, 40

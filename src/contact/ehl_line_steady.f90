@@ -25,9 +25,9 @@ module ehl_line_steady
    integer, parameter :: most_refinement = 8, largest_blame = 2**16, blame_cycles = 40
    !> Default bound on the residuals of a steady solution.
    real(wp), parameter :: default_tolerance = 1.0e-8_wp
-   !> Lowering the Eyring stress: ratio of two steps, accuracy and cycles of each.
-   real(wp), parameter :: stress_step = 1.4_wp, rough_tolerance = 1.0e-3_wp
-   integer, parameter :: stress_cycles = 40
+   !> Accuracy and cycles of the thesis's scheme as start of the sharp one.
+   real(wp), parameter :: rough_tolerance = 1.0e-3_wp
+   integer, parameter :: rough_cycles = 40
 
 contains
 
@@ -61,8 +61,6 @@ contains
             call hertz_start(hierarchy, contact)
             is_sound = .true.
             if (attempts(i)%follows_time) call follow_time(hierarchy, contact, hierarchy%finest, is_sound, watcher)
-         else if (attempts(i)%first_stress > 1.0_wp) then
-            call start_from_stress(hierarchy, contact, attempts(i)%first_stress, watcher, is_sound)
          else
             call full_multigrid_start(hierarchy, contact, is_sound, watcher)
          end if
@@ -82,35 +80,6 @@ contains
       report%reason = adjustl(failures)
    end subroutine solve_steady
 
-   !> Start of an Eyring contact from the solution at a higher stress, `factor` times its own, which is lowered in steps.
-   subroutine start_from_stress(hierarchy, contact, factor, watcher, is_sound)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: factor
-      class(observer_t), intent(inout), target :: watcher
-      logical, intent(out) :: is_sound
-      type(lookout_t) :: lookout
-      type(line_contact_t) :: eased
-      type(report_t) :: report
-      real(wp) :: share
-
-      lookout%watcher => watcher
-      eased = contact
-      share = factor
-      do while (share > 1.0_wp)
-         eased%fluid%sigma_scale = contact%fluid%sigma_scale/share
-         eased%fluid%ln_b_scale = contact%fluid%ln_b_scale - log(share)
-         is_sound = .true.
-         if (share >= factor) call full_multigrid_start(hierarchy, eased, is_sound, watcher)
-         if (.not. is_sound) return
-         call iterate(hierarchy, eased, cycle_limits_t(rough_tolerance, stress_cycles, stress_cycles), report, lookout)
-         is_sound = .not. watcher%wants_stop
-         if (.not. is_sound) return
-         share = share/stress_step
-      end do
-      hierarchy%levels%is_companion = .false.   ! they are solved for the higher stress
-   end subroutine start_from_stress
-
    !> Start of the sharp scheme from the solution of the thesis's scheme on the same level.
    subroutine start_from_thesis(hierarchy, contact, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
@@ -122,14 +91,13 @@ contains
       lookout%watcher => watcher
       associate (level => hierarchy%levels(hierarchy%finest))
          level%is_sharp = .false.
-         call iterate(hierarchy, contact, cycle_limits_t(rough_tolerance, stress_cycles, stress_cycles), report, lookout)
+         call iterate(hierarchy, contact, cycle_limits_t(rough_tolerance, rough_cycles, rough_cycles), report, lookout)
          level%is_sharp = .true.
       end associate
    end subroutine start_from_thesis
 
    !> Where there is no solution, but Newton's method finds one on a finer grid, the grid is to blame: says so in the reason, with
-   !> the first number of intervals that was seen to do. The fit of film and grid only knows Newtonian contacts; shear thinning
-   !> leaves less film.
+   !> the first number of intervals that was seen to do. With shear thinning the fit of film and grid is too rough to skip any.
    subroutine blame_grid(contact, settings, with_roughness, watcher, report)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -147,6 +115,7 @@ contains
       lookout%watcher => watcher
       finer = contact
       finer%domain%intervals = max(fitted, 2*given)
+      if (contact%fluid%is_eyring) finer%domain%intervals = 2*given
       last = min(largest_blame, most_refinement*max(fitted, given))
       is_solved = .false.
       do while (finer%domain%intervals <= last)

@@ -7,10 +7,11 @@ module line_contact
    use features, only: rough_surface_t
    use profile, only: load_window
    use solver_settings, only: domain_t
+   use thinned_film, only: thinned_central_film
    implicit none (type, external)
    private
 
-   public :: film_estimate, intervals_for_waves, line_contact_t, move_profiles, nodes_in_finest_wave
+   public :: film_estimate, intervals_for_waves, line_contact_t, move_profiles, newtonian_film, nodes_in_finest_wave
 
    !> Intervals in the finest wave (feature, sinusoid, profile) below which companions on n/4 may not see it.
    integer, parameter :: fewest_in_wave = 16
@@ -33,13 +34,22 @@ module line_contact
 
 contains
 
-   !> Central film H_c [b^2/R] of the smooth contact by the Moes fit: for the choice of grids and starts only.
+   !> Central film H_c [b^2/R] of the smooth contact by the Moes fit, less for a thinning lubricant: for the choice of grids and
+   !> starts only.
    pure function film_estimate(contact) result(film)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: film
 
-      film = central_film(contact%moes_m_sum, contact%moes_l_sum)
+      film = thinned_central_film(contact%fluid, contact%lambda, newtonian_film(contact))
    end function film_estimate
+
+   !> The same of a Newtonian lubricant: for the choice of the domain.
+   pure function newtonian_film(contact) result(film)
+      type(line_contact_t), intent(in) :: contact
+      real(wp) :: film
+
+      film = central_film(contact%moes_m_sum, contact%moes_l_sum)
+   end function newtonian_film
 
    !> Intervals from which three grids, n, n/2 and n/4, all see every wave of the surfaces; 1 if they are smooth. Domain complete.
    pure function intervals_for_waves(contact) result(intervals)

@@ -11,6 +11,7 @@ module nested_start
    use newton_line, only: solve_newton
    use observer, only: is_stopped, observer_t
    use pseudo_time, only: follow_time
+   use stress_continuation, only: eased_contact, follow_stress
    use transfer, only: prolong_cubic
    implicit none (type, external)
    private
@@ -76,8 +77,8 @@ contains
       end do
    end function first_with_film
 
-   !> Exact solutions on the levels from `first` to the coarsest of the cycles; if that is the finest level, it is left with
-   !> the interpolated pressure, or (`follows_time`) where that has moved to.
+   !> Exact solutions on the levels from `first` (`first_stress`: there by way of a higher Eyring stress) to the coarsest of the
+   !> cycles; if that is the finest level, it is left with the interpolated pressure, or (`follows_time`) where that has moved to.
    subroutine nested_solutions(hierarchy, contact, first, is_sound, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -87,10 +88,14 @@ contains
       real(wp) :: tolerance
       integer :: k
 
-      call bump_start(hierarchy, contact, first)
+      call bump_start(hierarchy, eased_contact(contact, hierarchy%relaxation%first_stress), first)
       is_sound = .true.
       do k = first, hierarchy%coarsest
          if (k > first) call refine(hierarchy, contact, k)
+         if (k == first .and. hierarchy%relaxation%first_stress > 1.0_wp) then
+            call follow_stress(hierarchy, contact, k, hierarchy%relaxation%first_stress, is_sound, watcher)
+            if (.not. is_sound) return
+         end if
          if (k == hierarchy%top) then
             if (hierarchy%relaxation%follows_time) call follow_time(hierarchy, contact, k, is_sound, watcher)
             return

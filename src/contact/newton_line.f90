@@ -22,6 +22,9 @@ module newton_line
    real(wp), parameter :: largest_slip_step = 10.0_wp
    !> The step may be halved this often before the method gives up.
    integer, parameter :: most_halvings = 20
+   !> A step within a tolerance of the pressure must leave every film within so many times that, as a share of it: 0.01 p_h is all
+   !> of a film of 1e-4 b^2/R.
+   real(wp), parameter :: film_share = 10.0_wp
    !> A full step below `settled` that is no longer ten times smaller than the one before has reached the round-off.
    real(wp), parameter :: settled = 1.0e-7_wp
 
@@ -37,6 +40,8 @@ module newton_line
       integer :: steps = 0, linear_iterations = 0
       !> Size of the last full step in P and H0; below `tolerance` when converged.
       real(wp) :: last_step = huge(1.0_wp)
+      !> Largest relative change of a film in the last step.
+      real(wp) :: last_film_step = huge(1.0_wp)
       !> True if the last call ended by its tolerance or at round-off.
       logical :: is_converged = .false.
    end type newton_t
@@ -44,7 +49,8 @@ module newton_line
 contains
 
    !> Solves the level's equations (with its right sides) from its present pressure; film and H0 are updated.
-   !> Ends when a full step is below `tolerance` or at round-off, after `max_steps`, or before a step where `watcher` wants to stop.
+   !> Ends when a full step is below `tolerance` in P and H0, and below ten times that in relative H, or at round-off, after
+   !> `max_steps`, or before a step where `watcher` wants to stop.
    subroutine solve_newton(newton, contact, level, rigid_displacement, tolerance, max_steps, watcher)
       type(newton_t), intent(inout) :: newton
       type(line_contact_t), intent(in) :: contact
@@ -80,7 +86,7 @@ contains
             previous_step = huge(1.0_wp)
             cycle
          end if
-         newton%is_converged = newton%last_step < tolerance &
+         newton%is_converged = (newton%last_step < tolerance .and. newton%last_film_step < film_share*tolerance) &
             .or. (newton%last_step < settled .and. newton%last_step > 0.1_wp*previous_step)
          if (newton%is_converged) return
          previous_step = newton%last_step
@@ -150,9 +156,22 @@ contains
          return
       end if
       rigid_displacement = rigid_displacement + share*newton%step(n)
+      newton%last_film_step = film_step(newton%film_trial, level%film)
       level%film = newton%film_trial
       newton%last_step = max(maxval(abs(level%pressure - newton%trial)), abs(share*newton%step(n)))
    end subroutine take_step
+
+   !> Largest change from `old` > 0 to `new` as a share of `old`, both (0:n).
+   pure function film_step(new, old) result(largest)
+      real(wp), intent(in), contiguous :: new(0:), old(0:)
+      real(wp) :: largest
+      integer :: i
+
+      largest = 0.0_wp
+      do i = 0, ubound(new, 1)
+         largest = max(largest, abs(new(i) - old(i))/old(i))
+      end do
+   end function film_step
 
    !> Largest change of Sigma in a full step: the slip factor grows like exp(|Sigma|), a Newton step must not run ahead of it.
    pure function slip_step(newton, level) result(largest)
