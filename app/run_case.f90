@@ -2,8 +2,7 @@
 module run_case
    use, intrinsic :: iso_fortran_env, only: int64
    use breakdown_text, only: breakdown_sentence
-   use case_outcome, only: give_up, status_converged, status_interrupted, status_not_converged, status_not_written, &
-      store_input
+   use case_outcome, only: give_up, status_converged, status_interrupted, status_not_converged, status_not_written
    use case_record, only: case_t, result_path, set_effective
    use command_line, only: command_t
    use companions, only: choose_resolution, run_companions
@@ -175,7 +174,7 @@ contains
       integer, intent(out) :: status
       type(error_t), allocatable :: error
 
-      call store_input(case, watcher%writer)
+      watcher%writer%inputs = case%effective
       call watcher%writer%finish(state, report, error)
       if (allocated(error)) then
          if (watcher%writer%has_checkpoint) error%message = error%message//'; --resume goes on after step '// &

@@ -1,7 +1,7 @@
 !> One dry case from its record to its result file and its exit status.
 module run_dry_case
    use, intrinsic :: iso_fortran_env, only: int64
-   use case_outcome, only: give_up, status_converged, status_not_converged, store_input
+   use case_outcome, only: give_up, status_converged, status_not_converged
    use case_record, only: case_t, result_path
    use dry_result, only: write_dry_result
    use dry_scaling, only: dry_scaling_t, new_dry_scaling
@@ -59,7 +59,7 @@ contains
       outcome%solution%report%wall_seconds = wall_seconds() - start
       outcome%solution%report%phase_seconds(phase_steady) = outcome%solution%report%wall_seconds
       call judge_sweep(outcome%rows, outcome%solution)
-      call store_input(case, writer)
+      writer%inputs = case%effective
       call write_dry_result(writer%file, case%dry, outcome%rows, outcome%fields, error)
       if (allocated(error)) then
          call writer%discard()

@@ -52,10 +52,12 @@ module result_writer
       type(film_statistics_t) :: statistics
       !> NAME.part holds what a checkpoint needs: it stays when the run fails.
       logical :: has_checkpoint = .false.
+      !> /input/effective, every value as it is used, default or not: stored as numbers if it has a unit ('-': a pure number) and
+      !> reads as such, else as text.
+      type(effective_t), allocatable :: inputs(:)
       !> The open file.
       type(hdf5_file_t) :: file
       character(:), allocatable, private :: problem, title, namelist
-      type(effective_t), allocatable, private :: inputs(:)
       type(scaling_t), private :: scaling
       type(transient_store_t), private :: store
       !> Locks on the name NAME.part, and on the file that comes from NAME.tmp.
@@ -66,8 +68,6 @@ module result_writer
       procedure :: on_step
       !> Takes down what is known before the run.
       procedure :: describe
-      !> Takes down one input value as it is used, default or not.
-      procedure :: add_input
       !> Times stored in NAME.part.
       procedure :: records
       !> Brings NAME.part to the disk as far as it is written.
@@ -201,27 +201,6 @@ contains
          if (writer%is_scaled) call write_scaling(file, writer%scaling)
       end associate
    end subroutine write_description
-
-   !> An entry of /input/effective: `value` as in a namelist, several separated by commas; stored as numbers if it has a unit
-   !> ('-': a pure number) and reads as such, else as text.
-   subroutine add_input(self, group, key, value, unit)
-      class(result_writer_t), intent(inout) :: self
-      character(*), intent(in) :: group
-      character(*), intent(in) :: key
-      character(*), intent(in) :: value
-      character(*), intent(in) :: unit
-      type(effective_t), allocatable :: longer(:)
-      integer :: count
-
-      count = size(self%inputs)
-      allocate (longer(count + 1))
-      longer(:count) = self%inputs
-      longer(count + 1)%group = group
-      longer(count + 1)%key = key
-      longer(count + 1)%value = value
-      longer(count + 1)%unit = unit
-      call move_alloc(longer, self%inputs)
-   end subroutine add_input
 
    !> Cycles are not stored here: the report has their history.
    subroutine on_cycle(self, cycle, residual, load_error)
