@@ -12,7 +12,7 @@ module dry_surfaces
    use synthesis_keys, only: read_synthesis, synthetic_keys
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text
-   use validation_messages, only: report_missing, report_unused
+   use validation_messages, only: report_missing, report_unused_by_shape
    implicit none (type, external)
    private
 
@@ -194,21 +194,11 @@ contains
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group, word
       type(findings_t), intent(inout) :: findings
-      character(:), allocatable :: reason
-      integer :: i
 
-      reason = "with shape = '" // word // "'"
-      do i = 1, size(file_keys)
-         if (word /= 'file') call report_unused(values, group, trim(file_keys(i)), reason, findings)
-      end do
-      do i = 1, size(feature_keys)
-         if (word == 'feature' .or. word == 'sinusoid') exit
-         call report_unused(values, group, trim(feature_keys(i)), reason, findings)
-      end do
-      do i = 1, size(synthetic_keys)
-         if (word /= 'synthetic') call report_unused(values, group, trim(synthetic_keys(i)), reason, findings)
-      end do
-      if (word == 'smooth' .or. word == 'parabola') call report_unused(values, group, 'harmonics', reason, findings)
+      if (word /= 'file') call report_unused_by_shape(values, group, file_keys, word, findings)
+      if (word /= 'feature' .and. word /= 'sinusoid') call report_unused_by_shape(values, group, feature_keys, word, findings)
+      if (word /= 'synthetic') call report_unused_by_shape(values, group, synthetic_keys, word, findings)
+      if (word == 'smooth' .or. word == 'parabola') call report_unused_by_shape(values, group, ['harmonics'], word, findings)
    end subroutine check_keys
 
    !> Heights of the file, on a periodic domain resampled to its nodes. Findings: another length; other nodes of an open domain.

@@ -5,7 +5,7 @@ module surface_validation
    use kinds, only: wp
    use synthesis_keys, only: synthetic_keys
    use text, only: to_text
-   use validation_messages, only: report_missing, report_unused
+   use validation_messages, only: report_missing, report_unused, report_unused_by_shape
    implicit none (type, external)
    private
 
@@ -33,9 +33,9 @@ contains
          call check_motion(values, group, speed, findings)
          return
       end if
-      call report_all_unused(values, group, [file_keys, synthetic_keys], trim(shape%words(1)), findings)
+      call report_unused_by_shape(values, group, [file_keys, synthetic_keys], trim(shape%words(1)), findings)
       if (all(shape%words == 'smooth')) then
-         call report_all_unused(values, group, feature_keys, 'smooth', findings)
+         call report_unused_by_shape(values, group, feature_keys, 'smooth', findings)
          return
       end if
       if (any(shape%words == 'smooth')) call findings%add(shape%line, group, 'shape', &
@@ -59,12 +59,12 @@ contains
             //"'feature' and 'sinusoid' among several")
          return
       end if
-      call report_all_unused(values, group, feature_keys(:2), trim(shape%words(1)), findings)
+      call report_unused_by_shape(values, group, feature_keys(:2), trim(shape%words(1)), findings)
       if (shape%words(1) == 'file') then
-         call report_all_unused(values, group, synthetic_keys, 'file', findings)
+         call report_unused_by_shape(values, group, synthetic_keys, 'file', findings)
          if (.not. values%is_given(group, 'file')) call report_missing(values, group, 'file', findings)
       else
-         call report_all_unused(values, group, file_keys, 'synthetic', findings)
+         call report_unused_by_shape(values, group, file_keys, 'synthetic', findings)
          if (.not. values%is_given(group, 'rms_height')) call report_missing(values, group, 'rms_height', findings)
          if (.not. values%is_given(group, 'wavelength_short')) call report_missing(values, group, 'wavelength_short', findings)
       end if
@@ -88,20 +88,6 @@ contains
          call report_unused(values, group, 'entry_length', 'with transient = .false.', findings)
       end if
    end subroutine check_entry
-
-   !> Finds keys that a shape does not use.
-   subroutine report_all_unused(values, group, keys, shape, findings)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group
-      character(*), intent(in) :: keys(:)
-      character(*), intent(in) :: shape
-      type(findings_t), intent(inout) :: findings
-      integer :: i
-
-      do i = 1, size(keys)
-         call report_unused(values, group, trim(keys(i)), "with shape = '"//shape//"'", findings)
-      end do
-   end subroutine report_all_unused
 
    !> Finds arrays that have not as many values as `amplitude`; `shape` may have one for all.
    subroutine check_lengths(values, group, findings)

@@ -1,4 +1,4 @@
-!> The two messages that all checks of a case share: a key that is missing, a key that is not used.
+!> The messages that all checks of a case share: a key that is missing, keys that are not used.
 module validation_messages
    use findings, only: findings_t
    use input_keys, only: key_rows, find_key, expected_value
@@ -6,7 +6,7 @@ module validation_messages
    implicit none (type, external)
    private
 
-   public :: report_missing, report_unused
+   public :: report_missing, report_unused, report_unused_by_shape
 
 contains
 
@@ -33,5 +33,19 @@ contains
       call findings%add(values%line_of(group, key), group, key, 'found a key that is not used ' // reason &
          // ', expected it left out')
    end subroutine report_unused
+
+   !> Adds those of `keys` that are given: the shape of the surface does not use them.
+   subroutine report_unused_by_shape(values, group, keys, shape, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      character(*), intent(in) :: keys(:)
+      character(*), intent(in) :: shape
+      type(findings_t), intent(inout) :: findings
+      integer :: i
+
+      do i = 1, size(keys)
+         call report_unused(values, group, trim(keys(i)), "with shape = '" // shape // "'", findings)
+      end do
+   end subroutine report_unused_by_shape
 
 end module validation_messages
