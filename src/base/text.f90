@@ -5,7 +5,7 @@ module text
    implicit none (type, external)
    private
 
-   public :: to_text, to_lower
+   public :: count_of, to_lower, to_text
 
    !> A number or logical as short text without surrounding blanks.
    interface to_text
@@ -77,5 +77,18 @@ contains
          lower(i:i) = achar(code)
       end do
    end function to_lower
+
+   !> How often `mark` is in `words`.
+   pure function count_of(mark, words) result(number)
+      character(len=1), intent(in) :: mark
+      character(*), intent(in) :: words
+      integer :: number
+      integer :: i
+
+      number = 0
+      do i = 1, len(words)
+         if (words(i:i) == mark) number = number + 1
+      end do
+   end function count_of
 
 end module text

@@ -7,7 +7,7 @@ module csv_heights
    use errors, only: error_t, fail, input_error
    use height_source, only: height_source_t
    use kinds, only: wp
-   use text, only: to_text
+   use text, only: count_of, to_text
    use text_lines, only: open_lines, text_lines_t
    implicit none (type, external)
    private
@@ -199,19 +199,6 @@ contains
       end do
       column = 0
    end function column_of
-
-   !> How often `mark` is in `words`.
-   pure function count_of(mark, words) result(number)
-      character(len=1), intent(in) :: mark
-      character(*), intent(in) :: words
-      integer :: number
-      integer :: i
-
-      number = 0
-      do i = 1, len(words)
-         if (words(i:i) == mark) number = number + 1
-      end do
-   end function count_of
 
    !> Where field number `i` of a line of fields separated by commas is; empty if there are fewer.
    pure subroutine find_field(line, i, first, last)

@@ -4,7 +4,7 @@ module namelist_source
    implicit none (type, external)
    private
 
-   public :: source_t, new_source, next_equals, key_start, name_end, count_lines
+   public :: source_t, new_source, next_equals, key_start, name_end
 
    !> The characters of the file as the parser sees them.
    type :: source_t
@@ -16,7 +16,7 @@ module namelist_source
       integer, allocatable :: line(:)
    end type source_t
 
-   character(*), parameter :: line_feed = achar(10)
+   character(*), parameter, public :: line_feed = achar(10)
    !> Tab, form feed, carriage return.
    character(*), parameter :: blanks = achar(9) // achar(12) // achar(13)
    character(*), parameter :: byte_order_mark = char(239) // char(187) // char(191)
@@ -130,17 +130,5 @@ contains
          last = last + 1
       end do
    end function name_end
-
-   !> Number of line feeds in `string`.
-   pure function count_lines(string) result(lines)
-      character(*), intent(in) :: string
-      integer :: lines
-      integer :: i
-
-      lines = 0
-      do i = 1, len(string)
-         if (string(i:i) == line_feed) lines = lines + 1
-      end do
-   end function count_lines
 
 end module namelist_source

@@ -5,8 +5,8 @@
 !> entries a line, values over several lines, blanks, tabs, CR LF line ends, a byte order mark. A string closes on its line.
 module namelist_text
    use findings, only: findings_t, quoted
-   use namelist_source, only: source_t, new_source, next_equals, key_start, name_end, count_lines
-   use text, only: to_lower, to_text
+   use namelist_source, only: key_start, line_feed, name_end, new_source, next_equals, source_t
+   use text, only: count_of, to_lower, to_text
    use text_file, only: find_bad_byte
    implicit none (type, external)
    private
@@ -64,12 +64,12 @@ contains
       allocate (pieces%groups(0), pieces%entries(0))
       bad = find_bad_byte(content)
       if (bad > 0) then
-         call findings%add(1 + count_lines(content(:bad - 1)), '', '', 'found the byte ' // hexadecimal(content(bad:bad)) &
+         call findings%add(1 + count_of(line_feed, content(:bad - 1)), '', '', 'found the byte ' // hexadecimal(content(bad:bad)) &
             // ', expected a text file in UTF-8')
          return
       end if
       call new_source(source, content, findings)
-      pieces%lines = 1 + count_lines(content)
+      pieces%lines = 1 + count_of(line_feed, content)
       position = 1
       do while (position <= len(source%text))
          call read_outside(source, position, findings)
