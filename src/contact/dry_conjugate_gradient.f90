@@ -31,6 +31,8 @@ module dry_conjugate_gradient
    real(wp), parameter :: first_length = 0.9_wp, usual_length = 0.25_wp
    !> Times that nodes beyond a bound are brought back by the network in an iteration; the rest is clipped and shifted.
    integer, parameter :: most_returns = 20
+   !> Share of what was beyond a bound at first from which on the network is not asked again.
+   real(wp), parameter :: worth_a_return = 1.0e-3_wp
    !> A clipped change that goes beyond twice its best length raises the energy: from here on it is cut to the best.
    real(wp), parameter :: least_length = 0.5_wp
 
@@ -107,6 +109,7 @@ contains
       n = grid%nx*grid%ny
       call new_active_set(work%set, grid)
       call new_tree_network(work%network, [grid%nx, grid%ny], [1.0_wp/grid%nx, grid%aspect/grid%ny], grid%kernel /= kernel_open)
+      work%network%threads = grid%threads
       allocate (work%v(n), work%s(n), work%q(n), work%kd(n), work%d(n), work%old_node(n + 1), work%back(n), &
          work%is_back(n))
       work%curvature = 0.0_wp
@@ -182,7 +185,7 @@ contains
       n = work%set%count
       associate (elastic => problem%elastic, node => work%set%node(:n))
          if (work%curvature > 0.0_wp) call elastic%single%gather(node, work%set%begin, work%scale, work%kd(:n))
-         call work%network%settle(node)
+         if (.not. is_old_list(work)) call work%network%settle(node)
          call work%network%solve(work%set%residual(:n), work%s(:n))
          call find_direction(work, length)
          call find_change(problem, p, length, work, is_clipped)
@@ -201,6 +204,17 @@ contains
       work%path = work%path + maxval(abs(work%kd(:n)))
       call work%set%follow(problem, work%scale, work%kd(:n), p, work%v)
    end subroutine step
+
+   !> True if F is the list of the last change.
+   pure function is_old_list(work)
+      type(work_t), intent(in) :: work
+      logical :: is_old_list
+
+      associate (n => work%set%count)
+         is_old_list = n == work%old_count
+         if (is_old_list) is_old_list = all(work%old_node(:n) == work%set%node(:n))
+      end associate
+   end function is_old_list
 
    !> t = s + beta (old d on F, its mean removed), with t conjugate to the old d, on the list q; `length`: the step along t that
    !> is to be expected.
@@ -298,13 +312,20 @@ contains
       real(wp), contiguous, intent(inout) :: q(:)
       real(wp), contiguous, intent(out) :: back(:), change(:)
       logical, contiguous, intent(out) :: is_back(:)
-      integer :: turn
+      real(wp) :: first, outside
+      integer :: k, turn
 
       is_back = .false.
+      first = 0.0_wp
       do turn = 1, most_returns
-         back = min(max(q, 0.0_wp), hardness) - q
-         if (.not. maxval(abs(back)) > 0.0_wp) exit
-         is_back = is_back .or. abs(back) > 0.0_wp
+         outside = 0.0_wp
+         do k = 1, size(q)
+            back(k) = min(max(q(k), 0.0_wp), hardness) - q(k)
+            is_back(k) = is_back(k) .or. abs(back(k)) > 0.0_wp
+            outside = outside + abs(back(k))
+         end do
+         if (turn == 1) first = outside
+         if (.not. outside > worth_a_return*first) exit
          call network%solve(back, change, is_back)
          q = q + change
       end do
@@ -315,15 +336,25 @@ contains
    subroutine settle_load(hardness, load, q)
       real(wp), intent(in) :: hardness, load
       real(wp), contiguous, intent(inout) :: q(:)
-      real(wp) :: share
-      integer :: inside
+      real(wp) :: share, total
+      integer :: inside, k
+      logical :: is_outside
 
-      inside = count(q > 0.0_wp .and. q < hardness)
+      inside = 0
+      total = 0.0_wp
+      do k = 1, size(q)
+         total = total + q(k)
+         inside = inside + merge(1, 0, q(k) > 0.0_wp .and. q(k) < hardness)
+      end do
+      is_outside = inside == 0
       if (inside > 0) then
-         share = (load - sum(q))/inside
-         where (q > 0.0_wp .and. q < hardness) q = q + share
+         share = (load - total)/inside
+         do k = 1, size(q)
+            if (q(k) > 0.0_wp .and. q(k) < hardness) q(k) = q(k) + share
+            is_outside = is_outside .or. q(k) < 0.0_wp .or. q(k) > hardness
+         end do
       end if
-      if (inside == 0 .or. minval(q) < 0.0_wp .or. maxval(q) > hardness) call shift_into_bounds(q, hardness, load)
+      if (is_outside) call shift_into_bounds(q, hardness, load)
    end subroutine settle_load
 
    !> How much of the change q to make: the minimum of the energy along it, as far as the bounds allow.

@@ -46,18 +46,19 @@ module tree_network
 
    !> The trees over a grid.
    type :: tree_network_t
-      private
+      !> Threads: each tree has one.
+      integer :: threads = 1
       !> Nodes in x and y (1: a line).
-      integer :: nodes(2) = 0
-      logical :: is_periodic = .false.
+      integer, private :: nodes(2) = 0
+      logical, private :: is_periodic = .false.
       !> Levels above the nodes.
-      integer :: levels = 0
+      integer, private :: levels = 0
       !> Resistor above the cells of each level, and whether they are joined in x and in y.
-      real(wp) :: resistance(0:most_levels) = 0.0_wp
-      logical :: is_joined(2, 0:most_levels) = .false.
+      real(wp), private :: resistance(0:most_levels) = 0.0_wp
+      logical, private :: is_joined(2, 0:most_levels) = .false.
       !> Most cells of each level.
-      integer :: most(0:most_levels) = 0
-      type(tree_t) :: tree(trees)
+      integer, private :: most(0:most_levels) = 0
+      type(tree_t), private :: tree(trees)
    contains
       procedure :: settle
       procedure :: solve
@@ -106,11 +107,12 @@ contains
    end subroutine new_tree_network
 
    !> Grows the trees over the listed nodes `node` (rising).
-   pure subroutine settle(self, node)
+   subroutine settle(self, node)
       class(tree_network_t), intent(inout) :: self
       integer, contiguous, intent(in) :: node(:)
       integer :: level, rows, tree
 
+      !$omp parallel do num_threads(min(self%threads, trees)) private(level, rows) schedule(static)
       do tree = 1, trees
          associate (t => self%tree(tree))
             call make_room(t, size(node), sum(min(real(self%most(:self%levels), wp), real(size(node), wp))))
@@ -120,6 +122,7 @@ contains
             end do
          end associate
       end do
+      !$omp end parallel do
    end subroutine settle
 
    !> Memory for `n` nodes and `cells` cells.
@@ -250,7 +253,7 @@ contains
 
    !> Currents into the nodes of the last `settle`, in its order, that give them the potentials `given` up to a constant, or are
    !> `given` themselves where `is_given`; the mean of the trees. They add up to zero unless all are given.
-   pure subroutine solve(self, given, current, is_given)
+   subroutine solve(self, given, current, is_given)
       class(tree_network_t), intent(inout) :: self
       real(wp), contiguous, intent(in) :: given(:)
       real(wp), contiguous, intent(out) :: current(:)
@@ -259,14 +262,22 @@ contains
 
       current = 0.0_wp
       if (size(given) == 0 .or. self%levels == 0) return
+      !$omp parallel do num_threads(min(self%threads, trees)) private(k) schedule(static)
       do tree = 1, trees
          associate (t => self%tree(tree))
             call begin_sweep(t, 1.0_wp/self%resistance(0), given, is_given)
             call sweep_up(t, self%levels, self%resistance)
             call sweep_down(t, self%levels, self%resistance)
             do k = 1, size(given)
-               current(t%place(k)) = current(t%place(k)) &
-                                     + (t%current(k) - t%conductance(k)*t%potential(t%parent(k)))/trees
+               t%current(k) = (t%current(k) - t%conductance(k)*t%potential(t%parent(k)))/trees
+            end do
+         end associate
+      end do
+      !$omp end parallel do
+      do tree = 1, trees
+         associate (t => self%tree(tree))
+            do k = 1, size(given)
+               current(t%place(k)) = current(t%place(k)) + t%current(k)
             end do
          end associate
       end do
