@@ -63,7 +63,7 @@ def draw(points: list[tuple[str, str, int, Outcome, float]], folder: Path) -> No
             panel.loglog([p[0] for p in open_marks], [p[1] for p in open_marks], **look)
             for seconds, error, nodes, _ in (mine[0], mine[-1]):
                 text = str(nodes) if kind == "profile" else f"{nodes}$^2$"
-                place = {"xytext": (-3, -4), "ha": "right"} if method == METHODS[0] else {"xytext": (4, 2)}
+                place = {"xytext": (-3, -4), "ha": "right"} if method == METHODS[0] else {"xytext": (4, -6)}
                 panel.annotate(text, (seconds, error), textcoords="offset points", va="center", fontsize=7.5, **place)
         panel.set(xlabel="Processor time [s]", title="profile C" if kind == "profile" else "rough area")
         panel.margins(0.12)

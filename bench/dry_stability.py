@@ -25,7 +25,7 @@ HARDNESSES = (None, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01)
 HURSTS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 LINES = (63, 512, 1000, 4096, 16384)
 AREAS = (31, 64, 100, 128, 256, 512)
-SCALE = LogNorm(1, 300)
+SCALE = LogNorm(1, 50)
 CLOSED = ("full_contact", "all_plastic")
 
 
