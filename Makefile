@@ -122,7 +122,7 @@ orders: bench-program ## table of the observed orders in time, in results/orders
 accuracy: bench-program ## are the error bars honest, what does a wanted accuracy cost, in results/accuracy/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/accuracy.py $(ARGS)
 
-accuracy-time: build ## the same for transients: error bars and wanted accuracy of passages (ARGS=--quick: fewer)
+accuracy-time: build bench-program ## the same for transients: error bars and wanted accuracy of passages (ARGS=--quick: fewer)
 	$(PYTHON) bench/accuracy_time.py $(ARGS)
 
 stability: bench-program ## maps of where each method converges, in results/stability/ (ARGS=--quick: shorter)

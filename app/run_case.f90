@@ -5,7 +5,7 @@ module run_case
    use case_outcome, only: give_up, status_converged, status_interrupted, status_not_converged, status_not_written
    use case_record, only: case_t, result_path, set_effective
    use command_line, only: command_t
-   use companions, only: choose_resolution, run_companions
+   use companions, only: run_companions
    use domain_choice, only: choose_domain
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: error_bars_t
@@ -18,6 +18,7 @@ module run_case
    use line_contact, only: line_contact_t, nodes_in_finest_wave
    use line_state, only: all_finite, line_state_t
    use progress_log, only: new_progress_log
+   use resolution_choice, only: choose_resolution, settle_tolerance
    use result_start, only: find_complete_result, start_result
    use result_writer, only: clear_leftovers
    use run_dry_case, only: solve_and_write
@@ -107,6 +108,7 @@ contains
       if (allocated(case%time%resume_from)) then
          contact%domain%intervals = watcher%intervals
          case%time%time_step = watcher%time_step
+         call settle_tolerance(case%solver)
       else if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
          call compare_grids(case, contact, watcher, seconds, error)
          if (allocated(error) .or. watcher%wants_stop) return
@@ -234,6 +236,8 @@ contains
       call set_effective(case, 'domain', 'x_inlet', to_text(contact%domain%x_inlet, all_digits), 'half-widths')
       call set_effective(case, 'domain', 'x_outlet', to_text(contact%domain%x_outlet, all_digits), 'half-widths')
       call set_effective(case, 'domain', 'intervals', to_text(contact%domain%intervals), '-')
+      if (case%time%is_transient .and. case%time%time_step > 0.0_wp) call set_effective(case, 'time', 'time_step', &
+         to_text(case%time%time_step, all_digits), '-')
       call set_effective(case, 'solver', 'levels', to_text(report%levels), '-')
       call set_effective(case, 'solver', 'tolerance', to_text(report%tolerance, all_digits), '-')
       call set_effective(case, 'solver', 'max_cycles', to_text(report%max_cycles), '-')

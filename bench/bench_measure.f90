@@ -8,7 +8,6 @@ module bench_measure
    use domain_choice, only: choose_domain
    use ehl_line_solver, only: solve_ehl_line
    use ehl_line_steady, only: solve_steady
-   use companions, only: choose_resolution
    use error_bars, only: apply_error_bars, error_bars_t
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
@@ -19,6 +18,7 @@ module bench_measure
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem
    use line_state, only: line_state_t
    use solver_settings, only: solver_settings_t, time_settings_t
+   use resolution_choice, only: choose_resolution
    use scaling, only: scaling_t
    use wall_clock, only: wall_seconds
    implicit none (type, external)

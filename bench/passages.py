@@ -95,5 +95,5 @@ def passages(count: int, seed: int = 1) -> list[Passage]:
     found = []
     for i, (kind, load, slide, oil) in enumerate(zip(*columns, strict=True)):
         height, wave = round(source.uniform(0.1, 0.6), 2), round(source.uniform(0.5, 1.5), 2)
-        found.append(Passage(f"{i:03d}_{kind}", kind, load, slide, oil, height, wave, i))
+        found.append(Passage(f"{seed}_{i:03d}_{kind}", kind, load, slide, oil, height, wave, i))
     return found

@@ -129,6 +129,21 @@ def test_every_method_goes_on_to_the_same_bits(program, interrupted, asperity, t
         assert (one["report/residual_history"][()] == other["report/residual_history"][()]).all()
 
 
+def test_a_chosen_resolution_goes_on_to_the_same_bits(program, interrupted, asperity, tmp_path):
+    """Intervals, time step, tolerance and the forecast of the errors come back with the checkpoint."""
+    text = busy(0.05, "&accuracy target = 2e-3 /\n").replace("intervals = 128", "").replace(", time_step = 0.01", "")
+    reference, _ = undisturbed(program, tmp_path, text)
+    assert interrupted(text)[0] == 4
+    assert asperity("case.nml", "--resume", "--quiet").returncode == 0
+    assert different(reference, tmp_path / "case.h5") == []
+    with h5py.File(reference) as one, h5py.File(tmp_path / "case.h5") as other:
+        h_min = one["summary/h_min"]
+        assert 0 < h_min.attrs["error_grid"] <= 2e-3 * h_min[()]
+        for path in ("domain/intervals", "time/time_step", "solver/tolerance"):
+            assert one["input/effective"][path][()] == other["input/effective"][path][()], path
+        assert float(one["input/effective/solver/tolerance"][()]) == 2e-5
+
+
 def test_resume_says_where_it_goes_on(interrupted, asperity):
     interrupted()
     lines = asperity("case.nml", "--resume").stderr.splitlines()

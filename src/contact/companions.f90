@@ -1,15 +1,13 @@
-!> Runs of the same case on coarser grids, in a transient with the larger time steps that belong to them, where the run itself
-!> has not passed them on its way; and the grid and the time step of a transient for a wanted accuracy.
+!> Runs of the same case on coarser grids, in a transient with larger time steps, where the run itself has not passed them on its
+!> way.
 module companions
-   use domain_choice, only: choose_domain, inlet_error
+   use domain_choice, only: choose_domain
    use ehl_line_solver, only: solve_ehl_line
-   use error_bars, only: domain_error, error_bars_t, estimated_error, new_error_bars, observed_order, predicted_error, &
-      time_safety, time_safety_minimum
+   use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: intervals_for_waves, line_contact_t
-   use line_hierarchy, only: coarsest_for_film, most_intervals
+   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: keep_extremes, line_summary_t, summary_of
    use observer, only: lookout_t, observer_t
@@ -17,10 +15,10 @@ module companions
    implicit none (type, external)
    private
 
-   public :: choose_resolution, run_companions
+   public :: collector_t, run_companion, run_companions
 
    !> Companions have at least this many intervals.
-   integer, parameter :: fewest_intervals = 32
+   integer, parameter, public :: fewest_intervals = 32
 
    !> Collects the figures of a run: of its state, or the extremes over its time steps.
    type, extends(lookout_t) :: collector_t
@@ -50,68 +48,20 @@ contains
 
       bars = new_error_bars(contact, time)
       collector%watcher => watcher
-      call run_companion(contact, settings, time, 2, collector, bars%has_half, error)
+      call run_coarser(contact, settings, time, 2, collector, bars%has_half, error)
       if (allocated(error)) return
       bars%half = collector%summary
       if (collector%passed%has_half) then
          bars%has_quarter = .true.
          bars%quarter = collector%passed%half
       else
-         call run_companion(contact, settings, time, 4, collector, bars%has_quarter, error)   ! error: the caller looks
+         call run_coarser(contact, settings, time, 4, collector, bars%has_quarter, error)   ! error: the caller looks
          bars%quarter = collector%summary
       end if
    end subroutine run_companions
 
-   !> In a transient sets `contact%domain%intervals` = 2^k and the time step, proportional to dX, to the coarsest that is predicted
-   !> to keep the relative error of h_min below `settings%target`, or that of the last companion if its own estimate is; leaves
-   !> the companions of that resolution. Each run costs four times the one before.
-   subroutine choose_resolution(bars, contact, settings, time, watcher, error)
-      type(error_bars_t), intent(out) :: bars
-      type(line_contact_t), intent(inout) :: contact
-      type(solver_settings_t), intent(in) :: settings
-      type(time_settings_t), intent(inout) :: time
-      class(observer_t), intent(inout), target :: watcher
-      type(error_t), allocatable, intent(out) :: error
-      type(collector_t) :: collector
-      type(error_bars_t) :: coarser
-      real(wp) :: order, target
-
-      bars = new_error_bars(contact, time)
-      target = settings%target
-      if (.not. contact%domain%has_inlet) then
-         call choose_domain(contact, settings%target)
-         target = target - domain_error(inlet_error(contact))
-      end if
-      call choose_domain(contact)
-      contact%domain%intervals = 2*max(coarsest_for_film(contact), fewest_intervals)
-      time%time_step = 0.0_wp
-      collector%watcher => watcher
-      do
-         coarser = bars
-         bars%has_quarter = bars%has_half
-         if (bars%has_half) bars%quarter = bars%half
-         call run_companion(contact, settings, time, 2, collector, bars%has_half, error)
-         if (allocated(error) .or. watcher%wants_stop) return
-         bars%half = collector%summary
-         if (bars%has_half .and. bars%has_quarter .and. contact%domain%intervals >= intervals_for_waves(contact)) then
-            if (2*intervals_for_waves(contact) <= contact%domain%intervals .and. &
-               time_safety_minimum*estimated_error(coarser, bars%half) <= target) then
-               contact%domain%intervals = contact%domain%intervals/2
-               bars = coarser
-               return
-            end if
-            order = bars%lowest_order
-            if (coarser%has_quarter) order = observed_order(bars%half%h_min%value, bars%quarter%h_min%value, &
-               coarser%quarter%h_min%value, [bars%lowest_order, bars%highest_order])
-            if (time_safety*predicted_error(bars, order) <= target*bars%half%h_min%value) return
-         end if
-         if (2*contact%domain%intervals > most_intervals) return
-         contact%domain%intervals = 2*contact%domain%intervals
-      end do
-   end subroutine choose_resolution
-
    !> The case on `factor` times fewer intervals with a time step as much larger; its figures are those of `collector`.
-   subroutine run_companion(contact, settings, time, factor, collector, is_known, error)
+   subroutine run_coarser(contact, settings, time, factor, collector, is_known, error)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
@@ -121,31 +71,46 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(line_contact_t) :: coarse
       type(time_settings_t) :: coarse_time
-      type(solver_settings_t) :: coarse_settings
-      type(line_state_t) :: state
-      type(report_t) :: report
 
       coarse = contact
       call choose_domain(coarse)
       coarse%domain%intervals = coarse%domain%intervals/factor
       coarse_time = time
       if (time%time_step > 0.0_wp) coarse_time%time_step = factor*time%time_step
-      coarse_settings = settings
-      coarse_settings%levels = 0
-      coarse_settings%explains_failure = .false.
-      coarse_settings%film_floor = 0.0_wp
+      collector%factor = factor
+      call run_companion(coarse, settings, coarse_time, collector, is_known, error)   ! error: the caller looks
+   end subroutine run_coarser
+
+   !> The case on its own complete domain as a companion, without what only an answer needs; `is_known`: its figures, those of
+   !> `collector`, are a solution's.
+   subroutine run_companion(contact, settings, time, collector, is_known, error)
+      type(line_contact_t), intent(in) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      type(time_settings_t), intent(in) :: time
+      type(collector_t), intent(inout) :: collector
+      logical, intent(out) :: is_known
+      type(error_t), allocatable, intent(out) :: error
+      type(line_contact_t) :: own
+      type(solver_settings_t) :: own_settings
+      type(line_state_t) :: state
+      type(report_t) :: report
+
+      own = contact
+      own_settings = settings
+      own_settings%levels = 0
+      own_settings%explains_failure = .false.
+      own_settings%film_floor = 0.0_wp
       ! where Newton's method finds nothing on a coarser grid, nothing does: no long search
-      if (settings%method == 'auto' .and. settings%smoother == 'auto') coarse_settings%method = 'newton_krylov'
-      if (.not. time%is_transient) coarse_settings%method = 'newton_krylov'
-      coarse_settings%target = 0.0_wp
-      coarse_settings%wants_companions = .true.
+      if (settings%method == 'auto' .and. settings%smoother == 'auto') own_settings%method = 'newton_krylov'
+      if (.not. time%is_transient) own_settings%method = 'newton_krylov'
+      own_settings%target = 0.0_wp
+      own_settings%wants_companions = .true.
       is_known = .false.
       collector%is_empty = .true.
-      collector%factor = factor
       collector%stride = time%stride
       collector%passed%has_half = .false.
-      if (coarse%domain%intervals < fewest_intervals) return
-      call solve_ehl_line(coarse, coarse_settings, coarse_time, collector, state, report, error)
+      if (own%domain%intervals < fewest_intervals) return
+      call solve_ehl_line(own, own_settings, time, collector, state, report, error)
       if (allocated(error)) return
       is_known = report%converged
       if (is_known .and. .not. time%is_transient) collector%summary = summary_of(state)

@@ -12,9 +12,12 @@ module line_contact
    private
 
    public :: film_estimate, intervals_for_waves, line_contact_t, move_profiles, newtonian_film, nodes_in_finest_wave
+   public :: shortest_passage
 
    !> Intervals in the finest wave (feature, sinusoid, profile) below which companions on n/4 may not see it.
    integer, parameter :: fewest_in_wave = 16
+   !> A surface slower than this dX/dT counts as at rest, one without waves has waves of this length [b].
+   real(wp), parameter :: slow = 1.0e-6_wp, longest = 1.0e9_wp
 
    !> Data of one dimensionless contact.
    type :: line_contact_t
@@ -60,6 +63,15 @@ contains
       wave = min(finest_wave(contact%surface_1), finest_wave(contact%surface_2))
       intervals = ceiling(min(fewest_in_wave*(contact%domain%x_outlet - contact%domain%x_inlet)/wave, 1.0e9_wp))
    end function intervals_for_waves
+
+   !> Time T in which the finest wave of a moving surface passes a place; above 1e9 if there is none.
+   pure function shortest_passage(contact) result(time)
+      type(line_contact_t), intent(in) :: contact
+      real(wp) :: time
+
+      time = min(min(finest_wave(contact%surface_1), longest)/max(abs(contact%surface_1%speed), slow), &
+         min(finest_wave(contact%surface_2), longest)/max(abs(contact%surface_2%speed), slow))
+   end function shortest_passage
 
    !> Shortest wavelength of a surface [b]; huge if it is smooth.
    pure function finest_wave(surface) result(wave)

@@ -98,7 +98,8 @@ contains
       end do
    end function coarsest_for_film
 
-   !> Builds the grids for `contact%domain%intervals` = 2^k. `levels` > 0 fixes the number of levels of the cycles.
+   !> Builds the grids for `contact%domain%intervals` = n, each of half the intervals of the next. `levels` > 0 fixes the number of
+   !> levels of the cycles. n is a power of two, or a small odd number times one: the coarsest grid is no finer than n allows.
    subroutine new_hierarchy(hierarchy, contact, levels, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -107,9 +108,9 @@ contains
       integer :: first, coarsest, k, n
 
       n = contact%domain%intervals
-      first = min(coarsest_for_film(contact), n)
+      first = halved(n, coarsest_for_film(contact))
       coarsest = cycle_coarsest(first, n)
-      if (levels > 0) coarsest = max(n/2**(levels - 1), smallest_grid)
+      if (levels > 0) coarsest = halved(n, max(n/2**(levels - 1), smallest_grid))
       first = min(first, coarsest)
       if (allocated(hierarchy%levels)) deallocate (hierarchy%levels)
       hierarchy%fas_coarsest = 1 + doublings(first, coarsest)
@@ -167,8 +168,19 @@ contains
       integer, intent(in) :: first, n
       integer :: coarsest
 
-      coarsest = min(n, max(first, min(largest_coarsest, max(smallest_coarsest, 4*first))))
+      coarsest = halved(n, max(first, min(largest_coarsest, max(smallest_coarsest, 4*first))))
    end function cycle_coarsest
+
+   !> n halved as often as it is even and no less than `least` is left; n itself if it is less.
+   pure function halved(n, least) result(coarse)
+      integer, intent(in) :: n, least
+      integer :: coarse
+
+      coarse = n
+      do while (modulo(coarse, 2) == 0 .and. coarse/2 >= least)
+         coarse = coarse/2
+      end do
+   end function halved
 
    !> How often `coarse` is doubled to get `fine`.
    pure function doublings(coarse, fine) result(times)

@@ -13,7 +13,7 @@ module line_level
 
    !> A uniform grid of n intervals on [x_inlet, x_outlet]; arrays are (0:n) unless stated.
    type :: line_level_t
-      !> Intervals, 2^k.
+      !> Intervals.
       integer :: n = 0
       !> Spacing dX [b].
       real(wp) :: dx = 0.0_wp

@@ -32,6 +32,9 @@ module line_summary
       real(wp) :: highest
       !> The last one before the exit (where a pressure spike is), and the largest in front of it; only where there are two.
       real(wp) :: last, other
+      !> How far the nodes beside the top of the last one are below it, both together, over its height above the valley in front of
+      !> it: 2 for a single node, small for a spike that the grid resolves.
+      real(wp) :: sharpness = 2.0_wp
    end type crests_t
 
    !> Figures of one time, or the extremes over several.
@@ -90,6 +93,7 @@ contains
       summary%crests%highest = larger(summary%crests%highest, other%crests%highest)
       summary%crests%last = larger(summary%crests%last, other%crests%last)
       summary%crests%other = larger(summary%crests%other, other%crests%other)
+      summary%crests%sharpness = max(summary%crests%sharpness, other%crests%sharpness)
    end subroutine keep_extremes
 
    !> Smallest value of a positive curve on a uniform grid: vertex of the parabola through the smallest node and its neighbours;
@@ -169,7 +173,7 @@ contains
    pure function crests_of(p) result(crests)
       real(wp), intent(in) :: p(:)
       type(crests_t) :: crests
-      integer :: i, last
+      integer :: i, last, valley
 
       crests = crests_t(not_known(), not_known(), not_known())
       last = 0
@@ -182,6 +186,12 @@ contains
          end if
       end do
       if (last == 0) return
+      valley = last
+      do while (valley > 1)
+         if (p(valley - 1) > p(valley)) exit
+         valley = valley - 1
+      end do
+      crests%sharpness = (2*p(last) - p(last - 1) - p(last + 1))/(p(last) - p(valley))
       crests%highest = larger(crests%other, vertex(p(last - 1:last + 1)))
       if (ieee_is_finite(crests%other)) crests%last = vertex(p(last - 1:last + 1))
    end function crests_of

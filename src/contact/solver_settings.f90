@@ -22,7 +22,7 @@ module solver_settings
       logical :: has_inlet = .false.
       !> False: the program chooses the outlet from the regime.
       logical :: has_outlet = .false.
-      !> Grid intervals on the finest grid, a power of two; 0: chosen by the program.
+      !> Grid intervals on the finest grid, 2^k or 3, 5, 7 times that; 0: chosen by the program.
       integer :: intervals = 0
    end type domain_t
 

@@ -17,13 +17,14 @@ module checkpoint
    use line_summary, only: crests_t, figure_t, line_summary_t
    use march_state, only: march_state_t
    use operating_system, only: remove_file, rename_file, sync_file, sync_folder
+   use split_errors, only: forecast_figures, forecast_t
    implicit none (type, external)
    private
 
    public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 4
+   integer, parameter :: format_number = 5
 
    !> What a checkpoint holds.
    type :: checkpoint_t
@@ -84,11 +85,15 @@ contains
       type(hdf5_file_t), intent(inout) :: file
       type(error_bars_t), intent(in) :: bars
 
-      call write_dataset(file, '/companions/known', [real(wp) :: merge(1, 0, bars%has_half), merge(1, 0, bars%has_quarter)], &
-         new_label('whether there are figures on n/2 and on n/4 intervals', '1'))
+      call write_dataset(file, '/companions/known', [real(wp) :: merge(1, 0, bars%has_half), merge(1, 0, bars%has_quarter), &
+         merge(1, 0, bars%forecast%is_known)], new_label('whether there are figures on n/2, on n/4 intervals, a forecast', '1'))
       call write_dataset(file, '/companions/order', [bars%lowest_order, bars%highest_order], new_label('bounds', '1'))
       call write_dataset(file, '/companions/lubricant', [real(wp) :: merge(1, 0, bars%may_spike), &
          merge(1, 0, bars%is_compressible), bars%starving], new_label('may have a spike, is compressible, starving', '1'))
+      associate (f => bars%forecast)
+         if (f%is_known) call write_dataset(file, '/companions/forecast', [f%pilot, f%pilot_error, f%error, f%shift], &
+            new_label('figures of a pilot, their errors; errors of the run, what leads to the limits', '1'))
+      end associate
       if (bars%has_half) call write_dataset(file, '/companions/half', summary_numbers(bars%half), new_label('as summary', '1'))
       if (bars%has_quarter) call write_dataset(file, '/companions/quarter', summary_numbers(bars%quarter), &
          new_label('as summary', '1'))
@@ -98,18 +103,23 @@ contains
    subroutine read_bars(reader, bars)
       type(hdf5_input_t), intent(inout) :: reader
       type(error_bars_t), intent(out) :: bars
-      real(wp) :: pair(2), lubricant(3)
+      real(wp) :: pair(2), triple(3), forecast(forecast_figures, 4)
 
-      pair = reshape(reader%reals('/companions/known'), [2], pad=[0.0_wp])
-      bars%has_half = pair(1) > 0.0_wp
-      bars%has_quarter = pair(2) > 0.0_wp
+      triple = reshape(reader%reals('/companions/known'), [3], pad=[0.0_wp])
+      bars%has_half = triple(1) > 0.0_wp
+      bars%has_quarter = triple(2) > 0.0_wp
+      bars%forecast%is_known = triple(3) > 0.0_wp
       pair = reshape(reader%reals('/companions/order'), [2], pad=[0.0_wp])
       bars%lowest_order = pair(1)
       bars%highest_order = pair(2)
-      lubricant = reshape(reader%reals('/companions/lubricant'), [3], pad=[0.0_wp])
-      bars%may_spike = lubricant(1) > 0.0_wp
-      bars%is_compressible = lubricant(2) > 0.0_wp
-      bars%starving = lubricant(3)
+      triple = reshape(reader%reals('/companions/lubricant'), [3], pad=[0.0_wp])
+      bars%may_spike = triple(1) > 0.0_wp
+      bars%is_compressible = triple(2) > 0.0_wp
+      bars%starving = triple(3)
+      if (bars%forecast%is_known) then
+         forecast = reshape(reader%reals('/companions/forecast'), shape(forecast), pad=[0.0_wp])
+         bars%forecast = forecast_t(.true., forecast(:, 1), forecast(:, 2), forecast(:, 3), forecast(:, 4))
+      end if
       if (bars%has_half) bars%half = summary_from(reader%reals('/companions/half'))
       if (bars%has_quarter) bars%quarter = summary_from(reader%reals('/companions/quarter'))
    end subroutine read_bars
@@ -299,7 +309,8 @@ contains
       numbers(:, 3) = figure_numbers(summary%h_central)
       numbers(:, 4) = figure_numbers(summary%p_max)
       numbers(:, 5) = figure_numbers(summary%x_cavitation)
-      numbers(:, 6) = [summary%crests%highest, summary%crests%last, summary%crests%other, 0.0_wp]
+      numbers(:, 6) = [summary%crests%highest, summary%crests%last, summary%crests%other, &
+         summary%crests%sharpness]
    end function summary_numbers
 
    !> Value, time, error estimate and extrapolated value of a figure.
@@ -322,7 +333,7 @@ contains
       summary%h_central = figure_from(table(:, 3))
       summary%p_max = figure_from(table(:, 4))
       summary%x_cavitation = figure_from(table(:, 5))
-      summary%crests = crests_t(table(1, 6), table(2, 6), table(3, 6))
+      summary%crests = crests_t(table(1, 6), table(2, 6), table(3, 6), table(4, 6))
    end function summary_from
 
    !> A figure from its numbers.

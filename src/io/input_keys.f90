@@ -38,7 +38,7 @@ module input_keys
       !> Default as namelist text, or one of the three words above.
       character(len=32) :: default
       !> Range as a comma-separated list of comparisons, each of which must hold.
-      character(len=40) :: range
+      character(len=56) :: range
       !> Words that are built, separated by blanks.
       character(len=80) :: words
       !> Words that are known but not built yet, separated by blanks.
@@ -150,8 +150,8 @@ module input_keys
       key_row_t('domain', 'x_inlet', real_kind, 'half-widths', is_chosen, '>= -1000, < -1', '', '', &
       'start of the domain; the contact is -1 to 1'), &
       key_row_t('domain', 'x_outlet', real_kind, 'half-widths', is_chosen, '> 1, <= 1000', '', '', 'end of the domain'), &
-      key_row_t('domain', 'intervals', integer_kind, '-', is_chosen, '>= 8, <= 16777216, a power of two', '', '', &
-      'grid intervals, 2^k'), &
+      key_row_t('domain', 'intervals', integer_kind, '-', is_chosen, &
+      '>= 8, <= 16777216, a power of two (times 3 or 5 or 7)', '', '', 'grid intervals, 2^k or 3, 5, 7 times that'), &
       key_row_t('time', 'transient', logical_kind, '', '.false.', '', '', '', 'transient or steady'), &
       key_row_t('time', 'end_time', real_kind, '-', is_optional, '> 0, <= 1e6', '', '', &
       'end of the transient, T; required with transient = .true.'), &

@@ -1,4 +1,4 @@
-!> Ranges of the key table, "> 0, <= 0.5" or "a power of two", as a test.
+!> Ranges of the key table, "> 0, <= 0.5" or "a power of two (times 3 or 5 or 7)", as a test.
 module key_range
    use kinds, only: wp
    implicit none (type, external)
@@ -25,7 +25,7 @@ contains
       end do
    end function is_in_range
 
-   !> One comparison: "> 0", ">= 0", "< 1", "<= 1", "/= 0" or "a power of two".
+   !> One comparison: "> 0", ">= 0", "< 1", "<= 1", "/= 0" or "a power of two (times 3 or 5 or 7)".
    pure function holds(value, comparison)
       real(wp), intent(in) :: value
       character(*), intent(in) :: comparison
@@ -35,8 +35,8 @@ contains
 
       blank = index(comparison, ' ')
       holds = .false.
-      if (comparison == 'a power of two') then
-         if (value >= 1.0_wp .and. value < 1.0e9_wp) holds = popcnt(nint(value)) == 1
+      if (comparison == 'a power of two (times 3 or 5 or 7)') then
+         if (value >= 1.0_wp .and. value < 1.0e9_wp) holds = any(odd_part(nint(value)) == [1, 3, 5, 7])
          return
       end if
       read (comparison(blank + 1:), *, iostat=status) bound
@@ -56,5 +56,13 @@ contains
          holds = .false.
       end select
    end function holds
+
+   !> `number` >= 1 without its factors of two.
+   pure function odd_part(number)
+      integer, intent(in) :: number
+      integer :: odd_part
+
+      odd_part = shiftr(number, trailz(number))
+   end function odd_part
 
 end module key_range

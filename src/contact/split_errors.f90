@@ -1,0 +1,140 @@
+!> Errors of a transient because of the grid and because of the time step, apart: from three runs, one of which has twice the
+!> spacing of the finest and one twice its time step besides.
+!>
+!> Refined together the two errors often cancel, with opposite signs and rates of their own, so that their sum tells little of
+!> finer resolutions. With A on (dX, dT), B on (2 dX, dT), D on (2 dX, 2 dT) the change A - B is the grid's and B - D that of
+!> the time step; the orders are observed where the three runs of twice the spacing and time step, the first of which is D, are
+!> known.
+module split_errors
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use kinds, only: wp
+   use line_summary, only: figure_t, line_summary_t
+   implicit none (type, external)
+   private
+
+   public :: apply_forecast, error_at, figure_values, forecast_t, new_split_error, shift_at, split_error_t
+
+   !> Figures of a forecast: h_min, its node, h_central, the largest pressure and the exit, both between the nodes.
+   integer, parameter, public :: forecast_figures = 5
+
+   !> Estimates are widened by these factors.
+   real(wp), parameter :: space_safety = 1.3_wp, time_safety = 2.0_wp
+   !> The error of the time step is not believed to be less than this share of that of the grid.
+   real(wp), parameter :: least_time_share = 0.25_wp
+   !> The order in space where none is observed, and the bounds of an observed one.
+   real(wp), parameter :: space_orders(3) = [1.5_wp, 1.5_wp, 2.0_wp]
+
+   !> Errors of one figure in run A, limit less value, and the orders with which they fall.
+   type :: split_error_t
+      !> As the last changes tell.
+      real(wp) :: space, time
+      !> Their size, not less than the changes before leave of it: a change may be small by chance.
+      real(wp) :: space_size, time_size
+      real(wp) :: space_order, time_order
+   end type split_error_t
+
+   !> What pilot runs foretell of the figures of a run (order of `figure_values`); NaN: nothing.
+   type :: forecast_t
+      logical :: is_known = .false.
+      !> Figures of the finest pilot, and the estimates of their errors.
+      real(wp) :: pilot(forecast_figures) = 0.0_wp, pilot_error(forecast_figures) = 0.0_wp
+      !> Estimates for the run, and what leads from its values to the limits.
+      real(wp) :: error(forecast_figures) = 0.0_wp, shift(forecast_figures) = 0.0_wp
+   end type forecast_t
+
+contains
+
+   !> The figures of a run of which there is a forecast; NaN if it is not known.
+   pure function figure_values(summary, is_known) result(values)
+      type(line_summary_t), intent(in) :: summary
+      logical, intent(in) :: is_known
+      real(wp) :: values(forecast_figures)
+
+      values = ieee_value(values, ieee_quiet_nan)
+      if (is_known) values = [summary%h_min%value, summary%h_min_node%value, summary%h_central%value, summary%crests%highest, &
+         summary%x_cavitation%extrapolated]
+   end function figure_values
+
+   !> Estimates and extrapolated values of a run from its forecast. `node_jitter`: by how much the exit jitters with the place of
+   !> the nodes; `pressure_safety`: the estimate of the largest pressure is wider by this factor.
+   pure subroutine apply_forecast(forecast, node_jitter, pressure_safety, summary)
+      type(forecast_t), intent(in) :: forecast
+      real(wp), intent(in) :: node_jitter, pressure_safety
+      type(line_summary_t), intent(inout) :: summary
+      real(wp) :: values(forecast_figures)
+
+      values = figure_values(summary, .true.)
+      call take(1, 0.0_wp, summary%h_min)
+      call take(2, abs(summary%h_min_node%value - summary%h_min%value), summary%h_min_node)
+      call take(3, 0.0_wp, summary%h_central)
+      call take(4, abs(summary%p_max%value - values(4)), summary%p_max)
+      summary%p_max%error_grid = pressure_safety*summary%p_max%error_grid
+      call take(5, node_jitter + abs(summary%x_cavitation%value - values(5)), summary%x_cavitation)
+
+   contains
+
+      !> One figure: the estimate, wider where the value is farther from that of the pilot than both estimates allow, and what its
+      !> node is off.
+      pure subroutine take(i, nodal, figure)
+         integer, intent(in) :: i
+         real(wp), intent(in) :: nodal
+         type(figure_t), intent(inout) :: figure
+         real(wp) :: change, allowed
+
+         if (.not. (ieee_is_finite(values(i)) .and. ieee_is_finite(forecast%error(i)))) return
+         figure%error_grid = forecast%error(i)
+         change = abs(values(i) - forecast%pilot(i))
+         allowed = forecast%error(i) + forecast%pilot_error(i)
+         if (change > allowed .and. allowed > 0.0_wp) figure%error_grid = figure%error_grid*change/allowed
+         figure%error_grid = figure%error_grid + nodal
+         figure%extrapolated = values(i) + forecast%shift(i)
+      end subroutine take
+
+   end subroutine apply_forecast
+
+   !> The errors of a figure: `values` of A, B, D, and `older`, those of twice the spacing and time step (NaN where not known).
+   !> `time_orders`: the order in time where none is observed, and the bounds of an observed one.
+   pure function new_split_error(values, older, time_orders) result(self)
+      real(wp), intent(in) :: values(3), older(3), time_orders(3)
+      type(split_error_t) :: self
+
+      call split(values(1) - values(2), older(1) - older(2), space_orders, self%space, self%space_size, self%space_order)
+      call split(values(2) - values(3), older(2) - older(3), time_orders, self%time, self%time_size, self%time_order)
+      self%time_size = max(self%time_size, least_time_share*self%space_size)
+   end function new_split_error
+
+   !> The error of one direction from its last change and the one before.
+   pure subroutine split(change, older, orders, error, size, order)
+      real(wp), intent(in) :: change, older, orders(3)
+      real(wp), intent(out) :: error, size, order
+
+      order = orders(1)
+      size = abs(change)
+      if (ieee_is_finite(older)) then
+         order = orders(3)
+         if (abs(older) < 2.0_wp**orders(3)*abs(change)) order = max(log(abs(older/change))/log(2.0_wp), orders(2))
+         size = max(size, abs(older)/2.0_wp**orders(3))
+      end if
+      error = change/(2.0_wp**order - 1.0_wp)
+      size = size/(2.0_wp**order - 1.0_wp)
+   end subroutine split
+
+   !> Estimate of the error where spacing and time step are `dx_ratio` and `dt_ratio` times those of run A.
+   pure function error_at(self, dx_ratio, dt_ratio) result(error)
+      type(split_error_t), intent(in) :: self
+      real(wp), intent(in) :: dx_ratio, dt_ratio
+      real(wp) :: error
+
+      error = space_safety*self%space_size*dx_ratio**self%space_order + time_safety*self%time_size*dt_ratio**self%time_order
+   end function error_at
+
+   !> What leads from the value there to the limit.
+   pure function shift_at(self, dx_ratio, dt_ratio) result(shift)
+      type(split_error_t), intent(in) :: self
+      real(wp), intent(in) :: dx_ratio, dt_ratio
+      real(wp) :: shift
+
+      shift = self%space*dx_ratio**self%space_order + self%time*dt_ratio**self%time_order
+   end function shift_at
+
+end module split_errors
