@@ -28,7 +28,7 @@ module dry_conjugate_gradient
    !> Iterations without a halved error after which nothing more is to be gained.
    integer, parameter :: patience = 1000
    !> Lengths of the first step and of the second, over s; later ones are like those before them.
-   real(wp), parameter :: first_length = 0.9_wp, usual_length = 0.25_wp
+   real(wp), parameter :: first_length = 0.7_wp, usual_length = 0.5_wp
    !> Times that nodes beyond a bound are brought back by the network in an iteration; the rest is clipped and shifted.
    integer, parameter :: most_returns = 20
    !> Share of what was beyond a bound at first from which on the network is not asked again.
