@@ -57,6 +57,18 @@ def without_sliding(intervals: int, solver: dict) -> str:
     return namelists.case_1(intervals, solver, bodies={"speed_1": 0.6, "speed_2": 0.6})
 
 
+def narrow_ridge(solver: dict) -> str:
+    """A ridge higher than the film and 12 intervals wide passes Case 1."""
+    ridge = {
+        "shape": "feature",
+        "amplitude": 1.2 * namelists.CASE_1_FILM,
+        "wavelength": 0.125 * namelists.CASE_1_HALF_WIDTH,
+        "position": -2.0,
+    }
+    time = {"transient": True, "end_time": 1.5, "time_step": 5.5 / 512 / 2}
+    return namelists.case_1(512, solver, surface_2=ridge, time=time, accuracy={"error_bars": False})
+
+
 NEWTONIAN = {"rheology": "newtonian", "eyring_stress": None}
 INSIDE = {
     "gauss_seidel_in_time_without_sliding": rolling(256, 2, GAUSS_SEIDEL),
@@ -96,6 +108,7 @@ OUTSIDE = {
         thinning(2000, 40, 2048, {}, 4),
         "grid too coarse for the film, needs 16384 intervals (has 2048)",
     ),
+    "ridge_on_too_few_intervals": (narrow_ridge(KRYLOV), "the finest wave of the surfaces has 12. intervals"),
     "steps_at_round_off": (thinning(2000, 25, 8192, {}, 4), "Newton steps at round-off leave the residual at"),
     "too_coarse": (heavy(1000, 512, {}), "grid too coarse for the film, needs 1024 intervals (has 512)"),
     "too_coarse_when_thinning": (thinning(980, 30, 256, {}), "grid too coarse for the film, needs 1024 intervals (has 256)"),

@@ -14,7 +14,7 @@ module ehl_line_transient
    use film_breakdown, only: look_for_breakdown
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t, move_profiles
+   use line_contact, only: fewest_in_wave, intervals_for_waves, line_contact_t, move_profiles
    use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, roughness_at, total_products
    use line_level, only: film_of, line_level_t
    use line_state, only: line_state_t
@@ -95,7 +95,7 @@ contains
             call take_step(hierarchy, contact, plan, history, report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
-                  to_text(step*time_step)//'): '//report%reason//smallest_film_text(state))
+                  to_text(step*time_step)//'): '//report%reason//smallest_film_text(state)//coarse_wave_text(contact))
                return
             end if
             call look_for_breakdown(level%x, level%film, settings, step, step*time_step, report)
@@ -138,6 +138,18 @@ contains
       node = minloc(state%film_thickness, 1)
       words = '; smallest film before it: H = '//to_text(state%film_thickness(node), 3)//' at X = '//to_text(state%x(node), 4)
    end function smallest_film_text
+
+   !> How many intervals the finest wave of the surfaces has, as the end of a reason; empty where these are enough. (A ridge of 1.2
+   !> central films and 12 intervals closes the film of Case 1 whatever the time step; on 46 it passes.)
+   pure function coarse_wave_text(contact) result(words)
+      type(line_contact_t), intent(in) :: contact
+      character(:), allocatable :: words
+      real(wp) :: share
+
+      words = ''
+      share = real(contact%domain%intervals, wp)/intervals_for_waves(contact)
+      if (share < 1.0_wp) words = '; the finest wave of the surfaces has '//to_text(share*fewest_in_wave, 2)//' intervals'
+   end function coarse_wave_text
 
    !> Gives the observer where the transient stands, if it wants that.
    subroutine hand_out(history, hierarchy, report, watcher)

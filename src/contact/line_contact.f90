@@ -15,7 +15,7 @@ module line_contact
    public :: shortest_passage
 
    !> Intervals in the finest wave (feature, sinusoid, profile) below which companions on n/4 may not see it.
-   integer, parameter :: fewest_in_wave = 16
+   integer, parameter, public :: fewest_in_wave = 16
    !> A surface slower than this dX/dT counts as at rest, one without waves has waves of this length [b].
    real(wp), parameter :: slow = 1.0e-6_wp, longest = 1.0e9_wp
 
