@@ -20,7 +20,7 @@ module split_errors
    !> Estimates are widened by these factors.
    real(wp), parameter :: space_safety = 1.3_wp, time_safety = 2.0_wp
    !> The error of the time step is not believed to be less than this share of that of the grid.
-   real(wp), parameter :: least_time_share = 0.15_wp
+   real(wp), parameter :: least_time_share = 0.25_wp
    !> The order in space where none is observed, and the bounds of an observed one.
    real(wp), parameter :: space_orders(3) = [1.5_wp, 1.5_wp, 2.0_wp]
 
