@@ -4,7 +4,7 @@
 !> errors of grid and of time step apart (module split_errors). As soon as these foretell a resolution within four times that of
 !> the last pilot that is good enough, the cheapest one of these is taken: the run itself costs most, and nothing is run twice.
 module resolution_choice
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use companions, only: collector_t, fewest_intervals, run_companion
    use domain_choice, only: choose_domain, inlet_error
    use error_bars, only: domain_error, error_bars_t, is_calm, new_error_bars
@@ -163,7 +163,9 @@ contains
                forecast%shift(i) = shift_at(errors(i), dx_ratio, dt_ratio)
             end do
             ! of a pressure spike nothing is foretold
-            if (bars%may_spike .and. .not. is_calm(values(4, :))) forecast%error(4) = ieee_value(1.0_wp, ieee_quiet_nan)
+            if (bars%may_spike .and. ieee_is_finite(forecast%error(4))) then
+               if (.not. is_calm(values(4, :))) forecast%error(4) = ieee_value(1.0_wp, ieee_quiet_nan)
+            end if
          end associate
       end if
       contact%domain%intervals = best

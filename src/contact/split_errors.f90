@@ -100,7 +100,8 @@ contains
 
       call split(values(1) - values(2), older(1) - older(2), space_orders, self%space, self%space_size, self%space_order)
       call split(values(2) - values(3), older(2) - older(3), time_orders, self%time, self%time_size, self%time_order)
-      self%time_size = max(self%time_size, least_time_share*self%space_size)
+      if (ieee_is_finite(self%time_size) .and. ieee_is_finite(self%space_size)) &
+         self%time_size = max(self%time_size, least_time_share*self%space_size)
    end function new_split_error
 
    !> The error of one direction from its last change and the one before.
@@ -109,10 +110,17 @@ contains
       real(wp), intent(out) :: error, size, order
 
       order = orders(1)
+      error = change
+      size = change
+      if (.not. ieee_is_finite(change)) return
       size = abs(change)
       if (ieee_is_finite(older)) then
-         order = orders(3)
-         if (abs(older) < 2.0_wp**orders(3)*abs(change)) order = max(log(abs(older/change))/log(2.0_wp), orders(2))
+         order = orders(2)
+         if (abs(older) >= 2.0_wp**orders(3)*size) then
+            order = orders(3)
+         else if (abs(older) > size) then
+            order = max(log(abs(older)/size)/log(2.0_wp), orders(2))
+         end if
          size = max(size, abs(older)/2.0_wp**orders(3))
       end if
       error = change/(2.0_wp**order - 1.0_wp)
