@@ -159,7 +159,7 @@ contains
    end subroutine look_at_step
 
    !> Does what the watcher does.
-   subroutine look_through(self)
+   recursive subroutine look_through(self)
       class(lookout_t), intent(inout) :: self
 
       call self%watcher%look_outside()

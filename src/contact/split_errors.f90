@@ -100,8 +100,9 @@ contains
 
       call split(values(1) - values(2), older(1) - older(2), space_orders, self%space, self%space_size, self%space_order)
       call split(values(2) - values(3), older(2) - older(3), time_orders, self%time, self%time_size, self%time_order)
-      if (ieee_is_finite(self%time_size) .and. ieee_is_finite(self%space_size)) &
+      if (ieee_is_finite(self%time_size) .and. ieee_is_finite(self%space_size)) then
          self%time_size = max(self%time_size, least_time_share*self%space_size)
+      end if
    end function new_split_error
 
    !> The error of one direction from its last change and the one before.
