@@ -61,7 +61,7 @@ contains
       real(wp) :: wave
 
       wave = min(finest_wave(contact%surface_1), finest_wave(contact%surface_2))
-      intervals = ceiling(min(fewest_in_wave*(contact%domain%x_outlet - contact%domain%x_inlet)/wave, 1.0e9_wp))
+      intervals = ceiling(min(fewest_in_wave*(contact%domain%x_outlet - contact%domain%x_inlet)/max(wave, 1.0e-9_wp), 1.0e9_wp))
    end function intervals_for_waves
 
    !> Time T in which the finest wave of a moving surface passes a place; above 1e9 if there is none.
