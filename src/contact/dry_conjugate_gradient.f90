@@ -32,7 +32,7 @@ module dry_conjugate_gradient
    !> Times that nodes beyond a bound are brought back by the network in an iteration; the rest is clipped and shifted.
    integer, parameter :: most_returns = 20
    !> Share of what was beyond a bound at first from which on the network is not asked again.
-   real(wp), parameter :: worth_a_return = 1.0e-3_wp
+   real(wp), parameter :: worth_a_return = 1.0e-2_wp
    !> A clipped change that goes beyond twice its best length raises the energy: from here on it is cut to the best.
    real(wp), parameter :: least_length = 0.5_wp
 
@@ -184,8 +184,11 @@ contains
 
       n = work%set%count
       associate (elastic => problem%elastic, node => work%set%node(:n))
-         if (work%curvature > 0.0_wp) call elastic%single%gather(node, work%set%begin, work%scale, work%kd(:n))
-         if (.not. is_old_list(work)) call work%network%settle(node)
+         ! On the same list, trees and K d are there already.
+         if (.not. is_old_list(work)) then
+            if (work%curvature > 0.0_wp) call elastic%single%gather(node, work%set%begin, work%scale, work%kd(:n))
+            call work%network%settle(node)
+         end if
          call work%network%solve(work%set%residual(:n), work%s(:n))
          call find_direction(work, length)
          call find_change(problem, p, length, work, is_clipped)
