@@ -10,14 +10,15 @@
 !> IV.A.2.q (continuation). `create_hdf5_file` asks the library for these oldest versions, and a header of another version is an
 !> error before the run begins.
 !>
-!> Why the library does not write the records itself (tried with HDF5 2.0, writers killed before a random one of their writes):
+!> Why the library does not write the records itself (the first two were tried from Python with HDF5 2.0, writers killed before a
+!> random one of their writes; the third was not):
 !>
 !> - Chunks that grow (H5Dset_extent) and H5Fflush after each record: a flush is several writes, in an order that is not promised.
 !>   Where new chunks come often, 12 of 100 files could not be read or held zeros where records were counted.
 !> - One writer, many readers (SWMR, from HDF5 1.10): 80 of 80 files were whole, but the mark of a file being written stays when
 !>   its writer is killed. All of them were refused without SWMR access; the mark is taken away by the tool h5clear, by no public
 !>   call, so a resumed run could not go on in the file. And SWMR is not for network file systems, on which clusters compute.
-!> - The same place in the file and the number of records as a dataset of its own: always whole, but the series would have the
+!> - The same place in the file and the number of records as a dataset of its own would be whole, but the series would have the
 !>   extents of the whole run, and every reader would have to know that their ends are not there yet.
 !>
 !> As it is, 80 of 80 files of runs killed before a random write held all records counted, opened like any other file.
