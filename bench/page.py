@@ -222,7 +222,7 @@ DRY_HEAD = """
 tamaas and ContactMechanics on the same surface, each with the loosest tolerance that makes its answer as good by the same measure.
 Planning of transforms is counted against asperity. `over transforms`: time of the solution without planning over the sum, for all
 its transforms, of FFTW's own time at their size and precision with plans measured beforehand. A row names the peers that it
-was measured beside; nothing was asked of two threads but to print them beside FFTW's own. A solution takes few transforms (8 to 11
+was measured beside; nothing was asked of two threads but to print them beside FFTW's own. A solution takes few transforms (6 to 11
 pairs), and most of its time goes into the network that saves the others and into the lists of nodes in contact.
 
 """
