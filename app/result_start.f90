@@ -8,7 +8,7 @@ module result_start
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
    use kinds, only: wp
-   use result_writer, only: field_name_length, open_result, reopen_result, result_writer_t
+   use result_writer, only: field_name_length, open_result, reopen_result
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
    use text, only: to_text

@@ -8,6 +8,7 @@ module active_set
    use, intrinsic :: iso_fortran_env, only: real32
    use dry_problem, only: dry_grid_t, dry_problem_t
    use kinds, only: wp
+   use work_shares, only: share_end
    implicit none (type, external)
    private
 
@@ -111,8 +112,8 @@ contains
       associate (nx => problem%grid%nx, ny => problem%grid%ny, threads => problem%grid%threads)
          !$omp parallel do num_threads(threads) private(j, last) schedule(static)
          do t = 1, threads
-            last = nx*((t - 1)*ny/threads)
-            do j = (t - 1)*ny/threads + 1, t*ny/threads
+            last = nx*share_end(t - 1, threads, ny)
+            do j = share_end(t - 1, threads, ny) + 1, share_end(t, threads, ny)
                call look_at_row(self, problem, j, factor, p, v, last)
             end do
          end do
@@ -226,9 +227,9 @@ contains
       end do
       self%count = self%begin(grid%ny + 1) - 1
       do t = 2, grid%threads
-         j = (t - 1)*grid%ny/grid%threads
+         j = share_end(t - 1, grid%threads, grid%ny)
          shift = grid%nx*j + 1 - self%begin(j + 1)
-         do k = self%begin(j + 1), self%begin(t*grid%ny/grid%threads + 1) - 1
+         do k = self%begin(j + 1), self%begin(share_end(t, grid%threads, grid%ny) + 1) - 1
             self%node(k) = self%node(k + shift)
             self%residual(k) = self%residual(k + shift)
          end do

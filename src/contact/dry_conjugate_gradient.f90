@@ -9,12 +9,10 @@
 module dry_conjugate_gradient
    use active_set, only: active_set_t, new_active_set
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open
-   use dry_solution, only: dry_settings_t, dry_solution_t, take_survey
+   use dry_solution, only: dry_settings_t, dry_solution_t, end_of_iteration, take_survey
    use errors, only: error_t
-   use iteration_report, only: report_t
    use kinds, only: wp
    use load_projection, only: shift_into_bounds
-   use text, only: to_text
    use tree_network, only: new_tree_network, tree_network_t
    implicit none (type, external)
    private
@@ -95,7 +93,7 @@ contains
          end do
       end associate
       solution%report%method = 'conjugate_gradient'
-      solution%report%reason = reason_of(solution%report, work%set%error, stalled, settings%max_cycles)
+      solution%report%reason = end_of_iteration(solution%report, work%set, settings%max_cycles, is_stalled=stalled > patience)
       call move_alloc(work%v, solution%v)
       call take_survey(work%set, solution)
    end subroutine iterate_conjugate_gradient
@@ -406,23 +404,5 @@ contains
          if (p_new < 0.0_wp .or. p_new > problem%hardness) fits = .false.
       end do
    end function fits
-
-   !> Why the iteration ended.
-   function reason_of(report, error, stalled, max_cycles) result(reason)
-      type(report_t), intent(in) :: report
-      real(wp), intent(in) :: error
-      integer, intent(in) :: stalled, max_cycles
-      character(:), allocatable :: reason
-
-      if (report%converged) then
-         reason = 'converged'
-      else if (error >= huge(1.0_wp)) then
-         reason = 'values are not finite'
-      else if (stalled > patience) then
-         reason = 'the error has stopped falling at ' // to_text(error, 3)
-      else
-         reason = 'the error is ' // to_text(error, 3) // ' after ' // to_text(max_cycles) // ' iterations'
-      end if
-   end function reason_of
 
 end module dry_conjugate_gradient

@@ -7,7 +7,7 @@
 !> pressures in E' s/(4 L): then K has the transfer function 1/q.
 module dry_problem
    use errors, only: error_t
-   use half_space_response, only: band_limited_response, element_response, open_area_kernel, open_line_kernel, wavenumbers
+   use half_space_response, only: band_limited_response, element_response, open_area_kernel, open_line_kernel
    use kinds, only: wp
    use spectral_product, only: new_convolution, new_spectral_product, spectral_product_t
    implicit none (type, external)

@@ -3,10 +3,11 @@ module dry_solution
    use active_set, only: active_set_t
    use iteration_report, only: report_t
    use kinds, only: wp
+   use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: dry_settings_t, dry_solution_t, take_survey
+   public :: dry_settings_t, dry_solution_t, end_of_iteration, take_survey
 
    !> Methods.
    integer, parameter, public :: method_conjugate_gradient = 1, method_steepest_descent = 2
@@ -51,5 +52,24 @@ contains
       solution%report%residual = set%error
       solution%report%load_error = set%load_error
    end subroutine take_survey
+
+   !> Why an iteration of at most `max_cycles` ended; `is_stalled`: its error had stopped falling.
+   function end_of_iteration(report, set, max_cycles, is_stalled) result(reason)
+      type(report_t), intent(in) :: report
+      type(active_set_t), intent(in) :: set
+      integer, intent(in) :: max_cycles
+      logical, intent(in) :: is_stalled
+      character(:), allocatable :: reason
+
+      if (report%converged) then
+         reason = 'converged'
+      else if (set%error >= huge(1.0_wp)) then
+         reason = 'values are not finite'
+      else if (is_stalled) then
+         reason = 'the error has stopped falling at ' // to_text(set%error, 3)
+      else
+         reason = 'the error is ' // to_text(set%error, 3) // ' after ' // to_text(max_cycles) // ' iterations'
+      end if
+   end function end_of_iteration
 
 end module dry_solution

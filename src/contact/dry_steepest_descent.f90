@@ -5,10 +5,9 @@
 module dry_steepest_descent
    use active_set, only: active_set_t, new_active_set
    use dry_problem, only: dry_problem_t
-   use dry_solution, only: dry_settings_t, dry_solution_t, take_survey
+   use dry_solution, only: dry_settings_t, dry_solution_t, end_of_iteration, take_survey
    use kinds, only: wp
    use load_projection, only: shift_into_bounds
-   use text, only: to_text
    implicit none (type, external)
    private
 
@@ -42,13 +41,7 @@ contains
             if (report%converged .or. set%error >= huge(1.0_wp)) exit
             if (iteration < settings%max_cycles) call descend(problem, set, direction, response, q, p)
          end do
-         if (report%converged) then
-            report%reason = 'converged'
-         else if (set%error >= huge(1.0_wp)) then
-            report%reason = 'values are not finite'
-         else
-            report%reason = 'the error is ' // to_text(set%error, 3) // ' after ' // to_text(settings%max_cycles) // ' iterations'
-         end if
+         report%reason = end_of_iteration(report, set, settings%max_cycles, is_stalled=.false.)
       end associate
       call take_survey(set, solution)
    end subroutine iterate_steepest_descent

@@ -2,7 +2,6 @@
 !>
 !> A first pass over the file notes where every 4096th row begins, so that any row is found again without holding the table.
 module csv_heights
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
    use height_source, only: height_source_t

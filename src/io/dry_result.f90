@@ -10,7 +10,7 @@ module dry_result
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
-   use roughness, only: bearing_ratio, height_density, power_spectrum, rms_curvature, rms_slope, roughness_t
+   use roughness, only: bearing_ratio, height_density, power_spectrum, rms_curvature, rms_slope
    implicit none (type, external)
    private
 

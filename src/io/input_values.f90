@@ -4,8 +4,8 @@
 !> business of `case_input`.
 module input_values
    use findings, only: findings_t, quoted
-   use input_keys, only: key_rows, key_row_t, group_rows, later_rows, find_key, find_group, later_meaning, expected_value, &
-      has_word, real_kind, integer_kind, logical_kind, word_kind, text_kind, reals_kind, words_kind, is_required, is_chosen, &
+   use input_keys, only: key_rows, key_row_t, group_rows, find_key, find_group, later_meaning, expected_value, &
+      has_word, real_kind, integer_kind, logical_kind, word_kind, reals_kind, words_kind, is_required, is_chosen, &
       is_optional, lubricated, every
    use key_range, only: is_in_range
    use kinds, only: wp

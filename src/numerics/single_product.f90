@@ -13,6 +13,7 @@ module single_product
       plan_dft_c2r_1d => fftwf_plan_dft_c2r_1d, plan_dft_r2c_1d => fftwf_plan_dft_r2c_1d
    use kinds, only: wp
    use text, only: to_text
+   use work_shares, only: share_end
    implicit none (type, external)
    private
 

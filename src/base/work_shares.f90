@@ -1,0 +1,18 @@
+!> Equal shares of work for threads.
+module work_shares
+   implicit none (type, external)
+   private
+
+   public :: share_end
+
+contains
+
+   !> The last of `items` items, counted from 1, that thread `share` of `shares` works on; its first is the one behind
+   !> share_end(share - 1, ...), and share_end(0, ...) is 0.
+   pure elemental integer function share_end(share, shares, items)
+      integer, intent(in) :: share, shares, items
+
+      share_end = share*items/shares
+   end function share_end
+
+end module work_shares
