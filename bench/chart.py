@@ -10,6 +10,7 @@ chart.png, .pdf, chart.csv and conclusion.txt, which is made from the same numbe
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 import sys
 from dataclasses import dataclass, field, replace
@@ -22,8 +23,10 @@ from bench_program import ROOT, Answer, Job, job, new_parser, output_folder
 sys.path.append(str(ROOT / "postproc"))
 
 import figure_style as style
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
+from matplotlib.text import Annotation
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 METHODS: dict[str, dict[str, object]] = {
@@ -40,11 +43,15 @@ LOOKS = {
     **dict(zip(list(METHODS)[1:], style.SERIES, strict=True)),
     "auto, target given": {"color": "#7a3fb0", "linestyle": "-", "linewidth": 0.8, "marker": "*", "markersize": 6},
     "auto, extrapolated": {
-        "color": "#404040",
-        "linestyle": (0, (1, 1)),
-        "linewidth": 0.8,
+        "color": "#f0b000",
+        "linestyle": (0, (1, 0.6)),
+        "linewidth": 3.0,
         "marker": "o",
+        "markersize": 4,
         "markerfacecolor": "white",
+        "markeredgecolor": "#404040",
+        "markeredgewidth": 0.8,
+        "zorder": 1.5,
     },
     "auto, backward Euler": {"color": "#d02060", "linestyle": "-", "marker": "P", "markersize": 5},
 }
@@ -57,6 +64,11 @@ TARGETS = (1e-1, 1e-2, 1e-3, 1e-4)
 WANTED = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4)
 HEAVY = (100, 10)
 SHORT_WINDOW = 0.55
+# The default program: its values, and the limits that the same run writes beside them.
+DEFAULT = ("auto", "auto, extrapolated")
+# Curves whose points are labelled, the second one at powers of two; sides of a point where a label may stand [points].
+LABELLED = ("newton_krylov", "auto, backward Euler", "block_jacobi")
+SIDES = [(x, y) for y in (-8, 2, -3, 7, -14) for x in (-4, 4)]
 # In time there are grids of 5/4 of each power of two besides: the reference has all their nodes, and steps are whole numbers.
 REFERENCE_FACTOR = 5
 STEP_UNIT = 4
@@ -232,11 +244,28 @@ def conclusions(panels: list[Panel], failures: list[Answer]) -> str:
             others.sort(key=lambda point: point.seconds)
             ratios = [f"{point.method} {point.seconds / first.seconds:.1f} x" for point in others]
             lines.append(text + (f"; {', '.join(ratios)}" if ratios else ""))
-        lines.append(f"  observed order in 1/intervals: {orders(panel)}")
+        lines += [f"  {who_is_first(panel)}", f"  observed order in 1/intervals: {orders(panel)}"]
     if failures:
         lines.append("Not converged, not shown:")
         lines += [f"  {answer['name']}: {answer['reason'].strip()}" for answer in failures]
     return "\n".join(lines) + "\n"
+
+
+def who_is_first(panel: Panel) -> str:
+    """Whether the default is the left-most curve at every error of a point; one run gives its values and their limits."""
+    late = {}
+    for error in sorted({point.error for points in panel.curves.values() for point in points}):
+        best = fastest(panel, 1.001 * error)  # methods solve the same equations, up to their tolerance
+        own = min((best[name].seconds for name in DEFAULT if name in best), default=math.inf)
+        first = min(best.values(), key=lambda point: point.seconds)
+        if first.method not in DEFAULT and not is_default(first, best.get("auto")):
+            late[first.method, first.intervals] = f"{percent(error)} ({first.method}, {first.seconds / own:.2f} x)"
+    which = "the default (auto, or the extrapolated value that the same run writes beside each figure)"
+    if DEFAULT[1] not in panel.curves:
+        which = "the default"
+    if not late:
+        return f"left-most at every error shown: {which}"
+    return f"left-most at every error shown but {', '.join(late.values())}: {which}"
 
 
 def orders(panel: Panel) -> str:
@@ -252,14 +281,9 @@ def orders(panel: Panel) -> str:
 
 
 def draw_panel(axes: Axes, panel: Panel) -> None:
-    """The curves of one contact; the points of one method are labelled with their intervals."""
+    """The curves of one contact."""
     for method, points in panel.curves.items():
         axes.loglog([p.seconds * 1e3 for p in points], [100 * p.error for p in points], label=method, **LOOKS[method])
-    for point in panel.curves.get("newton_krylov", []):
-        _label(axes, point, (-4, -8))
-    for name in ("block_jacobi", "auto, backward Euler"):
-        for point in panel.curves.get(name, []):
-            _label(axes, point, (-4, -8) if "Euler" in name else (5, 2))
     axes.set(title=panel.title, xlabel="Wall time [ms]", ylabel=f"Error of {panel.measure} [%]")
     axes.title.set_fontsize(8.5)
     axes.grid(which="major", color="0.9", linewidth=0.5)
@@ -270,8 +294,29 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
-def _label(axes: Axes, point: Point, shift: tuple[int, int]) -> None:
-    axes.annotate(
+def label_points(axes: Axes, panel: Panel) -> None:
+    """The intervals beside the points of some curves, each on the side where it covers least of curves and other labels."""
+    curves = [axes.transData.transform(line.get_xydata()) for line in axes.lines]
+    covered = [along for curve in curves for start, end in itertools.pairwise(curve) for along in np.linspace(start, end, 40)]
+    taken = []
+    for point in (point for name in LABELLED for point in panel.curves.get(name, [])):
+        if "Euler" in point.method and point.intervals & (point.intervals - 1):
+            continue
+        labels = [new_label(axes, point, side) for side in SIDES]
+        boxes = [label.get_window_extent().padded(1) for label in labels]
+        costs = [
+            20 * (sum(map(box.overlaps, taken)) + (box.x0 < axes.bbox.x0)) + sum(box.contains(*spot) for spot in covered)
+            for box in boxes
+        ]
+        best = costs.index(min(costs))
+        taken.append(boxes[best])
+        for label in labels[:best] + labels[best + 1 :]:
+            label.remove()
+
+
+def new_label(axes: Axes, point: Point, shift: tuple[int, int]) -> Annotation:
+    """The intervals of a point beside it."""
+    return axes.annotate(
         str(point.intervals),
         (point.seconds * 1e3, 100 * point.error),
         xytext=shift,
@@ -292,6 +337,9 @@ def draw(panels: list[Panel], folder: Path) -> None:
         for handle, label in zip(*one.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
     style.legend_below(figure, list(handles.values()), 4)
+    figure.canvas.draw()
+    for one, panel in zip(axes, panels, strict=True):
+        label_points(one, panel)
     style.save_figure(figure, [folder / "chart.png", folder / "chart.pdf"])
 
 

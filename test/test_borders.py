@@ -73,6 +73,7 @@ NEWTONIAN = {"rheology": "newtonian", "eyring_stress": None}
 INSIDE = {
     "gauss_seidel_in_time_without_sliding": rolling(256, 2, GAUSS_SEIDEL),
     "gauss_seidel_in_small_steps_without_sliding": rolling(256, 4, GAUSS_SEIDEL),
+    "gauss_seidel_in_small_steps_newtonian": rolling(512, 16, GAUSS_SEIDEL, NEWTONIAN),
     "gauss_seidel_in_time_newtonian": rolling(512, 2, GAUSS_SEIDEL, NEWTONIAN),
     "auto_in_time_without_sliding": rolling(1024, 4, {}, NEWTONIAN),
     "block_jacobi_relaxation": namelists.case_1(256, BLOCK_JACOBI | {"relaxation": 0.8}),
@@ -94,7 +95,10 @@ INSIDE = {
 }
 OUTSIDE = {
     "gauss_seidel_in_time_without_sliding": (rolling(256, 2, GAUSS_SEIDEL | {"relaxation": 0.8}), "time step 1 of 10"),
-    "gauss_seidel_in_small_steps_newtonian": (rolling(1024, 4, GAUSS_SEIDEL, NEWTONIAN), "time step 1 of 10"),
+    "gauss_seidel_in_small_steps_newtonian": (
+        rolling(512, 16, GAUSS_SEIDEL | {"relaxation": 0.4}, NEWTONIAN),
+        "time step 1 of 10",
+    ),
     "block_jacobi_relaxation": (namelists.case_1(256, BLOCK_JACOBI | {"relaxation": 1.0}), "fas block_jacobi V(5,5): "),
     "line_on_short_waves": (wavy(0.25, 0.3, LINE), "stagnation"),
     "gauss_seidel_on_short_high_waves": (wavy(0.25, 1.0, GAUSS_SEIDEL), "stagnation"),

@@ -3,35 +3,29 @@
 !>
 !> With Q1, Q2, Q4 on n, n/2, n/4 intervals and the observed order p = log2 |Q2 - Q4|/|Q1 - Q2| the error of Q1 is
 !> |Q1 - Q2|/(2^p - 1) (Roache, J. Fluids Eng. 116, 1994, 405). p is bounded: an order above the scheme's is chance.
+!> In a transient any observed order is (module transient_errors).
 module error_bars
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_summary, only: crests_t, figure_t, line_summary_t
    use lubricant, only: density_constant, viscosity_constant
+   use pressure_spike, only: growth_of, is_calm, largest_change
    use solver_settings, only: time_settings_t
    use split_errors, only: apply_forecast, forecast_t
+   use transient_errors, only: error_in_time, limit_in_time, pressure_safety_in_time
    implicit none (type, external)
    private
 
    public :: error_bars_t, new_error_bars, apply_error_bars, domain_error, estimated_error, error_from_levels, observed_order
-   public :: is_calm
 
    !> An estimate is widened by this factor: the observed order is uncertain.
    real(wp), parameter :: safety = 1.5_wp
-   !> In a transient by these besides, the first for the smallest film: extremes are those of the steps and wander between them,
-   !> and errors of grid and time may cancel (found with 120 passages; the first held by 60 others).
-   real(wp), parameter :: time_safety_minimum = 2.5_wp, time_safety = 1.67_wp
    !> The same for the largest pressure.
    real(wp), parameter :: pressure_safety = 2.0_wp
-   !> A pressure spike grows with the grid for long: in a compressible lubricant in all by no more than the first many times the
-   !> larger one of its last two changes; where the grid resolves it, its sharpness being below the third number, by no more than
-   !> the second many times (12 contacts on 256 to 32768 intervals: by 0.3 to 1.3 times from there on).
-   real(wp), parameter :: spike_growth = 6.0_wp, resolved_growth = 2.0_wp, largest_sharpness = 0.08_wp
-   !> A largest pressure does not grow like a spike if it changes by less than the first share and half of the change before, or
-   !> in two doublings by less than the second share.
-   real(wp), parameter :: calm_share = 5.0e-3_wp, still_share = 1.5e-3_wp
+   !> Bounds of the observed order in space.
+   real(wp), parameter :: orders(2) = [1.0_wp, 2.0_wp]
    !> Error of the exit between two nodes, in spacings: rms 0.2, at most 0.6 in 32 solutions of 8 contacts.
    real(wp), parameter :: exit_jitter = 0.2_wp
    !> Above this alpha p_h a Newtonian contact may have a spike.
@@ -45,8 +39,8 @@ module error_bars
       !> Figures on n/2 and n/4 intervals; valid where the logical says so.
       type(line_summary_t) :: half, quarter
       logical :: has_half = .false., has_quarter = .false.
-      !> Bounds of the order of convergence: 2 in space, 1 or 2 in time.
-      real(wp) :: lowest_order = 1.0_wp, highest_order = 2.0_wp
+      !> Of a transient with a scheme of first order.
+      logical :: is_first_order = .false.
       !> A Newtonian piezoviscous contact may have a pressure spike, which in an incompressible lubricant has no end on finer
       !> grids.
       logical :: may_spike = .false., is_compressible = .false.
@@ -66,7 +60,7 @@ contains
       type(figure_t) :: h_min
 
       h_min = summary%h_min
-      call estimate(bars, bars%half%h_min, bars%quarter%h_min, bars%lowest_order, h_min)
+      call estimate(bars, bars%half%h_min, bars%quarter%h_min, h_min)
       error = huge(1.0_wp)
       if (ieee_is_finite(h_min%error_grid)) error = h_min%error_grid/h_min%value
    end function estimated_error
@@ -83,9 +77,10 @@ contains
 
       if (bars%forecast%is_known) then
          call apply_forecast(bars%forecast, exit_jitter*dx, pressure_safety/safety, summary)
-      else
-         if (bars%has_half) call estimate_grid_errors(bars, dx, summary)
-         if (report%steps > 0) call widen(summary)
+      else if (bars%has_half .and. report%steps > 0) then
+         call estimate_errors_in_time(bars, dx, summary)
+      else if (bars%has_half) then
+         call estimate_grid_errors(bars, dx, summary)
       end if
       iteration = max(report%residual, report%load_error)
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
@@ -97,17 +92,6 @@ contains
       call add_up(summary%p_max, bars%starving*share, iteration)
       call add_up(summary%x_cavitation, share, iteration)
    end subroutine apply_error_bars
-
-   !> Grid and time step of a transient.
-   pure subroutine widen(summary)
-      type(line_summary_t), intent(inout) :: summary
-
-      summary%h_min%error_grid = time_safety_minimum*summary%h_min%error_grid
-      summary%h_min_node%error_grid = time_safety_minimum*summary%h_min_node%error_grid
-      summary%h_central%error_grid = time_safety*summary%h_central%error_grid
-      summary%p_max%error_grid = time_safety*summary%p_max%error_grid
-      summary%x_cavitation%error_grid = time_safety*summary%x_cavitation%error_grid
-   end subroutine widen
 
    !> Bound on the relative error of a film because of the length of the domain, from `inlet_error` of its inlet.
    pure function domain_error(inlet_error) result(error)
@@ -127,15 +111,87 @@ contains
       figure%error_estimate = figure%error_grid + figure%error_domain + figure%error_iteration
    end subroutine add_up
 
-   !> The part of grid and time step.
+   !> Grid and time step of a transient.
+   pure subroutine estimate_errors_in_time(bars, dx, summary)
+      type(error_bars_t), intent(in) :: bars
+      real(wp), intent(in) :: dx
+      type(line_summary_t), intent(inout) :: summary
+      real(wp) :: exit_error
+
+      associate (half => bars%half, quarter => bars%quarter)
+         call take(half%h_min%value, quarter%h_min%value, summary%h_min)
+         call take(half%h_central%value, quarter%h_central%value, summary%h_central)
+         associate (node => summary%h_min_node, between => summary%h_min)
+            node%error_grid = between%error_grid + abs(node%value - between%value)
+            node%extrapolated = between%extrapolated
+         end associate
+         associate (figure => summary%x_cavitation)
+            exit_error = error_in_time(three(figure%extrapolated, half%x_cavitation%extrapolated, &
+               quarter%x_cavitation%extrapolated), bars%is_first_order)
+            figure%error_grid = exit_error + abs(figure%value - figure%extrapolated) + exit_jitter*dx
+         end associate
+         call estimate_pressure_in_time(bars, three(summary%crests%highest, half%crests%highest, quarter%crests%highest), &
+            three(summary%crests%last, half%crests%last, quarter%crests%last), summary)
+      end associate
+
+   contains
+
+      !> A figure on n, n/2, n/4 intervals, the last one NaN where there was no solution.
+      pure function three(full, half, quarter) result(values)
+         real(wp), intent(in) :: full, half, quarter
+         real(wp) :: values(3)
+
+         values = [full, half, quarter]
+         if (.not. bars%has_quarter) values(3) = ieee_value(1.0_wp, ieee_quiet_nan)
+      end function three
+
+      !> Estimate and limit of a figure.
+      pure subroutine take(half, quarter, figure)
+         real(wp), intent(in) :: half, quarter
+         type(figure_t), intent(inout) :: figure
+         real(wp) :: values(3)
+
+         values = three(figure%value, half, quarter)
+         figure%error_grid = error_in_time(values, bars%is_first_order)
+         figure%extrapolated = limit_in_time(values)
+      end subroutine take
+
+   end subroutine estimate_errors_in_time
+
+   !> The largest pressure of a transient from its maxima by parabolas: as other figures where it does not grow like a spike;
+   !> where it may, what a spike grows, and what the last crest, which may be one, would then be above it. `highest`, `last`:
+   !> the largest and the last crest on n, n/2, n/4 intervals.
+   pure subroutine estimate_pressure_in_time(bars, highest, last, summary)
+      type(error_bars_t), intent(in) :: bars
+      real(wp), intent(in) :: highest(3), last(3)
+      type(line_summary_t), intent(inout) :: summary
+      real(wp) :: error, growth, above
+
+      if (.not. all(ieee_is_finite(highest))) return
+      error = pressure_safety_in_time*error_in_time(highest, bars%is_first_order)
+      if (bars%may_spike) then
+         growth = growth_of(summary%crests)
+         above = 0.0_wp
+         if (all(ieee_is_finite(last(:2)))) above = last(1) + growth*largest_change(last) - highest(1)
+         if (.not. (bars%is_compressible .or. (is_calm(highest) .and. above <= 0.0_wp))) return
+         if (.not. is_calm(highest)) error = growth*largest_change(highest)
+         error = max(error, above)
+      end if
+      associate (p_max => summary%p_max)
+         p_max%error_grid = error + abs(highest(1) - p_max%value)
+         p_max%extrapolated = limit_in_time(highest)
+      end associate
+   end subroutine estimate_pressure_in_time
+
+   !> The part of the grid.
    pure subroutine estimate_grid_errors(bars, dx, summary)
       type(error_bars_t), intent(in) :: bars
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
 
-      call estimate(bars, bars%half%h_min, bars%quarter%h_min, bars%lowest_order, summary%h_min)
-      call estimate(bars, bars%half%h_min_node, bars%quarter%h_min_node, bars%lowest_order, summary%h_min_node)
-      call estimate(bars, bars%half%h_central, bars%quarter%h_central, bars%lowest_order, summary%h_central)
+      call estimate(bars, bars%half%h_min, bars%quarter%h_min, summary%h_min)
+      call estimate(bars, bars%half%h_min_node, bars%quarter%h_min_node, summary%h_min_node)
+      call estimate(bars, bars%half%h_central, bars%quarter%h_central, summary%h_central)
       call estimate_pressure(bars, summary)
       call estimate_exit(bars, dx, summary%x_cavitation)
       ! nodal figures jump with the position of the nodes, which no difference of levels shows
@@ -157,29 +213,28 @@ contains
       between%value = figure%extrapolated
       half%value = half%extrapolated
       quarter%value = quarter%extrapolated
-      call estimate(bars, half, quarter, bars%lowest_order, between)
+      call estimate(bars, half, quarter, between)
       figure%error_grid = between%error_grid + abs(figure%value - figure%extrapolated) + exit_jitter*dx
    end subroutine estimate_exit
 
-   !> Estimate and extrapolated value of one figure, whose order is not below `lowest_order`.
-   pure subroutine estimate(bars, half, quarter, lowest_order, figure)
+   !> Estimate and extrapolated value of one figure.
+   pure subroutine estimate(bars, half, quarter, figure)
       type(error_bars_t), intent(in) :: bars
       type(figure_t), intent(in) :: half, quarter
-      real(wp), intent(in) :: lowest_order
       type(figure_t), intent(inout) :: figure
       real(wp) :: order
 
       if (.not. bars%has_half) return
       if (.not. (ieee_is_finite(figure%value) .and. ieee_is_finite(half%value))) return
-      order = lowest_order
+      order = orders(1)
       if (bars%has_quarter) then
-         order = observed_order(figure%value, half%value, quarter%value, [lowest_order, bars%highest_order])
+         order = observed_order(figure%value, half%value, quarter%value, orders)
          figure%extrapolated = figure%value + (figure%value - half%value)/(2.0_wp**order - 1.0_wp)
       end if
       figure%error_grid = error_from_levels(figure%value, half%value, order)
       ! terms of two orders and opposite signs may make the last difference small by chance
       if (bars%has_quarter .and. ieee_is_finite(quarter%value)) figure%error_grid = max(figure%error_grid, &
-         error_from_levels(half%value, quarter%value, order)/2.0_wp**bars%highest_order)
+         error_from_levels(half%value, quarter%value, order)/2.0_wp**orders(2))
    end subroutine estimate
 
    !> Estimate for the largest pressure of a node, from maxima by parabolas; none where three grids do not show a limit of the
@@ -197,12 +252,12 @@ contains
       end associate
       if (.not. all(ieee_is_finite(highest))) return
       if (.not. bars%may_spike) then
-         call estimate_crest(bars, highest, summary%p_max)
+         call estimate_crest(highest, summary%p_max)
       else if (ieee_is_finite(other(1)) .and. last(1) < other(1)) then
          if (.not. stays_below(bars, growth_of(summary%crests), last, other(1))) return
-         call estimate_crest(bars, merge(other, highest, ieee_is_finite(other)), summary%p_max)
+         call estimate_crest(merge(other, highest, ieee_is_finite(other)), summary%p_max)
       else if (is_calm(highest)) then
-         call estimate_crest(bars, highest, summary%p_max)
+         call estimate_crest(highest, summary%p_max)
       else if (bars%is_compressible) then
          associate (p_max => summary%p_max)
             p_max%error_grid = growth_of(summary%crests)*largest_change(highest) + abs(highest(1) - p_max%value)
@@ -211,26 +266,17 @@ contains
    end subroutine estimate_pressure
 
    !> Error of a nodal maximum: that of the parabola's, and what the node is below it.
-   pure subroutine estimate_crest(bars, values, figure)
-      type(error_bars_t), intent(in) :: bars
+   pure subroutine estimate_crest(values, figure)
       real(wp), intent(in) :: values(3)
       type(figure_t), intent(inout) :: figure
       real(wp) :: order
 
-      order = observed_order(values(1), values(2), values(3), [bars%lowest_order, bars%highest_order])
+      order = observed_order(values(1), values(2), values(3), orders)
       figure%error_grid = max(error_from_levels(values(1), values(2), order), &
-         error_from_levels(values(2), values(3), order)/2.0_wp**bars%highest_order)
+         error_from_levels(values(2), values(3), order)/2.0_wp**orders(2))
       figure%error_grid = pressure_safety/safety*figure%error_grid + abs(values(1) - figure%value)
       figure%extrapolated = values(1) + (values(1) - values(2))/(2.0_wp**order - 1.0_wp)
    end subroutine estimate_crest
-
-   !> How many times its last change a spike may grow.
-   pure function growth_of(crests) result(growth)
-      type(crests_t), intent(in) :: crests
-      real(wp) :: growth
-
-      growth = merge(resolved_growth, spike_growth, crests%sharpness <= largest_sharpness)
-   end function growth_of
 
    !> Whether a spike (its height on the three grids, NaN where it is not seen), which may grow `growth` times its last change, will
    !> stay below `crest` on finer grids.
@@ -253,23 +299,6 @@ contains
       stays_below = spike(1) + growth*change <= crest
    end function stays_below
 
-   !> Whether a largest pressure does not grow like a spike.
-   pure function is_calm(values)
-      real(wp), intent(in) :: values(3)
-      logical :: is_calm
-
-      is_calm = largest_change(values) < still_share*values(1)
-      is_calm = is_calm .or. abs(values(1) - values(2)) < min(calm_share*values(1), 0.5_wp*abs(values(2) - values(3)))
-   end function is_calm
-
-   !> The larger one of the changes over two doublings of the grid.
-   pure function largest_change(values) result(change)
-      real(wp), intent(in) :: values(3)
-      real(wp) :: change
-
-      change = max(abs(values(1) - values(2)), abs(values(2) - values(3)))
-   end function largest_change
-
    !> safety |q1 - q2|/(2^order - 1).
    pure elemental function error_from_levels(q1, q2, order) result(error)
       real(wp), intent(in) :: q1, q2, order
@@ -290,7 +319,7 @@ contains
       order = min(max(order, bounds(1)), bounds(2))
    end function observed_order
 
-   !> Nothing is known yet but the bounds of the order (backward Euler is of first order), and whether a spike is to be feared.
+   !> Nothing is known yet but the order of the scheme in time, and whether a spike is to be feared.
    pure function new_error_bars(contact, time) result(bars)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
@@ -299,10 +328,7 @@ contains
       bars%is_compressible = contact%fluid%density_law /= density_constant
       if (contact%fluid%viscosity_law == viscosity_constant) bars%starving = starved_isoviscous
       bars%may_spike = contact%fluid%alpha_bar > spike_alpha_bar .and. .not. contact%fluid%is_eyring
-      if (time%is_transient .and. time%scheme == 'backward_euler') then
-         bars%lowest_order = 0.7_wp
-         bars%highest_order = 1.0_wp
-      end if
+      bars%is_first_order = time%is_transient .and. time%scheme == 'backward_euler'
    end function new_error_bars
 
 end module error_bars

@@ -274,19 +274,20 @@ contains
       end if
    end subroutine keep_smaller
 
-   !> Takes `other` if it is larger, or not known.
+   !> Takes `other` if it is larger, or not known; of the extrapolated values the larger one.
    pure subroutine keep_larger(figure, other)
       type(figure_t), intent(inout) :: figure
       type(figure_t), intent(in) :: other
+      real(wp) :: extrapolated
 
       if (.not. ieee_is_finite(figure%value)) return
+      extrapolated = larger(figure%extrapolated, other%extrapolated)
       if (.not. ieee_is_finite(other%value)) then
          figure = other
       else if (other%value > figure%value) then
          figure = other
-      else if (other%value >= figure%value) then
-         figure%extrapolated = larger(figure%extrapolated, other%extrapolated)
       end if
+      figure%extrapolated = extrapolated
    end subroutine keep_larger
 
    !> A quiet NaN.

@@ -7,13 +7,14 @@ module resolution_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use companions, only: collector_t, fewest_intervals, run_companion
    use domain_choice, only: choose_domain, inlet_error
-   use error_bars, only: domain_error, error_bars_t, is_calm, new_error_bars
+   use error_bars, only: domain_error, error_bars_t, new_error_bars
    use errors, only: error_t
    use kinds, only: wp
    use line_contact, only: intervals_for_waves, line_contact_t, shortest_passage
    use line_hierarchy, only: coarsest_for_film, most_intervals
    use line_summary, only: line_summary_t
    use observer, only: observer_t
+   use pressure_spike, only: is_calm
    use solver_settings, only: solver_settings_t, time_settings_t
    use split_errors, only: error_at, figure_values, forecast_figures, new_split_error, shift_at, split_error_t
    implicit none (type, external)

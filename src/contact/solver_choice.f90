@@ -126,7 +126,8 @@ contains
    !>
    !> Where the viscosity is high enough for squeeze and wedge to outweigh the diffusion, the equation of a step is H(P) = given: a
    !> sweep with the own share K_0 of the kernel only changes long waves of P by up to n/10 times too much, and the cycle diverges
-   !> unless the coarse grids get the better of that. So stated smoothers go on with less relaxation and more sweeps.
+   !> unless the coarse grids get the better of that. So stated smoothers go on with a larger own share, less relaxation and more
+   !> sweeps.
    pure function time_step_attempts(contact, settings) result(attempts)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -142,11 +143,12 @@ contains
          attempts = [stated_way(settings, is_heavy=.true.)]
       end if
       if (size(attempts) == 1 .and. attempts(1)%method == method_fas .and. settings%relaxation <= 0.0_wp) attempts = &
-         [attempts, gentler(attempts(1), 0.4_wp, 3), gentler(attempts(1), 0.2_wp, 5), gentler(attempts(1), 0.1_wp, 8)]
+         [attempts, gentler(attempts(1), 0.4_wp, 3), gentler(attempts(1), 0.2_wp, 5), gentler(attempts(1), 0.1_wp, 8), &
+         gentler(attempts(1), 0.05_wp, 12)]
       call override(settings, attempts)
    end function time_step_attempts
 
-   !> The same with less relaxation and more sweeps.
+   !> The same with the own share of the kernel taken as at least 3 dX/pi, less relaxation and more sweeps.
    pure function gentler(base, relaxation, sweeps) result(choice)
       type(relaxation_t), intent(in) :: base
       real(wp), intent(in) :: relaxation
@@ -157,6 +159,7 @@ contains
       choice%relaxation = relaxation
       choice%pre_sweeps = sweeps
       choice%post_sweeps = sweeps
+      choice%kernel_bound = 3.0_wp
    end function gentler
 
    !> True where neither method nor smoother is stated.
