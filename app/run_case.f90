@@ -234,6 +234,7 @@ contains
       integer, parameter :: all_digits = 17
 
       call set_effective(case, 'domain', 'x_inlet', to_text(contact%domain%x_inlet, all_digits), 'half-widths')
+      call set_effective(case, 'domain', 'inlet', trim(contact%domain%inlet), '')
       call set_effective(case, 'domain', 'x_outlet', to_text(contact%domain%x_outlet, all_digits), 'half-widths')
       call set_effective(case, 'domain', 'intervals', to_text(contact%domain%intervals), '-')
       if (case%time%is_transient .and. case%time%time_step > 0.0_wp) call set_effective(case, 'time', 'time_step', &

@@ -129,11 +129,11 @@ def survey(batch: list[Contact]) -> list[Row]:
     for each in batch:
         answer = first[each.name]
         n, inlet, outlet = int(answer["intervals"]), answer["x_inlet"], answer["x_outlet"]
-        domain = {"x_inlet": inlet, "x_outlet": outlet, "intervals": FINER * n}
+        domain = {"inlet": answer["inlet"], "x_inlet": inlet, "x_outlet": outlet, "intervals": FINER * n}
         jobs.append(job(each.name + "_finer", each.text(domain), limit=20))
         far = outlet - LONGER * (outlet - inlet)
         if far > -FARTHEST:
-            domain = {"x_inlet": far, "x_outlet": outlet, "intervals": FINER * LONGER * n}
+            domain |= {"x_inlet": far, "intervals": FINER * LONGER * n}
             jobs.append(job(each.name + "_longer", each.text(domain), limit=20))
     finer = bench_program.run(jobs)
     rows = []
@@ -182,7 +182,7 @@ def costs(batch: list[Contact], effort: dict[str, float]) -> list[Cost]:
                 continue
             n, inlet, outlet = int(answer["intervals"]), answer["x_inlet"], answer["x_outlet"]
             sizes = [2**k for k in range(max(5, int(math.log2(n)) - 3), int(math.log2(n)) + 2)]
-            domain = {"x_inlet": inlet, "x_outlet": outlet}
+            domain = {"inlet": answer["inlet"], "x_inlet": inlet, "x_outlet": outlet}
             jobs += [job(f"{each.name}:{target:g}:{size}", each.text(domain | {"intervals": size}), **effort) for size in sizes]
             domain["x_inlet"] = max(outlet - LONGER * (outlet - inlet), -FARTHEST)
             finest = min(FINER * LONGER * 2 ** math.ceil(math.log2(n)), LARGEST)

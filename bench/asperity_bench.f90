@@ -26,7 +26,7 @@ program asperity_bench
    call read_text_file(trim(file), content, error)
    if (.not. allocated(error)) call split_jobs(content, jobs, error)
    call stop_on(error)
-   write (output_unit, '(a)') 'name,method,converged,intervals,x_inlet,x_outlet,levels,cycles,steps,residual,load_error,'// &
+   write (output_unit, '(a)') 'name,method,inlet,converged,intervals,x_inlet,x_outlet,levels,cycles,steps,residual,load_error,'// &
       'tolerance,step_residual,fft_pairs,work_units,runs,setup_least,steady_least,transient_least,all_least,'// &
       'setup_median,steady_median,transient_median,all_median,processor,h_min,h_central,p_max,x_cavitation,difference,'// &
       'product_seconds,h_min_node,h_min_error,h_min_node_error,h_central_error,p_max_error,x_cavitation_error,'// &
@@ -52,7 +52,7 @@ contains
 
       associate (report => outcome%report, first => outcome%first, domain => outcome%contact%domain)
          converged = merge(1, 0, report%converged)
-         write (output_unit, '(5a)', advance='no') '"', job%name, '","', report%method, '"'
+         write (output_unit, '(7a)', advance='no') '"', job%name, '","', report%method, '","', trim(domain%inlet), '"'
          write (output_unit, '(2(",",i0),2(",",g0),3(",",i0),4(",",es10.3e3),",",i0,",",es12.5,",",i0)', advance='no') converged, &
             domain%intervals, domain%x_inlet, domain%x_outlet, report%levels, report%cycles, report%steps, report%residual, &
             report%load_error, report%tolerance_effective, first%residual, report%fft_pairs, report%work_units, outcome%runs

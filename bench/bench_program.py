@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = ROOT / "build" / "bin" / "asperity-bench"
 ENVIRONMENT = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-WORDS = {"name", "method", "reason"}
+WORDS = {"name", "method", "inlet", "reason"}
 HANG = "no answer within the time limit, killed"
 CRASH = "the program crashed"
 

@@ -92,6 +92,23 @@ def test_effective_values_are_numbers_with_units(results):
         assert effective["domain/x_inlet"][()] * effective["domain/x_inlet"].attrs["si_scale"] == -4 * half_width
 
 
+def test_inlet_that_the_program_chooses(asperity, tmp_path):
+    case = "&case problem = 'ehl_line' / &moes moes_m = 1.0, moes_l = 5.0, velocity = 'sum' /\n"
+    case += "&lubricant viscosity_law = 'barus', density_law = 'constant' /\n"
+    write(tmp_path, "tail.nml", case)
+    write(tmp_path, "zero.nml", case + "&domain inlet = 'zero', intervals = 2048 /\n")
+    assert asperity("tail.nml", "zero.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "tail.h5") as tail, h5py.File(tmp_path / "zero.h5") as zero:
+        assert text(tail["input/effective/domain/inlet"][()]) == "tail"
+        assert text(zero["input/effective/domain/inlet"][()]) == "zero"
+        assert tail["input/effective/domain/x_inlet"][()] > 0.3 * zero["input/effective/domain/x_inlet"][()]
+        assert tail["solution/pressure"][0] > 0 == zero["solution/pressure"][0]
+        films = [file["summary/h_min"].attrs["dimensionless"] for file in (tail, zero)]
+        errors = [file["summary/h_min"].attrs["error_estimate"] / film for file, film in zip((tail, zero), films, strict=True)]
+        # each within its own estimate of the truth
+        assert abs(films[0] - films[1]) < (errors[0] + errors[1]) * films[1] < 0.02 * films[1]
+
+
 def test_summary_is_the_solution_in_si(results):
     with h5py.File(results / "steady.h5") as file:
         film, pressure, x = (file["solution"][name] for name in ("film_thickness", "pressure", "x"))

@@ -2,6 +2,7 @@
 module cycle_control
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use fas_cycle, only: cycle_from
+   use inlet_tail, only: close_inlet
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -85,6 +86,7 @@ contains
             if (watcher%wants_stop) report%reason = 'stopped from outside'
          end if
          if (len(report%reason) > 0) return
+         call close_inlet(contact, hierarchy%levels(hierarchy%finest))
       end do
       report%reason = 'converged'
       if (.not. report%converged) report%reason = 'cycle limit: '//to_text(limits%max_cycles)// &

@@ -123,6 +123,7 @@ contains
          coarse%pressure_start = coarse%pressure
          coarse%film_start = coarse%film
          coarse%inverse_time_step = fine%inverse_time_step
+         coarse%has_tail = .false.
          coarse%rhs_load = coarse%dx*sum(coarse%pressure) + load_defect(fine)
          call film_of(fine, hierarchy%rigid_displacement, fine%work)
          fine%work = fine%work - fine%film

@@ -11,7 +11,7 @@ module line_contact
    implicit none (type, external)
    private
 
-   public :: film_estimate, intervals_for_waves, line_contact_t, move_profiles, newtonian_film, nodes_in_finest_wave
+   public :: film_estimate, intervals_for_waves, is_smooth, line_contact_t, move_profiles, newtonian_film, nodes_in_finest_wave
    public :: shortest_passage
 
    !> Intervals in the finest wave (feature, sinusoid, profile) below which companions on n/4 may not see it.
@@ -63,6 +63,14 @@ contains
       wave = min(finest_wave(contact%surface_1), finest_wave(contact%surface_2))
       intervals = ceiling(min(fewest_in_wave*(contact%domain%x_outlet - contact%domain%x_inlet)/max(wave, 1.0e-9_wp), 1.0e9_wp))
    end function intervals_for_waves
+
+   !> Whether both surfaces are smooth.
+   pure function is_smooth(contact)
+      type(line_contact_t), intent(in) :: contact
+      logical :: is_smooth
+
+      is_smooth = min(finest_wave(contact%surface_1), finest_wave(contact%surface_2)) >= huge(1.0_wp)
+   end function is_smooth
 
    !> Time T in which the finest wave of a moving surface passes a place; above 1e9 if there is none.
    pure function shortest_passage(contact) result(time)

@@ -225,6 +225,7 @@ contains
          allocate (roughness(0:level%n), source=0.0_wp)
       end if
       call set_plain_problem(level, roughness)
+      level%has_tail = contact%domain%inlet == 'tail'
    end subroutine pose_level
 
    !> Adds `sweeps` on level k to the work done.

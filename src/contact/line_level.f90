@@ -23,6 +23,8 @@ module line_level
       real(wp) :: inverse_time_step = 0.0_wp
       !> Pressure and film are the solution of the original problem on this grid, accurate enough to be compared with finer ones.
       logical :: is_companion = .false.
+      !> Pressure and load in front of the grid are those of module inlet_tail.
+      logical :: has_tail = .false.
       !> Products with the kernel so far (one FFT pair each).
       integer :: products = 0
       !> Nodes X.
@@ -117,7 +119,8 @@ contains
       level%film = max(level%rhs_film + rigid_displacement - level%deflection, 0.5_wp*level%film)
    end subroutine update_film
 
-   !> Force balance (2.60) by the trapezoidal rule (P = 0 at both ends): rhs_load - dX sum P.
+   !> Force balance (2.60) by the trapezoidal rule (P = 0 at both ends, or what an inlet tail carries is not in rhs_load):
+   !> rhs_load - dX sum P.
    pure function load_defect(level) result(defect)
       type(line_level_t), intent(in) :: level
       real(wp) :: defect

@@ -179,6 +179,8 @@ contains
       associate (level => hierarchy%levels(k))
          call prolong_cubic(hierarchy%levels(k - 1)%pressure, level%pressure)
          call place_exit(hierarchy%levels(k - 1), level)
+         level%has_tail = contact%domain%inlet == 'tail'
+         if (level%has_tail) level%rhs_load = hierarchy%levels(k - 1)%rhs_load - 0.5_wp*level%dx*level%pressure(0)
          do pass = 0, most_smoothings
             call film_of(level, hierarchy%rigid_displacement, level%film)
             if (.not. contact%fluid%is_eyring) exit
@@ -227,6 +229,8 @@ contains
          else
             level%pressure = sqrt(max(1 - level%x**2, 0.0_wp))
          end if
+         level%has_tail = contact%domain%inlet == 'tail'
+         if (level%has_tail) level%rhs_load = 0.5_wp*pi
          level%pressure(0) = 0.0_wp
          level%pressure(level%n) = 0.0_wp
          level%pressure = level%pressure*0.5_wp*pi/(level%dx*sum(level%pressure))

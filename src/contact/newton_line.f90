@@ -4,6 +4,7 @@
 !> a node is cavitated where P + r/D <= 0 (r the residual of (2.65), D > 0 the elastic diagonal). How the linear system is
 !> solved is the affair of a `linear_solver_t`: by LAPACK, or in O(n log n).
 module newton_line
+   use inlet_tail, only: close_inlet
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: film_of, line_level_t, load_defect
@@ -71,6 +72,7 @@ contains
       level%film = newton%film_trial
       do while (newton%steps < max_steps)
          if (is_stopped(watcher)) return
+         if (newton%steps > 0) call close_inlet(contact, level)
          call evaluate_reynolds(contact, level)
          call evaluate_jacobian(contact, level, newton%jacobian)
          call prepare_system(newton, level)

@@ -10,7 +10,9 @@
 !> upstream and one downstream, rH(i+1/2) = (2 rH(i+1) + 5 rH(i) - rH(i-1))/6: the wedge is of third order,
 !> lambda/(6 dX) [ 2 rH(i+1) + 3 rH(i) - 6 rH(i-1) + rH(i-2) ]. At the first face both schemes have (rH(0) + rH(1))/2.
 module reynolds_line
+   use constants, only: pi
    use face_mobility, only: fluid_face_mobility
+   use inlet_tail, only: tail_load
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: film_of, line_level_t, load_defect
@@ -25,7 +27,7 @@ module reynolds_line
    type :: residual_t
       !> max |r|/lambda over P > 0, max(r, 0)/lambda where P = 0.
       real(wp) :: reynolds = huge(1.0_wp)
-      !> |dX sum P - pi/2|.
+      !> |dX sum P - pi/2|, with what the tail of this state carries.
       real(wp) :: load = huge(1.0_wp)
       !> Round-off floor of `reynolds`: 4e-16 ( max(e P)/(lambda dX^2) + max(H)/dT ).
       real(wp) :: floor = 0.0_wp
@@ -136,6 +138,7 @@ contains
       if (.not. residual%film_is_open) return
       level%film = level%work
       call evaluate_reynolds(contact, level)
+      if (level%has_tail) residual%load = abs(0.5_wp*pi - tail_load(contact, level) - level%dx*sum(level%pressure))
       level%work = (level%operator - level%rhs_reynolds)/contact%lambda
       level%work(0) = 0.0_wp
       level%work(level%n) = 0.0_wp

@@ -24,6 +24,8 @@ module solver_settings
       logical :: has_outlet = .false.
       !> Grid intervals on the finest grid, 2^k or 3, 5, 7 times that; 0: chosen by the program.
       integer :: intervals = 0
+      !> In front of the inlet: 'zero', no pressure, or 'tail', what module inlet_tail finds (steady only); 'auto': chosen.
+      character(len=word_length) :: inlet = 'zero'
    end type domain_t
 
    !> Steady or in time, and the steps. Time is dimensionless, T = t u_s/(2 b).

@@ -244,8 +244,10 @@ contains
       case%domain%x_inlet = values%real_value('domain', 'x_inlet')
       case%domain%x_outlet = values%real_value('domain', 'x_outlet')
       case%domain%intervals = integer_of(values, 'domain', 'intervals')
+      case%domain%inlet = values%word_value('domain', 'inlet')
       slot = values%slot('time', 'transient')
       case%time%is_transient = slot%logical
+      if (case%time%is_transient .and. case%domain%inlet == 'auto') case%domain%inlet = 'zero'
       case%time%end_time = values%real_value('time', 'end_time')
       case%time%time_step = values%real_value('time', 'time_step')
       case%time%scheme = values%word_value('time', 'scheme')

@@ -193,6 +193,8 @@ contains
       else
          call check_steps(values, findings)
       end if
+      if (transient%logical .and. values%word_value('domain', 'inlet') == 'tail') call findings%add( &
+         values%line_of('domain', 'inlet'), 'domain', 'inlet', "found 'tail', expected 'auto' or 'zero' with transient = .true.")
    end subroutine check_time
 
    !> Finds a time step longer than the transient, too many steps. A step that the program chooses is the grid spacing,

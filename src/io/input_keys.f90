@@ -150,6 +150,8 @@ module input_keys
       key_row_t('domain', 'x_inlet', real_kind, 'half-widths', is_chosen, '>= -1000, < -1', '', '', &
       'start of the domain; the contact is -1 to 1'), &
       key_row_t('domain', 'x_outlet', real_kind, 'half-widths', is_chosen, '> 1, <= 1000', '', '', 'end of the domain'), &
+      key_row_t('domain', 'inlet', word_kind, '', "'auto'", '', 'auto zero tail', '', &
+      'in front of x_inlet: no pressure, or the tail of a rigid inlet, steady only; auto: zero with x_inlet given'), &
       key_row_t('domain', 'intervals', integer_kind, '-', is_chosen, &
       '>= 8, <= 16777216, a power of two (times 3 or 5 or 7)', '', '', 'grid intervals, 2^k or 3, 5, 7 times that'), &
       key_row_t('time', 'transient', logical_kind, '', '.false.', '', '', '', 'transient or steady'), &
