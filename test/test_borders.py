@@ -85,6 +85,7 @@ INSIDE = {
     "auto_heaviest_thinning": thinning(2000, 40, 2048, {}),
     "auto_heaviest_thinning_by_much_sliding": thinning(2000, 40, None, {}, 4),
     "auto_heaviest_thinning_without_sliding": thinning(2000, 40, None, {}, 0),
+    "auto_heavy_thinning_on_a_given_grid": thinning(2000, 25, 8192, {}, 4),
     "auto_thinning_by_much_sliding": thinning(900, 30, 8192, {}, 4),
     "auto_thinning_without_sliding": thinning(410, 40, 8192, {}, 0),
     "auto_thinning_on_a_fine_grid": thinning(500, 40, 2**17, {}),
@@ -113,7 +114,7 @@ OUTSIDE = {
         "grid too coarse for the film, needs 16384 intervals (has 2048)",
     ),
     "ridge_on_too_few_intervals": (narrow_ridge(KRYLOV), "the finest wave of the surfaces has 12. intervals"),
-    "steps_at_round_off": (thinning(2000, 25, 8192, {}, 4), "Newton steps at round-off leave the residual at"),
+    "steps_at_round_off": (thinning(1000, 20, 2048, {}, 4), "Newton steps at round-off leave the residual at"),
     "too_coarse": (heavy(1000, 512, {}), "grid too coarse for the film, needs 1024 intervals (has 512)"),
     "too_coarse_when_thinning": (thinning(980, 30, 256, {}), "grid too coarse for the film, needs 1024 intervals (has 256)"),
 }

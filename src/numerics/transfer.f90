@@ -8,6 +8,8 @@ module transfer
 
    public :: inject, full_weighting, prolong_linear, prolong_cubic
 
+   real(wp), parameter :: steep = 4.0_wp
+
 contains
 
    !> coarse(i) = fine(2i), i = 0..n/2.
@@ -46,7 +48,8 @@ contains
    end subroutine prolong_linear
 
    !> Cubic interpolation of a pressure `coarse` (0..n/2) >= 0 to `fine` (0..n) >= 0; linear at both ends, in front of the
-   !> cavitated zone (where the slope jumps), and where the cubic would undershoot zero.
+   !> cavitated zone (where the slope jumps), and where the cubic would undershoot zero. Beside a spike, where the four values
+   !> differ by more than `steep` times, the cubic goes beyond neither neighbour.
    pure subroutine prolong_cubic(coarse, fine)
       real(wp), intent(in) :: coarse(0:)
       real(wp), intent(out) :: fine(0:)
@@ -57,6 +60,9 @@ contains
       do i = 1, ubound(coarse, 1) - 2
          if (coarse(i + 2) <= 0.0_wp) cycle
          cubic = (9*(coarse(i) + coarse(i + 1)) - coarse(i - 1) - coarse(i + 2))/16
+         associate (around => coarse(i - 1:i + 2), beside => coarse(i:i + 1))
+            if (maxval(around) > steep*minval(around)) cubic = min(max(cubic, minval(beside)), maxval(beside))
+         end associate
          if (cubic >= 0.0_wp) fine(2*i + 1) = cubic
       end do
    end subroutine prolong_cubic
