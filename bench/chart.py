@@ -235,11 +235,12 @@ def conclusions(panels: list[Panel], failures: list[Answer]) -> str:
                 best["auto"] = first
             text = f"  for {percent(target)} use {first.method} with {first.intervals} intervals: {show_time(first.seconds)}"
             default = best.get("auto")
+            own = "the value itself" if first.method in DEFAULT else "default"
             if default is None:
-                text += "; the default does not reach it on these grids"
+                text += f"; {own} does not reach it on these grids"
             elif default is not first:
                 ratio = default.seconds / first.seconds
-                text += f" (default: {default.intervals} intervals, {show_time(default.seconds)}, {ratio:.2f} x)"
+                text += f" ({own}: {default.intervals} intervals, {show_time(default.seconds)}, {ratio:.2f} x)"
             others = [p for p in best.values() if p is not first and p is not default and not is_default(p, default)]
             others.sort(key=lambda point: point.seconds)
             ratios = [f"{point.method} {point.seconds / first.seconds:.1f} x" for point in others]

@@ -65,9 +65,30 @@ def test_layout_is_complete(results, name):
         assert set(FIGURES) <= set(file["summary"])
         for figure in file["summary"].values():
             assert {"units", "dimensionless", "error_estimate"} <= set(figure.attrs)
+            assert np.isfinite(figure.attrs["error_estimate"]) != ("no_estimate" in figure.attrs), figure.name
         assert file.attrs["converged"] == 1
         assert text(file.attrs["reason"]) == "converged"
         assert ("transient" in file) == (name == "transient")
+
+
+@pytest.mark.parametrize(
+    ("extra", "names", "reason"),
+    [
+        ("&accuracy error_bars = .false. /", FIGURES, "no coarser grids are compared"),
+        ("&solver method = 'block_jacobi', max_cycles = 1 /", FIGURES, "no solution"),
+        ("", ["p_max"], "the grids that are compared show no limit"),
+    ],
+)
+def test_missing_estimate_has_a_reason(asperity, tmp_path, extra, names, reason):
+    moes = "&moes moes_m = 50, moes_l = 20, velocity = 'sum' /\n&lubricant viscosity_law = 'barus', density_law = 'constant' /\n"
+    write(tmp_path, "case.nml", f"&case problem = 'ehl_line' /\n{moes}&domain intervals = 512 /\n{extra}\n")
+    asperity("case.nml", "--quiet")
+    with h5py.File(tmp_path / "case.h5") as file:
+        for name in FIGURES:
+            figure = file["summary"][name]
+            assert np.isnan(figure.attrs["error_estimate"]) == (name in names), name
+            if name in names:
+                assert text(figure.attrs["no_estimate"]) == reason
 
 
 def test_title_is_utf_8(results):

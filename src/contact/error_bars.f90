@@ -19,6 +19,7 @@ module error_bars
    private
 
    public :: error_bars_t, new_error_bars, apply_error_bars, domain_error, estimated_error, error_from_levels, observed_order
+   public :: missing_estimate
 
    !> An estimate is widened by this factor: the observed order is uncertain.
    real(wp), parameter :: safety = 1.5_wp
@@ -94,6 +95,21 @@ contains
       call add_up(summary%p_max, bars%starving*share, iteration)
       call add_up(summary%x_cavitation, share, iteration)
    end subroutine apply_error_bars
+
+   !> Why a figure of a result has no estimate.
+   pure function missing_estimate(bars, report) result(reason)
+      type(error_bars_t), intent(in) :: bars
+      type(report_t), intent(in) :: report
+      character(:), allocatable :: reason
+
+      if (.not. report%converged) then
+         reason = 'no solution'
+      else if (bars%has_half .or. bars%forecast%is_known) then
+         reason = 'the grids that are compared show no limit'
+      else
+         reason = 'no coarser grids are compared'
+      end if
+   end function missing_estimate
 
    !> Bound on the relative error of a film because of the length of the domain, from `inlet_error` of its inlet.
    pure function domain_error(inlet_error) result(error)

@@ -79,18 +79,20 @@ contains
                          quantity_label('time of these fields, T = t u_s/(2 b)', 's', scaling%time, scaling))
    end subroutine write_solution
 
-   !> /summary: figures in SI; `is_transient`: extremes over the stored times, each with its time in `<name>_time`.
-   subroutine write_summary(file, summary, scaling, is_transient)
+   !> /summary: figures in SI; `is_transient`: extremes over the stored times, each with its time in `<name>_time`; `missing`: why
+   !> a figure whose estimate is NaN has none.
+   subroutine write_summary(file, summary, scaling, is_transient, missing)
       class(hdf5_file_t), intent(inout) :: file
       type(line_summary_t), intent(in) :: summary
       type(scaling_t), intent(in) :: scaling
       logical, intent(in) :: is_transient
+      character(*), intent(in) :: missing
       real(wp) :: moes_unit
 
       call file%create_group('/summary')
       call write_attribute(file, '/summary', 'about', 'values in their units; attribute dimensionless: the same as H, P, '// &
                            'X or T; error_estimate: estimated error, the sum of error_grid (grid and time step), '// &
-                           'error_domain (its length) and error_iteration, NaN = not estimated')
+                           'error_domain (its length) and error_iteration; NaN = not estimated, no_estimate says why')
       call write_figure('h_min', 'smallest film thickness, parabola through three nodes', summary%h_min, film_label())
       call write_figure('h_min_node', 'smallest film thickness of a node', summary%h_min_node, film_label())
       call write_figure('h_central', 'film thickness at X = 0, linear between nodes'//over_time('smallest'), &
@@ -163,6 +165,7 @@ contains
          call write_attribute(file, path, 'error_grid', figure%error_grid*si_scale)
          call write_attribute(file, path, 'error_domain', figure%error_domain*si_scale)
          call write_attribute(file, path, 'error_iteration', figure%error_iteration*si_scale)
+         if (.not. ieee_is_finite(figure%error_estimate)) call write_attribute(file, path, 'no_estimate', missing)
       end subroutine write_errors
 
       !> What a figure tends to on ever finer grids and time steps.
@@ -177,6 +180,7 @@ contains
          call write_attribute(file, path, 'units', scale%si_units)
          call write_attribute(file, path, 'dimensionless', figure%extrapolated)
          call write_attribute(file, path, 'error_estimate', figure%error_estimate*scale%si_scale)
+         if (.not. ieee_is_finite(figure%error_estimate)) call write_attribute(file, path, 'no_estimate', missing)
       end subroutine write_extrapolated
 
       !> When a figure was reached.
@@ -191,6 +195,8 @@ contains
          call write_attribute(file, path, 'units', scale%si_units)
          call write_attribute(file, path, 'dimensionless', figure%time)
          call write_attribute(file, path, 'error_estimate', ieee_value(0.0_wp, ieee_quiet_nan))
+         call write_attribute(file, path, 'no_estimate', 'one of the time steps; from one to another of nearly equal extremes '// &
+                              'it jumps, which no grids foretell')
       end subroutine write_time
 
    end subroutine write_summary

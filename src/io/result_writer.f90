@@ -9,7 +9,7 @@ module result_writer
    use breakdown_text, only: write_breakdown
    use build_info, only: git_commit, program_name, program_version
    use case_record, only: effective_t
-   use error_bars, only: apply_error_bars, error_bars_t
+   use error_bars, only: apply_error_bars, error_bars_t, missing_estimate
    use errors, only: error_t, fail, input_error, output_error
    use film_statistics, only: add_start, add_time, film_statistics_t
    use hdf5_attribute, only: write_attribute
@@ -323,7 +323,7 @@ contains
       end if
       if (report%converged) call apply_error_bars(self%bars, report, state%x(2) - state%x(1), self%summary)
       call write_solution(self%file, state, self%scaling)
-      call write_summary(self%file, self%summary, self%scaling, self%is_transient)
+      call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing_estimate(self%bars, report))
       call write_statistics(self%file, self%statistics, self%scaling)
       call self%publish(report, error)
    end subroutine finish
