@@ -6,7 +6,7 @@
 !> mean of 1/mu where ln mu is linear, as it nearly is in the inlet, where mu grows by orders of magnitude within a few nodes
 !> and the arithmetic mean of e is too large. (The harmonic or geometric mean of the whole e leads to wrong films.)
 module face_mobility
-   use eyring, only: ln_slip_factors, slip_factors
+   use eyring, only: slip_factors, slip_values
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_density_value, fluid_ln_viscosity, fluid_t, fluid_viscosity
    implicit none (type, external)
@@ -17,7 +17,7 @@ module face_mobility
    !> Faces in a block.
    integer, parameter :: block_size = 128
    !> Bound of ln(S/mu): a wild iterate must not overflow. No solution comes near it.
-   real(wp), parameter :: largest_exponent = 600.0_wp
+   real(wp), parameter :: largest_exponent = 500.0_wp
    !> Up to this difference of ln mu/2 the power series of sinh(x)/x is used; nine terms are cut off below 1e-17 there.
    real(wp), parameter :: series_limit = 1.0_wp
    !> Taylor coefficients 1/(2m + 1)! of sinh(x)/x in x^2, m = 0 ... 8.
@@ -38,7 +38,7 @@ contains
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       real(wp), intent(out), contiguous :: e(:), rho(0:)
       real(wp) :: ln_mu(0:block_size)
-      real(wp), dimension(block_size) :: ln_b, sigma, ln_s, exponent, shape_factor, unused
+      real(wp), dimension(block_size) :: ln_b, scale, sigma, growth, factor, exponent, shape_factor, unused
       integer :: first, last, m
 
       call fluid_density_value(fluid, p, rho)
@@ -48,9 +48,11 @@ contains
          call fluid_ln_viscosity(fluid, p(first - 1:last), ln_mu(:m))
          call mean_fluidity(ln_mu(:m), exponent(:m), shape_factor(:m), unused(:m))
          if (fluid%is_eyring) then
-            call slip_arguments(fluid, dx, p(first - 1:last), h(first - 1:last), ln_mu(:m), sigma(:m), ln_b(:m))
-            call ln_slip_factors(sigma(:m), ln_b(:m), ln_s(:m))
-            exponent(:m) = min(exponent(:m) + ln_s(:m), largest_exponent)
+            ln_b(:m) = fluid%ln_b_scale + 0.5_wp*(ln_mu(0:m - 1) + ln_mu(1:m))
+            call slip_arguments(fluid, dx, p(first - 1:last), h(first - 1:last), sigma(:m), scale(:m))
+            call slip_values(sigma(:m), ln_b(:m), scale(:m), growth(:m), factor(:m))
+            exponent(:m) = min(exponent(:m) + growth(:m), largest_exponent)
+            shape_factor(:m) = shape_factor(:m)*factor(:m)
          end if
          e(first:last) = exp(exponent(:m))*shape_factor(:m)*(h(first - 1:last - 1)*h(first:last)) &
             *sqrt(h(first - 1:last - 1)*h(first:last)*rho(first - 1:last - 1)*rho(first:last))
@@ -65,11 +67,10 @@ contains
       type(face_slopes_t), intent(inout) :: slopes
       real(wp), intent(out), contiguous :: rho(0:), rho_p(0:)
       real(wp), dimension(0:block_size) :: ln_mu, mu_p
-      real(wp), dimension(block_size) :: ln_b, sigma, ln_s, s_sigma, s_b, exponent, shape_factor, slant, by_slope
+      real(wp), dimension(block_size) :: ln_b, scale, sigma, growth, factor, s_sigma, s_b, exponent, shape_factor, slant, by_slope
       integer :: first, last, m
 
       call fluid_density(fluid, p, rho, rho_p)
-      ln_s = 0.0_wp
       s_sigma = 0.0_wp
       s_b = 0.0_wp
       sigma = 0.0_wp
@@ -79,12 +80,15 @@ contains
          call fluid_viscosity(fluid, p(first - 1:last), ln_mu(:m), mu_p(:m))
          call mean_fluidity(ln_mu(:m), exponent(:m), shape_factor(:m), slant(:m))
          if (fluid%is_eyring) then
-            call slip_arguments(fluid, dx, p(first - 1:last), h(first - 1:last), ln_mu(:m), sigma(:m), ln_b(:m))
-            call slip_factors(sigma(:m), ln_b(:m), ln_s(:m), s_sigma(:m), s_b(:m))
+            ln_b(:m) = fluid%ln_b_scale + 0.5_wp*(ln_mu(0:m - 1) + ln_mu(1:m))
+            call slip_arguments(fluid, dx, p(first - 1:last), h(first - 1:last), sigma(:m), scale(:m))
+            call slip_factors(sigma(:m), ln_b(:m), scale(:m), growth(:m), factor(:m), s_sigma(:m), s_b(:m))
+            exponent(:m) = min(exponent(:m) + growth(:m), largest_exponent)
+            shape_factor(:m) = shape_factor(:m)*factor(:m)
          end if
          associate (e => slopes%e(first:last), h_left => h(first - 1:last - 1), h_right => h(first:last), &
             rho_left => rho(first - 1:last - 1), rho_right => rho(first:last))
-            e = exp(min(exponent(:m) + ln_s(:m), largest_exponent))*shape_factor(:m)*(h_left*h_right) &
+            e = exp(exponent(:m))*shape_factor(:m)*(h_left*h_right) &
                *sqrt(h_left*h_right*rho_left*rho_right)
             by_slope(:m) = s_sigma(:m)*fluid%sigma_scale*sqrt(h_left*h_right)/dx
             slopes%by_p_left(first:last) = e*(0.5_wp*rho_p(first - 1:last - 1)/rho_left &
@@ -121,17 +125,20 @@ contains
       end do
    end subroutine mean_fluidity
 
-   !> Sigma and ln B of the slip factor at the m faces between m + 1 nodes.
-   pure subroutine slip_arguments(fluid, dx, p, h, ln_mu, sigma, ln_b)
+   !> Sigma of the slip factor at the m faces between m + 1 nodes, and the factor 1/H of its B.
+   pure subroutine slip_arguments(fluid, dx, p, h, sigma, inverse_film)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
-      real(wp), intent(in), contiguous :: p(0:), h(0:), ln_mu(0:)
-      real(wp), intent(out), contiguous :: sigma(:), ln_b(:)
-      integer :: m
+      real(wp), intent(in), contiguous :: p(0:), h(0:)
+      real(wp), intent(out), contiguous :: sigma(:), inverse_film(:)
+      real(wp) :: film
+      integer :: i
 
-      m = size(sigma)
-      sigma = fluid%sigma_scale/dx*sqrt(h(0:m - 1)*h(1:m))*(p(1:m) - p(0:m - 1))
-      ln_b = fluid%ln_b_scale + 0.5_wp*(ln_mu(0:m - 1) + ln_mu(1:m) - log(h(0:m - 1)*h(1:m)))
+      do i = 1, size(sigma)
+         film = sqrt(h(i - 1)*h(i))
+         inverse_film(i) = 1.0_wp/film
+         sigma(i) = fluid%sigma_scale/dx*film*(p(i) - p(i - 1))
+      end do
    end subroutine slip_arguments
 
 end module face_mobility

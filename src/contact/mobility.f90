@@ -1,11 +1,11 @@
 !> Mobility e = rho H^3 S/mu of the Reynolds-Eyring equation on a grid, with its derivatives.
 !>
-!> All laws are joined in ONE exponential, e = rho H^3 exp(ln S - ln mu), so that no factor overflows (ln mu reaches 714).
+!> All laws are joined in ONE exponential, e = rho H^3 f exp(g - ln mu) with S = f exp(g), lest one overflows (ln mu reaches 714).
 !> Nodes are treated in blocks that stay in cache; each loop calls no procedure but the laws' own array loops.
 module mobility
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_density_value, fluid_ln_viscosity, fluid_t, fluid_viscosity
-   use eyring, only: ln_slip_factors, slip_factors
+   use eyring, only: slip_factors, slip_values
    implicit none (type, external)
    private
 
@@ -13,8 +13,8 @@ module mobility
 
    !> Nodes in a block.
    integer, parameter :: block_size = 128
-   !> Bound of ln(S/mu): a wild iterate (|Sigma| beyond 600 at low pressure) must not overflow. No solution comes near it.
-   real(wp), parameter :: largest_exponent = 600.0_wp
+   !> Bound of ln(S/mu): a wild iterate (|Sigma| beyond 500 at low pressure) must not overflow. No solution comes near it.
+   real(wp), parameter :: largest_exponent = 500.0_wp
 
    !> Mobility, density and their partial derivatives, each (0:n).
    type :: mobility_slopes_t
@@ -33,7 +33,7 @@ contains
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       real(wp), intent(out), contiguous :: e(0:), rho(0:)
-      real(wp), dimension(block_size) :: ln_mu, ln_b, sigma, ln_s
+      real(wp), dimension(block_size) :: ln_mu, ln_b, scale, sigma, growth, factor
       integer :: first, last, m
 
       do first = 0, ubound(p, 1), block_size
@@ -42,23 +42,23 @@ contains
          call fluid_ln_viscosity(fluid, p(first:last), ln_mu(:m))
          call fluid_density_value(fluid, p(first:last), rho(first:last))
          if (fluid%is_eyring) then
-            call slip_arguments(fluid, dx, p, h, first, ln_mu(:m), sigma(:m), ln_b(:m))
-            call ln_slip_factors(sigma(:m), ln_b(:m), ln_s(:m))
-            ln_mu(:m) = max(ln_mu(:m) - ln_s(:m), -largest_exponent)
+            call slip_arguments(fluid, dx, p, h, first, sigma(:m), scale(:m))
+            ln_b(:m) = fluid%ln_b_scale + ln_mu(:m)
+            call slip_values(sigma(:m), ln_b(:m), scale(:m), growth(:m), factor(:m))
+            e(first:last) = rho(first:last)*h(first:last)**3*factor(:m)*exp(min(growth(:m) - ln_mu(:m), largest_exponent))
+         else
+            e(first:last) = rho(first:last)*h(first:last)**3*exp(-ln_mu(:m))
          end if
-         e(first:last) = rho(first:last)*h(first:last)**3*exp(-ln_mu(:m))
       end do
    end subroutine fluid_mobility
 
-   !> Sigma and ln B of the slip factor at the nodes from `first` on.
-   ! allow(too-many-arguments)  one block of the arrays of both callers
-   pure subroutine slip_arguments(fluid, dx, p, h, first, ln_mu, sigma, ln_b)
+   !> Sigma of the slip factor at the nodes from `first` on, and the factor 1/H of its B.
+   pure subroutine slip_arguments(fluid, dx, p, h, first, sigma, inverse_film)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       integer, intent(in) :: first
-      real(wp), intent(in), contiguous :: ln_mu(:)
-      real(wp), intent(out), contiguous :: sigma(:), ln_b(:)
+      real(wp), intent(out), contiguous :: sigma(:), inverse_film(:)
       real(wp) :: factor
       integer :: i, n
 
@@ -69,7 +69,7 @@ contains
       end do
       if (first == 0) sigma(1) = 0.0_wp
       if (first + size(sigma) - 1 == n) sigma(n - first + 1) = 0.0_wp
-      ln_b = fluid%ln_b_scale + ln_mu - log(h(first:first + size(sigma) - 1))
+      inverse_film = 1.0_wp/h(first:first + size(sigma) - 1)
    end subroutine slip_arguments
 
    !> Mobility, density and derivatives for the Jacobian; p >= 0, h > 0 (0:n).
@@ -78,7 +78,7 @@ contains
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       type(mobility_slopes_t), intent(inout) :: slopes
-      real(wp), dimension(block_size) :: ln_mu, mu_p, ln_b, sigma, ln_s, s_sigma, s_b
+      real(wp), dimension(block_size) :: ln_mu, mu_p, ln_b, scale, sigma, growth, factor, s_sigma, s_b
       integer :: first, last, m, n
 
       n = ubound(p, 1)
@@ -87,16 +87,18 @@ contains
          m = last - first + 1
          call fluid_viscosity(fluid, p(first:last), ln_mu(:m), mu_p(:m))
          call fluid_density(fluid, p(first:last), slopes%rho(first:last), slopes%rho_p(first:last))
-         ln_s(:m) = 0.0_wp
+         growth(:m) = 0.0_wp
+         factor(:m) = 1.0_wp
          s_sigma(:m) = 0.0_wp
          s_b(:m) = 0.0_wp
          sigma(:m) = 0.0_wp
          if (fluid%is_eyring) then
-            call slip_arguments(fluid, dx, p, h, first, ln_mu(:m), sigma(:m), ln_b(:m))
-            call slip_factors(sigma(:m), ln_b(:m), ln_s(:m), s_sigma(:m), s_b(:m))
+            call slip_arguments(fluid, dx, p, h, first, sigma(:m), scale(:m))
+            ln_b(:m) = fluid%ln_b_scale + ln_mu(:m)
+            call slip_factors(sigma(:m), ln_b(:m), scale(:m), growth(:m), factor(:m), s_sigma(:m), s_b(:m))
          end if
          associate (e => slopes%e(first:last), rho => slopes%rho(first:last), film => h(first:last))
-            e = rho*film**3*exp(min(ln_s(:m) - ln_mu(:m), largest_exponent))
+            e = rho*film**3*factor(:m)*exp(min(growth(:m) - ln_mu(:m), largest_exponent))
             slopes%e_p(first:last) = e*(slopes%rho_p(first:last)/rho + (s_b(:m) - 1)*mu_p(:m))
             slopes%e_h(first:last) = e*(3 + s_sigma(:m)*sigma(:m) - s_b(:m))/film
             slopes%e_slope(first:last) = e*s_sigma(:m)*film*fluid%sigma_scale

@@ -7,7 +7,7 @@ module eyring
    implicit none (type, external)
    private
 
-   public :: slip_factor, slip_factors, ln_slip_factor, ln_slip_factors
+   public :: slip_factor, slip_factors, slip_values, ln_slip_factor, ln_slip_factors
 
    !> A value of ln B that stands for B = 0 (equal surface speeds): far below any ln B that can change S [-].
    real(wp), parameter, public :: ln_b_of_no_sliding = -1.0e4_wp
@@ -43,6 +43,11 @@ module eyring
    real(wp), parameter :: ds(0:8) = 2.0_wp*[s(1), 2.0_wp*s(2), 3.0_wp*s(3), 4.0_wp*s(4), 5.0_wp*s(5), 6.0_wp*s(6), &
                                             7.0_wp*s(7), 8.0_wp*s(8), 0.0_wp]
 
+   !> What the derivatives need again of a block: exp(-2|Sigma|), shear and ratio without their powers of |Sigma|, and t^2.
+   type :: parts_t
+      real(wp), dimension(block_size) :: decay, curve, inverse_sinh, t_squared
+   end type parts_t
+
 contains
 
    !> ln S with its derivatives by Sigma and by ln B.
@@ -57,10 +62,10 @@ contains
    pure elemental subroutine slip_factor(sigma, ln_b, ln_s, dln_s_dsigma, dln_s_dln_b)
       real(wp), intent(in) :: sigma, ln_b
       real(wp), intent(out) :: ln_s, dln_s_dsigma, dln_s_dln_b
-      real(wp) :: value(1), slope_sigma(1), slope_b(1)
+      real(wp) :: growth(1), factor(1), slope_sigma(1), slope_b(1)
 
-      call slip_factors([sigma], [ln_b], value, slope_sigma, slope_b)
-      ln_s = value(1)
+      call slip_factors([sigma], [ln_b], [1.0_wp], growth, factor, slope_sigma, slope_b)
+      ln_s = growth(1) + log(factor(1))
       dln_s_dsigma = slope_sigma(1)
       dln_s_dln_b = slope_b(1)
    end subroutine slip_factor
@@ -74,49 +79,57 @@ contains
       ln_s = value(1)
    end function ln_slip_factor
 
-   !> `slip_factor` on arrays (n), in loops that the compiler vectorises.
-   pure subroutine slip_factors(sigma, ln_b, ln_s, dln_s_dsigma, dln_s_dln_b)
-      real(wp), intent(in), contiguous :: sigma(:), ln_b(:)
-      real(wp), intent(out), contiguous :: ln_s(:), dln_s_dsigma(:), dln_s_dln_b(:)
-      real(wp), dimension(block_size) :: decay, curve, inverse_sinh, weight, slope
+   !> S = exp(growth) factor on arrays (n), with the derivatives of `slip_factor`, in loops that the compiler vectorises. S as a
+   !> product spares the callers its logarithm, B = scale exp(ln_b) that of the film; `scale` 1e-40 ... 1e40.
+   pure subroutine slip_factors(sigma, ln_b, scale, growth, factor, dln_s_dsigma, dln_s_dln_b)
+      real(wp), intent(in), contiguous :: sigma(:), ln_b(:), scale(:)
+      real(wp), intent(out), contiguous :: growth(:), factor(:), dln_s_dsigma(:), dln_s_dln_b(:)
+      type(parts_t) :: parts
       integer :: first, last, m
 
       do first = 1, size(sigma), block_size
          last = min(first + block_size - 1, size(sigma))
          m = last - first + 1
-         call block_values(sigma(first:last), ln_b(first:last), ln_s(first:last), decay, curve, inverse_sinh, weight)
-         weight(:m) = weight(:m)/(1.0_wp + weight(:m))
-         call block_slopes(sigma(first:last), decay, curve, inverse_sinh, weight, slope)
-         dln_s_dsigma(first:last) = slope(:m)
-         dln_s_dln_b(first:last) = weight(:m)
+         call block_values(sigma(first:last), ln_b(first:last), scale(first:last), growth(first:last), factor(first:last), parts)
+         dln_s_dln_b(first:last) = parts%t_squared(:m)/(1.0_wp + parts%t_squared(:m))
+         call block_slopes(sigma(first:last), dln_s_dln_b(first:last), parts, dln_s_dsigma(first:last))
       end do
    end subroutine slip_factors
 
-   !> `ln_slip_factor` on arrays (n), in loops that the compiler vectorises: the same values as from `slip_factors`.
-   pure subroutine ln_slip_factors(sigma, ln_b, ln_s)
-      real(wp), intent(in), contiguous :: sigma(:), ln_b(:)
-      real(wp), intent(out), contiguous :: ln_s(:)
-      real(wp), dimension(block_size) :: decay, curve, inverse_sinh, t_squared
+   !> The values of `slip_factors` without the derivatives.
+   pure subroutine slip_values(sigma, ln_b, scale, growth, factor)
+      real(wp), intent(in), contiguous :: sigma(:), ln_b(:), scale(:)
+      real(wp), intent(out), contiguous :: growth(:), factor(:)
+      type(parts_t) :: parts
       integer :: first, last
 
       do first = 1, size(sigma), block_size
          last = min(first + block_size - 1, size(sigma))
-         call block_values(sigma(first:last), ln_b(first:last), ln_s(first:last), decay, curve, inverse_sinh, t_squared)
+         call block_values(sigma(first:last), ln_b(first:last), scale(first:last), growth(first:last), factor(first:last), parts)
       end do
-   end subroutine ln_slip_factors
+   end subroutine slip_values
 
-   !> ln S of one block (m <= block_size), and what the derivatives need again.
-   !>
-   !> With x = |Sigma|, 3 (x cosh x - sinh x)/x^3 = exp(shift) shear and x/sinh x = exp(-shift) ratio:
-   !> ln S = shift + ln( shear sqrt(1 + t^2) ), t = B ratio exp(-shift). `decay` is exp(-2x); `curve` and `inverse_sinh` are
-   !> shear and ratio without their powers of x. Series and closed form are both evaluated, at arguments that are safe for
-   !> them, and the right one is picked by a weight of 0 or 1: of `merge` gfortran makes a branch round a division, which
-   !> it cannot vectorise.
-   pure subroutine block_values(sigma, ln_b, ln_s, decay, curve, inverse_sinh, t_squared)
+   !> `ln_slip_factor` on arrays (n).
+   pure subroutine ln_slip_factors(sigma, ln_b, ln_s)
       real(wp), intent(in), contiguous :: sigma(:), ln_b(:)
       real(wp), intent(out), contiguous :: ln_s(:)
-      real(wp), intent(out) :: decay(block_size), curve(block_size), inverse_sinh(block_size), t_squared(block_size)
-      real(wp) :: x, y, inverse, is_small, is_large, shift, shear, ratio, exponent
+      real(wp), dimension(size(sigma)) :: growth, factor
+
+      call slip_values(sigma, ln_b, spread(1.0_wp, 1, size(sigma)), growth, factor)
+      ln_s = growth + log(factor)
+   end subroutine ln_slip_factors
+
+   !> S = exp(growth) factor of one block (m <= block_size), B = scale exp(ln_b).
+   !>
+   !> With x = |Sigma|, 3 (x cosh x - sinh x)/x^3 = exp(shift) shear and x/sinh x = exp(-shift) ratio:
+   !> S = exp(shift) shear sqrt(1 + t^2), t = B ratio exp(-shift). Series and closed form are both evaluated, at arguments that
+   !> are safe for them, and the right one is picked by a weight of 0 or 1: of `merge` gfortran makes a branch round a division,
+   !> which it cannot vectorise.
+   pure subroutine block_values(sigma, ln_b, scale, growth, factor, parts)
+      real(wp), intent(in), contiguous :: sigma(:), ln_b(:), scale(:)
+      real(wp), intent(out), contiguous :: growth(:), factor(:)
+      type(parts_t), intent(out) :: parts
+      real(wp) :: x, y, inverse, is_small, is_large, shift, shear, ratio, exponent, t
       integer :: i
 
       do i = 1, size(sigma)
@@ -125,24 +138,26 @@ contains
          is_small = 1.0_wp - is_large
          y = min(x, series_limit)**2
          inverse = 1.0_wp/max(x, series_limit)
-         decay(i) = exp(-2.0_wp*max(series_limit, min(x, highest_exponent)))
-         curve(i) = is_small*polynomial(c, y) + is_large*((1.0_wp - inverse) + (1.0_wp + inverse)*decay(i))
-         inverse_sinh(i) = 1.0_wp/(is_small*polynomial(s, y) + is_large*(1.0_wp - decay(i)))
+         parts%decay(i) = exp(-2.0_wp*max(series_limit, min(x, highest_exponent)))
+         parts%curve(i) = is_small*polynomial(c, y) + is_large*((1.0_wp - inverse) + (1.0_wp + inverse)*parts%decay(i))
+         parts%inverse_sinh(i) = 1.0_wp/(is_small*polynomial(s, y) + is_large*(1.0_wp - parts%decay(i)))
          shift = is_large*x
-         shear = curve(i)*(is_small + is_large*1.5_wp*inverse*inverse)
-         ratio = inverse_sinh(i)*(is_small + 2.0_wp*shift)
+         shear = parts%curve(i)*(is_small + is_large*1.5_wp*inverse*inverse)
+         ratio = parts%inverse_sinh(i)*(is_small + 2.0_wp*shift)
          exponent = max(-largest_argument, min(ln_b(i), largest_argument)) - shift
-         t_squared(i) = (ratio*exp(max(lowest_exponent, min(exponent, highest_exponent))))**2
-         ln_s(i) = shift + 0.5_wp*log(shear*shear*(1.0_wp + t_squared(i))) + max(exponent - highest_exponent, 0.0_wp)
+         t = ratio*scale(i)*exp(max(lowest_exponent, min(exponent, highest_exponent)))
+         parts%t_squared(i) = t*t
+         growth(i) = shift + max(exponent - highest_exponent, 0.0_wp)
+         factor(i) = shear*sqrt(1.0_wp + t*t)
       end do
    end subroutine block_values
 
    !> d ln S/d Sigma of one block from the results of `block_values`: the derivatives of ln( 3 (x cosh x - sinh x)/x^3 ) and
    !> of ln( x/sinh x ), the second times `weight` = t^2/(1 + t^2).
-   pure subroutine block_slopes(sigma, decay, curve, inverse_sinh, weight, slope)
-      real(wp), intent(in), contiguous :: sigma(:)
-      real(wp), intent(in) :: decay(block_size), curve(block_size), inverse_sinh(block_size), weight(block_size)
-      real(wp), intent(out) :: slope(block_size)
+   pure subroutine block_slopes(sigma, weight, parts, slope)
+      real(wp), intent(in), contiguous :: sigma(:), weight(:)
+      type(parts_t), intent(in) :: parts
+      real(wp), intent(out), contiguous :: slope(:)
       real(wp) :: x, y, small, inverse, is_small, is_large, dln_shear, dln_ratio
       integer :: i
 
@@ -153,8 +168,10 @@ contains
          small = min(x, series_limit)
          y = small*small
          inverse = 1.0_wp/max(x, series_limit)
-         dln_shear = (is_small*small*polynomial(dc, y) + is_large*((1.0_wp - decay(i)) - 3.0_wp*inverse*curve(i)))/curve(i)
-         dln_ratio = is_large*inverse - (is_small*small*polynomial(ds, y) + is_large*(1.0_wp + decay(i)))*inverse_sinh(i)
+         dln_shear = (is_small*small*polynomial(dc, y) &
+            + is_large*((1.0_wp - parts%decay(i)) - 3.0_wp*inverse*parts%curve(i)))/parts%curve(i)
+         dln_ratio = is_large*inverse &
+            - (is_small*small*polynomial(ds, y) + is_large*(1.0_wp + parts%decay(i)))*parts%inverse_sinh(i)
          slope(i) = sign(1.0_wp, sigma(i))*(dln_shear + weight(i)*dln_ratio)
       end do
    end subroutine block_slopes
