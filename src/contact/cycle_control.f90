@@ -63,6 +63,7 @@ contains
       best = huge(1.0_wp)
       checkpoint = huge(1.0_wp)
       last_progress = 0
+      hierarchy%goal = limits%tolerance
       do cycle = 1, limits%max_cycles
          pressure = hierarchy%levels(hierarchy%finest)%pressure
          film = hierarchy%levels(hierarchy%finest)%film
@@ -71,6 +72,7 @@ contains
          call count_work(hierarchy, hierarchy%finest, 1)
          call report%add(residual%reynolds, residual%load)
          report%tolerance_effective = effective_tolerance(limits%tolerance, residual)
+         hierarchy%goal = report%tolerance_effective
          if (present(watcher)) call watcher%on_cycle(cycle, residual%reynolds, residual%load)
          if (cycle == 1) first_residual = max(residual%reynolds, residual%load)
          report%converged = residual%film_is_open .and. residual%reynolds <= report%tolerance_effective &

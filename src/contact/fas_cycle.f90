@@ -101,7 +101,7 @@ contains
       k = hierarchy%coarsest
       if (hierarchy%relaxation%coarse_sweeps <= 0) then
          call solve_newton(hierarchy%newton, contact, hierarchy%levels(k), hierarchy%rigid_displacement, &
-            coarse_tolerance, hierarchy%relaxation%coarse_steps)
+            coarse_tolerance, hierarchy%relaxation%coarse_steps, goal=hierarchy%goal)
          return
       end if
       do i = 1, hierarchy%relaxation%coarse_sweeps

@@ -64,6 +64,8 @@ module line_hierarchy
       type(relaxation_t) :: relaxation
       !> Exact solver of the coarsest level.
       type(newton_t) :: newton
+      !> Bound on the Reynolds residual that the cycles are to reach; 0: not known.
+      real(wp) :: goal = 0.0_wp
       !> The answer is that of the sharp space scheme: companions are too (module reynolds_line).
       logical :: is_sharp = .false.
       !> The nested start solves the two levels below the finest well enough to be compared with it.

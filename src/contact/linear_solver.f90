@@ -13,6 +13,10 @@ module linear_solver
 
    !> A way to solve the system.
    type, abstract :: linear_solver_t
+      !> Share of the right side that an iterative solution may leave.
+      real(wp) :: tolerance = 1.0e-2_wp
+      !> Bound on what it may leave of a Reynolds residual |r|.
+      real(wp) :: goal = huge(1.0_wp)
       !> Iterations of the last call (0 for a direct solution).
       integer :: iterations = 0
    contains

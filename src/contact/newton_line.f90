@@ -11,7 +11,6 @@ module newton_line
    use linear_solver, only: linear_solver_t
    use observer, only: is_stopped, observer_t
    use reynolds_jacobian, only: evaluate_jacobian, new_jacobian, reynolds_jacobian_t
-   use reynolds_line, only: evaluate_reynolds
    implicit none (type, external)
    private
 
@@ -33,6 +32,10 @@ module newton_line
    !> A full step below `settled` that is no longer ten times smaller than the one before has reached the round-off.
    real(wp), parameter :: settled = 1.0e-7_wp
 
+   !> What the linear solution may leave of the goal of a step that can reach it: one that has to lower the residual to no less
+   !> than this share of it.
+   real(wp), parameter :: goal_share = 0.5_wp, most_reduction = 3.0e-6_wp
+
    !> Work space, kept from call to call, and what the last call did.
    type :: newton_t
       class(linear_solver_t), allocatable :: linear
@@ -41,6 +44,8 @@ module newton_line
       logical, allocatable :: is_cavitated(:)
       !> Sigma per H dP/dX of the lubricant; 0 for a Newtonian one.
       real(wp) :: sigma_scale = 0.0_wp
+      !> Largest |r| of the nodes that are not cavitated, at the last linearisation.
+      real(wp), private :: residual = 0.0_wp
       !> Newton steps of the last call, and steps of the linear solver in all calls.
       integer :: steps = 0, linear_iterations = 0
       !> Size of the last full step in P and H0; below `tolerance` when converged.
@@ -55,8 +60,9 @@ contains
 
    !> Solves the level's equations (with its right sides) from its present pressure; film and H0 are updated.
    !> Ends when a full step is below `tolerance` in P and H0, and below ten times that in relative H, or at round-off, after
-   !> `max_steps`, or before a step where `watcher` wants to stop.
-   subroutine solve_newton(newton, contact, level, rigid_displacement, tolerance, max_steps, watcher)
+   !> `max_steps`, or before a step where `watcher` wants to stop. `goal`: bound on |r|/lambda that the caller is after.
+   ! allow(too-many-arguments)  the last two are optional
+   subroutine solve_newton(newton, contact, level, rigid_displacement, tolerance, max_steps, watcher, goal)
       type(newton_t), intent(inout) :: newton
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
@@ -64,6 +70,7 @@ contains
       real(wp), intent(in) :: tolerance
       integer, intent(in) :: max_steps
       class(observer_t), intent(inout), optional :: watcher
+      real(wp), intent(in), optional :: goal
       real(wp) :: previous_step, share
       logical :: is_solved
 
@@ -77,9 +84,12 @@ contains
       do while (newton%steps < max_steps)
          if (is_stopped(watcher)) return
          if (newton%steps > 0) call close_inlet(contact, level)
-         call evaluate_reynolds(contact, level)
          call evaluate_jacobian(contact, level, newton%jacobian)
          call prepare_system(newton, level)
+         newton%linear%goal = huge(1.0_wp)
+         if (present(goal)) then
+            if (goal*contact%lambda > most_reduction*newton%residual) newton%linear%goal = goal_share*goal*contact%lambda
+         end if
          call newton%linear%solve(level, newton%jacobian, newton%is_cavitated, newton%step, is_solved)
          if (.not. is_solved) return
          ! an iterative solution leaves the rest of its tolerance here, which would count as a pressurised node
@@ -122,12 +132,14 @@ contains
       real(wp) :: pull, inverse
       integer :: i
 
+      newton%residual = tiny(1.0_wp)
       associate (jacobian => newton%jacobian)
          do i = 1, level%n - 1
             inverse = 1.0_wp/jacobian%diagonal(i)
             pull = (level%rhs_reynolds(i) - level%operator(i))*inverse
             newton%is_cavitated(i) = level%pressure(i) + pull <= 0.0_wp
             newton%step(i) = merge(-level%pressure(i), pull, newton%is_cavitated(i))
+            if (.not. newton%is_cavitated(i)) newton%residual = max(newton%residual, abs(pull*jacobian%diagonal(i)))
             jacobian%by_film(:, i) = jacobian%by_film(:, i)*inverse
             jacobian%by_pressure(:, i) = jacobian%by_pressure(:, i)*inverse
          end do

@@ -7,7 +7,7 @@ module reynolds_jacobian
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t
    use mobility, only: fluid_mobility_slopes, mobility_slopes_t
-   use reynolds_line, only: wedge_weights
+   use reynolds_line, only: apply_reynolds, wedge_weights
    implicit none (type, external)
    private
 
@@ -45,111 +45,104 @@ contains
       allocate (jacobian%slopes%rho(0:n), jacobian%slopes%rho_p(0:n))
    end subroutine new_jacobian
 
-   !> The bands at the present pressure and film of the level; rows 0 and n stay zero.
+   !> The bands at the present pressure and film of the level; rows 0 and n stay zero. The laws are evaluated once: the level gets
+   !> its coefficients and the operator L_R from the same values (as from `evaluate_reynolds`).
    pure subroutine evaluate_jacobian(contact, level, jacobian)
       type(line_contact_t), intent(in) :: contact
-      type(line_level_t), intent(in) :: level
+      type(line_level_t), intent(inout) :: level
       type(reynolds_jacobian_t), intent(inout) :: jacobian
+      real(wp) :: left_p(-2:1), left_h(-1:0), right_p(-2:1), right_h(-1:0), weights(-2:1)
       integer :: i, n
 
       n = level%n
-      jacobian%by_pressure(:, 1:n - 1) = 0.0_wp
-      jacobian%by_film(:, 1:n - 1) = 0.0_wp
-      if (level%is_sharp) then
-         if (.not. allocated(jacobian%faces%e)) call new_faces(jacobian%faces, n)
-         call fluid_face_slopes(contact%fluid, level%dx, level%pressure, level%film, jacobian%faces, jacobian%slopes%rho, &
-            jacobian%slopes%rho_p)
-         do i = 1, n
-            call add_sharp_face(level, i, jacobian)
+      call evaluate_slopes(contact, level, jacobian)
+      call apply_reynolds(contact%lambda, level)
+      call differentiate_flux(level, jacobian, 1, right_p, right_h)
+      associate (jp => jacobian%by_pressure, jh => jacobian%by_film, kernel => level%kernel)
+         do i = 1, n - 1
+            left_p = right_p
+            left_h = right_h
+            call differentiate_flux(level, jacobian, i + 1, right_p, right_h)
+            jp(:, i) = [-left_p(-2), right_p(-2) - left_p(-1), right_p(-1) - left_p(0), right_p(0) - left_p(1), right_p(1)]
+            jh(:, i) = [0.0_wp, -left_h(-1), right_h(-1) - left_h(0), right_h(0)]
+            if (i <= 2) weights = wedge_and_squeeze(contact%lambda, level, i)
+            call add_flow(weights, level, i, jacobian)
+            jacobian%diagonal(i) = jp(0, i) - jh(-2, i)*kernel(2) - jh(-1, i)*kernel(1) - jh(0, i)*kernel(0) - jh(1, i)*kernel(1)
          end do
-      else
-         call fluid_mobility_slopes(contact%fluid, level%dx, level%pressure, level%film, jacobian%slopes)
-         do i = 1, n
-            call add_diffusion_face(level, i, jacobian)
-         end do
-      end if
-      do i = 1, n - 1
-         call add_wedge_and_squeeze(contact%lambda, level, i, jacobian)
-      end do
-      do concurrent (i=1:n - 1)
-         jacobian%diagonal(i) = jacobian%by_pressure(0, i) &
-            - jacobian%by_film(-2, i)*level%kernel(2) - jacobian%by_film(-1, i)*level%kernel(1) &
-            - jacobian%by_film(0, i)*level%kernel(0) - jacobian%by_film(1, i)*level%kernel(1)
-      end do
+      end associate
    end subroutine evaluate_jacobian
 
-   !> Flux e(i-1/2) (P(i) - P(i-1))/dX through the face left of node i: +1/dX to row i-1, -1/dX to row i.
-   pure subroutine add_diffusion_face(level, i, jacobian)
-      type(line_level_t), intent(in) :: level
-      integer, intent(in) :: i
+   !> Mobility and density with their derivatives, and the coefficients of the level.
+   pure subroutine evaluate_slopes(contact, level, jacobian)
+      type(line_contact_t), intent(in) :: contact
+      type(line_level_t), intent(inout) :: level
       type(reynolds_jacobian_t), intent(inout) :: jacobian
-      real(wp) :: slope, e_face, left, right, flux_p(-2:1), flux_h(-1:0)
 
-      associate (s => jacobian%slopes, dx => level%dx, p => level%pressure)
-         slope = (p(i) - p(i - 1))/dx
-         e_face = 0.5_wp*(s%e(i - 1) + s%e(i))/dx
-         left = 0.25_wp*s%e_slope(i - 1)*slope/dx
-         right = 0.25_wp*s%e_slope(i)*slope/dx
-         flux_p(-2) = -left
-         flux_p(-1) = 0.5_wp*s%e_p(i - 1)*slope - e_face - right
-         flux_p(0) = 0.5_wp*s%e_p(i)*slope + e_face + left
-         flux_p(1) = right
-         flux_h(-1) = 0.5_wp*s%e_h(i - 1)*slope
-         flux_h(0) = 0.5_wp*s%e_h(i)*slope
-         flux_p = flux_p/dx
-         flux_h = flux_h/dx
-         if (i > 1) then
-            jacobian%by_pressure(-1:2, i - 1) = jacobian%by_pressure(-1:2, i - 1) + flux_p
-            jacobian%by_film(0:1, i - 1) = jacobian%by_film(0:1, i - 1) + flux_h
+      associate (slopes => jacobian%slopes)
+         if (level%is_sharp) then
+            if (.not. allocated(jacobian%faces%e)) call new_faces(jacobian%faces, level%n)
+            call fluid_face_slopes(contact%fluid, level%dx, level%pressure, level%film, jacobian%faces, slopes%rho, slopes%rho_p)
+            level%face_mobility = jacobian%faces%e
+         else
+            call fluid_mobility_slopes(contact%fluid, level%dx, level%pressure, level%film, slopes)
+            level%mobility = slopes%e
+            level%face_mobility = 0.5_wp*(slopes%e(:level%n - 1) + slopes%e(1:))
          end if
-         if (i < level%n) then
-            jacobian%by_pressure(-2:1, i) = jacobian%by_pressure(-2:1, i) - flux_p
-            jacobian%by_film(-1:0, i) = jacobian%by_film(-1:0, i) - flux_h
-         end if
+         level%density = slopes%rho
       end associate
-   end subroutine add_diffusion_face
+   end subroutine evaluate_slopes
 
-   !> The same flux with the mobility of the sharp scheme, which depends on the two nodes of the face only.
-   pure subroutine add_sharp_face(level, i, jacobian)
+   !> Derivatives of the flux e(i-1/2) (P(i) - P(i-1))/dX^2 through the face left of node i by P(i-2..i+1) and H(i-1..i).
+   pure subroutine differentiate_flux(level, jacobian, i, flux_p, flux_h)
       type(line_level_t), intent(in) :: level
+      type(reynolds_jacobian_t), intent(in) :: jacobian
       integer, intent(in) :: i
-      type(reynolds_jacobian_t), intent(inout) :: jacobian
-      real(wp) :: slope, conductance, flux_p(-1:0), flux_h(-1:0)
+      real(wp), intent(out) :: flux_p(-2:1), flux_h(-1:0)
+      real(wp) :: slope, conductance, left, right
 
-      associate (faces => jacobian%faces, dx => level%dx)
-         slope = (level%pressure(i) - level%pressure(i - 1))/dx**2
-         conductance = faces%e(i)/dx**2
-         flux_p = [faces%by_p_left(i)*slope - conductance, faces%by_p_right(i)*slope + conductance]
-         flux_h = [faces%by_h_left(i)*slope, faces%by_h_right(i)*slope]
-         if (i > 1) then
-            jacobian%by_pressure(0:1, i - 1) = jacobian%by_pressure(0:1, i - 1) + flux_p
-            jacobian%by_film(0:1, i - 1) = jacobian%by_film(0:1, i - 1) + flux_h
-         end if
-         if (i < level%n) then
-            jacobian%by_pressure(-1:0, i) = jacobian%by_pressure(-1:0, i) - flux_p
-            jacobian%by_film(-1:0, i) = jacobian%by_film(-1:0, i) - flux_h
-         end if
-      end associate
-   end subroutine add_sharp_face
+      slope = (level%pressure(i) - level%pressure(i - 1))/level%dx**2
+      conductance = level%face_mobility(i)/level%dx**2
+      if (level%is_sharp) then
+         associate (faces => jacobian%faces)
+            flux_p = [0.0_wp, faces%by_p_left(i)*slope - conductance, faces%by_p_right(i)*slope + conductance, 0.0_wp]
+            flux_h = [faces%by_h_left(i)*slope, faces%by_h_right(i)*slope]
+         end associate
+      else
+         associate (s => jacobian%slopes)
+            left = 0.25_wp*s%e_slope(i - 1)*slope/level%dx
+            right = 0.25_wp*s%e_slope(i)*slope/level%dx
+            flux_p = [-left, 0.5_wp*s%e_p(i - 1)*slope - conductance - right, 0.5_wp*s%e_p(i)*slope + conductance + left, right]
+            flux_h = 0.5_wp*s%e_h(i - 1:i)*slope
+         end associate
+      end if
+   end subroutine differentiate_flux
 
-   !> The wedge and the squeeze term of row i.
-   pure subroutine add_wedge_and_squeeze(lambda, level, i, jacobian)
+   !> Weights of rH(i-2) ... rH(i+1) in the wedge and the squeeze term of row i, the same ones from the second row on.
+   pure function wedge_and_squeeze(lambda, level, i) result(weights)
       real(wp), intent(in) :: lambda
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: i
-      type(reynolds_jacobian_t), intent(inout) :: jacobian
-      real(wp) :: weight(-2:1)
-      integer :: first
+      real(wp) :: weights(-2:1)
 
-      first = merge(-2, -1, i > 1)
-      weight = wedge_weights(level%is_sharp, i)*lambda/level%dx
-      weight(0) = weight(0) + lambda*level%inverse_time_step
+      weights = wedge_weights(level%is_sharp, i)*lambda/level%dx
+      weights(0) = weights(0) + lambda*level%inverse_time_step
+   end function wedge_and_squeeze
+
+   !> The wedge and the squeeze term of row i.
+   pure subroutine add_flow(weights, level, i, jacobian)
+      real(wp), intent(in) :: weights(-2:1)
+      type(line_level_t), intent(in) :: level
+      integer, intent(in) :: i
+      type(reynolds_jacobian_t), intent(inout) :: jacobian
+      integer :: o
+
       associate (s => jacobian%slopes)
-         jacobian%by_pressure(first:1, i) = jacobian%by_pressure(first:1, i) &
-            - weight(first:1)*s%rho_p(i + first:i + 1)*level%film(i + first:i + 1)
-         jacobian%by_film(first:1, i) = jacobian%by_film(first:1, i) - weight(first:1)*s%rho(i + first:i + 1)
+         do o = max(-2, -i), 1
+            jacobian%by_pressure(o, i) = jacobian%by_pressure(o, i) - weights(o)*s%rho_p(i + o)*level%film(i + o)
+            jacobian%by_film(o, i) = jacobian%by_film(o, i) - weights(o)*s%rho(i + o)
+         end do
       end associate
-   end subroutine add_wedge_and_squeeze
+   end subroutine add_flow
 
    !> Storage for n faces.
    pure subroutine new_faces(faces, n)

@@ -21,7 +21,8 @@ module reynolds_line
    implicit none (type, external)
    private
 
-   public :: evaluate_coefficients, evaluate_reynolds, reynolds_diagonals, residual_t, measure_residual, wedge_weights
+   public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, reynolds_diagonals, residual_t, measure_residual, &
+      wedge_weights
 
    !> Residuals of the original problem in the unit of d(rho H)/dX, see `measure_residual`.
    type :: residual_t

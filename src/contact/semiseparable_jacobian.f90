@@ -12,14 +12,21 @@ module semiseparable_jacobian
    use line_level, only: line_level_t
    use linear_solver, only: linear_solver_t
    use reynolds_jacobian, only: reynolds_jacobian_t
-   use semiseparable, only: factor_semiseparable, new_semiseparable, semiseparable_t, solve_semiseparable
+   use semiseparable, only: factor_semiseparable, new_semiseparable, semiseparable_t, solve_semiseparable, solve_two
    implicit none (type, external)
    private
 
    public :: semiseparable_jacobian_t
 
-   !> GMRES ends at this share of the right side: the outer Newton iteration gains nothing from more.
-   real(wp), parameter :: default_tolerance = 1.0e-2_wp
+   !> What one unit of dL_R(i)/dH(i+o), o = -2..1, adds to row i: to the exponentials to the left and to the right, and to the slots
+   !> of the five inner diagonals (-2:2), which make the entries there exact.
+   type :: kernel_rows_t
+      real(wp) :: ratio(terms) = 0.0_wp
+      real(wp) :: left(terms, -2:1) = 0.0_wp, right(terms, -2:1) = 0.0_wp
+      real(wp) :: slots(-2:1, -2:2) = 0.0_wp
+      !> Constant part of -K/pi.
+      real(wp) :: constant = 0.0_wp
+   end type kernel_rows_t
 
    !> The bordered system as GMRES sees it: unknowns P(1..n-1), H0. Points to the level and the bands of one call.
    type, extends(krylov_system_t) :: bordered_system_t
@@ -27,9 +34,9 @@ module semiseparable_jacobian
       type(reynolds_jacobian_t), pointer :: jacobian => null()
       type(semiseparable_t), pointer :: factors => null()
       logical, allocatable :: is_cavitated(:)
-      !> Constant part of -K/pi; column of H0 (n-1), its solution (n-1) and dX times the sum of that; work (0:n).
+      !> Constant part of -K/pi; solution for the column of H0 (n-1) and dX times its sum; work (0:n).
       real(wp) :: constant = 0.0_wp
-      real(wp), allocatable :: column(:), column_solution(:), p(:), h(:)
+      real(wp), allocatable :: column_solution(:), p(:), h(:)
       real(wp) :: column_load = 0.0_wp
    contains
       procedure :: multiply => multiply_bordered
@@ -38,11 +45,10 @@ module semiseparable_jacobian
 
    !> Work space, kept from call to call.
    type, extends(linear_solver_t) :: semiseparable_jacobian_t
-      real(wp) :: tolerance = default_tolerance
       !> Smallest |pivot| of the last factorisation, of rows scaled to 1.
       real(wp) :: smallest_pivot = 0.0_wp
       integer, private :: n = 0
-      type(exponential_sum_t), private :: fit
+      type(kernel_rows_t), private :: rows
       type(semiseparable_t), private :: factors
       type(gmres_t), private :: krylov
    contains
@@ -51,7 +57,7 @@ module semiseparable_jacobian
 
 contains
 
-   !> Factors, then GMRES.
+   !> Factors, solves with them, and goes on by GMRES if what is left is more than the tolerance.
    subroutine solve_semiseparable_system(self, level, jacobian, is_cavitated, step, is_solved)
       class(semiseparable_jacobian_t), intent(inout), target :: self
       type(line_level_t), intent(inout), target :: level
@@ -60,6 +66,8 @@ contains
       real(wp), intent(inout) :: step(:)
       logical, intent(out) :: is_solved
       type(bordered_system_t) :: system
+      real(wp), allocatable :: rest(:), product(:)
+      real(wp) :: allowed, left, largest
 
       call prepare_kernel(self, level, is_solved)
       if (.not. is_solved) return
@@ -67,14 +75,25 @@ contains
       system%jacobian => jacobian
       system%factors => self%factors
       system%is_cavitated = is_cavitated
-      system%constant = -level%dx/pi*(self%fit%constant + log(level%dx))
-      call fill_factors(self, level, jacobian, is_cavitated, system%constant)
+      system%constant = self%rows%constant
+      call fill_factors(self%factors, self%rows, jacobian, is_cavitated)
       call factor_semiseparable(self%factors, self%smallest_pivot)
       is_solved = self%smallest_pivot > 0.0_wp
       if (.not. is_solved) return
-      call prepare_border(system)
-      call solve_gmres(self%krylov, system, self%tolerance, step, is_solved)
-      self%iterations = self%krylov%iterations
+      allowed = self%tolerance*norm2(step)
+      rest = step
+      call solve_first(system, step)
+      allocate (product, mold=step)
+      call system%multiply(step, product)
+      self%iterations = 1
+      rest = rest - product
+      left = norm2(rest)
+      largest = maxval(abs(rest(:level%n - 1)*jacobian%diagonal(1:level%n - 1)))
+      is_solved = left <= allowed .and. largest <= self%goal
+      if (is_solved .or. .not. left < huge(1.0_wp)) return
+      call solve_gmres(self%krylov, system, min(allowed/left, self%goal/largest), rest, is_solved)
+      step = step + rest
+      self%iterations = 1 + self%krylov%iterations
       is_solved = is_solved .or. self%krylov%iterations > 0
    end subroutine solve_semiseparable_system
 
@@ -83,76 +102,89 @@ contains
       class(semiseparable_jacobian_t), intent(inout) :: self
       type(line_level_t), intent(in) :: level
       logical, intent(out) :: is_ready
+      type(exponential_sum_t) :: fit
       type(error_t), allocatable :: error
+      integer :: d, o
 
       is_ready = self%n == level%n
       if (is_ready) return
-      call fit_exponentials(pi*level%kernel/level%dx - log(level%dx), self%fit, error)
+      call fit_exponentials(pi*level%kernel/level%dx - log(level%dx), fit, error)
       is_ready = .not. allocated(error)
       if (.not. is_ready) return
-      call new_semiseparable(self%factors, level%n - 1, self%fit%ratio)
+      call new_semiseparable(self%factors, level%n - 1, fit%ratio)
       self%n = level%n
+      associate (rows => self%rows)
+         rows%ratio = fit%ratio
+         rows%constant = -level%dx/pi*(fit%constant + log(level%dx))
+         do o = -2, 1
+            rows%left(:, o) = level%dx/pi*fit%weight*fit%ratio**o
+            rows%right(:, o) = level%dx/pi*fit%weight*fit%ratio**(-o)
+            do d = -2, 2
+               rows%slots(o, d) = -level%kernel(abs(d - o)) - rows%constant
+               if (d < 0) rows%slots(o, d) = rows%slots(o, d) - dot_product(rows%left(:, o), fit%ratio**(-d))
+               if (d > 0) rows%slots(o, d) = rows%slots(o, d) - dot_product(rows%right(:, o), fit%ratio**d)
+            end do
+         end do
+      end associate
    end subroutine prepare_kernel
 
    !> Rows of the approximate Jacobian: exponentials everywhere, exact entries on the five inner diagonals.
-   subroutine fill_factors(self, level, jacobian, is_cavitated, constant)
-      class(semiseparable_jacobian_t), intent(inout) :: self
-      type(line_level_t), intent(in) :: level
+   pure subroutine fill_factors(factors, rows, jacobian, is_cavitated)
+      type(semiseparable_t), intent(inout) :: factors
+      type(kernel_rows_t), intent(in) :: rows
       type(reynolds_jacobian_t), intent(in) :: jacobian
       logical, intent(in) :: is_cavitated(:)
-      real(wp), intent(in) :: constant
       integer, parameter :: q = terms
-      real(wp), dimension(q, -2:1) :: below, above
-      real(wp), dimension(q) :: omega, rho
-      real(wp) :: near(-3:3)
-      integer :: i, o
+      real(wp) :: slots(-2:2)
+      integer :: d, i, l
 
-      rho = self%fit%ratio
-      omega = level%dx/pi*self%fit%weight
-      do o = -2, 1
-         below(:, o) = omega*rho**o
-         above(:, o) = omega*rho**(-o)
-      end do
-      do o = -3, 3
-         near(o) = -level%kernel(abs(o)) - constant
-      end do
-      associate (lower => self%factors%lower, upper => self%factors%upper, diagonal => self%factors%diagonal)
-         do i = 1, level%n - 1
+      associate (lower => factors%lower, upper => factors%upper, left => rows%left, right => rows%right)
+         do i = 1, factors%n
             if (is_cavitated(i)) then
                lower(:, i) = 0.0_wp
                upper(:, i) = 0.0_wp
-               diagonal(i) = 1.0_wp
+               factors%diagonal(i) = 1.0_wp
                cycle
             end if
-            associate (jh => jacobian%by_film(:, i), jp => jacobian%by_pressure(:, i))
-               lower(1:q, i) = jh(1)*below(:, -2) + jh(2)*below(:, -1) + jh(3)*below(:, 0) + jh(4)*below(:, 1)
-               upper(1:q, i) = jh(1)*above(:, -2) + jh(2)*above(:, -1) + jh(3)*above(:, 0) + jh(4)*above(:, 1)
-               diagonal(i) = jp(3) + jh(1)*near(2) + jh(2)*near(1) + jh(3)*near(0) + jh(4)*near(1)
-               lower(q + 1, i) = jp(2) + jh(1)*near(1) + jh(2)*near(0) + jh(3)*near(1) + jh(4)*near(2) &
-                  - dot_product(lower(1:q, i), rho)
-               lower(q + 2, i) = jp(1) + jh(1)*near(0) + jh(2)*near(1) + jh(3)*near(2) + jh(4)*near(3) &
-                  - dot_product(lower(1:q, i), rho**2)
-               upper(q + 1, i) = jp(4) + jh(1)*near(3) + jh(2)*near(2) + jh(3)*near(1) + jh(4)*near(0) &
-                  - dot_product(upper(1:q, i), rho)
-               upper(q + 2, i) = jp(5) + jh(1)*(-level%kernel(4) - constant) + jh(2)*near(3) + jh(3)*near(2) + jh(4)*near(1) &
-                  - dot_product(upper(1:q, i), rho**2)
+            associate (jh => jacobian%by_film(:, i))
+               !$omp simd
+               do l = 1, q
+                  lower(l, i) = jh(1)*left(l, -2) + jh(2)*left(l, -1) + jh(3)*left(l, 0) + jh(4)*left(l, 1)
+                  upper(l, i) = jh(1)*right(l, -2) + jh(2)*right(l, -1) + jh(3)*right(l, 0) + jh(4)*right(l, 1)
+               end do
+               do d = -2, 2
+                  slots(d) = jacobian%by_pressure(d, i) + jh(1)*rows%slots(-2, d) + jh(2)*rows%slots(-1, d) &
+                     + jh(3)*rows%slots(0, d) + jh(4)*rows%slots(1, d)
+               end do
             end associate
+            lower(q + 1, i) = slots(-1)
+            lower(q + 2, i) = slots(-2)
+            factors%diagonal(i) = slots(0)
+            upper(q + 1, i) = slots(1)
+            upper(q + 2, i) = slots(2)
          end do
       end associate
    end subroutine fill_factors
 
-   !> The column of H0, its solution, and work space.
-   subroutine prepare_border(system)
+   !> The column of H0, its solution and work space; `x` becomes the first approximation, the bordered solution with the factors.
+   subroutine solve_first(system, x)
       type(bordered_system_t), intent(inout) :: system
-      integer :: n
+      real(wp), intent(inout) :: x(:)
+      real(wp), allocatable :: both(:, :)
+      integer :: i, n
 
       n = system%level%n
       allocate (system%p(0:n), system%h(0:n), source=0.0_wp)
-      system%column = merge(0.0_wp, sum(system%jacobian%by_film(:, 1:n - 1), 1), system%is_cavitated)
-      system%column_solution = system%column
-      call solve_semiseparable(system%factors, system%column_solution)
+      allocate (both(2, n - 1))
+      do i = 1, n - 1
+         both(:, i) = [merge(0.0_wp, sum(system%jacobian%by_film(:, i)), system%is_cavitated(i)), x(i)]
+      end do
+      call solve_two(system%factors, both)
+      system%column_solution = both(1, :)
       system%column_load = system%level%dx*sum(system%column_solution)
-   end subroutine prepare_border
+      x(1:n - 1) = both(2, :)
+      call close_border(system, x)
+   end subroutine solve_first
 
    !> y = J x: bands in P and, with H = H0 - K P by FFT, in H; identity where cavitated; load in the last row.
    subroutine multiply_bordered(self, x, y)
@@ -181,18 +213,27 @@ contains
       y(n) = self%level%dx*sum(x(1:n - 1))
    end subroutine multiply_bordered
 
-   !> Bordered solution with the factors; the constant part of the kernel is put back into H0.
+   !> Bordered solution with the factors.
    subroutine precondition_bordered(self, x)
       class(bordered_system_t), intent(inout) :: self
+      real(wp), intent(inout) :: x(:)
+
+      call solve_semiseparable(self%factors, x(1:self%level%n - 1))
+      call close_border(self, x)
+   end subroutine precondition_bordered
+
+   !> From the solution of the rows of the nodes, without a change of H0, to that with the force balance; the constant part of the
+   !> kernel is put back into H0.
+   pure subroutine close_border(system, x)
+      type(bordered_system_t), intent(in) :: system
       real(wp), intent(inout) :: x(:)
       real(wp) :: shift
       integer :: n
 
-      n = self%level%n
-      call solve_semiseparable(self%factors, x(1:n - 1))
-      shift = (self%level%dx*sum(x(1:n - 1)) - x(n))/self%column_load
-      x(1:n - 1) = x(1:n - 1) - shift*self%column_solution
-      x(n) = shift - self%constant*sum(x(1:n - 1))
-   end subroutine precondition_bordered
+      n = system%level%n
+      shift = (system%level%dx*sum(x(1:n - 1)) - x(n))/system%column_load
+      x(1:n - 1) = x(1:n - 1) - shift*system%column_solution
+      x(n) = shift - system%constant*sum(x(1:n - 1))
+   end subroutine close_border
 
 end module semiseparable_jacobian
