@@ -22,7 +22,7 @@ module exponential_sum
    !> Decay rates are spread geometrically from `slowest`/n to `fastest`.
    real(wp), parameter :: slowest = 0.5_wp, fastest = 4.0_wp
    !> All indices below `dense_points`, then about `sparse_points` spread logarithmically; the first ones weigh more.
-   integer, parameter :: dense_points = 30, sparse_points = 150, heavy_points = 3
+   integer, parameter :: dense_points = 30, sparse_points = 50, heavy_points = 3
    real(wp), parameter :: heavy_weight = 5.0_wp
    !> Singular values below this share of the largest are dropped.
    real(wp), parameter :: rank_tolerance = 1.0e-13_wp
@@ -47,13 +47,19 @@ contains
    pure function sample_points(n) result(points)
       integer, intent(in) :: n
       integer, allocatable :: points(:)
-      integer :: j, next
+      integer :: candidates(dense_points + sparse_points + 1)
+      integer :: count, j
 
-      points = [(j, j=0, min(dense_points - 1, n))]
-      do j = 0, sparse_points
-         next = nint(dense_points*(real(n, wp)/dense_points)**(real(j, wp)/sparse_points))
-         if (next > points(size(points)) .and. next <= n) points = [points, next]
+      candidates(:dense_points) = [(j, j=0, dense_points - 1)]
+      candidates(dense_points + 1:) = [(nint(dense_points*(real(n, wp)/dense_points)**(real(j, wp)/sparse_points)), &
+                                        j=0, sparse_points)]
+      count = 1
+      do j = 2, size(candidates)
+         if (candidates(j) <= candidates(count) .or. candidates(j) > n) cycle
+         count = count + 1
+         candidates(count) = candidates(j)
       end do
+      allocate (points, source=candidates(:count))
    end function sample_points
 
    !> Fits `kernel` (0:n) to about 1 %, good near j = 0. Fails (internal_error) if LAPACK does.
