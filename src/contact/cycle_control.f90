@@ -1,7 +1,7 @@
 !> Repeats cycles until the residuals of the original problem are below their bounds, or says why they are not.
 module cycle_control
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use fas_cycle, only: cycle_from
+   use fas_cycle, only: cycle_from, is_newton_alone
    use inlet_tail, only: close_inlet
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -46,7 +46,8 @@ contains
       bound = max(tolerance, floor_factor*residual%floor)
    end function effective_tolerance
 
-   !> Cycles on the finest level. The report gets every cycle, `converged` and `reason`; `observer`, if there, is told each.
+   !> Cycles on the finest level, from a film that is that of its pressure and of H0. The report gets every cycle, `converged` and
+   !> `reason`; `observer`, if there, is told each.
    subroutine iterate(hierarchy, contact, limits, report, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -68,7 +69,8 @@ contains
          pressure = hierarchy%levels(hierarchy%finest)%pressure
          film = hierarchy%levels(hierarchy%finest)%film
          call cycle_from(hierarchy, contact, hierarchy%finest)
-         call measure_residual(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, residual)
+         call measure_residual(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, residual, &
+            film_is_exact=is_newton_alone(hierarchy))
          call count_work(hierarchy, hierarchy%finest, 1)
          call report%add(residual%reynolds, residual%load)
          report%tolerance_effective = effective_tolerance(limits%tolerance, residual)

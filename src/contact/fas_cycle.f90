@@ -17,7 +17,7 @@ module fas_cycle
    implicit none (type, external)
    private
 
-   public :: cycle_from, solve_coarsest
+   public :: cycle_from, is_newton_alone, solve_coarsest
 
    !> The coarsest level is solved until a Newton step changes nothing above this.
    real(wp), parameter :: coarse_tolerance = 1.0e-12_wp
@@ -101,7 +101,7 @@ contains
       k = hierarchy%coarsest
       if (hierarchy%relaxation%coarse_sweeps <= 0) then
          call solve_newton(hierarchy%newton, contact, hierarchy%levels(k), hierarchy%rigid_displacement, &
-            coarse_tolerance, hierarchy%relaxation%coarse_steps, goal=hierarchy%goal)
+            coarse_tolerance, hierarchy%relaxation%coarse_steps, goal=hierarchy%goal, film_is_exact=is_newton_alone(hierarchy))
          return
       end if
       do i = 1, hierarchy%relaxation%coarse_sweeps
@@ -110,6 +110,14 @@ contains
             - hierarchy%relaxation%load_relaxation*load_defect(hierarchy%levels(k))
       end do
    end subroutine solve_coarsest
+
+   !> Whether the cycle is nothing but Newton's method on the finest level, which leaves the film that of pressure and H0.
+   pure function is_newton_alone(hierarchy) result(is_alone)
+      type(line_hierarchy_t), intent(in) :: hierarchy
+      logical :: is_alone
+
+      is_alone = hierarchy%coarsest == hierarchy%finest .and. hierarchy%relaxation%coarse_sweeps <= 0
+   end function is_newton_alone
 
    !> Poses the coarse problem of level k - 1: unknowns by injection, right sides = coarse operator + restricted residual.
    subroutine restrict(hierarchy, contact, k)

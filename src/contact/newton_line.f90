@@ -61,8 +61,9 @@ contains
    !> Solves the level's equations (with its right sides) from its present pressure; film and H0 are updated.
    !> Ends when a full step is below `tolerance` in P and H0, and below ten times that in relative H, or at round-off, after
    !> `max_steps`, or before a step where `watcher` wants to stop. `goal`: bound on |r|/lambda that the caller is after.
-   ! allow(too-many-arguments)  the last two are optional
-   subroutine solve_newton(newton, contact, level, rigid_displacement, tolerance, max_steps, watcher, goal)
+   !> `film_is_exact`: the level's film is already that of its pressure and of H0.
+   ! allow(too-many-arguments)  the last three are optional
+   subroutine solve_newton(newton, contact, level, rigid_displacement, tolerance, max_steps, watcher, goal, film_is_exact)
       type(newton_t), intent(inout) :: newton
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
@@ -71,14 +72,18 @@ contains
       integer, intent(in) :: max_steps
       class(observer_t), intent(inout), optional :: watcher
       real(wp), intent(in), optional :: goal
+      logical, intent(in), optional :: film_is_exact
       real(wp) :: previous_step, share
-      logical :: is_solved
+      logical :: is_at_hand, is_solved
 
       call allocate_work(newton, level%n)
       newton%is_converged = .false.
       newton%sigma_scale = contact%fluid%sigma_scale
       previous_step = huge(1.0_wp)
-      call film_of(level, rigid_displacement, newton%film_trial)
+      is_at_hand = .false.
+      if (present(film_is_exact)) is_at_hand = film_is_exact
+      newton%film_trial = level%film
+      if (.not. is_at_hand) call film_of(level, rigid_displacement, newton%film_trial)
       if (any(newton%film_trial <= 0.0_wp)) return
       level%film = newton%film_trial
       do while (newton%steps < max_steps)
@@ -86,10 +91,7 @@ contains
          if (newton%steps > 0) call close_inlet(contact, level)
          call evaluate_jacobian(contact, level, newton%jacobian)
          call prepare_system(newton, level)
-         newton%linear%goal = huge(1.0_wp)
-         if (present(goal)) then
-            if (goal*contact%lambda > most_reduction*newton%residual) newton%linear%goal = goal_share*goal*contact%lambda
-         end if
+         newton%linear%goal = linear_goal(newton%residual, contact%lambda, goal)
          call newton%linear%solve(level, newton%jacobian, newton%is_cavitated, newton%step, is_solved)
          if (.not. is_solved) return
          ! an iterative solution leaves the rest of its tolerance here, which would count as a pressurised node
@@ -124,6 +126,17 @@ contains
       end if
       allocate (newton%step(n), newton%trial(0:n), newton%film_trial(0:n), newton%is_cavitated(n - 1))
    end subroutine allocate_work
+
+   !> What the linear solution may leave of |r| where Newton's method is after the bound `goal` on |r|/lambda.
+   pure function linear_goal(residual, lambda, goal) result(bound)
+      real(wp), intent(in) :: residual, lambda
+      real(wp), intent(in), optional :: goal
+      real(wp) :: bound
+
+      bound = huge(1.0_wp)
+      if (.not. present(goal)) return
+      if (goal*lambda > most_reduction*residual) bound = goal_share*goal*lambda
+   end function linear_goal
 
    !> Active set and right side; rows of the bands are divided by the elastic diagonal.
    pure subroutine prepare_system(newton, level)

@@ -126,14 +126,19 @@ contains
    end subroutine reynolds_diagonals
 
    !> The residuals that decide on convergence, with the film that belongs exactly to the pressure.
-   !> The level's film becomes that film unless it closes.
-   subroutine measure_residual(contact, level, rigid_displacement, residual)
+   !> The level's film becomes that film unless it closes; with `film_is_exact` it is that already.
+   subroutine measure_residual(contact, level, rigid_displacement, residual, film_is_exact)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: rigid_displacement
       type(residual_t), intent(out) :: residual
+      logical, intent(in), optional :: film_is_exact
+      logical :: is_at_hand
 
-      call film_of(level, rigid_displacement, level%work)
+      is_at_hand = .false.
+      if (present(film_is_exact)) is_at_hand = film_is_exact
+      level%work = level%film
+      if (.not. is_at_hand) call film_of(level, rigid_displacement, level%work)
       residual%load = abs(load_defect(level))
       residual%film_is_open = all(level%work > 0.0_wp)
       if (.not. residual%film_is_open) return
