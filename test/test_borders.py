@@ -82,7 +82,7 @@ INSIDE = {
     "gauss_seidel_in_time_newtonian": rolling(512, 2, GAUSS_SEIDEL, NEWTONIAN),
     "auto_in_time_without_sliding": rolling(1024, 4, {}, NEWTONIAN),
     "block_jacobi_relaxation": namelists.case_1(256, BLOCK_JACOBI | {"relaxation": 0.8}),
-    "block_jacobi_in_time_without_sliding": rolling(256, 2, CYCLE | {"relaxation": 0.5}),
+    "block_jacobi_in_time_without_sliding": rolling(256, 2, CYCLE | {"relaxation": 0.4}),
     "line_in_time_without_sliding": rolling(128, 0.5, LINE),
     "plain_block_jacobi_relaxation": namelists.case_1(64, PLAIN | {"relaxation": 0.8}),
     "dense_when_thinning": thinning(100, 40, 256, DENSE),
@@ -218,3 +218,20 @@ def test_outside_says_why(diverging, tmp_path, name):
     done = diverging("case.nml", "--quiet")
     assert done.returncode == 2
     assert reason in stated_failure(tmp_path / "case.h5")
+
+
+def test_cycle_solves_the_parts_of_the_first_step(diverging, tmp_path):
+    """The first one is 1.5e-5 long; the ways that are tried before the right one may outgrow all numbers."""
+    pressures = []
+    for name, solver in {"newton": KRYLOV, "cycle": GAUSS_SEIDEL}.items():
+        time = {"transient": True, "end_time": 2.75 / 1024, "time_step": 2.75 / 1024}
+        ridge = namelists.RIDGE | {"position": -1.5}
+        text = namelists.case_1(1024, solver, surface_2=ridge, time=time, accuracy={"error_bars": False})
+        (tmp_path / f"{name}.nml").write_text(text)
+        done = diverging(f"{name}.nml", "--quiet")
+        assert done.returncode == 0, done.stderr
+        with h5py.File(tmp_path / f"{name}.h5") as file:
+            assert file["report/uncut_steps"][()] == 0
+            pressures.append(file["solution/pressure"][()])
+    # what a residual of 1e-6 leaves (measured 4e-10; a whole first step of backward Euler differs by 2.5e-3)
+    assert np.abs(pressures[0] - pressures[1]).max() < 1e-5 * pressures[0].max()
