@@ -6,9 +6,9 @@ module run_case
    use case_record, only: case_t, result_path, set_effective
    use command_line, only: command_t
    use companions, only: run_companions
-   use domain_choice, only: choose_domain
+   use domain_choice, only: choose_domain, inlet_error
    use ehl_line_solver, only: solve_ehl_line
-   use error_bars, only: error_bars_t
+   use error_bars, only: domain_error, error_bars_t
    use errors, only: error_t
    use input_keys, only: lubricated
    use interruption, only: listen_to_signals
@@ -33,6 +33,8 @@ module run_case
 
    !> Nodes in the finest wave of a profile below which the program says so.
    real(wp), parameter :: fewest_nodes = 48.0_wp
+   !> A forecast that is above the wanted accuracy by so little is not.
+   real(wp), parameter :: rounding = 1.0e-6_wp
 
 contains
 
@@ -114,6 +116,7 @@ contains
          if (allocated(error) .or. watcher%wants_stop) return
       end if
       if (.not. is_open) call tell_coarse_waves(case, contact, watcher, nodes, note)
+      call tell_missed_target(case, contact, watcher, note)
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
       call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
@@ -166,6 +169,31 @@ contains
          ' are needed: '//to_text(int(whole%domain%intervals, int64)*2_int64**doublings)//' intervals, or fewer harmonics'
       call watcher%log%say(case%file//': '//note)
    end subroutine tell_coarse_waves
+
+   !> Says where pilot runs do not foretell that a transient keeps its wanted accuracy, behind what `note` says already.
+   subroutine tell_missed_target(case, contact, watcher, note)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      character(:), allocatable, intent(inout) :: note
+      character(:), allocatable :: words
+      real(wp) :: foretold
+
+      if (.not. (case%accuracy%target > 0.0_wp .and. case%time%is_transient)) return
+      words = 'no error of h_min is foretold: pilot runs on coarser grids found no solution'
+      associate (forecast => watcher%writer%bars%forecast)
+         if (forecast%is_known) then
+            foretold = forecast%error(1)/forecast%pilot(1)
+            if (.not. case%domain%has_inlet) foretold = foretold + domain_error(inlet_error(contact))
+            if (foretold <= (1.0_wp + rounding)*case%accuracy%target) return
+            words = 'the wanted accuracy is beyond the finest pilot run: of h_min a relative error of '//to_text(foretold, 2)// &
+               ' is foretold, '//to_text(case%accuracy%target, 2)//' was wanted'
+         end if
+      end associate
+      call watcher%log%say(case%file//': '//words)
+      if (allocated(note)) words = note//'; '//words
+      call move_alloc(words, note)
+   end subroutine tell_missed_target
 
    !> Writes the result.
    subroutine store(case, watcher, state, report, status)

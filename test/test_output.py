@@ -360,3 +360,22 @@ def test_estimates_are_those_of_the_stored_times(asperity, tmp_path):
     assert 0 < found[1000][1] < 0.02 * found[1000][0]
     assert 0 < found[1][1] < 0.2 * found[1][0]
     assert 0 < found[3][1] < 3 * found[1][1]
+
+
+def test_a_target_out_of_reach_is_told(asperity, tmp_path):
+    """Pilot runs end at a bound of their work; the run is then done as well as they know, and says what is foretold."""
+    case = TRANSIENT.replace(", time_step = 0.05", "").replace("end_time = 1.0", "end_time = 0.1")
+    case = "\n".join(line for line in case.splitlines() if not line.startswith("&domain"))
+    write(tmp_path, "case.nml", case + "\n&domain x_inlet = -4.0, x_outlet = 1.5 /\n&accuracy target = 1e-7 /\n")
+    done = asperity("case.nml")
+    assert done.returncode == 0
+    with h5py.File(tmp_path / "case.h5") as file:
+        note, h_min = text(file["report/note"][()]), file["summary/h_min"]
+        foretold = h_min.attrs["error_grid"] / h_min[()]
+        assert file.attrs["converged"] == 1
+    assert f"case.nml: {note}\n" in done.stderr
+    start = "the wanted accuracy is beyond the finest pilot run: of h_min a relative error of "
+    end = " is foretold, 1.0E-07 was wanted"
+    assert note.startswith(start)
+    assert note.endswith(end)
+    assert 1e-7 < float(note[len(start) : -len(end)]) <= 1.05 * foretold

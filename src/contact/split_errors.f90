@@ -1,10 +1,14 @@
-!> Errors of a transient because of the grid and because of the time step, apart: from three runs, one of which has twice the
-!> spacing of the finest and one twice its time step besides.
+!> Errors of a transient because of the grid and because of the time step, apart: from the changes of its figures where the spacing
+!> alone, and the time step alone, is halved.
 !>
 !> Refined together the two errors often cancel, with opposite signs and rates of their own, so that their sum tells little of
-!> finer resolutions. With A on (dX, dT), B on (2 dX, dT), D on (2 dX, 2 dT) the change A - B is the grid's and B - D that of
-!> the time step; the orders are observed where the three runs of twice the spacing and time step, the first of which is D, are
-!> known.
+!> finer resolutions. The last change of each tells its error and the sign of it, the one before the order. Elsewhere
+!> (dX', dT' over those of the last run) the error is then
+!>
+!>     | e_X dX'^p + e_T dT'^q |  +  d_X s_X dX'^(3 p/4)  +  d_T s_T dT'^(q/2)
+!>
+!> with the doubts d, which fade more slowly than the errors e: orders seen on coarse runs are not yet those of the scheme. s is
+!> the size of e, not below what the change before leaves of it: a last change may be small by chance.
 module split_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use kinds, only: wp
@@ -12,25 +16,29 @@ module split_errors
    implicit none (type, external)
    private
 
-   public :: apply_forecast, error_at, figure_values, forecast_t, new_split_error, shift_at, split_error_t
+   public :: apply_forecast, doubts_at, error_at, figure_values, forecast_t, new_split_error, shift_at, split_error_t
 
    !> Figures of a forecast: h_min, its node, h_central, the largest pressure and the exit, both between the nodes.
    integer, parameter, public :: forecast_figures = 5
 
-   !> Estimates are widened by these factors.
-   real(wp), parameter :: space_safety = 1.3_wp, time_safety = 2.0_wp
+   !> The doubts about the error of the grid, without and with an observed order, and about that of the time step, and how they
+   !> fade: as this power of the error (chosen with the numbers of resolution_choice).
+   real(wp), parameter :: space_doubt(2) = [0.6_wp, 0.45_wp], time_doubt = 1.2_wp
+   real(wp), parameter :: space_fading = 0.75_wp, time_fading = 0.5_wp
    !> The error of the time step is not believed to be less than this share of that of the grid.
    real(wp), parameter :: least_time_share = 0.25_wp
    !> The order in space where none is observed, and the bounds of an observed one.
    real(wp), parameter :: space_orders(3) = [1.5_wp, 1.5_wp, 2.0_wp]
 
-   !> Errors of one figure in run A, limit less value, and the orders with which they fall.
+   !> Errors of one figure in the last run, limit less value, and the orders with which they fall.
    type :: split_error_t
       !> As the last changes tell.
       real(wp) :: space, time
       !> Their size, not less than the changes before leave of it: a change may be small by chance.
       real(wp) :: space_size, time_size
       real(wp) :: space_order, time_order
+      !> Part of the space size that is doubtful.
+      real(wp) :: space_doubt
    end type split_error_t
 
    !> What pilot runs foretell of the figures of a run (order of `figure_values`); NaN: nothing.
@@ -92,50 +100,64 @@ contains
 
    end subroutine apply_forecast
 
-   !> The errors of a figure: `values` of A, B, D, and `older`, those of twice the spacing and time step (NaN where not known).
-   !> `time_orders`: the order in time where none is observed, and the bounds of an observed one.
-   pure function new_split_error(values, older, time_orders) result(self)
-      real(wp), intent(in) :: values(3), older(3), time_orders(3)
+   !> The errors of a figure from its last change and the one before (NaN where not known) with half the spacing, `space`, and with
+   !> half the time step, `time`. `time_orders`: the order in time where none is observed, and the bounds of an observed one.
+   pure function new_split_error(space, time, time_orders) result(self)
+      real(wp), intent(in) :: space(2), time(2), time_orders(3)
       type(split_error_t) :: self
 
-      call split(values(1) - values(2), older(1) - older(2), space_orders, self%space, self%space_size, self%space_order)
-      call split(values(2) - values(3), older(2) - older(3), time_orders, self%time, self%time_size, self%time_order)
+      call split(space, space_orders, self%space, self%space_size, self%space_order)
+      call split(time, time_orders, self%time, self%time_size, self%time_order)
+      self%space_doubt = space_doubt(merge(2, 1, ieee_is_finite(space(2))))
       if (ieee_is_finite(self%time_size) .and. ieee_is_finite(self%space_size)) then
          self%time_size = max(self%time_size, least_time_share*self%space_size)
       end if
    end function new_split_error
 
    !> The error of one direction from its last change and the one before.
-   pure subroutine split(change, older, orders, error, size, order)
-      real(wp), intent(in) :: change, older, orders(3)
+   pure subroutine split(changes, orders, error, size, order)
+      real(wp), intent(in) :: changes(2), orders(3)
       real(wp), intent(out) :: error, size, order
+      real(wp) :: older
 
       order = orders(1)
-      error = change
-      size = change
-      if (.not. ieee_is_finite(change)) return
-      size = abs(change)
-      if (ieee_is_finite(older)) then
+      error = changes(1)
+      size = changes(1)
+      if (.not. ieee_is_finite(changes(1))) return
+      size = abs(changes(1))
+      if (ieee_is_finite(changes(2))) then
+         older = abs(changes(2))
          order = orders(2)
-         if (abs(older) >= 2.0_wp**orders(3)*size) then
+         if (older >= 2.0_wp**orders(3)*size) then
             order = orders(3)
-         else if (abs(older) > size) then
-            order = max(log(abs(older)/size)/log(2.0_wp), orders(2))
+         else if (older > size) then
+            order = max(log(older/size)/log(2.0_wp), orders(2))
          end if
-         size = max(size, abs(older)/2.0_wp**orders(3))
+         size = max(size, older/2.0_wp**orders(3))
       end if
-      error = change/(2.0_wp**order - 1.0_wp)
+      error = changes(1)/(2.0_wp**order - 1.0_wp)
       size = size/(2.0_wp**order - 1.0_wp)
    end subroutine split
 
-   !> Estimate of the error where spacing and time step are `dx_ratio` and `dt_ratio` times those of run A.
+   !> Estimate of the error where spacing and time step are `dx_ratio` and `dt_ratio` times those of the last run.
    pure function error_at(self, dx_ratio, dt_ratio) result(error)
       type(split_error_t), intent(in) :: self
       real(wp), intent(in) :: dx_ratio, dt_ratio
-      real(wp) :: error
+      real(wp) :: error, doubts(2)
 
-      error = space_safety*self%space_size*dx_ratio**self%space_order + time_safety*self%time_size*dt_ratio**self%time_order
+      doubts = doubts_at(self, dx_ratio, dt_ratio)
+      error = abs(shift_at(self, dx_ratio, dt_ratio)) + doubts(1) + doubts(2)
    end function error_at
+
+   !> What of it is doubt, about the error of the grid and about that of the time step.
+   pure function doubts_at(self, dx_ratio, dt_ratio) result(doubts)
+      type(split_error_t), intent(in) :: self
+      real(wp), intent(in) :: dx_ratio, dt_ratio
+      real(wp) :: doubts(2)
+
+      doubts(1) = self%space_doubt*self%space_size*dx_ratio**(space_fading*self%space_order)
+      doubts(2) = time_doubt*self%time_size*dt_ratio**(time_fading*self%time_order)
+   end function doubts_at
 
    !> What leads from the value there to the limit.
    pure function shift_at(self, dx_ratio, dt_ratio) result(shift)
