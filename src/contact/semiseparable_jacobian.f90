@@ -67,7 +67,7 @@ contains
       logical, intent(out) :: is_solved
       type(bordered_system_t) :: system
       real(wp), allocatable :: rest(:), product(:)
-      real(wp) :: allowed, left, largest
+      real(wp) :: allowed, left, largest, share
 
       call prepare_kernel(self, level, is_solved)
       if (.not. is_solved) return
@@ -91,7 +91,9 @@ contains
       largest = maxval(abs(rest(:level%n - 1)*jacobian%diagonal(1:level%n - 1)))
       is_solved = left <= allowed .and. largest <= self%goal
       if (is_solved .or. .not. left < huge(1.0_wp)) return
-      call solve_gmres(self%krylov, system, min(allowed/left, self%goal/largest), rest, is_solved)
+      share = allowed/left
+      if (self%goal < largest) share = min(share, self%goal/largest)
+      call solve_gmres(self%krylov, system, share, rest, is_solved)
       step = step + rest
       self%iterations = 1 + self%krylov%iterations
       is_solved = is_solved .or. self%krylov%iterations > 0
