@@ -121,6 +121,7 @@ contains
       call choose_domain(contact)
       bars%has_half = .false.
       bars%has_quarter = .false.
+      bars%has_eighth = .false.
       do
          call new_hierarchy(hierarchy, contact, settings%levels, error)
          if (allocated(error)) return
@@ -132,6 +133,8 @@ contains
             summary = summary_on(hierarchy%levels(hierarchy%finest))
             if (contact%domain%intervals >= intervals_for_waves(contact) .and. &
                 estimated_error(bars, summary) <= settings%target) return
+            bars%has_eighth = bars%has_quarter
+            if (bars%has_quarter) bars%eighth = bars%quarter
             bars%has_quarter = bars%has_half
             if (bars%has_half) bars%quarter = bars%half
             bars%has_half = .true.
@@ -141,19 +144,31 @@ contains
       end do
    end subroutine double_grid
 
-   !> The figures of the two levels below the finest, where these are solved well enough and no cycle has changed them since.
+   !> The figures of the three levels below the finest, where these are solved well enough and no cycle has changed them since.
    pure subroutine gather_companions(hierarchy, bars)
       type(line_hierarchy_t), intent(in) :: hierarchy
       type(error_bars_t), intent(inout) :: bars
-      integer :: k
 
-      k = hierarchy%finest
-      bars%has_half = k > 1 .and. hierarchy%coarsest == k
-      if (bars%has_half) bars%has_half = hierarchy%levels(k - 1)%is_companion
-      if (bars%has_half) bars%half = summary_on(hierarchy%levels(k - 1))
-      bars%has_quarter = bars%has_half .and. k > 2
-      if (bars%has_quarter) bars%has_quarter = hierarchy%levels(k - 2)%is_companion
-      if (bars%has_quarter) bars%quarter = summary_on(hierarchy%levels(k - 2))
+      bars%has_half = hierarchy%coarsest == hierarchy%finest
+      call gather(1, bars%has_half, bars%half)
+      bars%has_quarter = bars%has_half
+      call gather(2, bars%has_quarter, bars%quarter)
+      bars%has_eighth = bars%has_quarter
+      call gather(3, bars%has_eighth, bars%eighth)
+
+   contains
+
+      !> Those of the level so far `below`, where the ones above it are known.
+      pure subroutine gather(below, is_known, summary)
+         integer, intent(in) :: below
+         logical, intent(inout) :: is_known
+         type(line_summary_t), intent(inout) :: summary
+
+         is_known = is_known .and. hierarchy%finest > below
+         if (is_known) is_known = hierarchy%levels(hierarchy%finest - below)%is_companion
+         if (is_known) summary = summary_on(hierarchy%levels(hierarchy%finest - below))
+      end subroutine gather
+
    end subroutine gather_companions
 
    !> The figures of the solution on a level.

@@ -16,8 +16,8 @@ module newton_line
 
    public :: newton_t, solve_newton
 
-   !> A step changes no pressure by more than this share of max(1, P), in a Newtonian lubricant by more than the second one where
-   !> it is bent (largest step), and no film to less than the third.
+   !> A step changes no pressure by more than this share of max(1, P), one that is bent in a Newtonian lubricant by no more than the
+   !> second, and no film to less than the third.
    real(wp), parameter :: largest_step = 0.3_wp, largest_bent_step = 0.6_wp, smallest_film_share = 0.5_wp
    !> A step is bent where it changes ln e by more than this; the oil of a node flows where its mobility is more than the second
    !> share of the diagonal (1000 Newtonian contacts: of 0.02-2 the fastest).
