@@ -129,12 +129,13 @@ contains
    end function stagnation
 
    !> Whether Newton's method on the finest level moves nothing any more, so that no step will: nodes at the exit on which the
-   !> linear system and the conditions P >= 0, r <= 0 do not agree.
+   !> linear system and the conditions P >= 0, r <= 0 do not agree. An inlet tail lags a step behind.
    pure function steps_at_round_off(hierarchy) result(is_still)
       type(line_hierarchy_t), intent(in) :: hierarchy
       logical :: is_still
 
       is_still = hierarchy%coarsest == hierarchy%finest .and. hierarchy%newton%last_step < still_step &
+         .and. .not. hierarchy%levels(hierarchy%finest)%has_tail &
          .and. any(hierarchy%relaxation%method == [method_newton_krylov, method_newton_dense])
    end function steps_at_round_off
 
