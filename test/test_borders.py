@@ -145,7 +145,7 @@ CELLS = [
     ("moes_roelands", "FAS, line", (0.74, 30), (1.5, 30)),
     ("moes_roelands", "FAS, Gauss-Seidel", (0.74, 30), (0.74, 40)),
     ("moes_roelands", "FAS, Block-Jacobi", (0.74, 30), (0.74, 40)),
-    ("moes_eyring", "FAS, line", (230, 20), (2000, 40)),
+    ("moes_eyring", "FAS, line", (230, 20), (980, 40)),
     ("moes_eyring", "FAS, Gauss-Seidel", (480, 5), (480, 1)),
     ("moes_eyring", "FAS, Block-Jacobi", (230, 10), (230, 2.5)),
     ("eyring_stress", "FAS, Gauss-Seidel", (360, 50), (850, 50)),

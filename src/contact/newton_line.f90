@@ -16,8 +16,8 @@ module newton_line
 
    public :: newton_t, solve_newton
 
-   !> A step changes no pressure by more than this share of max(1, P), one that is bent in a Newtonian lubricant by no more than the
-   !> second, and no film to less than the third.
+   !> A step changes no pressure by more than this share of max(1, P), one that is bent by no more than the second, and no film to
+   !> less than the third.
    real(wp), parameter :: largest_step = 0.3_wp, largest_bent_step = 0.6_wp, smallest_film_share = 0.5_wp
    !> A step is bent where it changes ln e by more than this; the oil of a node flows where its mobility is more than the second
    !> share of the diagonal (1000 Newtonian contacts: of 0.02-2 the fastest).
@@ -44,6 +44,8 @@ module newton_line
       logical, allocatable :: is_cavitated(:)
       !> Sigma per H dP/dX of the lubricant; 0 for a Newtonian one.
       real(wp) :: sigma_scale = 0.0_wp
+      !> Whether steps are bent (`bend_step`): Newtonian lubricants, thesis's scheme.
+      logical, private :: is_bent = .false.
       !> Largest |r| of the nodes that are not cavitated, at the last linearisation.
       real(wp), private :: residual = 0.0_wp
       !> Newton steps of the last call, and steps of the linear solver in all calls.
@@ -79,6 +81,8 @@ contains
       call allocate_work(newton, level%n)
       newton%is_converged = .false.
       newton%sigma_scale = contact%fluid%sigma_scale
+      ! a thinning oil flows before it is solid: bent steps ended nowhere at M 2000, L 25, tau_0 1 MPa
+      newton%is_bent = .not. (level%is_sharp .or. contact%fluid%is_eyring)
       previous_step = huge(1.0_wp)
       is_at_hand = .false.
       if (present(film_is_exact)) is_at_hand = film_is_exact
@@ -97,7 +101,7 @@ contains
          ! an iterative solution leaves the rest of its tolerance here, which would count as a pressurised node
          where (newton%is_cavitated) newton%step(1:level%n - 1) = -level%pressure(1:level%n - 1)
          newton%linear_iterations = newton%linear_iterations + newton%linear%iterations
-         if (.not. level%is_sharp) call bend_step(newton, level)
+         if (newton%is_bent) call bend_step(newton, level)
          call take_step(newton, level, rigid_displacement, share)
          if (share <= 0.0_wp) return
          newton%steps = newton%steps + 1
@@ -160,7 +164,7 @@ contains
       newton%step(level%n) = load_defect(level)
    end subroutine prepare_system
 
-   !> Bends the step of nodes whose mobility e would change by much (thesis's scheme).
+   !> Bends the step of nodes whose mobility e would change by much.
    !>
    !> Where oil is as good as solid, its film fixes P, linearly; where it flows, what is linear is the flow, in e ~ exp(-a P). A
    !> falling pressure goes no further than to where the oil begins to flow, or than e grows as its tangent in P says; a rising
@@ -204,7 +208,7 @@ contains
          share = 0.0_wp
          return
       end if
-      longest = merge(largest_step, largest_bent_step, newton%sigma_scale > 0.0_wp .or. level%is_sharp)
+      longest = merge(largest_bent_step, largest_step, newton%is_bent)
       share = min(1.0_wp, longest/max(share, longest), largest_slip_step/max(slip_step(newton, level), largest_slip_step))
       newton%trial = level%pressure
       do halving = 1, most_halvings
