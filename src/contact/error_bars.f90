@@ -37,8 +37,9 @@ module error_bars
    !> An inlet of error e (`inlet_error`) starves the film by 0.4 e to 1.6 e, and changes the largest pressure by up to 8 e, with
    !> constant viscosity 20 e, times the smaller one of 1 and H_c (M 0.5-500, L 0-30, against four times the domain).
    real(wp), parameter :: film_safety = 2.0_wp, starved_pressure = 8.0_wp, starved_isoviscous = 20.0_wp
-   !> The same with a tail in front of the inlet (141 contacts: below 3 in 90 % where the pressure has no spike).
-   real(wp), parameter :: pressure_behind_tail = 4.0_wp
+   !> The same with a tail in front of the inlet (below 3 in 90 % of 141 contacts without a spike; with 6 the whole error of 191
+   !> others is below its estimate in 96 %, with 4 in 94.8 %).
+   real(wp), parameter :: pressure_behind_tail = 6.0_wp
 
    !> The companions of a result and what is known of the order of the scheme.
    type :: error_bars_t
