@@ -244,7 +244,7 @@ def test_a_new_run_removes_the_old_checkpoint(program, interrupted, tmp_path):
 
 
 def test_checkpoint_that_cannot_be_written_does_not_stop_the_run(asperity, tmp_path):
-    write(tmp_path, "case.nml", busy(0.1))
+    write(tmp_path, "case.nml", busy(0.0))
     (tmp_path / "case.h5.ckpt.tmp").mkdir()
     done = asperity("case.nml", "--quiet")
     assert done.returncode == 0
@@ -295,6 +295,7 @@ def test_interrupted_in_the_nested_start_of_a_large_grid(program, tmp_path):
 
 def test_part_is_readable_while_the_run_writes(program, tmp_path):
     reference, _ = undisturbed(program, tmp_path, busy(1000.0))
+    write(tmp_path, "case.nml", busy(0.0))  # slow: a checkpoint after every step
     seen = []
     with start(program, tmp_path) as running:
         wait_for(tmp_path / "case.h5.part", running)
