@@ -23,11 +23,11 @@ module error_bars
 
    !> An estimate is widened by this factor: the observed order is uncertain.
    real(wp), parameter :: safety = 1.5_wp
-   !> By this one where four grids change a figure in one direction, the order being the lower one of the two that they show (255
-   !> contacts: of 1.2 to 1.4 the least that holds in 96 % for h_min).
-   real(wp), parameter :: steady_safety = 1.3_wp
    !> The same for the largest pressure.
    real(wp), parameter :: pressure_safety = 2.0_wp
+   !> In place of the first where four grids change a figure in one direction, the order being the lower one of the two that they
+   !> show (255 contacts: of 1.2 to 1.4 the least that holds in 96 % for h_min).
+   real(wp), parameter :: steady_safety = 1.3_wp
    !> Bounds of the observed order in space.
    real(wp), parameter :: orders(2) = [1.0_wp, 2.0_wp]
    !> Error of the exit between two nodes, in spacings: rms 0.2, at most 0.6 in 32 solutions of 8 contacts.

@@ -9,6 +9,7 @@ module face_mobility
    use eyring, only: slip_factors, slip_values
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_density_value, fluid_ln_viscosity, fluid_t, fluid_viscosity
+   use mobility, only: largest_exponent
    implicit none (type, external)
    private
 
@@ -16,8 +17,6 @@ module face_mobility
 
    !> Faces in a block.
    integer, parameter :: block_size = 128
-   !> Bound of ln(S/mu): a wild iterate must not overflow. No solution comes near it.
-   real(wp), parameter :: largest_exponent = 500.0_wp
    !> Up to this difference of ln mu/2 the power series of sinh(x)/x is used; nine terms are cut off below 1e-17 there.
    real(wp), parameter :: series_limit = 1.0_wp
    !> Taylor coefficients 1/(2m + 1)! of sinh(x)/x in x^2, m = 0 ... 8.

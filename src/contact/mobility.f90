@@ -14,7 +14,7 @@ module mobility
    !> Nodes in a block.
    integer, parameter :: block_size = 128
    !> Bound of ln(S/mu): a wild iterate (|Sigma| beyond 500 at low pressure) must not overflow. No solution comes near it.
-   real(wp), parameter :: largest_exponent = 500.0_wp
+   real(wp), parameter, public :: largest_exponent = 500.0_wp
 
    !> Mobility, density and their partial derivatives, each (0:n).
    type :: mobility_slopes_t

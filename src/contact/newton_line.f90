@@ -182,12 +182,8 @@ contains
             rate = -e_p(i)/e(i)
             change = rate*step(i)
             flow = log(e(i)/(flowing_share*level%dx**2*abs(newton%jacobian%diagonal(i))))
-            if (change < 0.0_wp) then
-               bent = min(flow, -log(1 - change))
-            else
-               bent = flow
-               if (change < 1.0_wp) bent = min(flow, -log(1 - change))
-            end if
+            bent = flow
+            if (change < 1.0_wp) bent = min(flow, -log(1 - change))
             if (bent > change) step(i) = bent/rate
          end do
       end associate

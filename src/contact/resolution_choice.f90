@@ -122,7 +122,7 @@ contains
          call run_companion(pilot, pilot_settings, pilot_time, collector, has_solution, error)
          if (allocated(error) .or. watcher%wants_stop) return
          if (has_solution) then
-            call take_pilot(pilots, direction, figure_values(collector%summary, .true.))
+            call take_pilot(pilots, direction, figure_values(collector%summary))
          else
             ! all anew
             pilots = pilots_t(2*pilots%intervals, 2*pilots%steps, passages=pilots%passages)
@@ -134,6 +134,7 @@ contains
       end do
       call take(bars, contact, time, pilots, pilots%intervals, pilots%steps)
    end subroutine choose_resolution
+
    !> Where the pilots of a contact on a complete domain begin.
    pure function new_pilots(contact, time) result(pilots)
       type(line_contact_t), intent(in) :: contact
@@ -195,12 +196,22 @@ contains
       else if (any(pilots%age >= most_in_a_row)) then
          direction = maxloc(pilots%age, 1)
       else
-         error = new_split_error(pilots%changes(1, :, space), pilots%changes(1, :, time_step), time_orders(scheme))
+         error = error_of(pilots, 1, scheme)
          reach = reach_of(pilots)
          doubts = doubts_at(error, 1.0_wp/reach(space), 1.0_wp/reach(time_step))
          direction = merge(space, time_step, doubts(space) > doubts(time_step))
       end if
    end function next_direction
+
+   !> What the pilots tell of the errors of a figure.
+   pure function error_of(pilots, figure, scheme) result(error)
+      type(pilots_t), intent(in) :: pilots
+      integer, intent(in) :: figure
+      character(*), intent(in) :: scheme
+      type(split_error_t) :: error
+
+      error = new_split_error(pilots%changes(figure, :, space), pilots%changes(figure, :, time_step), time_orders(scheme))
+   end function error_of
 
    !> How many times finer than the last pilot the forecast goes, in space and in time.
    pure function reach_of(pilots) result(reach)
@@ -224,7 +235,7 @@ contains
 
       is_chosen = .false.
       if (any(pilots%age < 0) .or. .not. sees_passages(pilots)) return
-      error = new_split_error(pilots%changes(1, :, space), pilots%changes(1, :, time_step), time_orders(time%scheme))
+      error = error_of(pilots, 1, time%scheme)
       call find_cheapest(error, target*pilots%values(1), pilots, contact, intervals, steps)
       is_chosen = intervals > 0
       if (is_chosen) call take(bars, contact, time, pilots, intervals, steps)
@@ -250,7 +261,7 @@ contains
          forecast%is_known = .true.
          forecast%pilot = pilots%values
          do i = 1, forecast_figures
-            error = new_split_error(changes(i, :, space), changes(i, :, time_step), time_orders(time%scheme))
+            error = error_of(pilots, i, time%scheme)
             forecast%error(i) = error_at(error, dx_ratio, dt_ratio)
             forecast%pilot_error(i) = error_at(error, 1.0_wp, 1.0_wp)
             forecast%shift(i) = shift_at(error, dx_ratio, dt_ratio)

@@ -10,7 +10,7 @@
 !> with the doubts d, which fade more slowly than the errors e: orders seen on coarse runs are not yet those of the scheme. s is
 !> the size of e, not below what the change before leaves of it: a last change may be small by chance.
 module split_errors
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
    use line_summary, only: figure_t, line_summary_t
    implicit none (type, external)
@@ -52,14 +52,12 @@ module split_errors
 
 contains
 
-   !> The figures of a run of which there is a forecast; NaN if it is not known.
-   pure function figure_values(summary, is_known) result(values)
+   !> The figures of a run of which there is a forecast.
+   pure function figure_values(summary) result(values)
       type(line_summary_t), intent(in) :: summary
-      logical, intent(in) :: is_known
       real(wp) :: values(forecast_figures)
 
-      values = ieee_value(values, ieee_quiet_nan)
-      if (is_known) values = [summary%h_min%value, summary%h_min_node%value, summary%h_central%value, summary%crests%highest, &
+      values = [summary%h_min%value, summary%h_min_node%value, summary%h_central%value, summary%crests%highest, &
          summary%x_cavitation%extrapolated]
    end function figure_values
 
@@ -71,7 +69,7 @@ contains
       type(line_summary_t), intent(inout) :: summary
       real(wp) :: values(forecast_figures)
 
-      values = figure_values(summary, .true.)
+      values = figure_values(summary)
       call take(1, 0.0_wp, summary%h_min)
       call take(2, abs(summary%h_min_node%value - summary%h_min%value), summary%h_min_node)
       call take(3, 0.0_wp, summary%h_central)

@@ -119,7 +119,7 @@ contains
       type(semiseparable_t), intent(in) :: matrix
       real(wp), intent(inout), contiguous :: x(:)
 
-      call substitute(matrix%n, matrix%ratio, matrix%lower, matrix%upper, matrix%carry, matrix%inverse_pivot, x)
+      call substitute_one(matrix%n, matrix%ratio, matrix%lower, matrix%upper, matrix%carry, matrix%inverse_pivot, x)
    end subroutine solve_semiseparable
 
    !> Solves for two right sides at once: `x` (2, n) holds them on entry. A sweep waits for one value after the other, so that
@@ -132,87 +132,15 @@ contains
    end subroutine solve_two
 
    !> Forward and backward substitution on plain arrays. Sums are formed in two parts, of which neither waits for the other.
-   pure subroutine substitute(n, rho, lower, upper, eta, inverse_pivot, x)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: rho(q), lower(m, n), upper(m, n), eta(m, n), inverse_pivot(n)
-      real(wp), intent(inout) :: x(n)
-      real(wp) :: state(m), odd, even, value
-      integer :: i, l
+   pure subroutine substitute_one(n, rho, lower, upper, eta, inverse_pivot, x)
+      integer, parameter :: k = 1
+      include 'substitution.inc'
+   end subroutine substitute_one
 
-      state = 0.0_wp
-      do i = 1, n
-         odd = 0.0_wp
-         even = 0.0_wp
-         do l = 1, m, 2
-            odd = odd + lower(l, i)*state(l)
-            even = even + lower(l + 1, i)*state(l + 1)
-         end do
-         value = (x(i) - (odd + even))*inverse_pivot(i)
-         x(i) = value
-         do l = 1, q
-            state(l) = rho(l)*state(l) + eta(l, i)*value
-         end do
-         state(q + 2) = state(q + 1) + eta(q + 2, i)*value
-         state(q + 1) = value
-      end do
-      state = 0.0_wp
-      do i = n, 1, -1
-         odd = 0.0_wp
-         even = 0.0_wp
-         do l = 1, m, 2
-            odd = odd + upper(l, i)*state(l)
-            even = even + upper(l + 1, i)*state(l + 1)
-         end do
-         value = x(i) - (odd + even)
-         x(i) = value
-         do l = 1, q
-            state(l) = rho(l)*(state(l) + value)
-         end do
-         state(q + 2) = state(q + 1)
-         state(q + 1) = value
-      end do
-   end subroutine substitute
-
-   !> `substitute` for two right sides.
+   !> The same for two right sides.
    pure subroutine substitute_two(n, rho, lower, upper, eta, inverse_pivot, x)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: rho(q), lower(m, n), upper(m, n), eta(m, n), inverse_pivot(n)
-      real(wp), intent(inout) :: x(2, n)
-      real(wp) :: state(2, m), odd(2), even(2), value(2)
-      integer :: i, l
-
-      state = 0.0_wp
-      do i = 1, n
-         odd = 0.0_wp
-         even = 0.0_wp
-         do l = 1, m, 2
-            odd = odd + lower(l, i)*state(:, l)
-            even = even + lower(l + 1, i)*state(:, l + 1)
-         end do
-         value = (x(:, i) - (odd + even))*inverse_pivot(i)
-         x(:, i) = value
-         do l = 1, q
-            state(:, l) = rho(l)*state(:, l) + eta(l, i)*value
-         end do
-         state(:, q + 2) = state(:, q + 1) + eta(q + 2, i)*value
-         state(:, q + 1) = value
-      end do
-      state = 0.0_wp
-      do i = n, 1, -1
-         odd = 0.0_wp
-         even = 0.0_wp
-         do l = 1, m, 2
-            odd = odd + upper(l, i)*state(:, l)
-            even = even + upper(l + 1, i)*state(:, l + 1)
-         end do
-         value = x(:, i) - (odd + even)
-         x(:, i) = value
-         do l = 1, q
-            state(:, l) = rho(l)*(state(:, l) + value)
-         end do
-         state(:, q + 2) = state(:, q + 1)
-         state(:, q + 1) = value
-      end do
+      integer, parameter :: k = 2
+      include 'substitution.inc'
    end subroutine substitute_two
 
 end module semiseparable

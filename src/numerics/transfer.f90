@@ -8,6 +8,7 @@ module transfer
 
    public :: inject, full_weighting, prolong_linear, prolong_cubic
 
+   !> Ratio of neighbouring pressures beyond which there is a spike.
    real(wp), parameter :: steep = 4.0_wp
 
 contains
