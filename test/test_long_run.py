@@ -16,7 +16,7 @@ def test_memory_does_not_grow_with_the_steps(program, tmp_path):
 
 
 def test_long_run_ends_in_little_memory(program, tmp_path):
-    write(tmp_path, "case.nml", long_case(1500, 64))
+    write(tmp_path, "case.nml", long_case(6000, 64))
     with killed_at_last(program, tmp_path) as running:
-        (before,) = follow(running, tmp_path / "case.h5.part", [500])
+        (before,) = follow(running, tmp_path / "case.h5.part", [1000])
     assert finish(program, tmp_path) < before + 8
