@@ -120,6 +120,8 @@ def test_breaks_no_method_without_a_word(diverging, tmp_path, name):
     reason = look_at(tmp_path / "case.h5", done.returncode)
     if name in SOLVED:
         assert done.returncode == 0, reason
+    if name.startswith("closing_film") and done.returncode == 2:
+        assert reason.startswith("the surfaces rise to 2.5 times the estimated film of the smooth contact; ")
 
 
 def test_ends_at_the_round_off_of_a_million_intervals(asperity, tmp_path):

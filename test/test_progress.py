@@ -50,6 +50,30 @@ def test_reason_is_in_the_closing_table(asperity, tmp_path):
     assert max(len(line) for line in done.stderr.splitlines()) <= 80
 
 
+# Waves of many films on a surface at rest; the domain is the program's.
+AT_REST = "".join(line + "\n" for line in STEADY.replace("speed_1 = 0.1", "speed_1 = 0.0").splitlines() if "&domain" not in line)
+WAVES = "&surface_1 shape = 'sinusoid', amplitude = 5e-6, wavelength = 6e-5 /\n"
+
+
+def test_each_reason_is_told_once(asperity, tmp_path):
+    """Newton's method fails with three starts in the same way."""
+    write(tmp_path, "a.nml", AT_REST.replace("1e5", "1e4") + WAVES)
+    done = asperity("a.nml", "--quiet")
+    assert done.returncode == 2
+    outcome = " ".join(done.stderr.split("NOT CONVERGED: ")[1].split())
+    assert outcome.startswith("the surfaces rise to ")
+    reasons = outcome.split("; ")
+    assert len(reasons) == len(set(reasons)) > 1
+
+
+def test_no_figures_where_no_start_was_found(asperity, tmp_path):
+    write(tmp_path, "a.nml", AT_REST + WAVES + "&solver smoother = 'hybrid' /\n")
+    done = asperity("a.nml")
+    assert done.returncode == 2
+    assert "h_min" not in done.stderr
+    assert done.stderr.splitlines()[-1].split() == ["result", "a.h5"]
+
+
 def test_terminal_shows_one_updating_line(program, tmp_path):
     write(tmp_path, "a.nml", TRANSIENT)
     try:

@@ -1,7 +1,7 @@
 !> The lubricated line contact from its data to its fields: the page to read beside chapter 2 of the thesis.
 module ehl_line_solver
    use domain_choice, only: choose_domain, inlet_error
-   use ehl_line_steady, only: blame_grid, solve_steady
+   use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
    use ehl_line_transient, only: march
    use error_bars, only: domain_error, error_bars_t, new_error_bars
    use errors, only: error_t
@@ -128,6 +128,7 @@ contains
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
       call solve_steady(hierarchy, contact, settings, watcher, report)
       if (settings%explains_failure .and. .not. (report%converged .or. watcher%wants_stop)) then
+         if (.not. time%is_transient) call blame_surfaces(hierarchy%levels(hierarchy%finest), contact, report)
          call blame_grid(contact, settings, .not. time%is_transient, watcher, report)
       end if
    end subroutine solve_start

@@ -5,9 +5,10 @@ module ehl_line_steady
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use line_contact, only: film_estimate, line_contact_t
    use line_hierarchy, only: line_hierarchy_t, method_block_jacobi, method_newton_dense, method_newton_krylov, new_hierarchy, &
-      pose_steady_problem, relaxation_t
+      pose_steady_problem, relaxation_t, roughness_at
+   use line_level, only: line_level_t
    use nested_start, only: full_multigrid_start, hertz_start
    use observer, only: lookout_t, observer_t
    use pseudo_time, only: follow_time
@@ -17,7 +18,7 @@ module ehl_line_steady
    implicit none (type, external)
    private
 
-   public :: blame_grid, solve_steady, limits_of
+   public :: blame_grid, blame_surfaces, solve_steady, limits_of
 
    !> Methods whose failure is looked into on finer grids whatever the fit of film and grid says: others have borders of their own.
    character(len=*), parameter :: blaming_methods(2) = [character(len=13) :: 'auto', 'newton_krylov']
@@ -42,14 +43,13 @@ contains
       logical, intent(in), optional :: is_started
       type(relaxation_t), allocatable :: attempts(:)
       type(cycle_limits_t) :: limits
-      character(:), allocatable :: failures
+      character(:), allocatable :: failure, failures
       logical :: has_start, is_sound
       integer :: i
 
       has_start = .false.
       if (present(is_started)) has_start = is_started
       allocate (attempts, source=steady_attempts(contact, settings))
-      failures = ''
       do i = 1, size(attempts)
          call adopt(hierarchy, attempts(i))
          limits = limits_of(settings, default_tolerance, attempts(i)%method)
@@ -75,9 +75,11 @@ contains
             if (watcher%wants_stop) report%reason = 'stopped from outside'
             if (watcher%wants_stop) return
          end if
-         failures = failures//merge('  ', '; ', i == 1)//report%method//': '//report%reason
+         failure = report%method//': '//report%reason
+         if (i == 1) failures = failure
+         if (index(failures, failure) == 0) failures = failures//'; '//failure
       end do
-      report%reason = adjustl(failures)
+      report%reason = failures
    end subroutine solve_steady
 
    !> Start of the sharp scheme from the solution of the thesis's scheme on the same level.
@@ -132,6 +134,18 @@ contains
             to_text(given)//'; none found up to '//to_text(last)//'); '//report%reason
       end if
    end subroutine blame_grid
+
+   !> Where there is no solution and the surfaces rise above the film of the smooth contact, says so before the reason.
+   pure subroutine blame_surfaces(level, contact, report)
+      type(line_level_t), intent(in) :: level
+      type(line_contact_t), intent(in) :: contact
+      type(report_t), intent(inout) :: report
+      real(wp) :: rise
+
+      rise = maxval(roughness_at(contact, level, 0.0_wp))/film_estimate(contact)
+      if (rise > 1.0_wp) report%reason = 'the surfaces rise to '//to_text(rise, 2)// &
+         ' times the estimated film of the smooth contact; '//report%reason
+   end subroutine blame_surfaces
 
    !> Whether Newton's method solves a steady contact on its grid.
    subroutine try_grid(contact, space_scheme, with_roughness, lookout, is_solved)

@@ -187,12 +187,14 @@ contains
       type(report_t), intent(in) :: report
       character(*), intent(in) :: path
 
-      call self%write_line('            SI              dimensionless')
-      call self%write_line(figure_line('h_min', summary%h_min, self%scaling%film, 'm'))
-      call self%write_line(figure_line('h_c', summary%h_central, self%scaling%film, 'm'))
-      call self%write_line(figure_line('p_max', summary%p_max, self%scaling%hertz_pressure, 'Pa'))
-      call self%write_line('  residual  '//number_text(report%residual, 2)//'   load error '// &
-                           number_text(report%load_error, 2)//'   bound '//number_text(report%tolerance_effective, 2))
+      if (summary%p_max%value > 0.0_wp) then   ! else no start was found: there is nothing to show
+         call self%write_line('            SI              dimensionless')
+         call self%write_line(figure_line('h_min', summary%h_min, self%scaling%film, 'm'))
+         call self%write_line(figure_line('h_c', summary%h_central, self%scaling%film, 'm'))
+         call self%write_line(figure_line('p_max', summary%p_max, self%scaling%hertz_pressure, 'Pa'))
+         call self%write_line('  residual  '//number_text(report%residual, 2)//'   load error '// &
+                              number_text(report%load_error, 2)//'   bound '//number_text(report%tolerance_effective, 2))
+      end if
       if (report%inlet_error > telling_inlet_error) call self%write_line('  inlet     starves the film by '// &
                            number_text(100*report%inlet_error, 2)//' % (x_inlet further out cures it)')
       if (allocated(report%note)) call self%write_line('  '//wrapped('note      '//report%note, columns - 2))
