@@ -3,7 +3,8 @@
 !> Source: Brandt 1977; thesis section 2.4.4 and 2.7; Venner & Lubrecht, Multilevel Methods in Lubrication, 2000.
 !> What makes the cycle converge at the cavitation point (measured, see the theory page):
 !> a coarse node with P = 0 keeps the TRUE residual by injection, a fine node with P = 0 contributes nothing to the
-!> weighting of others; corrections are taken at all nodes and then cut by P >= 0.
+!> weighting of others; corrections are taken at all nodes and then cut by P >= 0; a coarse correction falls to zero where the
+!> finest grid has P = 0, which need not be a coarse node.
 module fas_cycle
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -138,6 +139,7 @@ contains
          call full_weighting(fine%work, coarse%rhs_film)
          call evaluate_reynolds(contact, fine)
          call evaluate_reynolds(contact, coarse)
+         call restrict_exit(fine, coarse)
          call restrict_reynolds(fine, coarse)
          call coarse%convolution%apply(coarse%pressure, coarse%deflection)
          coarse%products = coarse%products + 1
@@ -146,6 +148,24 @@ contains
       call count_work(hierarchy, k, 1)
       call count_work(hierarchy, k - 1, 1)
    end subroutine restrict
+
+   !> The way from the last coarse node with P > 0 to where the finest grid has P = 0 again is theta dX long, 0 < theta <= 1 (with
+   !> 2^k finest intervals in a coarse one it is a multiple of 2^-k), not dX, and the correction falls to zero on it: its
+   !> conductance is e/(theta dX^2). The pressure that is there already keeps its flow (FAS).
+   pure subroutine restrict_exit(fine, coarse)
+      type(line_level_t), intent(in) :: fine
+      type(line_level_t), intent(inout) :: coarse
+      real(wp) :: exit
+      integer :: last
+
+      last = findloc(fine%pressure > 0.0_wp, .true., 1, back=.true.) - 1
+      exit = 0.5_wp*(last + merge(fine%exit_distance, 1.0_wp, last == fine%exit_node))
+      coarse%exit_node = ceiling(exit) - 1
+      coarse%exit_distance = exit - coarse%exit_node
+      coarse%exit_conductance = 0.0_wp
+      if (coarse%exit_node < 1) return
+      coarse%exit_conductance = (1/coarse%exit_distance - 1)*coarse%face_mobility(coarse%exit_node + 1)/coarse%dx**2
+   end subroutine restrict_exit
 
    !> Strict restriction of the Reynolds residual, see the head of the module.
    pure subroutine restrict_reynolds(fine, coarse)

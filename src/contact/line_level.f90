@@ -9,7 +9,7 @@ module line_level
    implicit none (type, external)
    private
 
-   public :: line_level_t, new_level, set_plain_problem, start_from_pressure, update_film, film_of, load_defect
+   public :: line_level_t, new_level, set_plain_problem, start_from_pressure, update_film, film_of, has_close_exit, load_defect
 
    !> A uniform grid of n intervals on [x_inlet, x_outlet]; arrays are (0:n) unless stated.
    type :: line_level_t
@@ -25,6 +25,10 @@ module line_level
       logical :: is_companion = .false.
       !> Pressure and load in front of the grid are those of module inlet_tail.
       logical :: has_tail = .false.
+      !> Coarse problems: the last node with P > 0 where they are posed, how far behind it [dX] the finest grid has P = 0 again, and
+      !> what that adds to the conductance e/dX^2 to the next node (module fas_cycle).
+      integer :: exit_node = 0
+      real(wp) :: exit_distance = 1.0_wp, exit_conductance = 0.0_wp
       !> Products with the kernel so far (one FFT pair each).
       integer :: products = 0
       !> Nodes X.
@@ -86,6 +90,8 @@ contains
       level%rhs_film = 0.5_wp*level%x**2 - roughness
       level%rhs_load = 0.5_wp*pi
       level%inverse_time_step = 0.0_wp
+      level%exit_node = 0
+      level%exit_conductance = 0.0_wp
    end subroutine set_plain_problem
 
    !> Takes over a pressure and the film that belongs to it.
@@ -127,5 +133,14 @@ contains
 
       defect = level%rhs_load - level%dx*sum(level%pressure)
    end function load_defect
+
+   !> Whether the finest grid has P = 0 before the next node of this one, which has P = 0 still.
+   pure function has_close_exit(level) result(is_close)
+      type(line_level_t), intent(in) :: level
+      logical :: is_close
+
+      is_close = level%exit_conductance > 0.0_wp
+      if (is_close) is_close = level%pressure(level%exit_node + 1) <= 0.0_wp
+   end function has_close_exit
 
 end module line_level

@@ -5,7 +5,7 @@ module reynolds_jacobian
    use face_mobility, only: face_slopes_t, fluid_face_slopes
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_level, only: line_level_t
+   use line_level, only: has_close_exit, line_level_t
    use mobility, only: fluid_mobility_slopes, mobility_slopes_t
    use reynolds_line, only: apply_reynolds, wedge_weights
    implicit none (type, external)
@@ -69,6 +69,11 @@ contains
             call add_flow(weights, level, i, jacobian)
             jacobian%diagonal(i) = jp(0, i) - jh(-2, i)*kernel(2) - jh(-1, i)*kernel(1) - jh(0, i)*kernel(0) - jh(1, i)*kernel(1)
          end do
+         if (has_close_exit(level)) then
+            i = level%exit_node
+            jp(0, i) = jp(0, i) - level%exit_conductance
+            jacobian%diagonal(i) = jacobian%diagonal(i) - level%exit_conductance
+         end if
       end associate
    end subroutine evaluate_jacobian
 

@@ -15,7 +15,7 @@ module reynolds_line
    use inlet_tail, only: tail_load
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_level, only: film_of, line_level_t, load_defect
+   use line_level, only: film_of, has_close_exit, line_level_t, load_defect
    use lubricant, only: fluid_t
    use mobility, only: fluid_mobility
    implicit none (type, external)
@@ -100,6 +100,10 @@ contains
                - (w(0)*rho(i)*h(i) + w(-1)*rho(i - 1)*h(i - 1) + w(-2)*rho(i - 2)*h(i - 2) + w(1)*rho(i + 1)*h(i + 1)) &
                - squeeze*rho(i)*h(i)
          end do
+         if (has_close_exit(level)) then
+            i = level%exit_node
+            flow(i) = flow(i) - level%exit_conductance*(p(i) - level%pressure_start(i))
+         end if
       end associate
    end subroutine apply_reynolds
 
@@ -122,6 +126,7 @@ contains
          end do
          b(1) = -lambda*level%density(1)*(1.0_wp/level%dx + level%inverse_time_step)
          diagonal(1) = -diffusion*(e(0) + 2*e(1) + e(2)) - b(1)*kernel_diagonal
+         if (has_close_exit(level)) diagonal(level%exit_node) = diagonal(level%exit_node) - level%exit_conductance
       end associate
    end subroutine reynolds_diagonals
 
