@@ -64,6 +64,8 @@ TARGETS = (1e-1, 1e-2, 1e-3, 1e-4)
 WANTED = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4)
 HEAVY = (100, 10)
 SHORT_WINDOW = 0.55
+# Times that differ by less are not told apart: runs of the same work differ by that.
+NOISE = 0.03
 # The default program: its values, and the limits that the same run writes beside them.
 DEFAULT = ("auto", "auto, extrapolated")
 # Curves whose points are labelled, the second one at powers of two; sides of a point where a label may stand [points].
@@ -259,14 +261,14 @@ def who_is_first(panel: Panel) -> str:
         best = fastest(panel, 1.001 * error)  # methods solve the same equations, up to their tolerance
         own = min((best[name].seconds for name in DEFAULT if name in best), default=math.inf)
         first = min(best.values(), key=lambda point: point.seconds)
-        if first.method not in DEFAULT and not is_default(first, best.get("auto")):
+        if first.seconds < (1 - NOISE) * own and first.method not in DEFAULT and not is_default(first, best.get("auto")):
             late[first.method, first.intervals] = f"{percent(error)} ({first.method}, {first.seconds / own:.2f} x)"
     which = "the default (auto, or the extrapolated value that the same run writes beside each figure)"
     if DEFAULT[1] not in panel.curves:
         which = "the default"
     if not late:
-        return f"left-most at every error shown: {which}"
-    return f"left-most at every error shown but {', '.join(late.values())}: {which}"
+        return f"left-most at every error shown (times within {percent(NOISE)}): {which}"
+    return f"left-most at every error shown (times within {percent(NOISE)}) but {', '.join(late.values())}: {which}"
 
 
 def orders(panel: Panel) -> str:

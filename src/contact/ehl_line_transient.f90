@@ -18,7 +18,7 @@ module ehl_line_transient
    use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, roughness_at, total_products
    use line_level, only: film_of, line_level_t
    use line_state, only: line_state_t
-   use march_history, only: extrapolate, remember
+   use march_history, only: extrapolate, foretelling, remember
    use march_state, only: march_state_t
    use observer, only: observer_t
    use solver_choice, only: adopt, note_choice, time_step_attempts
@@ -263,8 +263,8 @@ contains
       level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, new_time)
    end subroutine begin_step
 
-   !> One part of `length`: from the quadratic extrapolation in time, then from the old pressure, each way in turn; relaxations
-   !> of one method begin with the one that found the last step.
+   !> One part of `length`: from the better guess by the past, then by all of it if that was another, then from the old pressure, each
+   !> way in turn; relaxations of one method begin with the one that found the last step.
    subroutine solve_step(hierarchy, contact, plan, length, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -273,15 +273,17 @@ contains
       type(march_state_t), intent(inout) :: history
       type(report_t), intent(inout) :: report
       real(wp) :: old_minimum
-      integer :: attempt, first
+      integer :: attempt, first, count
 
       associate (level => hierarchy%levels(hierarchy%finest))
          old_minimum = minval(level%film)
          first = min(history%way, size(plan%attempts))
-         do attempt = first - 1, size(plan%attempts)
+         count = foretelling(history)
+         do attempt = merge(first - 1, first - 2, count == history%size), size(plan%attempts)
+            if (attempt == first - 1) count = history%size
             call adopt(hierarchy, plan%attempts(max(attempt, first)))
             if (attempt < first) then
-               call extrapolate(history, length, level, hierarchy%rigid_displacement)
+               call extrapolate(history, count, length, level, hierarchy%rigid_displacement)
             else
                level%pressure = history%pressure(:, 1)
                hierarchy%rigid_displacement = history%rigid_displacement(1)

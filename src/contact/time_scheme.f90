@@ -57,7 +57,7 @@ contains
 
       parts = 1
       exponent = 1.0_wp
-      if (scheme == 'bdf2') then
+      if (scheme == 'bdf2' .and. step*time_step < start_layer) then
          wanted = (start_layer/(step*time_step))**grading
          if (step == 1) then
             exponent = 1.0_wp/(1.0_wp - grading)
