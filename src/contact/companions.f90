@@ -35,8 +35,8 @@ module companions
 
 contains
 
-   !> Runs the case on n/2 and n/4 intervals. A companion that finds no solution, or that `watcher` stops, leaves its figures
-   !> unknown.
+   !> Runs the case on n/2 and n/4 intervals, a transient of first order with the scheme of second order, and first so on its own
+   !> grid. A companion that finds no solution, or that `watcher` stops, leaves its figures unknown, and those after it.
    subroutine run_companions(bars, contact, settings, time, watcher, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(in) :: contact
@@ -45,17 +45,26 @@ contains
       class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
+      type(time_settings_t) :: companion_time
+      logical :: is_known
 
       bars = new_error_bars(contact, time)
       collector%watcher => watcher
-      call run_coarser(contact, settings, time, 2, collector, bars%has_half, error)
+      companion_time = time
+      companion_time%scheme = 'bdf2'
+      if (bars%is_first_order) then
+         call run_coarser(contact, settings, companion_time, 1, collector, is_known, error)
+         if (allocated(error) .or. .not. is_known) return
+         bars%second_order = collector%summary
+      end if
+      call run_coarser(contact, settings, companion_time, 2, collector, bars%has_half, error)
       if (allocated(error)) return
       bars%half = collector%summary
       if (collector%passed%has_half) then
          bars%has_quarter = .true.
          bars%quarter = collector%passed%half
       else
-         call run_coarser(contact, settings, time, 4, collector, bars%has_quarter, error)   ! error: the caller looks
+         call run_coarser(contact, settings, companion_time, 4, collector, bars%has_quarter, error)   ! error: the caller looks
          bars%quarter = collector%summary
       end if
    end subroutine run_companions

@@ -263,8 +263,8 @@ contains
       level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, new_time)
    end subroutine begin_step
 
-   !> One part of `length`: from the better guess by the past, then by all of it if that was another, then from the old pressure, each
-   !> way in turn; relaxations of one method begin with the one that found the last step.
+   !> One part of `length`: from the better guess by the past, then by all of it if that was another, then from the old pressure,
+   !> each way in turn; relaxations of one method begin with the one that found the last step.
    subroutine solve_step(hierarchy, contact, plan, length, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact

@@ -1,5 +1,6 @@
 !> How far off the figures of a result may be: the same case on half and on a quarter of the intervals (in a transient
-!> with twice and four times the time step), and what the differences tell.
+!> with twice and four times the time step; of a scheme of first order in time also on its own grid with the second-order scheme,
+!> which the coarser grids have then too), and what the differences tell.
 !>
 !> With Q1, Q2, Q4 on n, n/2, n/4 intervals and the observed order p = log2 |Q2 - Q4|/|Q1 - Q2| the error of Q1 is
 !> |Q1 - Q2|/(2^p - 1) (Roache, J. Fluids Eng. 116, 1994, 405). p is bounded: an order above the scheme's is chance.
@@ -14,7 +15,7 @@ module error_bars
    use pressure_spike, only: growth_of, is_calm, largest_change
    use solver_settings, only: time_settings_t
    use split_errors, only: apply_forecast, forecast_t
-   use transient_errors, only: error_in_time, limit_in_time, pressure_safety_in_time
+   use transient_errors, only: error_by_reference, error_in_time, limit_in_time, pressure_safety_in_time
    implicit none (type, external)
    private
 
@@ -46,7 +47,8 @@ module error_bars
       !> Figures on n/2, n/4 and, of a steady contact whose grid was chosen, n/8 intervals; valid where the logical says so.
       type(line_summary_t) :: half, quarter, eighth
       logical :: has_half = .false., has_quarter = .false., has_eighth = .false.
-      !> Of a transient with a scheme of first order.
+      !> Of a transient with a scheme of first order: figures with that of second order on its own grid, known if those on n/2 are.
+      type(line_summary_t) :: second_order
       logical :: is_first_order = .false.
       !> A Newtonian piezoviscous contact may have a pressure spike, which in an incompressible lubricant has no end on finer
       !> grids.
@@ -138,22 +140,33 @@ contains
       type(error_bars_t), intent(in) :: bars
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
-      real(wp) :: exit_error
+      type(line_summary_t) :: full
+      real(wp) :: exit_limit, error
 
+      full = summary
+      if (bars%is_first_order) full = bars%second_order
       associate (half => bars%half, quarter => bars%quarter)
-         call take(half%h_min%value, quarter%h_min%value, summary%h_min)
-         call take(half%h_central%value, quarter%h_central%value, summary%h_central)
+         associate (figure => summary%h_min)
+            call compare(bars, figure%value, three(full%h_min%value, half%h_min%value, quarter%h_min%value), figure%extrapolated, &
+               figure%error_grid)
+         end associate
+         associate (figure => summary%h_central, cubic => summary%h_central_cubic)
+            call compare(bars, cubic, three(full%h_central_cubic, half%h_central_cubic, quarter%h_central_cubic), &
+               figure%extrapolated, error)
+            figure%error_grid = error + abs(figure%value - cubic)
+         end associate
          associate (node => summary%h_min_node, between => summary%h_min)
             node%error_grid = between%error_grid + abs(node%value - between%value)
             node%extrapolated = between%extrapolated
          end associate
          associate (figure => summary%x_cavitation)
-            exit_error = error_in_time(three(figure%extrapolated, half%x_cavitation%extrapolated, &
-               quarter%x_cavitation%extrapolated), bars%is_first_order)
-            figure%error_grid = exit_error + abs(figure%value - figure%extrapolated) + exit_jitter*dx
+            call compare(bars, figure%extrapolated, three(full%x_cavitation%extrapolated, half%x_cavitation%extrapolated, &
+               quarter%x_cavitation%extrapolated), exit_limit, error)
+            figure%error_grid = error + abs(figure%value - figure%extrapolated) + exit_jitter*dx
          end associate
-         call estimate_pressure_in_time(bars, three(summary%crests%highest, half%crests%highest, quarter%crests%highest), &
-            three(summary%crests%last, half%crests%last, quarter%crests%last), summary)
+         call estimate_pressure_in_time(bars, full%crests, &
+            three(full%crests%highest, half%crests%highest, quarter%crests%highest), &
+            three(full%crests%last, half%crests%last, quarter%crests%last), summary)
       end associate
 
    contains
@@ -167,41 +180,45 @@ contains
          if (.not. bars%has_quarter) values(3) = ieee_value(1.0_wp, ieee_quiet_nan)
       end function three
 
-      !> Estimate and limit of a figure.
-      pure subroutine take(half, quarter, figure)
-         real(wp), intent(in) :: half, quarter
-         type(figure_t), intent(inout) :: figure
-         real(wp) :: values(3)
-
-         values = three(figure%value, half, quarter)
-         figure%error_grid = error_in_time(values, bars%is_first_order)
-         figure%extrapolated = limit_in_time(values)
-      end subroutine take
-
    end subroutine estimate_errors_in_time
+
+   !> Limit and estimated error of a `value` of a transient from those of the second-order scheme on n, n/2, n/4 intervals.
+   pure subroutine compare(bars, value, values, limit, error)
+      type(error_bars_t), intent(in) :: bars
+      real(wp), intent(in) :: value
+      real(wp), intent(in) :: values(3)
+      real(wp), intent(out) :: limit, error
+
+      limit = limit_in_time(values)
+      error = error_in_time(values)
+      if (bars%is_first_order) error = error_by_reference(value, limit, error)
+   end subroutine compare
 
    !> The largest pressure of a transient from its maxima by parabolas: as other figures where it does not grow like a spike;
    !> where it may, what a spike grows, and what the last crest, which may be one, would then be above it. `highest`, `last`:
-   !> the largest and the last crest on n, n/2, n/4 intervals.
-   pure subroutine estimate_pressure_in_time(bars, highest, last, summary)
+   !> the largest and the last crest of the second-order scheme on n, n/2, n/4 intervals, `crests` all on n.
+   pure subroutine estimate_pressure_in_time(bars, crests, highest, last, summary)
       type(error_bars_t), intent(in) :: bars
+      type(crests_t), intent(in) :: crests
       real(wp), intent(in) :: highest(3), last(3)
       type(line_summary_t), intent(inout) :: summary
-      real(wp) :: error, growth, above
+      real(wp) :: error, growth, above, limit
 
       if (.not. all(ieee_is_finite(highest))) return
-      error = pressure_safety_in_time*error_in_time(highest, bars%is_first_order)
+      error = pressure_safety_in_time*error_in_time(highest)
       if (bars%may_spike) then
-         growth = growth_of(summary%crests)
+         growth = growth_of(crests)
          above = 0.0_wp
          if (all(ieee_is_finite(last(:2)))) above = last(1) + growth*largest_change(last) - highest(1)
          if (.not. (bars%is_compressible .or. (is_calm(highest) .and. above <= 0.0_wp))) return
          if (.not. is_calm(highest)) error = growth*largest_change(highest)
          error = max(error, above)
       end if
-      associate (p_max => summary%p_max)
-         p_max%error_grid = error + abs(highest(1) - p_max%value)
-         p_max%extrapolated = limit_in_time(highest)
+      limit = limit_in_time(highest)
+      associate (p_max => summary%p_max, top => summary%crests%highest)
+         if (bars%is_first_order) error = error_by_reference(top, limit, error)
+         p_max%error_grid = error + abs(top - p_max%value)
+         p_max%extrapolated = limit
       end associate
    end subroutine estimate_pressure_in_time
 

@@ -9,7 +9,7 @@ module line_summary
    private
 
    public :: crests_t, figure_t, keep_extremes, line_summary_t, summary_of, summary_of_fields
-   public :: central_value, exit_between_nodes, exit_position, node_minimum, parabola_minimum, peak_value
+   public :: central_by_cubic, central_value, exit_between_nodes, exit_position, node_minimum, parabola_minimum, peak_value
 
    !> One figure, when it was reached and how far off it may be.
    type :: figure_t
@@ -45,6 +45,9 @@ module line_summary
       type(figure_t) :: h_min_node
       !> H at X = 0; over several times the smallest.
       type(figure_t) :: h_central
+      !> The same by the cubic through four nodes, from which the error is estimated: what a line between two nodes is off depends
+      !> on where X = 0 lies between them, on every grid another.
+      real(wp) :: h_central_cubic
       !> Largest P of a node.
       type(figure_t) :: p_max
       !> X of the last node with P > 0; over several times the largest.
@@ -74,6 +77,7 @@ contains
       summary%h_min = new_figure(parabola_minimum(h), time)
       summary%h_min_node = new_figure(node_minimum(h), time)
       summary%h_central = new_figure(central_value(x, h), time)
+      summary%h_central_cubic = central_by_cubic(x, h)
       summary%p_max = new_figure(peak_value(p), time)
       summary%x_cavitation = new_figure(exit_position(x, p), time)
       summary%x_cavitation%extrapolated = exit_between_nodes(x, p)
@@ -88,6 +92,7 @@ contains
       call keep_smaller(summary%h_min, other%h_min)
       call keep_smaller(summary%h_min_node, other%h_min_node)
       call keep_smaller(summary%h_central, other%h_central)
+      if (ieee_is_finite(other%h_central_cubic)) summary%h_central_cubic = min(summary%h_central_cubic, other%h_central_cubic)
       call keep_larger(summary%p_max, other%p_max)
       call keep_larger(summary%x_cavitation, other%x_cavitation)
       summary%crests%highest = larger(summary%crests%highest, other%crests%highest)
@@ -151,6 +156,23 @@ contains
       end if
       if (.not. ieee_is_finite(h_central)) h_central = not_known()
    end function central_value
+
+   !> Value at X = 0 by the cubic through the two nodes of a uniform grid on either side, linear where there are not four; NaN if
+   !> the grid does not reach it. x, h (nx).
+   pure function central_by_cubic(x, h) result(h_central)
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(in) :: h(:)
+      real(wp) :: h_central
+      real(wp) :: t, weights(4)
+      integer :: i
+
+      h_central = central_value(x, h)
+      i = count(x <= 0.0_wp)
+      if (i < 2 .or. i + 2 > size(x) .or. .not. ieee_is_finite(h_central)) return
+      t = -x(i)/(x(i + 1) - x(i))
+      weights = [-t*(t - 1)*(t - 2)/6, (t + 1)*(t - 1)*(t - 2)/2, -(t + 1)*t*(t - 2)/2, (t + 1)*t*(t - 1)/6]
+      h_central = dot_product(weights, h(i - 1:i + 2))
+   end function central_by_cubic
 
    !> X of the last node with P > 0; NaN if there is none or a value is not finite. x, p (nx).
    pure function exit_position(x, p) result(position)

@@ -24,7 +24,7 @@ module checkpoint
    public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 5
+   integer, parameter :: format_number = 6
 
    !> What a checkpoint holds.
    type :: checkpoint_t
@@ -300,7 +300,7 @@ contains
    !> The figures as numbers (4, 6).
    pure function summary_numbers(summary) result(numbers)
       type(line_summary_t), intent(in) :: summary
-      real(wp) :: numbers(4, 6)
+      real(wp) :: numbers(4, 7)
 
       numbers(:, 1) = figure_numbers(summary%h_min)
       numbers(:, 2) = figure_numbers(summary%h_min_node)
@@ -309,6 +309,7 @@ contains
       numbers(:, 5) = figure_numbers(summary%x_cavitation)
       numbers(:, 6) = [summary%crests%highest, summary%crests%last, summary%crests%other, &
          summary%crests%sharpness]
+      numbers(:, 7) = summary%h_central_cubic
    end function summary_numbers
 
    !> Value, time, error estimate and extrapolated value of a figure.
@@ -319,19 +320,20 @@ contains
       numbers = [figure%value, figure%time, figure%error_estimate, figure%extrapolated]
    end function figure_numbers
 
-   !> The figures from their numbers (24).
+   !> The figures from their numbers (28).
    pure function summary_from(numbers) result(summary)
       real(wp), intent(in) :: numbers(:)
       type(line_summary_t) :: summary
-      real(wp) :: table(4, 6)
+      real(wp) :: table(4, 7)
 
-      table = reshape(numbers, [4, 6], pad=[0.0_wp])
+      table = reshape(numbers, [4, 7], pad=[0.0_wp])
       summary%h_min = figure_from(table(:, 1))
       summary%h_min_node = figure_from(table(:, 2))
       summary%h_central = figure_from(table(:, 3))
       summary%p_max = figure_from(table(:, 4))
       summary%x_cavitation = figure_from(table(:, 5))
       summary%crests = crests_t(table(1, 6), table(2, 6), table(3, 6), table(4, 6))
+      summary%h_central_cubic = table(1, 7)
    end function summary_from
 
    !> A figure from its numbers.
