@@ -6,8 +6,8 @@ module ehl_line_steady
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: film_estimate, line_contact_t
-   use line_hierarchy, only: line_hierarchy_t, method_block_jacobi, method_newton_dense, method_newton_krylov, new_hierarchy, &
-      pose_steady_problem, relaxation_t, roughness_at
+   use line_hierarchy, only: line_hierarchy_t, method_block_jacobi, method_fas, method_newton_dense, method_newton_krylov, &
+      new_hierarchy, pose_coarser_levels, pose_steady_problem, relaxation_t, roughness_at
    use line_level, only: line_level_t
    use nested_start, only: full_multigrid_start, hertz_start
    use observer, only: lookout_t, observer_t
@@ -78,6 +78,7 @@ contains
          failure = report%method//': '//report%reason
          if (i == 1) failures = failure
          if (index(failures, failure) == 0) failures = failures//'; '//failure
+         if (attempts(i)%method == method_fas) call pose_coarser_levels(hierarchy)
       end do
       report%reason = failures
    end subroutine solve_steady

@@ -6,12 +6,13 @@ module line_hierarchy
    use line_contact, only: film_estimate, line_contact_t
    use line_level, only: line_level_t, new_level, set_plain_problem
    use newton_line, only: newton_t
+   use transfer, only: inject
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_steady_problem, roughness_at, count_work, total_products
-   public :: coarsest_for_film, new_growing_hierarchy, add_level
+   public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_coarser_levels, pose_steady_problem, roughness_at
+   public :: add_level, coarsest_for_film, count_work, new_growing_hierarchy, total_products
 
    !> Smoother words.
    integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, smoother_line = 3, smoother_hybrid = 4
@@ -214,7 +215,18 @@ contains
       end do
    end subroutine pose_steady_problem
 
-   !> The same on one level.
+   !> The same on the levels below the finest, from there: after cycles, which have posed theirs on them.
+   pure subroutine pose_coarser_levels(hierarchy)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      integer :: k
+
+      do k = hierarchy%finest - 1, 1, -1
+         call set_plain_problem(hierarchy%levels(k), 0*hierarchy%levels(k)%x)
+         call inject(hierarchy%levels(k + 1)%rhs_film, hierarchy%levels(k)%rhs_film)
+      end do
+   end subroutine pose_coarser_levels
+
+   !> The steady problem on one level.
    pure subroutine pose_level(level, contact, with_roughness)
       type(line_level_t), intent(inout) :: level
       type(line_contact_t), intent(in) :: contact

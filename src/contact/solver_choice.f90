@@ -31,7 +31,8 @@ module solver_choice
 
 contains
 
-   !> The ways to try in turn for a steady contact (measured: theory page, section on the methods).
+   !> The ways to try in turn for a steady contact (measured: theory page, section on the methods). A stated smoother whose
+   !> relaxation is left to the program goes on with gentler sweeps.
    pure function steady_attempts(contact, settings) result(attempts)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -50,6 +51,8 @@ contains
          attempts = newton_starts(contact, films)
       else
          attempts = [stated_way(settings, is_heavy)]
+         if (attempts(1)%method == method_fas .and. settings%relaxation <= 0.0_wp .and. settings%max_cycles <= 0) attempts = &
+            [attempts, gentler(stated_way(settings, is_heavy=.true.), 0.2_wp, 10)]
          attempts%start_film = films(1)
       end if
       if (settings%space_scheme == 'sharp') then
