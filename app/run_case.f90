@@ -110,6 +110,7 @@ contains
       if (allocated(case%time%resume_from)) then
          contact%domain%intervals = watcher%intervals
          case%time%time_step = watcher%time_step
+         case%solver%space_scheme = watcher%space_scheme
          call settle_tolerance(case%solver)
       else if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
          call compare_grids(case, contact, watcher, seconds, error)
@@ -119,6 +120,7 @@ contains
       call tell_missed_target(case, contact, watcher, note)
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
+      watcher%space_scheme = trim(case%solver%space_scheme)
       call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
       if (allocated(error)) return
       if (is_open) call tell_coarse_waves(case, contact, watcher, nodes, note)
@@ -267,6 +269,7 @@ contains
       call set_effective(case, 'domain', 'intervals', to_text(contact%domain%intervals), '-')
       if (case%time%is_transient .and. case%time%time_step > 0.0_wp) call set_effective(case, 'time', 'time_step', &
          to_text(case%time%time_step, all_digits), '-')
+      call set_effective(case, 'solver', 'space_scheme', trim(merge('sharp ', 'thesis', case%solver%space_scheme == 'sharp')), '')
       call set_effective(case, 'solver', 'levels', to_text(report%levels), '-')
       call set_effective(case, 'solver', 'tolerance', to_text(report%tolerance, all_digits), '-')
       call set_effective(case, 'solver', 'max_cycles', to_text(report%max_cycles), '-')

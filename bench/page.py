@@ -87,9 +87,10 @@ intervals whose true error meets it, on the same domain.
 Transients: ridges, dents, features that overtake, waviness and roughness pass through contacts of five loads and three oils,
 slide-to-roll -1.9 to 4, on 256 and on 128 intervals with dT = dX, against four times as many and a fourth of the step (BDF2, for
 both schemes); fitted samples and fresh ones. Columns as above; `error`: median of the true error, relative. The wanted accuracy
-counts everything, pilot runs included, beside the fewest 2^k intervals (64 to 1024) with dT = dX from which on all meet it. Errors
-of grid and time step of opposite signs often make such a choice good by chance, which no program can know beforehand: these are the
-cases with the largest ratios.
+counts everything, pilot runs included, beside the fewest 2^k intervals (1 %: 64 to 1024, 0.1 %: to 4096) with dT = dX and the space
+scheme of the thesis from which on all meet it; where it says so, beside the cheaper one of such choices with either space scheme:
+the program takes the sharp one. Errors of grid and time step of opposite signs often make a fixed choice good by chance, which no
+program can know beforehand: these are the cases with the largest ratios.
 
 ```text
 {accuracy_time}

@@ -9,7 +9,7 @@ module companions
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
-   use line_summary, only: keep_extremes, line_summary_t, summary_of
+   use line_summary, only: keep_extremes, line_summary_t, parabola_minimum, summary_of
    use observer, only: lookout_t, observer_t
    use solver_settings, only: solver_settings_t, time_settings_t
    implicit none (type, external)
@@ -17,8 +17,8 @@ module companions
 
    public :: collector_t, run_companion, run_companions
 
-   !> Companions have at least this many intervals.
-   integer, parameter, public :: fewest_intervals = 32
+   !> Companions that error bars come from have at least this many intervals.
+   integer, parameter :: fewest_intervals = 32
 
    !> Collects the figures of a run: of its state, or the extremes over its time steps.
    type, extends(lookout_t) :: collector_t
@@ -28,6 +28,8 @@ module companions
       integer :: factor = 1, stride = 1
       !> Coarser grids that a steady run has passed.
       type(error_bars_t) :: passed
+      !> Smallest film at each time step of the last transient (0:steps).
+      real(wp), allocatable :: films(:)
    contains
       procedure :: on_step => collect_step
       procedure :: keep_companions => collect_companions
@@ -84,6 +86,8 @@ contains
       coarse = contact
       call choose_domain(coarse)
       coarse%domain%intervals = coarse%domain%intervals/factor
+      is_known = .false.
+      if (coarse%domain%intervals < fewest_intervals) return
       coarse_time = time
       if (time%time_step > 0.0_wp) coarse_time%time_step = factor*time%time_step
       collector%factor = factor
@@ -118,7 +122,6 @@ contains
       collector%is_empty = .true.
       collector%stride = time%stride
       collector%passed%has_half = .false.
-      if (own%domain%intervals < fewest_intervals) return
       call solve_ehl_line(own, own_settings, time, collector, state, report, error)
       if (allocated(error)) return
       is_known = report%converged
@@ -141,8 +144,13 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
 
-      associate (unused_steps => steps, unused_report => report)
+      associate (unused_report => report)
       end associate
+      if (step == 0) then
+         if (allocated(self%films)) deallocate (self%films)
+         allocate (self%films(0:steps), source=0.0_wp)
+      end if
+      self%films(step) = parabola_minimum(state%film_thickness)
       if (self%stride <= self%factor .or. modulo(self%factor*step, self%stride) < self%factor) then
          if (self%is_empty) self%summary = summary_of(state)
          call keep_extremes(self%summary, summary_of(state))

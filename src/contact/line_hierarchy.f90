@@ -87,15 +87,17 @@ module line_hierarchy
 contains
 
    !> Intervals of the coarsest grid that still carries a film with a factor of 2 in hand (semiseparable rule):
-   !> dX <= min( sqrt(H_c/(1.7 max(M,1)^0.4)), max(1, sqrt(2 H_c))/2 ), at least 32; M with the sum velocity.
-   pure function coarsest_for_film(contact) result(intervals)
+   !> dX <= min( sqrt(H_c/(1.7 max(M,1)^0.4)), max(1, sqrt(2 H_c))/2 ), at least `fewest` or 32; M with the sum velocity.
+   pure function coarsest_for_film(contact, fewest) result(intervals)
       type(line_contact_t), intent(in) :: contact
+      integer, intent(in), optional :: fewest
       integer :: intervals
       real(wp) :: film, largest_dx
 
       film = film_estimate(contact)
       largest_dx = min(sqrt(film/(1.7_wp*max(contact%moes_m_sum, 1.0_wp)**0.4_wp)), 0.5_wp*max(1.0_wp, sqrt(2*film)))
       intervals = 32
+      if (present(fewest)) intervals = fewest
       do while ((contact%domain%x_outlet - contact%domain%x_inlet)/intervals > largest_dx .and. intervals < 2**24)
          intervals = 2*intervals
       end do

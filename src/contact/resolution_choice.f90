@@ -1,22 +1,23 @@
 !> Grid and time step of a transient for a wanted accuracy of h_min.
 !>
 !> Pilot runs tell the errors of grid and of time step apart (module split_errors): the first on the coarsest grid that carries a
-!> film, with dT = dX or a little less (all end at the same time); each further one has either half the spacing or half the time
-!> step of the one before, whichever leaves the larger doubt. As soon as they foretell a resolution within four times that of the
-!> last pilot (twice where no order is observed yet) that is good enough, the cheapest one of these is taken: the
-!> run itself is done once. A pilot may not take more than `most_work` times the nodes and steps of the first one; if that does not
-!> do, the last resolution is taken, and its forecast says how far it may be off.
+!> film, with dT = dX or less; each further one has either half the spacing or half the time step of the one before, whichever
+!> leaves the larger doubt. As soon as they foretell a resolution, from that of the last pilot to four times as fine (twice where no
+!> order is observed yet), that is good enough, the cheapest one of these is taken: the run itself is done once. A pilot may not
+!> take more than `most_work` times the nodes and steps of the first one; if that does not do, the last resolution is taken, and its
+!> forecast says how far it may be off. Unless the user wants another one, all use the sharp space scheme, whose error is the
+!> smaller one; where only the thesis's scheme finds a solution, they go on with that.
 !>
-!> The numbers here and in split_errors were chosen with 280 passages, a target of 1 % and a count of work: met in 96 %, at 2.05
-!> times the work (median; 90 %: 5.4) of the best fixed choice, the fewest 2^k intervals (64 at least) with dT = dX from which
-!> on all meet it. Of 40 fresh ones 39 met it, at 2.3 times the time (90 %: 5.4). Where 64 intervals do, a third of the
-!> passages, the pilots cost more than the whole best run. The cheapest choice of grid and step that is safe in this way would
-!> cost 0.4 to 0.6 times the best fixed one (median of 40 passages each). Lost in this comparison: pilots of both refinements at
-!> once (three per level), to decide on three runs from one corner, a pilot as the answer (its tolerance makes all of them
-!> dearer), to run again where the answer surprises, dT = 1.5 or 2 dX at the start, a floor of the errors from load and ridge.
+!> With 160 passages and a target of 1 % it is met in 96 %, at 1.7 times the processor time (median; 90 %: 6.5) of the best fixed
+!> choice, the fewest 2^k intervals (64 at least) with dT = dX and the thesis's scheme from which on all meet it. (Before: the
+!> thesis's scheme, pilots from 32 intervals on, sizes from the least films alone: 89 % of 80 of these, 2.2 times, 7.8.) Where 64
+!> intervals do, a third of the passages, the pilots cost about as much as the whole best run. Lost in comparisons: pilots of both
+!> refinements at once (three per level), to decide on three runs from one corner, a pilot as the answer (its tolerance makes all
+!> of them dearer), runs coarser than the last pilot, to run again where the answer surprises, dT = 1.5 or 2 dX at the start, a
+!> floor of the errors from load and ridge; least films of parabolas through the time steps are hardly better.
 module resolution_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
-   use companions, only: collector_t, fewest_intervals, run_companion
+   use companions, only: collector_t, run_companion
    use domain_choice, only: choose_domain, inlet_error
    use error_bars, only: domain_error, error_bars_t, new_error_bars
    use errors, only: error_t
@@ -36,13 +37,15 @@ module resolution_choice
    !> passages h_min was off, in 90 and 99 %, by 2e-6 and 9e-5 at 1e-4, by 1e-5 and 2e-4 at 1e-3, by 9e-5 and 5e-3 at 1e-2, at 88,
    !> 79 and 68 % of the cost at 1e-6.
    real(wp), parameter :: tightest = 1.0e-6_wp, loosest = 1.0e-3_wp, tolerance_share = 0.1_wp, looser = 10.0_wp
+   !> Intervals of the first pilot at least, and the spacing of its time step at most: that of so many intervals.
+   integer, parameter :: fewest_intervals = 16, first_steps = 32
    !> Spacing and time step are foretold up to so many times finer than in the last pilot, without and with an observed order.
    real(wp), parameter :: farthest(2) = [2.0_wp, 4.0_wp]
    !> Intervals that may be chosen are these times a power of two, time steps these powers of two times those of the last pilot.
-   integer, parameter :: families(4) = [4, 5, 6, 7], doublings = 3, most_parts = 12
+   integer, parameter :: families(4) = [4, 5, 6, 7], doublings = 2, most_parts = 8
    real(wp), parameter :: part = 0.25_wp
    !> Intervals in the finest wave at least, in the first pilot and in what is chosen, and steps in which it passes a place there.
-   integer, parameter :: pilot_in_wave = 2, nodes_in_wave = 6, steps_in_wave = 4
+   integer, parameter :: pilot_in_wave = 2, nodes_in_wave = 4, steps_in_wave = 4
    !> Steps in its passage from which on a single change by the time step is believed: with less, one in five choices failed.
    integer, parameter :: believed_steps = 8
    !> After so many refinements of one direction the other one is looked at again.
@@ -53,6 +56,8 @@ module resolution_choice
    real(wp), parameter :: rounding = 1.0e-6_wp
    !> The time of a run grows like n steps^power: shorter steps need fewer cycles.
    real(wp), parameter :: power_of_steps = 0.65_wp
+   !> Two pilots are compared at all times at which the smallest film is not above the least by more than this share.
+   real(wp), parameter :: nearly_least = 0.2_wp
    !> What a pilot refines.
    integer, parameter :: nothing = 0, space = 1, time_step = 2
 
@@ -64,6 +69,10 @@ module resolution_choice
       real(wp) :: values(forecast_figures) = 0.0_wp
       !> Their last change and the one before, by space and by time step; NaN: not known.
       real(wp) :: changes(forecast_figures, 2, 2) = 0.0_wp
+      !> Size of the changes of h_min (the last, the one before; by space, by time step), over time; 0: not known.
+      real(wp) :: sizes(2, 2) = 0.0_wp
+      !> Smallest film of the last one at each time step (0:steps).
+      real(wp), allocatable :: films(:)
       !> Passages of the finest wave, one after the other, that the whole time would hold.
       real(wp) :: passages = 0.0_wp
       !> Pilots since the last that has refined space, the time step; below 0: none has yet.
@@ -80,9 +89,9 @@ contains
       settings%tolerance = min(max(tolerance_share*settings%target, tightest), loosest)
    end subroutine settle_tolerance
 
-   !> Sets `contact%domain%intervals`, the time step and the tolerance of a transient to the cheapest choice that is foretold to
-   !> keep the relative error of h_min below `settings%target`, or to the finest pilot if none is; `bars` hold what was foretold of
-   !> its figures.
+   !> Sets `contact%domain%intervals`, the time step, the tolerance and an open space scheme of a transient to the cheapest choice
+   !> that is foretold to keep the relative error of h_min below `settings%target`, or to the finest pilot if none is; `bars` hold
+   !> what was foretold of its figures.
    subroutine choose_resolution(bars, contact, settings, time, watcher, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(inout) :: contact
@@ -97,9 +106,11 @@ contains
       type(time_settings_t) :: pilot_time
       real(wp) :: target, limit
       integer :: direction
-      logical :: has_solution, is_chosen
+      logical :: has_solution, is_chosen, is_open
 
       bars = new_error_bars(contact, time)
+      is_open = settings%space_scheme == 'auto' .and. takes_sharp(settings)
+      if (is_open) settings%space_scheme = 'sharp'
       pilot_settings = settings
       call settle_tolerance(settings)
       if (pilot_settings%tolerance <= 0.0_wp) pilot_settings%tolerance = looser*settings%tolerance
@@ -121,8 +132,12 @@ contains
          pilot_time%time_step = time%end_time/(merge(2, 1, direction == time_step)*pilots%steps)
          call run_companion(pilot, pilot_settings, pilot_time, collector, has_solution, error)
          if (allocated(error) .or. watcher%wants_stop) return
+         if (.not. has_solution .and. is_open) then
+            call try_thesis(pilots, direction)
+            if (allocated(error) .or. watcher%wants_stop) return
+         end if
          if (has_solution) then
-            call take_pilot(pilots, direction, figure_values(collector%summary))
+            call take_pilot(pilots, direction, figure_values(collector%summary), collector%films)
          else
             ! all anew
             pilots = pilots_t(2*pilots%intervals, 2*pilots%steps, passages=pilots%passages)
@@ -133,7 +148,35 @@ contains
          if (2*pilots%intervals > most_intervals .or. 2.0_wp*pilots%intervals*pilots%steps > limit) exit
       end do
       call take(bars, contact, time, pilots, pilots%intervals, pilots%steps)
+
+   contains
+
+      !> The pilot again with the thesis's scheme. If that finds a solution all goes on with it, anew from here.
+      subroutine try_thesis(pilots, direction)
+         type(pilots_t), intent(inout) :: pilots
+         integer, intent(inout) :: direction
+
+         pilot_settings%space_scheme = 'thesis'
+         call run_companion(pilot, pilot_settings, pilot_time, collector, has_solution, error)   ! error: the caller looks
+         if (.not. has_solution) then
+            pilot_settings%space_scheme = 'sharp'
+            return
+         end if
+         is_open = .false.
+         settings%space_scheme = 'thesis'
+         pilots = pilots_t(pilot%domain%intervals, nint(time%end_time/pilot_time%time_step), passages=pilots%passages)
+         direction = nothing
+      end subroutine try_thesis
+
    end subroutine choose_resolution
+
+   !> Whether the methods of the settings solve the sharp space scheme.
+   pure function takes_sharp(settings)
+      type(solver_settings_t), intent(in) :: settings
+      logical :: takes_sharp
+
+      takes_sharp = settings%smoother == 'auto' .and. index(settings%method, 'block_jacobi') == 0
+   end function takes_sharp
 
    !> Where the pilots of a contact on a complete domain begin.
    pure function new_pilots(contact, time) result(pilots)
@@ -142,11 +185,11 @@ contains
       type(pilots_t) :: pilots
       integer :: n
 
-      n = max(coarsest_for_film(contact), fewest_intervals)
+      n = coarsest_for_film(contact, fewest_intervals)
       do while (fewest_in_wave*n < pilot_in_wave*intervals_for_waves(contact))
          n = 2*n
       end do
-      pilots = pilots_t(n, max(2, ceiling(time%end_time*n/(contact%domain%x_outlet - contact%domain%x_inlet))), &
+      pilots = pilots_t(n, max(2, ceiling(time%end_time*max(n, first_steps)/(contact%domain%x_outlet - contact%domain%x_inlet))), &
          passages=time%end_time/shortest_passage(contact))
    end function new_pilots
 
@@ -158,24 +201,40 @@ contains
       sees_passages = ieee_is_finite(pilots%changes(1, 2, time_step)) .or. pilots%steps >= believed_steps*pilots%passages
    end function sees_passages
 
-   !> A pilot has found `values`, on twice the resolution of the last one in `direction`.
-   pure subroutine take_pilot(pilots, direction, values)
+   !> A pilot has found `values` and the smallest `films` at its time steps, on twice the resolution of the last one in `direction`.
+   pure subroutine take_pilot(pilots, direction, values, films)
       type(pilots_t), intent(inout) :: pilots
       integer, intent(in) :: direction
-      real(wp), intent(in) :: values(forecast_figures)
+      real(wp), intent(in) :: values(forecast_figures), films(0:)
 
       if (direction == nothing) then
          pilots%changes = ieee_value(1.0_wp, ieee_quiet_nan)
+         pilots%sizes = 0.0_wp
       else
          pilots%changes(:, 2, direction) = pilots%changes(:, 1, direction)
          pilots%changes(:, 1, direction) = values - pilots%values
+         pilots%sizes(2, direction) = pilots%sizes(1, direction)
+         pilots%sizes(1, direction) = size_of_change(pilots%films, films(::merge(2, 1, direction == time_step)))
          where (pilots%age >= 0) pilots%age = pilots%age + 1
          pilots%age(direction) = 0
          if (direction == space) pilots%intervals = 2*pilots%intervals
          if (direction == time_step) pilots%steps = 2*pilots%steps
       end if
       pilots%values = values
+      pilots%films = films
    end subroutine take_pilot
+
+   !> Root mean square of the relative change from `old` to `new` smallest films of the same times, where these are nearly the least
+   !> one, times that: the smallest of all may have changed by little by chance, while a wave passes between the nodes.
+   pure function size_of_change(old, new) result(change)
+      real(wp), intent(in) :: old(:), new(:)
+      real(wp) :: change, least
+
+      least = minval(new)
+      associate (near => new <= (1.0_wp + nearly_least)*least)
+         change = least*sqrt(sum(((new - old)/new)**2, near)/count(near))
+      end associate
+   end function size_of_change
 
    !> What the next pilot refines: what has not been refined yet or for long, else what leaves the larger doubt where the forecast
    !> ends. `has_solution`: there is a last pilot.
@@ -210,7 +269,13 @@ contains
       character(*), intent(in) :: scheme
       type(split_error_t) :: error
 
-      error = new_split_error(pilots%changes(figure, :, space), pilots%changes(figure, :, time_step), time_orders(scheme))
+      associate (changes => pilots%changes(figure, :, :))
+         if (figure == 1) then
+            error = new_split_error(changes(:, space), changes(:, time_step), time_orders(scheme), pilots%sizes)
+         else
+            error = new_split_error(changes(:, space), changes(:, time_step), time_orders(scheme))
+         end if
+      end associate
    end function error_of
 
    !> How many times finer than the last pilot the forecast goes, in space and in time.
@@ -292,14 +357,14 @@ contains
       longest = pilots%steps/max(steps_in_wave*pilots%passages, 1.0_wp)
       reach = reach_of(pilots)
       families_of_grids: do family = 0, size(families)*doublings
-         ! from half the intervals of the pilot to four times as many
-         n = pilots%intervals/8*families(1 + modulo(family, size(families)))*2**(family/size(families))
+         ! as many intervals as the pilot to four times as many
+         n = pilots%intervals/4*families(1 + modulo(family, size(families)))*2**(family/size(families))
          dx_ratio = real(pilots%intervals, wp)/n
-         if (fewest_in_wave*n < nodes_in_wave*intervals_for_waves(contact) .or. n < fewest_intervals .or. n > most_intervals .or. &
+         if (fewest_in_wave*n < nodes_in_wave*intervals_for_waves(contact) .or. n > most_intervals .or. &
              dx_ratio*reach(space) < 1.0_wp) cycle families_of_grids
          steps_of_grid: do i = 0, most_parts
             ! whole numbers of steps
-            m = ceiling(pilots%steps*2.0_wp**(part*i - 1.0_wp) - rounding)
+            m = ceiling(pilots%steps*2.0_wp**(part*i) - rounding)
             dt_ratio = real(pilots%steps, wp)/m
             if (dt_ratio*reach(time_step) < 1.0_wp) exit steps_of_grid
             if (dt_ratio > longest .or. error_at(error, dx_ratio, dt_ratio) > bound) cycle steps_of_grid

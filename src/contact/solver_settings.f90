@@ -50,8 +50,9 @@ module solver_settings
       character(len=word_length) :: method = 'auto'
       !> 'auto', 'block_jacobi', 'gauss_seidel', 'line' or 'hybrid'.
       character(len=word_length) :: smoother = 'auto'
-      !> Space discretisation: 'thesis', or 'sharp' (module reynolds_line), which needs a Newton method.
-      character(len=word_length) :: space_scheme = 'thesis'
+      !> Space discretisation: 'thesis', or 'sharp' (module reynolds_line), which needs a Newton method; 'auto' is the first one,
+      !> where pilots choose the resolution of a transient the better one.
+      character(len=word_length) :: space_scheme = 'auto'
       !> Relative error of h_min for which the grid of a steady contact is chosen; zero: the grid is that of the domain.
       real(wp) :: target = 0.0_wp
       !> The grids of n/2 and n/4 intervals on the way to a steady solution are solved well enough for error bars.

@@ -8,7 +8,8 @@
 !>     | e_X dX'^p + e_T dT'^q |  +  d_X s_X dX'^(3 p/4)  +  d_T s_T dT'^(q/2)
 !>
 !> with the doubts d, which fade more slowly than the errors e: orders seen on coarse runs are not yet those of the scheme. s is
-!> the size of e, not below what the change before leaves of it: a last change may be small by chance.
+!> the size of e, not below what the change before leaves of it: a last change may be small by chance. So may be both where a wave
+!> passes between the nodes: of the smallest film the size is that of the changes at all times at which it is nearly as small.
 module split_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -23,7 +24,7 @@ module split_errors
 
    !> The doubts about the error of the grid, without and with an observed order, and about that of the time step, and how they
    !> fade: as this power of the error (chosen with the numbers of resolution_choice).
-   real(wp), parameter :: space_doubt(2) = [0.6_wp, 0.45_wp], time_doubt = 1.2_wp
+   real(wp), parameter :: space_doubt(2) = [0.75_wp, 0.55_wp], time_doubt = 1.4_wp
    real(wp), parameter :: space_fading = 0.75_wp, time_fading = 0.5_wp
    !> The error of the time step is not believed to be less than this share of that of the grid.
    real(wp), parameter :: least_time_share = 0.25_wp
@@ -100,21 +101,26 @@ contains
 
    !> The errors of a figure from its last change and the one before (NaN where not known) with half the spacing, `space`, and with
    !> half the time step, `time`. `time_orders`: the order in time where none is observed, and the bounds of an observed one.
-   pure function new_split_error(space, time, time_orders) result(self)
+   !> `sizes`: what the changes by space, (:, 1), and by time are at least.
+   pure function new_split_error(space, time, time_orders, sizes) result(self)
       real(wp), intent(in) :: space(2), time(2), time_orders(3)
+      real(wp), intent(in), optional :: sizes(2, 2)
       type(split_error_t) :: self
+      real(wp) :: least(2, 2)
 
-      call split(space, space_orders, self%space, self%space_size, self%space_order)
-      call split(time, time_orders, self%time, self%time_size, self%time_order)
+      least = 0.0_wp
+      if (present(sizes)) least = sizes
+      call split(space, least(:, 1), space_orders, self%space, self%space_size, self%space_order)
+      call split(time, least(:, 2), time_orders, self%time, self%time_size, self%time_order)
       self%space_doubt = space_doubt(merge(2, 1, ieee_is_finite(space(2))))
       if (ieee_is_finite(self%time_size) .and. ieee_is_finite(self%space_size)) then
          self%time_size = max(self%time_size, least_time_share*self%space_size)
       end if
    end function new_split_error
 
-   !> The error of one direction from its last change and the one before.
-   pure subroutine split(changes, orders, error, size, order)
-      real(wp), intent(in) :: changes(2), orders(3)
+   !> The error of one direction from its last change and the one before, of which `sizes` says what they are at least.
+   pure subroutine split(changes, sizes, orders, error, size, order)
+      real(wp), intent(in) :: changes(2), sizes(2), orders(3)
       real(wp), intent(out) :: error, size, order
       real(wp) :: older
 
@@ -122,9 +128,9 @@ contains
       error = changes(1)
       size = changes(1)
       if (.not. ieee_is_finite(changes(1))) return
-      size = abs(changes(1))
+      size = max(abs(changes(1)), sizes(1))
       if (ieee_is_finite(changes(2))) then
-         older = abs(changes(2))
+         older = max(abs(changes(2)), sizes(2))
          order = orders(2)
          if (older >= 2.0_wp**orders(3)*size) then
             order = orders(3)

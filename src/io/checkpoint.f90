@@ -24,7 +24,7 @@ module checkpoint
    public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 6
+   integer, parameter :: format_number = 7
 
    !> What a checkpoint holds.
    type :: checkpoint_t
@@ -39,9 +39,10 @@ module checkpoint
       type(film_statistics_t) :: statistics
       !> Stored times in NAME.part.
       integer :: records = 0
-      !> Intervals and time step, given or chosen.
+      !> Intervals, time step and space scheme, given or chosen.
       integer :: intervals = 0
       real(wp) :: time_step = 0.0_wp
+      character(:), allocatable :: space_scheme
    end type checkpoint_t
 
 contains
@@ -66,6 +67,7 @@ contains
          new_label('h_min, h_min_node, h_central, p_max, x_cavitation: value, time, error estimate, extrapolated', '1'))
       call write_dataset(file, '/intervals', int(checkpoint%intervals, int64), new_label('intervals', '1'))
       call write_dataset(file, '/time_step', checkpoint%time_step, new_label('time step; 0: dX', '1'))
+      call write_dataset(file, '/space_scheme', checkpoint%space_scheme, new_label('space scheme', '1'))
       call write_bars(file, checkpoint%bars)
       call write_dataset(file, '/statistics', numbers_of(checkpoint%statistics), new_label('sums over time', '1'))
       call write_march(file, checkpoint%march)
@@ -178,6 +180,7 @@ contains
          checkpoint%summary = summary_from(reader%reals('/summary'))
          checkpoint%intervals = int(reader%integer_value('/intervals'))
          checkpoint%time_step = reader%real_value('/time_step')
+         checkpoint%space_scheme = reader%text('/space_scheme')
          call read_bars(reader, checkpoint%bars)
          checkpoint%statistics = from_numbers(reader%reals('/statistics'))
          call read_march(reader, checkpoint%march)

@@ -165,8 +165,8 @@ module input_keys
       '', 'auto: Newton-Krylov, else other ways; newton_dense: exact reference up to 8192 intervals'), &
       key_row_t('solver', 'smoother', word_kind, '', "'auto'", '', 'auto block_jacobi gauss_seidel line hybrid', '', &
       'smoother of the multigrid cycle'), &
-      key_row_t('solver', 'space_scheme', word_kind, '', "'thesis'", '', 'thesis sharp', '', &
-      'space discretisation: of the thesis, or a sharper one (Newton methods) with 6 to 45 times less error in h_central'), &
+      key_row_t('solver', 'space_scheme', word_kind, '', "'auto'", '', 'auto thesis sharp', '', &
+      'of the thesis, or a sharper one (Newton methods); auto: thesis, with a target of a transient sharp'), &
       key_row_t('solver', 'start', word_kind, '', "'fmg'", '', 'fmg hertz', '', &
       'first guess: full multigrid, or the Hertz pressure on the finest grid'), &
       key_row_t('solver', 'tolerance', real_kind, '-', is_chosen, '>= 1e-15, <= 1e-2', '', '', &

@@ -35,9 +35,10 @@ module run_observer
       !> Floor of the film H, and reference values, for what is told of a film breakdown.
       real(wp) :: film_floor = 0.0_wp
       type(scaling_t) :: scaling
-      !> Intervals and time step, given or chosen.
+      !> Intervals, time step and space scheme, given or chosen.
       integer :: intervals = 0
       real(wp) :: time_step = 0.0_wp
+      character(:), allocatable :: space_scheme
       !> Wall time between checkpoints [s].
       real(wp) :: checkpoint_interval = huge(1.0_wp)
       !> Companions on coarser grids are still wanted.
@@ -116,6 +117,7 @@ contains
       checkpoint%records = self%writer%records()
       checkpoint%intervals = self%intervals
       checkpoint%time_step = self%time_step
+      checkpoint%space_scheme = self%space_scheme
       associate (report => checkpoint%march%report)
          report%wall_seconds = self%earlier_seconds + begin - self%start
          report%phase_seconds(phase_output) = self%output_seconds
