@@ -125,7 +125,7 @@ def test_breaks_no_method_without_a_word(diverging, tmp_path, name):
 
 
 def test_ends_at_the_round_off_of_a_million_intervals(asperity, tmp_path):
-    # the residual cannot fall to this tolerance: its round-off floor is 1e9 times higher
+    # the residual cannot fall to this tolerance: its round-off floor is 1e5 times higher
     solver = {"method": "newton_krylov", "tolerance": 1e-14}
     (tmp_path / "case.nml").write_text(namelists.case_1(2**20, solver, accuracy={"error_bars": False}))
     done = asperity("case.nml", "--quiet", timeout=PATIENCE)
@@ -134,3 +134,34 @@ def test_ends_at_the_round_off_of_a_million_intervals(asperity, tmp_path):
     with h5py.File(tmp_path / "case.h5") as file:
         # H_min of 2048 intervals, whose discretisation error is 3e-5
         assert math.isclose(file["summary/h_min"].attrs["dimensionless"], 0.3854792, rel_tol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("intervals", "solver", "bound"),
+    [
+        # theory page, residuals and convergence: the rest of P is kept on more than 2^13 intervals, by Newton's method
+        (2**13, {"method": "newton_krylov"}, 5 * 2.8e-11 * 8**2),
+        (2**14, {"method": FAS, "smoother": "line"}, 5 * 2.8e-11 * 16**2),
+        (2**14, {"method": "newton_krylov"}, 5 * 1.5e-12 * 16),
+    ],
+)
+def test_round_off_bounds_the_residual(asperity, tmp_path, intervals, solver, bound):
+    text = namelists.case_1(intervals, solver | {"tolerance": 1e-14}, accuracy={"error_bars": False})
+    (tmp_path / "case.nml").write_text(text)
+    assert asperity("case.nml", "--quiet", timeout=PATIENCE).returncode == 0
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert math.isclose(file["report/tolerance_effective"][()], bound, rel_tol=0.05)
+        assert file["report/residual_history"][-1] <= file["report/tolerance_effective"][()]
+
+
+# H_min of before the rest of P was kept, when the residual ended at 1.1e-7 and 1.8e-6.
+@pytest.mark.parametrize(("intervals", "h_min"), [(2**16, 0.3854881180690946), (2**18, 0.3854881286127418)])
+def test_reaches_its_tolerance_on_fine_grids(asperity, tmp_path, intervals, h_min):
+    solver = {"method": "newton_krylov", "tolerance": 1e-8}
+    (tmp_path / "case.nml").write_text(namelists.case_1(intervals, solver, accuracy={"error_bars": False}))
+    assert asperity("case.nml", "--quiet", timeout=PATIENCE).returncode == 0
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert file["report/tolerance_effective"][()] == 1e-8
+        assert file["report/residual_history"][-1] <= 1e-8
+        # a step of Newton's method from a residual of 1e-7 changes it by 3e-11
+        assert math.isclose(file["summary/h_min"].attrs["dimensionless"], h_min, rel_tol=1e-9)

@@ -28,6 +28,9 @@ module cycle_control
 
    !> The bound on the Reynolds residual is at least this many times its round-off floor.
    real(wp), parameter :: floor_factor = 5.0_wp
+   !> Newton's method on more intervals than this keeps the rest of a steady pressure: 5 floors of P alone are above the default
+   !> tolerance (Case 1).
+   integer, parameter :: largest_plain = 2**13
    !> Round-off of dX sum P = pi/2: the bound on the load error is not taken below it.
    real(wp), parameter :: load_floor = 1.0e-13_wp
    !> A Newton step below this in every pressure and in H0 changes no residual any more.
@@ -47,8 +50,25 @@ contains
    end function effective_tolerance
 
    !> Cycles on the finest level, from a film that is that of its pressure and of H0. The report gets every cycle, `converged` and
-   !> `reason`; `observer`, if there, is told each.
+   !> `reason`; `watcher`, if there, is told each.
    subroutine iterate(hierarchy, contact, limits, report, watcher)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      type(cycle_limits_t), intent(in) :: limits
+      type(report_t), intent(inout) :: report
+      class(observer_t), intent(inout), optional :: watcher
+
+      associate (level => hierarchy%levels(hierarchy%finest))
+         if (is_newton_alone(hierarchy) .and. level%n > largest_plain .and. .not. level%inverse_time_step > 0.0_wp) then
+            allocate (level%pressure_rest(0:level%n), source=0.0_wp)
+         end if
+         call run_cycles(hierarchy, contact, limits, report, watcher)
+         if (allocated(level%pressure_rest)) deallocate (level%pressure_rest)
+      end associate
+   end subroutine iterate
+
+   !> The cycles of `iterate`.
+   subroutine run_cycles(hierarchy, contact, limits, report, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       type(cycle_limits_t), intent(in) :: limits
@@ -116,7 +136,7 @@ contains
          end if
       end function obstacle
 
-   end subroutine iterate
+   end subroutine run_cycles
 
    !> What leaves the residual where it is.
    pure function stagnation(hierarchy, limits) result(reason)

@@ -30,12 +30,14 @@ module face_mobility
 
 contains
 
-   !> Mobility of all faces (1:n) and density of all nodes (0:n); p >= 0, h > 0 (0:n).
-   pure subroutine fluid_face_mobility(fluid, dx, p, h, e, rho)
+   !> Mobility of all faces (1:n) and density of all nodes (0:n); p >= 0, h > 0 (0:n). The slope inside S is that of p, and of its
+   !> `rest` where that is kept.
+   pure subroutine fluid_face_mobility(fluid, dx, p, h, e, rho, rest)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       real(wp), intent(out), contiguous :: e(:), rho(0:)
+      real(wp), intent(in), contiguous, optional :: rest(0:)
       real(wp) :: ln_mu(0:block_size)
       real(wp), dimension(block_size) :: ln_b, scale, sigma, growth, factor, exponent, shape_factor, unused
       integer :: first, last, m
@@ -48,7 +50,7 @@ contains
          call mean_fluidity(ln_mu(:m), exponent(:m), shape_factor(:m), unused(:m))
          if (fluid%is_eyring) then
             ln_b(:m) = fluid%ln_b_scale + 0.5_wp*(ln_mu(0:m - 1) + ln_mu(1:m))
-            call slip_arguments(fluid, dx, p(first - 1:last), h(first - 1:last), sigma(:m), scale(:m))
+            call slip_arguments(fluid%sigma_scale/dx, p, h, first, sigma(:m), scale(:m), rest)
             call slip_values(sigma(:m), ln_b(:m), scale(:m), growth(:m), factor(:m))
             exponent(:m) = min(exponent(:m) + growth(:m), largest_exponent)
             shape_factor(:m) = shape_factor(:m)*factor(:m)
@@ -59,12 +61,14 @@ contains
    end subroutine fluid_face_mobility
 
    !> The same with all derivatives; `rho_p` (0:n) = d rho/dP.
-   pure subroutine fluid_face_slopes(fluid, dx, p, h, slopes, rho, rho_p)
+   ! allow(too-many-arguments)  the last is optional
+   pure subroutine fluid_face_slopes(fluid, dx, p, h, slopes, rho, rho_p, rest)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       type(face_slopes_t), intent(inout) :: slopes
       real(wp), intent(out), contiguous :: rho(0:), rho_p(0:)
+      real(wp), intent(in), contiguous, optional :: rest(0:)
       real(wp), dimension(0:block_size) :: ln_mu, mu_p
       real(wp), dimension(block_size) :: ln_b, scale, sigma, growth, factor, s_sigma, s_b, exponent, shape_factor, slant, by_slope
       integer :: first, last, m
@@ -80,7 +84,7 @@ contains
          call mean_fluidity(ln_mu(:m), exponent(:m), shape_factor(:m), slant(:m))
          if (fluid%is_eyring) then
             ln_b(:m) = fluid%ln_b_scale + 0.5_wp*(ln_mu(0:m - 1) + ln_mu(1:m))
-            call slip_arguments(fluid, dx, p(first - 1:last), h(first - 1:last), sigma(:m), scale(:m))
+            call slip_arguments(fluid%sigma_scale/dx, p, h, first, sigma(:m), scale(:m), rest)
             call slip_factors(sigma(:m), ln_b(:m), scale(:m), growth(:m), factor(:m), s_sigma(:m), s_b(:m))
             exponent(:m) = min(exponent(:m) + growth(:m), largest_exponent)
             shape_factor(:m) = shape_factor(:m)*factor(:m)
@@ -124,20 +128,26 @@ contains
       end do
    end subroutine mean_fluidity
 
-   !> Sigma of the slip factor at the m faces between m + 1 nodes, and the factor 1/H of its B.
-   pure subroutine slip_arguments(fluid, dx, p, h, sigma, inverse_film)
-      type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in) :: dx
+   !> Sigma = `sigma_scale` dX H dP/dX of the slip factor at the faces from `first` on, and the factor 1/H of its B.
+   pure subroutine slip_arguments(sigma_scale, p, h, first, sigma, inverse_film, rest)
+      real(wp), intent(in) :: sigma_scale
       real(wp), intent(in), contiguous :: p(0:), h(0:)
+      integer, intent(in) :: first
       real(wp), intent(out), contiguous :: sigma(:), inverse_film(:)
+      real(wp), intent(in), contiguous, optional :: rest(0:)
       real(wp) :: film
       integer :: i
 
-      do i = 1, size(sigma)
+      do i = first, first + size(sigma) - 1
          film = sqrt(h(i - 1)*h(i))
-         inverse_film(i) = 1.0_wp/film
-         sigma(i) = fluid%sigma_scale/dx*film*(p(i) - p(i - 1))
+         inverse_film(i - first + 1) = 1.0_wp/film
+         sigma(i - first + 1) = sigma_scale*film*(p(i) - p(i - 1))
       end do
+      if (present(rest)) then
+         do i = first, first + size(sigma) - 1
+            sigma(i - first + 1) = sigma(i - first + 1) + sigma_scale*(rest(i) - rest(i - 1))/inverse_film(i - first + 1)
+         end do
+      end if
    end subroutine slip_arguments
 
 end module face_mobility

@@ -35,6 +35,9 @@ module line_level
       real(wp), allocatable :: x(:)
       !> Unknowns: pressure P >= 0 and film thickness H > 0.
       real(wp), allocatable :: pressure(:), film(:)
+      !> What rounding has cut off P in Newton's steps (0:n); the slopes of L_R are those of P and of this. Allocated only while
+      !> cycles run that need it (module cycle_control).
+      real(wp), allocatable :: pressure_rest(:)
       !> Right sides: L_R(P, H) = rhs_reynolds, H - H0 + K P = rhs_film, dX sum P = rhs_load.
       real(wp), allocatable :: rhs_reynolds(:), rhs_film(:)
       real(wp) :: rhs_load = 0.5_wp*pi

@@ -26,13 +26,14 @@ module mobility
 
 contains
 
-   !> Mobility `e` and density `rho` at all nodes; p >= 0, h > 0 (0:n). The slope inside S is the central difference,
-   !> 0 at both ends; S follows its formula at every node, also where P = 0.
-   pure subroutine fluid_mobility(fluid, dx, p, h, e, rho)
+   !> Mobility `e` and density `rho` at all nodes; p >= 0, h > 0 (0:n). The slope inside S is the central difference
+   !> of p, and of its `rest` where that is kept, 0 at both ends; S follows its formula at every node, also where P = 0.
+   pure subroutine fluid_mobility(fluid, dx, p, h, e, rho, rest)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       real(wp), intent(out), contiguous :: e(0:), rho(0:)
+      real(wp), intent(in), contiguous, optional :: rest(0:)
       real(wp), dimension(block_size) :: ln_mu, ln_b, scale, sigma, growth, factor
       integer :: first, last, m
 
@@ -42,7 +43,7 @@ contains
          call fluid_ln_viscosity(fluid, p(first:last), ln_mu(:m))
          call fluid_density_value(fluid, p(first:last), rho(first:last))
          if (fluid%is_eyring) then
-            call slip_arguments(fluid, dx, p, h, first, sigma(:m), scale(:m))
+            call slip_arguments(fluid%sigma_scale/dx, p, h, first, sigma(:m), scale(:m), rest)
             ln_b(:m) = fluid%ln_b_scale + ln_mu(:m)
             call slip_values(sigma(:m), ln_b(:m), scale(:m), growth(:m), factor(:m))
             e(first:last) = rho(first:last)*h(first:last)**3*factor(:m)*exp(min(growth(:m) - ln_mu(:m), largest_exponent))
@@ -52,32 +53,38 @@ contains
       end do
    end subroutine fluid_mobility
 
-   !> Sigma of the slip factor at the nodes from `first` on, and the factor 1/H of its B.
-   pure subroutine slip_arguments(fluid, dx, p, h, first, sigma, inverse_film)
-      type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in) :: dx
+   !> Sigma = `sigma_scale` dX H dP/dX of the slip factor at the nodes from `first` on, and the factor 1/H of its B.
+   pure subroutine slip_arguments(sigma_scale, p, h, first, sigma, inverse_film, rest)
+      real(wp), intent(in) :: sigma_scale
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       integer, intent(in) :: first
       real(wp), intent(out), contiguous :: sigma(:), inverse_film(:)
+      real(wp), intent(in), contiguous, optional :: rest(0:)
       real(wp) :: factor
       integer :: i, n
 
       n = ubound(p, 1)
-      factor = 0.5_wp*fluid%sigma_scale/dx
+      factor = 0.5_wp*sigma_scale
       do i = max(first, 1), min(first + size(sigma) - 1, n - 1)
          sigma(i - first + 1) = factor*h(i)*(p(i + 1) - p(i - 1))
       end do
+      if (present(rest)) then
+         do i = max(first, 1), min(first + size(sigma) - 1, n - 1)
+            sigma(i - first + 1) = sigma(i - first + 1) + factor*h(i)*(rest(i + 1) - rest(i - 1))
+         end do
+      end if
       if (first == 0) sigma(1) = 0.0_wp
       if (first + size(sigma) - 1 == n) sigma(n - first + 1) = 0.0_wp
       inverse_film = 1.0_wp/h(first:first + size(sigma) - 1)
    end subroutine slip_arguments
 
-   !> Mobility, density and derivatives for the Jacobian; p >= 0, h > 0 (0:n).
-   pure subroutine fluid_mobility_slopes(fluid, dx, p, h, slopes)
+   !> Mobility, density and derivatives for the Jacobian; p >= 0, h > 0, and the rest of p where it is kept (0:n).
+   pure subroutine fluid_mobility_slopes(fluid, dx, p, h, slopes, rest)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       type(mobility_slopes_t), intent(inout) :: slopes
+      real(wp), intent(in), contiguous, optional :: rest(0:)
       real(wp), dimension(block_size) :: ln_mu, mu_p, ln_b, scale, sigma, growth, factor, s_sigma, s_b
       integer :: first, last, m, n
 
@@ -93,7 +100,7 @@ contains
          s_b(:m) = 0.0_wp
          sigma(:m) = 0.0_wp
          if (fluid%is_eyring) then
-            call slip_arguments(fluid, dx, p, h, first, sigma(:m), scale(:m))
+            call slip_arguments(fluid%sigma_scale/dx, p, h, first, sigma(:m), scale(:m), rest)
             ln_b(:m) = fluid%ln_b_scale + ln_mu(:m)
             call slip_factors(sigma(:m), ln_b(:m), scale(:m), growth(:m), factor(:m), s_sigma(:m), s_b(:m))
          end if

@@ -11,6 +11,7 @@ module newton_line
    use linear_solver, only: linear_solver_t
    use observer, only: is_stopped, observer_t
    use reynolds_jacobian, only: evaluate_jacobian, new_jacobian, reynolds_jacobian_t
+   use two_sum, only: rest_of_sum
    implicit none (type, external)
    private
 
@@ -217,6 +218,12 @@ contains
          level%pressure = newton%trial
          share = 0.0_wp
          return
+      end if
+      if (allocated(level%pressure_rest)) then
+         ! with what rounding has cut off this step; a pressure cut at 0 is exact
+         associate (rest => level%pressure_rest(1:n - 1), new => level%pressure(1:n - 1))
+            rest = merge(rest + rest_of_sum(new, newton%trial(1:n - 1), share*newton%step(1:n - 1)), 0.0_wp, new > 0.0_wp)
+         end associate
       end if
       rigid_displacement = rigid_displacement + share*newton%step(n)
       newton%last_film_step = film_step(newton%film_trial, level%film)

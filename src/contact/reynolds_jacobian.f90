@@ -86,10 +86,11 @@ contains
       associate (slopes => jacobian%slopes)
          if (level%is_sharp) then
             if (.not. allocated(jacobian%faces%e)) call new_faces(jacobian%faces, level%n)
-            call fluid_face_slopes(contact%fluid, level%dx, level%pressure, level%film, jacobian%faces, slopes%rho, slopes%rho_p)
+            call fluid_face_slopes(contact%fluid, level%dx, level%pressure, level%film, jacobian%faces, slopes%rho, slopes%rho_p, &
+               level%pressure_rest)
             level%face_mobility = jacobian%faces%e
          else
-            call fluid_mobility_slopes(contact%fluid, level%dx, level%pressure, level%film, slopes)
+            call fluid_mobility_slopes(contact%fluid, level%dx, level%pressure, level%film, slopes, level%pressure_rest)
             level%mobility = slopes%e
             level%face_mobility = 0.5_wp*(slopes%e(:level%n - 1) + slopes%e(1:))
          end if

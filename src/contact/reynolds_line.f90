@@ -30,7 +30,7 @@ module reynolds_line
       real(wp) :: reynolds = huge(1.0_wp)
       !> |dX sum P - pi/2|, with what the tail of this state carries.
       real(wp) :: load = huge(1.0_wp)
-      !> Round-off floor of `reynolds`: 4e-16 ( max(e P)/(lambda dX^2) + max(H)/dT ).
+      !> Round-off floor of `reynolds`, see `round_off`.
       real(wp) :: floor = 0.0_wp
       !> False if the film of the pressure closes somewhere, so that no residual exists.
       logical :: film_is_open = .false.
@@ -45,9 +45,11 @@ contains
       type(line_level_t), intent(inout) :: level
 
       if (level%is_sharp) then
-         call fluid_face_mobility(fluid, level%dx, level%pressure, level%film, level%face_mobility, level%density)
+         call fluid_face_mobility(fluid, level%dx, level%pressure, level%film, level%face_mobility, level%density, &
+            level%pressure_rest)
       else
-         call fluid_mobility(fluid, level%dx, level%pressure, level%film, level%mobility, level%density)
+         call fluid_mobility(fluid, level%dx, level%pressure, level%film, level%mobility, level%density, &
+            level%pressure_rest)
          level%face_mobility = 0.5_wp*(level%mobility(:level%n - 1) + level%mobility(1:))
       end if
    end subroutine evaluate_coefficients
@@ -105,7 +107,22 @@ contains
             flow(i) = flow(i) - level%exit_conductance*(p(i) - level%pressure_start(i))
          end if
       end associate
+      if (allocated(level%pressure_rest)) call add_flow_of_rest(level)
    end subroutine apply_reynolds
+
+   !> Adds what the slopes of the rest of P bring to L_R. (P(i) - P(i-1) is exact, being the difference of neighbours.)
+   pure subroutine add_flow_of_rest(level)
+      type(line_level_t), intent(inout) :: level
+      real(wp) :: diffusion
+      integer :: i
+
+      diffusion = 1.0_wp/level%dx**2
+      associate (rest => level%pressure_rest, e => level%face_mobility, flow => level%operator)
+         do concurrent (i=1:level%n - 1)
+            flow(i) = flow(i) + diffusion*(e(i + 1)*(rest(i + 1) - rest(i)) - e(i)*(rest(i) - rest(i - 1)))
+         end do
+      end associate
+   end subroutine add_flow_of_rest
 
    !> For the smoothers, thesis's scheme only: diagonals at nodes 1..n-1 with frozen coefficients, b = dL_R/dH of (2.71),
    !> and the elastic diagonal a - b K_0/pi,
@@ -154,8 +171,22 @@ contains
       level%work(0) = 0.0_wp
       level%work(level%n) = 0.0_wp
       residual%reynolds = maxval(merge(abs(level%work), max(level%work, 0.0_wp), level%pressure > 0.0_wp))
-      residual%floor = 4.0e-16_wp*(maxval(level%face_mobility*max(level%pressure(1:), level%pressure(:level%n - 1))) &
-         /(contact%lambda*level%dx**2) + maxval(level%film)*level%inverse_time_step)
+      residual%floor = round_off(contact%lambda, level)
    end subroutine measure_residual
+
+   !> What rounding leaves of |r|/lambda: 4e-16 ( max(e P)/(lambda dX^2) + max(H)/dT ), that of P and H in their differences; where
+   !> the rest of P is kept, 1e-15 ( max(H) + max|K P|/pi )/dX, that of the flow: of e, of H and of what H is a sum of.
+   pure function round_off(lambda, level) result(floor)
+      real(wp), intent(in) :: lambda
+      type(line_level_t), intent(in) :: level
+      real(wp) :: floor
+
+      if (allocated(level%pressure_rest)) then
+         floor = 1.0e-15_wp*(maxval(level%film) + maxval(abs(level%deflection)))/level%dx
+      else
+         floor = 4.0e-16_wp*(maxval(level%face_mobility*max(level%pressure(1:), level%pressure(:level%n - 1))) &
+            /(lambda*level%dx**2) + maxval(level%film)*level%inverse_time_step)
+      end if
+   end function round_off
 
 end module reynolds_line
