@@ -120,7 +120,7 @@ contains
       call tell_missed_target(case, contact, watcher, note)
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
-      watcher%space_scheme = trim(case%solver%space_scheme)
+      watcher%space_scheme = case%solver%space_scheme
       call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
       if (allocated(error)) return
       if (is_open) call tell_coarse_waves(case, contact, watcher, nodes, note)

@@ -17,6 +17,7 @@ module checkpoint
    use line_summary, only: crests_t, figure_t, line_summary_t
    use march_state, only: march_state_t
    use operating_system, only: remove_file, rename_file, sync_file, sync_folder
+   use solver_settings, only: word_length
    use split_errors, only: forecast_figures, forecast_t
    implicit none (type, external)
    private
@@ -42,7 +43,7 @@ module checkpoint
       !> Intervals, time step and space scheme, given or chosen.
       integer :: intervals = 0
       real(wp) :: time_step = 0.0_wp
-      character(:), allocatable :: space_scheme
+      character(len=word_length) :: space_scheme = 'auto'
    end type checkpoint_t
 
 contains
@@ -67,7 +68,7 @@ contains
          new_label('h_min, h_min_node, h_central, p_max, x_cavitation: value, time, error estimate, extrapolated', '1'))
       call write_dataset(file, '/intervals', int(checkpoint%intervals, int64), new_label('intervals', '1'))
       call write_dataset(file, '/time_step', checkpoint%time_step, new_label('time step; 0: dX', '1'))
-      call write_dataset(file, '/space_scheme', checkpoint%space_scheme, new_label('space scheme', '1'))
+      call write_dataset(file, '/space_scheme', trim(checkpoint%space_scheme), new_label('space scheme', '1'))
       call write_bars(file, checkpoint%bars)
       call write_dataset(file, '/statistics', numbers_of(checkpoint%statistics), new_label('sums over time', '1'))
       call write_march(file, checkpoint%march)

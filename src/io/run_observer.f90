@@ -15,6 +15,7 @@ module run_observer
    use progress_log, only: progress_log_t
    use result_writer, only: result_writer_t
    use scaling, only: scaling_t
+   use solver_settings, only: word_length
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -38,7 +39,7 @@ module run_observer
       !> Intervals, time step and space scheme, given or chosen.
       integer :: intervals = 0
       real(wp) :: time_step = 0.0_wp
-      character(:), allocatable :: space_scheme
+      character(len=word_length) :: space_scheme = 'auto'
       !> Wall time between checkpoints [s].
       real(wp) :: checkpoint_interval = huge(1.0_wp)
       !> Companions on coarser grids are still wanted.
