@@ -19,8 +19,9 @@ module case_validation
    real(wp), parameter :: most_steps = 1.0e8_wp
    !> Fewest intervals of the coarsest grid.
    integer, parameter :: fewest_intervals = 4
-   !> Most intervals with method = 'newton_dense': a matrix of 0.5 GB, about a minute a step.
-   integer, parameter :: most_dense_intervals = 8192
+   !> Most intervals with method = 'newton_dense', a matrix of 0.5 GB and about a minute a step, and with 'block_jacobi', which
+   !> converges on no more than some hundred and notices that it does not after 40 blocks of 200 sweeps at least.
+   integer, parameter :: most_small_intervals = 8192
 
    !> Why a length is of no use.
    character(*), parameter :: no_units = 'with &moes, which has no SI units'
@@ -252,9 +253,10 @@ contains
          'without film_floor', findings)
       levels = values%slot('solver', 'levels')
       intervals = values%slot('domain', 'intervals')
-      if (method == 'newton_dense' .and. intervals%has_value .and. intervals%integer > most_dense_intervals) call findings%add( &
-         intervals%line, 'domain', 'intervals', 'found ' // to_text(intervals%integer) // ', expected at most ' &
-         // to_text(most_dense_intervals) // " with method = 'newton_dense'")
+      if ((method == 'newton_dense' .or. method == 'block_jacobi') .and. intervals%has_value &
+         .and. intervals%integer > most_small_intervals) call findings%add(intervals%line, 'domain', 'intervals', 'found ' &
+         // to_text(intervals%integer) // ', expected at most ' // to_text(most_small_intervals) // " with method = '" &
+         // method // "'")
       if (.not. levels%has_value .or. .not. intervals%has_value) return
       if (shiftr(intervals%integer, levels%integer - 1) < fewest_intervals) call findings%add(levels%line, 'solver', 'levels', &
          'found ' // to_text(levels%integer) // ' levels for ' // to_text(intervals%integer) // ' intervals, expected at least ' &

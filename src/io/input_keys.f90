@@ -162,7 +162,7 @@ module input_keys
       key_row_t('time', 'scheme', word_kind, '', "'bdf2'", '', 'backward_euler bdf2', '', &
       'time discretisation: second order, or first order (thesis)'), &
       key_row_t('solver', 'method', word_kind, '', "'auto'", '', 'auto fas_block_jacobi block_jacobi newton_krylov newton_dense', &
-      '', 'auto: Newton-Krylov, else other ways; newton_dense: exact reference up to 8192 intervals'), &
+      '', 'auto: Newton-Krylov, else other ways; newton_dense, the exact reference, and block_jacobi: up to 8192 intervals'), &
       key_row_t('solver', 'smoother', word_kind, '', "'auto'", '', 'auto block_jacobi gauss_seidel line hybrid', '', &
       'smoother of the multigrid cycle'), &
       key_row_t('solver', 'space_scheme', word_kind, '', "'auto'", '', 'auto thesis sharp', '', &
