@@ -167,7 +167,7 @@ def costs(wanted: Wanted, cases: list[Passage]) -> list[Cost]:
             jobs += [job(f"{scheme}{n}", case.namelist(n, **settings), **effort) for n in sizes]
         jobs.append(job("exact", case.namelist(accuracy=NO_BARS, **wanted.exact), limit=300))
         answers = bench_program.run(jobs)
-        exact = answers["exact"]["h_min"]
+        exact = answers["exact"]["h_min"] if answers["exact"].converged else math.nan
         error = {name: abs(each["h_min"] / exact - 1) if each.converged else math.inf for name, each in answers.items()}
         best = {"thesis": (math.nan, math.nan), "sharp": (math.nan, math.nan)}
         for scheme in wanted.schemes:

@@ -9,7 +9,7 @@ module companions
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
-   use line_summary, only: keep_extremes, line_summary_t, parabola_minimum, summary_of
+   use line_summary, only: keep_extremes, line_summary_t, summary_of
    use observer, only: lookout_t, observer_t
    use solver_settings, only: solver_settings_t, time_settings_t
    implicit none (type, external)
@@ -143,6 +143,7 @@ contains
       integer, intent(in) :: steps
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
+      type(line_summary_t) :: summary
 
       associate (unused_report => report)
       end associate
@@ -150,10 +151,11 @@ contains
          if (allocated(self%films)) deallocate (self%films)
          allocate (self%films(0:steps), source=0.0_wp)
       end if
-      self%films(step) = parabola_minimum(state%film_thickness)
+      summary = summary_of(state)
+      self%films(step) = summary%h_min%value
       if (self%stride <= self%factor .or. modulo(self%factor*step, self%stride) < self%factor) then
-         if (self%is_empty) self%summary = summary_of(state)
-         call keep_extremes(self%summary, summary_of(state))
+         if (self%is_empty) self%summary = summary
+         call keep_extremes(self%summary, summary)
          self%is_empty = .false.
       end if
       call self%look_outside()

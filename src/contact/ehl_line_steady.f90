@@ -77,7 +77,7 @@ contains
          end if
          failure = report%method//': '//report%reason
          if (i == 1) failures = failure
-         if (index(failures, failure) == 0) failures = failures//'; '//failure
+         if (index(failures//'; ', failure//'; ') == 0) failures = failures//'; '//failure
          if (attempts(i)%method == method_fas) call pose_coarser_levels(hierarchy)
       end do
       report%reason = failures

@@ -301,7 +301,7 @@ contains
          numbers(5), numbers(6))
    end function breakdown_from
 
-   !> The figures as numbers (4, 6).
+   !> The figures as numbers (4, 7).
    pure function summary_numbers(summary) result(numbers)
       type(line_summary_t), intent(in) :: summary
       real(wp) :: numbers(4, 7)
