@@ -121,6 +121,7 @@ orders: bench-program ## table of the observed orders in time, in results/orders
 
 accuracy: bench-program ## are the error bars honest, what does a wanted accuracy cost, in results/accuracy/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/accuracy.py $(ARGS)
+	$(PYTHON) bench/families.py $(ARGS)
 
 accuracy-time: build bench-program ## the same for transients: error bars and wanted accuracy of passages (ARGS=--quick: fewer)
 	$(PYTHON) bench/accuracy_time.py $(ARGS)

@@ -1,0 +1,228 @@
+#!/usr/bin/env python3
+"""Are there inputs that end with a wrong number and a small error bar? Families of random cases, each beside its truth.
+
+A family is one kind of input that has gone wrong before: a wave narrower than the grid, an outlet ahead of film rupture, a
+passage that starts inside the contact. Each module bench/family_NAME.py lists its families in FAMILIES; a family draws its
+members from a seed. A member is a namelist as a user writes it, and that of the truth: a finer grid, a longer domain, a smaller
+step. The program runs both, and each quantity of the member's result is put into one of these classes:
+
+    refused     exit status 1, or not converged with a reason: no number that looks like an answer
+    noted       /report/note says that the numbers are not to be relied on
+    not known   no error estimate; the attribute no_estimate says why
+    judged      all others: is the truth within the estimate, and the estimate below ten times the true error?
+
+A family holds if the truth is within the estimate for at least 95 % of those judged, and the estimate below ten times the true
+error for at least 80 %. A true error below FLOOR times the value counts as within ten times: no estimate need be so small.
+
+The seed of `make accuracy` was drawn after the rules stood; --seed draws another sample, for fitting. Writes families.csv and
+families.txt.
+"""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import math
+import random
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import h5py
+import numpy as np
+from bench_program import ENVIRONMENT, ROOT, new_parser, output_folder
+
+PROGRAM = ROOT / "build" / "bin" / "asperity"
+# Drawn after the rules stood: nothing was fitted on it.
+SEED = 20261122
+WITHIN, TIGHT = 0.95, 0.80
+# Relative error that is as good as none.
+FLOOR = 1e-6
+# Longest run [s of wall time, generous: other work may share the machine].
+PATIENCE = 600
+QUICK = 6
+REFUSED, NOTED, UNKNOWN, JUDGED = "refused", "noted", "not known", "judged"
+
+
+@dataclass(frozen=True)
+class Member:
+    """A case as the user writes it, and the namelist whose answer counts as true.
+
+    `exact` holds quantities that are known in closed form [SI], by path; with all of them there `truth` may be empty. `files` are
+    written beside the namelist, by name.
+    """
+
+    name: str
+    case: str
+    truth: str = ""
+    exact: dict[str, float] = field(default_factory=dict)
+    files: dict[str, str | bytes] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Family:
+    """Cases of one kind; `quantities` are paths of the result, `draw` makes so many members from a source of random numbers."""
+
+    name: str
+    title: str
+    quantities: tuple[str, ...]
+    draw: Callable[[random.Random, int], list[Member]]
+    count: int = 24
+
+
+@dataclass
+class Row:
+    """One quantity of a member [SI]; estimate and true error are NaN where there are none."""
+
+    family: str
+    member: str
+    quantity: str
+    verdict: str
+    value: float = math.nan
+    estimate: float = math.nan
+    true_error: float = math.nan
+    reason: str = ""
+
+
+@dataclass
+class Result:
+    """What a run says: exit status, reason of a failure, note, and quantities with their estimates by path."""
+
+    status: int
+    reason: str
+    note: str
+    values: dict[str, tuple[float, float]]
+
+
+def as_text(value: object) -> str:
+    """A string of HDF5."""
+    return value.decode("utf-8") if isinstance(value, bytes) else str(value)
+
+
+def run(text: str, files: dict[str, str | bytes], quantities: tuple[str, ...]) -> Result:
+    """Runs a namelist in a folder of its own."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "case.nml").write_text(text, encoding="utf-8")
+        for file, content in files.items():
+            (folder / file).write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
+        command = [PROGRAM, "--quiet", "case.nml"]
+        done = subprocess.run(command, cwd=folder, env=ENVIRONMENT, check=False, capture_output=True, text=True, timeout=PATIENCE)
+        if not (folder / "case.h5").exists():
+            return Result(done.returncode, done.stderr.strip(), "", {})
+        with h5py.File(folder / "case.h5") as file:
+            reason = "" if file.attrs["converged"] == 1 else as_text(file.attrs["reason"])
+            note = as_text(file["report/note"][()]) if "report/note" in file else ""
+            return Result(done.returncode, reason, note, {path: read(file, path) for path in quantities if path in file})
+
+
+def read(file: h5py.File, path: str) -> tuple[float, float]:
+    """A quantity and its error estimate, of a sweep the last one."""
+    data = file[path]
+    return float(np.ravel(data[()])[-1]), float(np.ravel(data.attrs.get("error_estimate", math.nan))[-1])
+
+
+def judge(family: Family, member: Member) -> list[Row]:
+    """All quantities of a member."""
+    found = run(member.case, member.files, family.quantities)
+    if found.status != 0 or found.reason:
+        return [Row(family.name, member.name, path, REFUSED, reason=found.reason) for path in family.quantities]
+    truth = member.exact
+    if member.truth:
+        fine = run(member.truth, member.files, family.quantities)
+        if fine.status != 0:
+            return [Row(family.name, member.name, path, "no truth", reason=fine.reason) for path in family.quantities]
+        truth = {path: value for path, (value, _) in fine.values.items()} | truth
+    rows = []
+    for path in family.quantities:
+        value, estimate = found.values[path]
+        verdict = JUDGED
+        if found.note:
+            verdict = NOTED
+        elif math.isnan(estimate):
+            verdict = UNKNOWN
+        rows.append(Row(family.name, member.name, path, verdict, value, estimate, abs(value - truth[path]), found.note))
+    return rows
+
+
+def is_within(row: Row) -> bool:
+    """Whether the truth is within the estimate."""
+    return row.true_error <= row.estimate
+
+
+def is_tight(row: Row) -> bool:
+    """Whether the estimate is below ten times the true error."""
+    return row.estimate < 10 * max(row.true_error, FLOOR * abs(row.value))
+
+
+def table(families: list[Family], rows: list[Row]) -> str:
+    """A line a quantity, with the verdict on the family."""
+    lines = [
+        f"{'family, quantity':44s} {'cases':>5s} {'refused':>7s} {'noted':>5s} {'not known':>9s} {'within':>7s} {'< 10 x':>7s}"
+    ]
+    for family in families:
+        lines.append(family.title)
+        for path in family.quantities:
+            own = [row for row in rows if row.family == family.name and row.quantity == path and row.verdict != "no truth"]
+            judged = [row for row in own if row.verdict == JUDGED]
+            counts = [sum(row.verdict == verdict for row in own) for verdict in (REFUSED, NOTED, UNKNOWN)]
+            within, tight = (share(judged, test) for test in (is_within, is_tight))
+            verdict = "" if within >= WITHIN and tight >= TIGHT else "  missed"
+            label = f"  {family.name} {path.removeprefix('summary/')}"
+            lines.append(
+                f"{label:44s} {len(own):5d} {counts[0]:7d} {counts[1]:5d} {counts[2]:9d} "
+                f"{percent(within)} {percent(tight)}{verdict}"
+            )
+    return "\n".join(lines) + "\n"
+
+
+def share(rows: list[Row], test: Callable[[Row], bool]) -> float:
+    """Which part passes a test; of none, all."""
+    return sum(test(row) for row in rows) / len(rows) if rows else 1.0
+
+
+def percent(value: float) -> str:
+    """Seven columns."""
+    return f"{100 * value:5.1f} %"
+
+
+def found_families(names: list[str]) -> list[Family]:
+    """Those of all modules family_*.py, or of the named modules."""
+    modules = sorted(path.stem for path in Path(__file__).parent.glob("family_*.py"))
+    wanted = [name for name in modules if not names or name.removeprefix("family_") in names]
+    return [family for name in wanted for family in importlib.import_module(name).FAMILIES]
+
+
+def main() -> int:
+    """Command line; status 1 where a family does not hold."""
+    parser = new_parser(__doc__, f"{QUICK} members of each family", "results/accuracy")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="modules (family_NAME.py); default: all")
+    parser.add_argument("--seed", type=int, default=SEED, help="another sample, for fitting")
+    parser.add_argument("--processes", type=int, default=1, help="members side by side")
+    options = parser.parse_args()
+    folder = output_folder(options)
+    families = found_families(options.names)
+    rows: list[Row] = []
+    for family in families:
+        members = family.draw(random.Random(f"{family.name} {options.seed}"), QUICK if options.quick else family.count)
+        with ThreadPoolExecutor(options.processes) as pool:
+            for i, own in enumerate(pool.map(lambda member, family=family: judge(family, member), members)):
+                rows += own
+                print(f"\r{family.name}: {i + 1} of {len(members)}   ", end="", file=sys.stderr, flush=True)
+        print(file=sys.stderr)
+    with (folder / "families.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(Row.__dataclass_fields__)
+        writer.writerows(row.__dict__.values() for row in rows)
+    text = table(families, rows)
+    (folder / "families.txt").write_text(text, encoding="utf-8")
+    print(text, end="")
+    return 1 if "  missed" in text else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
