@@ -23,7 +23,7 @@ DEMO_CASES := input/case3_demo.nml input/case1.nml input/dry_profile.nml input/d
 DEMO := results/demo
 
 .DEFAULT_GOAL := help
-.PHONY: help build debug test test-debug unit unit-debug lint demo figures bench bench-program chart orders accuracy accuracy-time stability docs clean prepare generate
+.PHONY: help build debug test test-debug unit unit-debug fuzz lint demo figures bench bench-program chart orders accuracy accuracy-time stability docs clean prepare generate
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
@@ -44,6 +44,9 @@ test: build generate ## all tests: unit tests, then end-to-end tests of build/bi
 test-debug: debug generate ## all tests with the checked build
 	@tools/fpm_build.sh --tests --flag "$(DEBUG)"
 	@$(PYTHON) tools/run_tests.py build/bin/asperity-debug fpm test --flag "$(DEBUG)" -- -v
+
+fuzz: build ## attacks with damaged, hostile and odd files; writes the table of docs/testing.md (ARGS="KIND --seed S": without it)
+	$(PYTHON) test/fuzz/run.py $(or $(ARGS),--page)
 
 unit: prepare generate ## the unit tests alone (ARGS="-f NAME -v" chooses and lists; PFUNIT_DIR=... uses real pFUnit)
 ifdef PFUNIT_DIR

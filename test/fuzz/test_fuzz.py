@@ -1,0 +1,21 @@
+"""The quick form of the attacks: a few cases of each kind, another few at each change of SEED."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import run
+
+SEED, QUICK = 20261122, 12
+KINDS = run.kinds()
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_attacks_end_in_an_answer_or_one_message(name, program):
+    module = KINDS[name]
+    cases = min(getattr(module, "QUICK", QUICK), module.CASES)
+    broken = [run.attack(name, module, program, SEED, number) for number in range(cases)]
+    assert not any(broken), "\n".join(filter(None, broken))
