@@ -1,7 +1,7 @@
 !> Slip factor S of the Reynolds-Eyring equation, as ln S with its derivatives.
 !>
-!> Effective viscosity mu/S: S >= 1, and S -> 1 (Newtonian) for an infinite Eyring stress. S itself passes 1e308 near
-!> |Sigma| = 717, hence the logarithm.
+!> Effective viscosity mu/S: S >= 1, and S -> 1 (Newtonian) for an infinite Eyring stress. S itself overflows at
+!> |Sigma| = 722.5, hence the logarithm.
 module eyring
    use kinds, only: wp
    implicit none (type, external)

@@ -2,9 +2,10 @@
 !> and open.
 !>
 !> All kernels belong to the operator G whose transfer function is 1/q, q the wavenumber: u = (4/E') G p, with
-!> 2/E' = (1-nu_1^2)/E_1 + (1-nu_2^2)/E_2. (The thesis prints 4/(n E') in (3.8), (3.9), (3.13), (3.14): wavenumbers without
-!> their 2 pi/L.) In space G is -(1/pi) ln|x| for a line and 1/(2 pi r) for an area (K. L. Johnson, Contact Mechanics, 1985,
-!> sections 2.3, 3.2, 13.2). The deflection at wavenumber 0 is a free constant, taken as 0.
+!> 2/E' = (1-nu_1^2)/E_1 + (1-nu_2^2)/E_2. (The thesis prints 4/(n E') in (3.8), (3.9), (3.13) and 2/(E' sqrt(n^2 + m^2))
+!> in (3.14): wavenumbers without their 2 pi/L, and in (3.14) a factor of 2 less.) In space G is -(1/pi) ln|x| for a line and
+!> 1/(2 pi r) for an area (K. L. Johnson, Contact Mechanics, 1985, sections 2.3, 3.2, 13.2). The deflection at wavenumber 0 is a
+!> free constant, taken as 0.
 module half_space_response
    use constants, only: pi
    use half_space, only: line_deflection_coefficients
