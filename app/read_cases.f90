@@ -1,9 +1,10 @@
 !> Reads and checks all cases of a call before any of them runs.
 module read_cases
    use case_input, only: read_case
-   use case_record, only: case_t, result_path
+   use case_record, only: case_t
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
+   use output_names, only: output_findings
    use text_file, only: read_text_file
    implicit none (type, external)
    private
@@ -12,8 +13,8 @@ module read_cases
 
 contains
 
-   !> Reads `files` into `cases`. Error (input_error): the findings of all files, or results that would overwrite each
-   !> other or a namelist.
+   !> Reads `files` into `cases`. Error (input_error): the findings of all files, or results that cannot have
+   !> their names.
    subroutine read_all_cases(files, output_dir, cases, error)
       character(*), intent(in) :: files(:)
       character(*), intent(in) :: output_dir
@@ -29,7 +30,7 @@ contains
          if (len(found) > 0 .and. len(problems) > 0) problems = problems // new_line('a')
          problems = problems // found
       end do
-      if (len(problems) == 0) problems = colliding_results(files, output_dir, cases)
+      if (len(problems) == 0) problems = output_findings(cases, output_dir)
       if (len(problems) > 0) call fail(error, input_error, problems)
    end subroutine read_all_cases
 
@@ -51,32 +52,5 @@ contains
       call read_case(content, file, case, findings)
       if (findings%count > 0) found = findings%report(file)
    end subroutine read_one
-
-   !> The first pair of cases with one result file, or a result that would replace a namelist; empty if there is none.
-   function colliding_results(files, output_dir, cases) result(problem)
-      character(*), intent(in) :: files(:)
-      character(*), intent(in) :: output_dir
-      type(case_t), intent(in) :: cases(:)
-      character(:), allocatable :: problem
-      character(:), allocatable :: path
-      integer :: i, j
-
-      problem = ''
-      do i = 1, size(cases)
-         path = result_path(cases(i), output_dir)
-         others: do j = 1, size(cases)
-            if (path == files(j)) then
-               problem = trim(files(i)) // ': found the namelist ' // path // ' as its result, expected another &case output'
-               return
-            end if
-            if (j >= i) cycle others
-            if (path == result_path(cases(j), output_dir)) then
-               problem = trim(files(i)) // ': found the result ' // path // ', which is also that of ' // trim(files(j)) &
-                  // ', expected different names'
-               return
-            end if
-         end do others
-      end do
-   end function colliding_results
 
 end module read_cases

@@ -8,7 +8,7 @@ module result_start
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
    use kinds, only: wp
-   use result_writer, only: field_name_length, open_result, reopen_result
+   use result_writer, only: field_name_length, give_back, hold_name, open_result, reopen_result, result_writer_t
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
    use text, only: to_text
@@ -87,8 +87,25 @@ contains
       case%time%resume_from = checkpoint%march
    end subroutine go_on
 
+   !> Whether `path` is the complete result of this very case by this very program, and whether it has converged; what else lies
+   !> beside a complete result is removed. Nobody writes it meanwhile. Errors: another run does; it cannot be the name of a result.
+   subroutine find_complete_result(path, case, is_complete, is_converged, error)
+      character(*), intent(in) :: path
+      type(case_t), intent(in) :: case
+      logical, intent(out) :: is_complete, is_converged
+      type(error_t), allocatable, intent(out) :: error
+      type(result_writer_t) :: writer
+
+      is_complete = .false.
+      is_converged = .false.
+      call hold_name(writer, path, error)
+      if (allocated(error)) return
+      call judge_result(path, case, is_complete, is_converged)
+      call give_back(writer, is_complete)
+   end subroutine find_complete_result
+
    !> Whether `path` is the complete result of this very case by this very program, and whether it has converged.
-   subroutine find_complete_result(path, case, is_complete, is_converged)
+   subroutine judge_result(path, case, is_complete, is_converged)
       character(*), intent(in) :: path
       type(case_t), intent(in) :: case
       logical, intent(out) :: is_complete, is_converged
@@ -106,7 +123,7 @@ contains
       is_converged = reader%integer_attribute('/', 'converged') == 1
       call reader%close(error)
       if (allocated(error)) is_complete = .false.
-   end subroutine find_complete_result
+   end subroutine judge_result
 
    !> Whether the surfaces of a result had the heights of those of `case`: the namelist only names their files.
    function has_same_heights(reader, case) result(is_same)

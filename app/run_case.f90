@@ -20,7 +20,6 @@ module run_case
    use progress_log, only: new_progress_log
    use resolution_choice, only: choose_resolution, settle_tolerance
    use result_start, only: find_complete_result, start_result
-   use result_writer, only: clear_leftovers
    use run_dry_case, only: solve_and_write
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
@@ -55,9 +54,12 @@ contains
       watcher%log = new_progress_log(command%is_quiet)
       path = result_path(case, command%output_dir)
       if (command%is_resume) then
-         call find_complete_result(path, case, is_complete, is_converged)
+         call find_complete_result(path, case, is_complete, is_converged, error)
+         if (allocated(error)) then
+            call give_up(error, watcher%log, status)
+            return
+         end if
          if (is_complete) then
-            call clear_leftovers(path)
             call watcher%log%say(case%file//': '//path//' is complete: nothing to do')
             status = merge(status_converged, status_not_converged, is_converged)
             return

@@ -55,9 +55,9 @@ def check_part(part, reference):
     return times
 
 
-def start(program, folder, *options):
+def start(program, folder, *options, name="case.nml"):
     """A run of case.nml in `folder`."""
-    return subprocess.Popen([program, "case.nml", "--quiet", *options], cwd=folder, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen([program, name, "--quiet", *options], cwd=folder, stderr=subprocess.PIPE, text=True)
 
 
 @contextlib.contextmanager

@@ -273,10 +273,17 @@ def test_read_only_folder_is_status_3(program, tmp_path):
     assert "Permission denied" in done.stderr
 
 
+def older_result(program, folder):
+    """a.h5 of a case that a.nml no longer holds; its bytes."""
+    write(folder, "a.nml", STEADY)
+    subprocess.run([program, "a.nml", "--quiet"], cwd=folder, check=True)
+    return (folder / "a.h5").read_bytes()
+
+
 def test_full_disk_is_status_3_and_keeps_the_older_result(program, tmp_path):
     """A limit on the file size stands for the full disk: both show up in a write, the first late in the run."""
+    older = older_result(program, tmp_path)
     write(tmp_path, "a.nml", TRANSIENT.replace("time_step = 0.05", "time_step = 0.01"))
-    (tmp_path / "a.h5").write_bytes(b"an older result")
     for limit in (0, 3000, 60_000, 200_000):
         done = subprocess.run(
             [program, "a.nml", "--quiet"],
@@ -289,7 +296,7 @@ def test_full_disk_is_status_3_and_keeps_the_older_result(program, tmp_path):
         assert done.returncode == 3, limit
         assert "cannot write a.h5." in done.stderr
         assert "File too large" in done.stderr
-        assert (tmp_path / "a.h5").read_bytes() == b"an older result"
+        assert (tmp_path / "a.h5").read_bytes() == older
         assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.nml"]
 
 
@@ -314,13 +321,13 @@ def test_two_runs_do_not_write_one_file(program, asperity, tmp_path):
 
 
 def test_killed_run_leaves_the_older_result(program, tmp_path):
+    older = older_result(program, tmp_path)
     write(tmp_path, "a.nml", LONG)
-    (tmp_path / "a.h5").write_bytes(b"an older result")
     with subprocess.Popen([program, "a.nml", "--quiet"], cwd=tmp_path) as running:
         wait_for_size(tmp_path / "a.h5.part", 300_000)
         running.send_signal(signal.SIGKILL)
         assert running.wait(10) == -signal.SIGKILL
-    assert (tmp_path / "a.h5").read_bytes() == b"an older result"
+    assert (tmp_path / "a.h5").read_bytes() == older
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.h5.part", "a.nml"]
 
 

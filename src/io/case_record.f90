@@ -9,7 +9,7 @@ module case_record
    implicit none (type, external)
    private
 
-   public :: accuracy_t, case_identity, case_t, effective_t, output_settings_t, result_path, set_effective
+   public :: accuracy_t, beside_namelist, case_identity, case_t, effective_t, output_settings_t, result_path, set_effective
 
    !> A value that is used, given or default, for /input/effective/<group>/<key> of the result.
    type :: effective_t
@@ -87,7 +87,7 @@ contains
 
       if (len(case%output) > 0) then
          path = case%output
-         if (output_dir == '' .and. index(path, '/') /= 1) path = case%file(:index(case%file, '/', back=.true.)) // path
+         if (output_dir == '') path = beside_namelist(case, path)
       else
          path = case%file(index(case%file, '/', back=.true.) + 1:)
          point = index(path, '.', back=.true.)
@@ -96,6 +96,16 @@ contains
       end if
       if (output_dir /= '') path = output_dir // '/' // path(index(path, '/', back=.true.) + 1:)
    end function result_path
+
+   !> A path that a namelist gives, relative to the folder of the namelist.
+   pure function beside_namelist(case, name) result(path)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: name
+      character(:), allocatable :: path
+
+      path = name
+      if (index(path, '/') /= 1) path = case%file(:index(case%file, '/', back=.true.)) // path
+   end function beside_namelist
 
    !> The values that decide about the result of a case, one a line. Before anything is chosen by the program.
    pure function case_identity(case) result(lines)

@@ -1,7 +1,7 @@
 !> Measured and synthetic profiles of the lubricated line contact: from the keys of a surface to heights that enter the contact.
 module line_profiles
    use, intrinsic :: iso_fortran_env, only: int64
-   use case_record, only: case_t, set_effective
+   use case_record, only: beside_namelist, case_t, set_effective
    use checksum, only: checksum_t
    use errors, only: error_t
    use features, only: rough_surface_t
@@ -79,8 +79,7 @@ contains
 
       name = values%slot(group, 'file')
       dataset = values%slot(group, 'dataset')
-      path = trim(name%text)
-      if (index(path, '/') /= 1) path = case%file(:index(case%file, '/', back=.true.))//path
+      path = beside_namelist(case, trim(name%text))
       call open_heights(path, trim(dataset%text), profile%source, profile%spacing, digits, error)
       if (allocated(error)) then
          call findings%add(name%line, group, 'file', error%message)

@@ -1,6 +1,7 @@
 !> The few services of the operating system that Fortran lacks, through the C library (POSIX).
 module operating_system
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_null_ptr, c_ptr
+   use file_identity, only: is_same_file, look_at_file, look_at_open_file
    implicit none (type, external)
    private
 
@@ -149,19 +150,23 @@ contains
       inquire (file=path//'/.', exist=answer)
    end function is_folder
 
-   !> Takes the lock on `path`. A file system that knows no locks counts as taken.
+   !> Takes the lock on `path`. A file system that knows no locks counts as taken. A file that its last owner has renamed or removed
+   !> between opening and locking is not the one meant any more: then once more.
    function take(self, path) result(is_taken)
       class(lock_t), intent(inout) :: self
       character(*), intent(in) :: path
       logical :: is_taken
       integer(c_int) :: descriptor
 
-      call self%release()
       is_taken = .true.
-      self%stream = c_fopen(path//c_null_char, 'a+'//c_null_char)
-      if (.not. c_associated(self%stream)) return
-      descriptor = c_fileno(self%stream)
-      if (c_flock(descriptor, lock_exclusive) == 0_c_int) return
+      do
+         call self%release()
+         self%stream = c_fopen(path//c_null_char, 'a+'//c_null_char)
+         if (.not. c_associated(self%stream)) return
+         descriptor = c_fileno(self%stream)
+         if (c_flock(descriptor, lock_exclusive) /= 0_c_int) exit
+         if (is_same_file(look_at_open_file(descriptor), look_at_file(path, follows=.true.))) return
+      end do
       is_taken = c_flock(descriptor, lock_none) /= 0_c_int   ! releasing what one does not have always works
       if (.not. is_taken) call self%release()
    end function take

@@ -22,7 +22,9 @@ module result_writer
    use line_state, only: line_state_t
    use line_summary, only: keep_extremes, line_summary_t, summary_of
    use observer, only: observer_t
+   use file_identity, only: file_identity_t, kind_link, kind_other, look_at_file
    use operating_system, only: is_folder, lock_t, remove_file, rename_file, sync_file
+   use output_names, only: folder_of, working_endings
    use result_labels, only: field_names
    use result_sections, only: write_report, write_scaling, write_solution, write_summary
    use scaling, only: scaling_t
@@ -31,7 +33,7 @@ module result_writer
    implicit none (type, external)
    private
 
-   public :: clear_leftovers, open_result, reopen_result, result_writer_t
+   public :: give_back, hold_name, open_result, reopen_result, result_writer_t
 
    !> Longest name of a field.
    integer, parameter, public :: field_name_length = len(field_names)
@@ -63,6 +65,8 @@ module result_writer
       !> Locks on the name NAME.part, and on the file that comes from NAME.tmp.
       type(lock_t), private :: lock, store_lock
       logical, private :: is_transient = .false., is_scaled = .false.
+      !> There was a NAME.part before the name was taken.
+      logical, private :: had_part = .false.
    contains
       procedure :: on_cycle
       procedure :: on_step
@@ -93,15 +97,12 @@ contains
       type(result_writer_t), intent(out) :: writer
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
-      logical :: has_leftover, is_removed
 
-      inquire (file=path//'.part', exist=has_leftover)
-      call take_name(writer, path, error)
+      call hold_name(writer, path, error)
       if (allocated(error)) return
       call writer%remove_checkpoint()
       call create_hdf5_file(writer%file, path//'.part', error)
-      if (allocated(error)) call writer%lock%release()
-      if (allocated(error) .and. .not. has_leftover) is_removed = remove_file(path//'.part')
+      if (allocated(error)) call give_back(writer, is_complete=.false.)
    end subroutine open_result
 
    !> Goes on with the result `path` of an interrupted run, with its first `records` times of `nx` nodes and their `summary`.
@@ -114,12 +115,13 @@ contains
       type(line_summary_t), intent(in) :: summary
       type(error_t), allocatable, intent(out) :: error
 
-      logical :: has_part
-
-      inquire (file=path//'.part', exist=has_part)
-      if (.not. has_part) call fail(error, input_error, path//'.part is missing')
-      if (.not. allocated(error)) call take_name(writer, path, error)
+      call hold_name(writer, path, error)
       if (allocated(error)) return
+      if (.not. writer%had_part) then
+         call fail(error, input_error, path//'.part is missing')
+         call give_back(writer, is_complete=.false.)
+         return
+      end if
       writer%fields = [character(len=field_name_length) :: fields]
       call attach_store(writer%store, path//'.part', fields, records, nx, error)
       if (.not. allocated(error)) then
@@ -136,19 +138,27 @@ contains
       writer%has_checkpoint = .true.
    end subroutine reopen_result
 
-   !> Removes what a run left beside its complete result `path`, if it was killed before it could do so itself.
-   subroutine clear_leftovers(path)
+   !> Takes the name of the result `path`, so that nobody else writes it until `give_back`. Error: somebody does; it cannot be
+   !> the name of a result.
+   subroutine hold_name(writer, path, error)
+      type(result_writer_t), intent(out) :: writer
       character(*), intent(in) :: path
-      type(result_writer_t) :: writer
-      logical :: has_leftover, is_removed
+      type(error_t), allocatable, intent(out) :: error
 
-      inquire (file=path//'.part', exist=has_leftover)
-      if (has_leftover) has_leftover = writer%lock%take(path//'.part')
-      writer%path = path
-      if (has_leftover) is_removed = remove_file(path//'.part')
-      call writer%remove_checkpoint()
+      inquire (file=path//'.part', exist=writer%had_part)
+      call take_name(writer, path, error)   ! error: handed up
+   end subroutine hold_name
+
+   !> Gives a held name back. Where `path` `is_complete` what a run left beside it goes, if it was killed before it could do so.
+   subroutine give_back(writer, is_complete)
+      type(result_writer_t), intent(inout) :: writer
+      logical, intent(in) :: is_complete
+      logical :: is_removed
+
+      if (is_complete) call writer%remove_checkpoint()
+      if (is_complete .or. .not. writer%had_part) is_removed = remove_file(writer%path//'.part')
       call writer%lock%release()
-   end subroutine clear_leftovers
+   end subroutine give_back
 
    !> Makes sure that `path` can be the name of a result, and that nobody else is writing it.
    subroutine take_name(writer, path, error)
@@ -164,10 +174,30 @@ contains
          call fail(error, output_error, 'cannot write '//path//': it is a folder')
       else if (.not. is_folder(folder_of(path))) then
          call fail(error, output_error, 'cannot write '//path//': there is no folder '//folder_of(path))
-      else if (.not. writer%lock%take(path//'.part')) then
-         call fail(error, output_error, 'cannot write '//path//': another run is writing '//path//'.part')
+      else
+         call refuse_links(path, error)
+         if (allocated(error)) return
+         if (.not. writer%lock%take(path//'.part')) call fail(error, output_error, 'cannot write '//path// &
+            ': another run is writing '//path//'.part')
       end if
    end subroutine take_name
+
+   !> Error: what is written beside the result would go through a link, or into a pipe or device.
+   subroutine refuse_links(path, error)
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+      type(file_identity_t) :: file
+      integer :: i
+
+      do i = 1, size(working_endings)
+         associate (name => path//trim(working_endings(i)))
+            file = look_at_file(name, follows=.false.)
+            if (file%kind == kind_link) call fail(error, output_error, 'cannot write '//path//': '//name//' is a link')
+            if (file%kind == kind_other) call fail(error, output_error, 'cannot write '//path//': '//name//' is no regular file')
+            if (allocated(error)) return
+         end associate
+      end do
+   end subroutine refuse_links
 
    !> Program, problem and title (UTF-8), the text of the input; the reference values of a lubricated contact.
    subroutine describe(self, problem, title, namelist, scaling)
@@ -396,17 +426,5 @@ contains
       is_removed = remove_file(self%path//'.tmp')
       self%has_checkpoint = .false.
    end subroutine remove_checkpoint
-
-   !> The folder part of a path; '.' if it has none.
-   pure function folder_of(path) result(folder)
-      character(*), intent(in) :: path
-      character(:), allocatable :: folder
-      integer :: slash
-
-      slash = index(path, '/', back=.true.)
-      folder = '.'
-      if (slash == 1) folder = '/'
-      if (slash > 1) folder = path(:slash - 1)
-   end function folder_of
 
 end module result_writer

@@ -1,0 +1,205 @@
+!> Whether the results of a call can have their names: no result may take the place of an input, of another result, or of a file
+!> that is no result. What is compared are files, not paths: device and inode behind all links, or folder and name of what is not
+!> there yet.
+module output_names
+   use build_info, only: program_name
+   use case_record, only: beside_namelist, case_t, effective_t, result_path
+   use errors, only: error_t
+   use file_identity, only: file_identity_t, is_same_file, kind_folder, kind_missing, kind_regular, look_at_file
+   use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   implicit none (type, external)
+   private
+
+   public :: folder_of, output_findings, working_endings
+
+   !> What is written beside a result while it is made.
+   character(len=9), parameter :: working_endings(*) = [character(len=9) :: '.part', '.tmp', '.ckpt', '.ckpt.tmp']
+
+   !> An input or output, there or not yet.
+   type :: place_t
+      character(:), allocatable :: path
+      !> 'namelist' or 'height file'; of an output 'result' or 'temporary file'.
+      character(len=16) :: what = ''
+      !> Number of its case.
+      integer :: owner = 0
+      type(file_identity_t) :: file, folder
+      !> Name in its folder.
+      character(:), allocatable :: name
+   end type place_t
+
+contains
+
+   !> All that speaks against the results of `cases` in the folder `output_dir` (empty: where the cases say), a line each.
+   function output_findings(cases, output_dir) result(problems)
+      type(case_t), intent(in) :: cases(:)
+      character(*), intent(in) :: output_dir
+      character(:), allocatable :: problems
+      type(place_t), allocatable :: inputs(:), outputs(:)
+      character(:), allocatable :: found
+      integer :: i
+
+      inputs = inputs_of(cases)
+      outputs = outputs_of(cases, output_dir)
+      problems = ''
+      do i = 1, size(outputs)
+         found = first_finding(outputs, i, inputs, cases)
+         if (found == '') cycle
+         if (problems /= '') problems = problems//new_line('a')
+         problems = problems//cases(outputs(i)%owner)%file//': '//found
+      end do
+   end function output_findings
+
+   !> Namelists and height files.
+   function inputs_of(cases) result(places)
+      type(case_t), intent(in) :: cases(:)
+      type(place_t), allocatable :: places(:)
+      integer :: i, j, next
+
+      allocate (places(size(cases) + sum([(count(is_file_name(cases(i)%effective)), i=1, size(cases))])))
+      next = 0
+      do i = 1, size(cases)
+         next = next + 1
+         places(next) = new_place(cases(i)%file, 'namelist', i)
+         values: do j = 1, size(cases(i)%effective)
+            if (.not. is_file_name(cases(i)%effective(j))) cycle values
+            next = next + 1
+            places(next) = new_place(beside_namelist(cases(i), trim(cases(i)%effective(j)%value)), 'height file', i)
+         end do values
+      end do
+   end function inputs_of
+
+   !> Whether a value names a file with heights.
+   elemental function is_file_name(entry) result(answer)
+      type(effective_t), intent(in) :: entry
+      logical :: answer
+
+      answer = entry%key == 'file' .and. entry%value /= ''
+   end function is_file_name
+
+   !> Results, each followed by what is written beside it.
+   function outputs_of(cases, output_dir) result(places)
+      type(case_t), intent(in) :: cases(:)
+      character(*), intent(in) :: output_dir
+      type(place_t), allocatable :: places(:)
+      character(:), allocatable :: path
+      integer :: i, j, next
+
+      allocate (places(size(cases)*(1 + size(working_endings))))
+      next = 1
+      do i = 1, size(cases)
+         path = result_path(cases(i), output_dir)
+         places(next) = new_place(path, 'result', i)
+         do j = 1, size(working_endings)
+            places(next + j) = new_place(path//trim(working_endings(j)), 'temporary file', i)
+         end do
+         next = next + 1 + size(working_endings)
+      end do
+   end function outputs_of
+
+   !> Where `path` leads to.
+   function new_place(path, what, owner) result(place)
+      character(*), intent(in) :: path, what
+      integer, intent(in) :: owner
+      type(place_t) :: place
+
+      place%path = path
+      place%what = what
+      place%owner = owner
+      place%file = look_at_file(path, follows=.true.)
+      place%folder = look_at_file(folder_of(path), follows=.true.)
+      place%name = path(index(path, '/', back=.true.) + 1:)
+   end function new_place
+
+   !> Whether two places are one file, there or not yet.
+   elemental function is_same_place(one, other) result(is_same)
+      type(place_t), intent(in) :: one, other
+      logical :: is_same
+
+      is_same = is_same_file(one%file, other%file) .or. one%path == other%path
+      if (.not. is_same .and. one%name == other%name) is_same = is_same_file(one%folder, other%folder)
+   end function is_same_place
+
+   !> What speaks first against output `number`; empty: nothing. Of two outputs in one place the later is told, and only a result
+   !> can be in the way of another one's files.
+   function first_finding(outputs, number, inputs, cases) result(found)
+      type(place_t), intent(in) :: outputs(:), inputs(:)
+      integer, intent(in) :: number
+      type(case_t), intent(in) :: cases(:)
+      character(:), allocatable :: found
+      integer :: i
+
+      found = ''
+      associate (output => outputs(number))
+         do i = 1, size(inputs)
+            if (.not. is_same_place(output, inputs(i))) cycle
+            found = 'found the '//trim(inputs(i)%what)//' '//inputs(i)%path//' as its '//trim(output%what)// &
+               ', expected another &case output'
+            return
+         end do
+         do i = 1, number - 1
+            if (outputs(i)%owner == output%owner) cycle
+            if (output%what /= 'result' .and. outputs(i)%what /= 'result') cycle
+            if (.not. is_same_place(output, outputs(i))) cycle
+            found = 'found the '//trim(output%what)//' '//output%path//', which is also that of '// &
+               cases(outputs(i)%owner)%file//', expected different names'
+            return
+         end do
+         if (output%what == 'result' .and. .not. is_replaceable(output)) found = 'found '//output%path// &
+            ' as its result, which is there and no result of '//program_name//', expected another &case output (or remove it)'
+      end associate
+   end function first_finding
+
+   !> Whether a result may take this place: nothing is there, or an older result. (A folder stops its own case only, later.)
+   function is_replaceable(place) result(answer)
+      type(place_t), intent(in) :: place
+      logical :: answer
+
+      answer = place%file%kind == kind_missing .or. place%file%kind == kind_folder
+      if (place%file%kind == kind_regular) answer = is_result(place%path)
+   end function is_replaceable
+
+   !> Whether a file is a result of this program, of whatever version.
+   function is_result(path) result(answer)
+      character(*), intent(in) :: path
+      logical :: answer
+      type(hdf5_input_t) :: reader
+      type(error_t), allocatable :: error
+
+      answer = has_hdf5_signature(path)
+      if (.not. answer) return
+      call open_hdf5_input(reader, path, error)   ! error: it stays in the reader
+      answer = reader%text_attribute('/', 'program') == program_name
+      call reader%close(error)
+      if (allocated(error)) answer = .false.
+   end function is_result
+
+   !> Whether a file begins like HDF5 (File Format Specification 3.0, II.A).
+   function has_hdf5_signature(path) result(answer)
+      character(*), intent(in) :: path
+      logical :: answer
+      character(len=*), parameter :: signature = achar(137)//'HDF'//achar(13)//achar(10)//achar(26)//achar(10)
+      character(len=len(signature)) :: beginning
+      integer :: unit, status
+
+      answer = .false.
+      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=status)
+      if (status /= 0) return
+      read (unit, iostat=status) beginning
+      answer = status == 0
+      if (answer) answer = beginning == signature
+      close (unit)
+   end function has_hdf5_signature
+
+   !> The folder part of a path; '.' if it has none.
+   pure function folder_of(path) result(folder)
+      character(*), intent(in) :: path
+      character(:), allocatable :: folder
+      integer :: slash
+
+      slash = index(path, '/', back=.true.)
+      folder = '.'
+      if (slash == 1) folder = '/'
+      if (slash > 1) folder = path(:slash - 1)
+   end function folder_of
+
+end module output_names

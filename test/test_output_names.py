@@ -1,0 +1,172 @@
+"""A result never takes the place of what the user has: inputs, other results, files that are no results, what links lead to."""
+
+import os
+import signal
+
+import h5py
+import numpy as np
+import pytest
+from cases import LONG, STEADY, write
+from kill_and_resume import start
+from test_resume import wait_for, wait_for_times
+
+DRY = """&case problem = 'dry_line' /
+&bodies youngs_modulus_1 = 206e9, poisson_ratio_1 = 0.3 /
+&load mean_pressure = 1e8 /
+&surface_1 shape = 'file', file = 'rough.h5', dataset = 'z' /
+"""
+
+
+def to(output, text=STEADY):
+    return text.replace("&case", f"&case output = '{output}',")
+
+
+def heights(path):
+    with h5py.File(path, "w") as file:
+        file["z"] = 1e-7 * np.cos(2 * np.pi * np.arange(64) / 64)
+        file["z"].attrs["spacing"] = 1e-6
+
+
+def refused(asperity, folder, *arguments):
+    """The findings of a call that must change nothing; with --check they are the same."""
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    done = [asperity(*arguments, *more) for more in ((), ("--check",))]
+    assert [run.returncode for run in done] == [1, 1], done[0].stderr
+    assert done[0].stderr == done[1].stderr
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+    return done[0].stderr.splitlines()
+
+
+@pytest.mark.parametrize("name", ["rough.h5", "./rough.h5", "sub/../rough.h5", "link.h5", "hard.h5", "sub/link.h5"])
+def test_heights_are_no_place_for_a_result(asperity, tmp_path, name):
+    """The default result of rough.nml is rough.h5, where the heights are."""
+    (tmp_path / "sub").mkdir()
+    heights(tmp_path / "rough.h5")
+    (tmp_path / "link.h5").symlink_to("rough.h5")
+    (tmp_path / "sub" / "link.h5").symlink_to(tmp_path / "link.h5")
+    os.link(tmp_path / "rough.h5", tmp_path / "hard.h5")
+    write(tmp_path, "rough.nml", DRY if name == "rough.h5" else to(name, DRY))
+    assert refused(asperity, tmp_path, "rough.nml") == [
+        "rough.nml: found the height file rough.h5 as its result, expected another &case output"
+    ]
+
+
+@pytest.mark.parametrize("name", ["case.nml", "./case.nml", "sub/../case.nml", "link"])
+def test_a_namelist_is_no_place_for_a_result(asperity, tmp_path, name):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "link").symlink_to("case.nml")
+    write(tmp_path, "case.nml", to(name))
+    assert refused(asperity, tmp_path, "case.nml") == [
+        "case.nml: found the namelist case.nml as its result, expected another &case output"
+    ]
+
+
+def test_inputs_are_no_place_for_temporary_files(asperity, tmp_path):
+    """a.h5.tmp is removed when a.h5 is begun."""
+    write(tmp_path, "a.nml", STEADY)
+    write(tmp_path, "a.h5.tmp", to("b.h5"))
+    assert refused(asperity, tmp_path, "a.nml", "a.h5.tmp") == [
+        "a.nml: found the namelist a.h5.tmp as its temporary file, expected another &case output"
+    ]
+
+
+@pytest.mark.parametrize("name", ["x.h5", "./x.h5", "sub/../x.h5", "loop/x.h5"])
+def test_two_results_of_one_name(asperity, tmp_path, name):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "loop").symlink_to(".")
+    write(tmp_path, "x.nml", STEADY)
+    write(tmp_path, "y.nml", to(name))
+    assert refused(asperity, tmp_path, "x.nml", "y.nml") == [
+        f"y.nml: found the result {name}, which is also that of x.nml, expected different names"
+    ]
+
+
+def test_a_result_in_the_way_of_another_ones_checkpoint(asperity, tmp_path):
+    write(tmp_path, "x.nml", STEADY)
+    write(tmp_path, "y.nml", to("x.h5.ckpt"))
+    assert refused(asperity, tmp_path, "x.nml", "y.nml") == [
+        "y.nml: found the result x.h5.ckpt, which is also that of x.nml, expected different names"
+    ]
+
+
+def foreign(path, kind):
+    if kind == "text":
+        path.write_text("precious", encoding="utf-8")
+    elif kind == "empty":
+        path.touch()
+    elif kind == "other HDF5":
+        heights(path)
+    elif kind == "HDF5 of another program":
+        heights(path)
+        with h5py.File(path, "r+") as file:
+            file.attrs["program"] = np.bytes_("another")
+    elif kind == "damaged":
+        path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(range(256)))
+    elif kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "link":
+        (path.parent / "precious.txt").write_text("precious", encoding="utf-8")
+        path.symlink_to("precious.txt")
+
+
+@pytest.mark.parametrize("kind", ["text", "empty", "other HDF5", "HDF5 of another program", "damaged", "pipe", "link"])
+def test_what_is_no_result_is_not_replaced(asperity, tmp_path, kind):
+    write(tmp_path, "case.nml", to(tmp_path / "precious.h5"))
+    foreign(tmp_path / "precious.h5", kind)
+    assert refused(asperity, tmp_path, "case.nml") == [
+        f"case.nml: found {tmp_path}/precious.h5 as its result, which is there and no result of asperity, "
+        "expected another &case output (or remove it)"
+    ]
+
+
+def test_all_findings_at_once(asperity, tmp_path):
+    (tmp_path / "notes.txt").write_text("precious", encoding="utf-8")
+    write(tmp_path, "a.nml", to("a.nml"))
+    write(tmp_path, "b.nml", to("notes.txt"))
+    write(tmp_path, "c.nml", to("d.h5"))
+    write(tmp_path, "d.nml", STEADY)
+    assert [line.split(":")[0] for line in refused(asperity, tmp_path, "a.nml", "b.nml", "c.nml", "d.nml")] == [
+        "a.nml",
+        "b.nml",
+        "d.nml",
+    ]
+
+
+def test_an_older_result_is_replaced(asperity, tmp_path):
+    write(tmp_path, "case.nml", STEADY)
+    assert asperity("case.nml", "--quiet").returncode == 0
+    first = (tmp_path / "case.h5").stat().st_ino
+    assert asperity("case.nml", "--quiet").returncode == 0
+    assert (tmp_path / "case.h5").stat().st_ino != first
+
+
+@pytest.mark.parametrize("ending", [".part", ".tmp", ".ckpt", ".ckpt.tmp"])
+def test_no_link_is_followed_beside_the_result(asperity, tmp_path, ending):
+    write(tmp_path, "case.nml", STEADY)
+    (tmp_path / "precious.txt").write_text("precious", encoding="utf-8")
+    (tmp_path / f"case.h5{ending}").symlink_to("precious.txt")
+    for options in ((), ("--resume",)):
+        done = asperity("case.nml", "--quiet", *options)
+        assert (done.returncode, done.stderr) == (3, f"asperity: cannot write case.h5: case.h5{ending} is a link\n")
+        assert (tmp_path / "precious.txt").read_text(encoding="utf-8") == "precious"
+
+
+def test_resume_leaves_a_running_job_alone(program, asperity, tmp_path):
+    """A complete result is there, and another run makes it again: its checkpoint and temporary file are not ours."""
+    short = LONG.replace("end_time = 1000.0", "end_time = 0.1")
+    write(tmp_path, "case.nml", short)
+    assert asperity("case.nml", "--quiet").returncode == 0
+    complete = (tmp_path / "case.h5").read_bytes()
+    write(tmp_path, "long.nml", to("case.h5", LONG + "&output checkpoint_interval = 0.0 /\n"))
+    with start(program, tmp_path, name="long.nml") as running:  # the same case would be done too soon: another one, to its name
+        wait_for(tmp_path / "case.h5.ckpt", running)
+        wait_for_times(tmp_path / "case.h5.part", 20)
+        done = asperity("case.nml", "--resume", "--quiet")
+        assert (done.returncode, done.stderr) == (3, "asperity: cannot write case.h5: another run is writing case.h5.part\n")
+        assert (tmp_path / "case.h5.ckpt").exists()
+        assert (tmp_path / "case.h5.part").exists()
+        running.send_signal(signal.SIGTERM)
+        assert running.wait(60) == 4
+    assert (tmp_path / "case.h5").read_bytes() == complete
+    assert asperity("case.nml", "--resume").stderr == "case.nml: case.h5 is complete: nothing to do\n"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.h5", "case.nml", "long.nml"]
