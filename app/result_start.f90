@@ -69,8 +69,8 @@ contains
       type(checkpoint_t) :: checkpoint
 
       call read_checkpoint(path//'.ckpt', watcher%case, checkpoint, error)
-      if (.not. allocated(error)) call reopen_result(watcher%writer, path, stored_fields(case), checkpoint%records, &
-         size(checkpoint%march%film), checkpoint%summary, error)
+      if (.not. allocated(error)) call reopen_result(watcher%writer, path, stored_fields(case), [checkpoint%records, &
+         (checkpoint%records - 1)/case%output_settings%profile_stride + 1], size(checkpoint%march%film), checkpoint%summary, error)
       if (allocated(error)) then
          error%message = 'cannot resume: '//error%message
          return

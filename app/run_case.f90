@@ -248,7 +248,6 @@ contains
       real(wp) :: start
 
       start = wall_seconds()
-      if (case%time%is_transient) case%time%stride = case%output_settings%profile_stride
       if (case%time%is_transient .and. case%accuracy%target > 0.0_wp) then
          call choose_resolution(bars, contact, case%solver, case%time, watcher, error)   ! error: the caller looks
       else

@@ -123,7 +123,7 @@ def table(results: list[Result], si: bool) -> str:
             line += f"  {value:14.7g}  {100 * (value / reference - 1):+8.3f}%"
         lines.append(line + ("" if result.converged else "  NOT CONVERGED"))
     if any(result.last_time is not None for result in results):
-        lines.append("of a transient: the extremes over all stored times; the figure shows the last time")
+        lines.append("of a transient: the extremes over its time steps; the figure shows the last time")
     return "\n".join(lines)
 
 

@@ -43,7 +43,7 @@ def power_of_ten(value: float) -> str:
 def sections(result: Result) -> list[tuple[str, slice]]:
     """The parts of the history to draw: title and cycles.
 
-    Of a transient the start, and after a failure the cycles that follow the last stored step. The residual
+    Of a transient the start, and after a failure the cycles that follow the last step. The residual
     that /transient holds for a step is that of its last cycle, which finds the cycle in the history.
     """
     history = np.atleast_1d(result.report["residual_history"])
@@ -56,7 +56,7 @@ def sections(result: Result) -> list[tuple[str, slice]]:
         return [("", slice(None))]
     parts = [("start (smooth surfaces, steady)", slice(0, first[0] + 1))]
     if not result.converged and last[-1] + 1 < history.size:
-        parts.append(("after the last stored time step", slice(last[-1] + 1, None)))
+        parts.append(("after the last time step", slice(last[-1] + 1, None)))
     return parts
 
 
@@ -73,7 +73,7 @@ def draw_cycles(axes: Axes, result: Result, title: str, part: slice) -> None:
 
 
 def draw_steps(axes: Axes, result: Result, si: bool) -> None:
-    """Residual reached in each stored time step; the start is not among them."""
+    """Residual reached in each time step; the start is not among them."""
     axis = result.transient["time"].axis(si)
     time = result.transient["time"].shown(axis)[1:]
     residual = np.maximum(result.transient["residual"].values[1:], ROUND_OFF)

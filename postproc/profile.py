@@ -17,12 +17,12 @@ EXAMPLE = "python postproc/profile.py results/case1.h5 --output results --si"
 
 
 def fields(result: Result, time: float | None) -> tuple[np.ndarray, np.ndarray, float | None]:
-    """Pressure and film at the stored time nearest to `time`; without it, the solution."""
+    """Pressure and film at the time stored nearest to `time`; without it, the solution."""
     if time is None:
         solution = result.solution
         return solution["pressure"].values, solution["film_thickness"].values, result.last_time
-    step = int(np.argmin(np.abs(result.transient["time"].values - time)))
-    found = result.transient["time"].values[step]
+    step = int(np.argmin(np.abs(result.profile_time.values - time)))
+    found = result.profile_time.values[step]
     transient = result.transient
     return transient["pressure"].values[step], transient["film_thickness"].values[step], found
 

@@ -25,6 +25,7 @@ SYMBOLS = {
     "pressure": ("Pressure", "P = p/p_\\mathrm{h}", "p"),
     "film_thickness": ("Film thickness", "H = hR/b^2", "h"),
     "time": ("Time", "T = t\\,u_\\mathrm{s}/(2b)", "t"),
+    "profile_time": ("Time", "T = t\\,u_\\mathrm{s}/(2b)", "t"),
 }
 
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
@@ -154,6 +155,11 @@ class Result:
     def x(self) -> np.ndarray:
         """Stored positions (nx)."""
         return self.solution["x"].values
+
+    @property
+    def profile_time(self) -> Quantity:
+        """Times of the profiles in /transient; files of older versions hold numbers at these times only."""
+        return self.transient.get("profile_time", self.transient["time"])
 
     @property
     def last_time(self) -> float | None:

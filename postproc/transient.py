@@ -37,7 +37,7 @@ PATH = {
 
 def visible_paths(result: Result, window: tuple[float, float]) -> list[Feature]:
     """Paths to draw: each feature, and of a sinusoid every crest that is seen in the window."""
-    end = result.transient["time"].values[-1]
+    end = result.profile_time.values[-1]
     paths: list[Feature] = []
     for feature in result.features:
         if feature.shape != "sinusoid" or not feature.spacing > 0:
@@ -60,12 +60,12 @@ def last_complete_crest(feature: Feature, end: float, goal: float) -> Feature:
 
 
 def strip_steps(result: Result, centres: list[float]) -> tuple[list[int], Feature | None]:
-    """Stored steps at which a feature is nearest to the centres, in order of time, and which.
+    """Stored profiles at which a feature is nearest to the centres, in order of time, and which.
 
     The first moving feature, unless a later one passes more of the centres. Evenly spaced times
     when none passes any.
     """
-    time = result.transient["time"].values
+    time = result.profile_time.values
     margin = 0.5 * np.max(np.diff(time), initial=0.0)
     moments: list[float] = []
     followed = None
@@ -103,11 +103,11 @@ def colour_range(result: Result, name: str, values: np.ndarray) -> tuple[float, 
 
 def draw_map(axes: Axes, result: Result, name: str, options: argparse.Namespace) -> None:
     """One x-t map with colour bar and paths."""
-    quantity, time = result.transient[name], result.transient["time"].values
+    quantity, time = result.transient[name], result.profile_time.values
     shown, x_axis, t_axis = (
         quantity.axis(options.si),
         result.solution["x"].axis(options.si),
-        result.transient["time"].axis(options.si),
+        result.profile_time.axis(options.si),
     )
     window = style.x_window(result, options.window)
     nodes = np.flatnonzero((result.x >= window[0]) & (result.x <= window[1]))
@@ -154,8 +154,8 @@ class Passage:
     def __init__(self, result: Result, options: argparse.Namespace) -> None:
         """Looks up the fields of `result` and the ends of the axes."""
         transient = result.transient
-        self.time = transient["time"].values
-        self.t_axis = transient["time"].axis(options.si)
+        self.time = result.profile_time.values
+        self.t_axis = result.profile_time.axis(options.si)
         self.x_axis = result.solution["x"].axis(options.si)
         self.window = style.x_window(result, options.window)
         self.paths = visible_paths(result, self.window)
@@ -246,7 +246,7 @@ def strip_title(passage: Passage, step: int, feature: Feature | None) -> str:
 
 
 def draw_passage(result: Result, options: argparse.Namespace) -> list[Path]:
-    """Animation of film and pressure over all stored times."""
+    """Animation of film and pressure over all stored profiles."""
     target = passage_target(options, result)
     passage = Passage(result, options)
     figure, axes = style.new_figure(1.3 * style.ONE_COLUMN, 95, nrows=2, sharex=True)
@@ -290,8 +290,8 @@ def passage_target(options: argparse.Namespace, result: Result) -> Path:
 def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     """One result: reads it, draws the parts asked for, returns the names of the figures."""
     result = read_result(path, options.si, with_transient=True)
-    if result.transient["time"].values.size < 2:
-        raise ResultError(f"{path}: /transient holds only T = 0: no time step was completed")
+    if result.profile_time.values.size < 2:
+        raise ResultError(f"{path}: only profiles of T = 0: no time step was completed, or profile_stride is too long")
     figure_command.warn_not_converged(PROGRAM, result)
     drawers = {"xt": draw_xt, "film_strip": draw_film_strip, "passage": draw_passage}
     return [target for part in options.parts for target in drawers[part](result, options)]

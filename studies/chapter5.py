@@ -56,7 +56,7 @@ class Profile:
 
 @dataclass(frozen=True)
 class Passage:
-    """A transient result at the stored times."""
+    """Profiles of a transient result at their times."""
 
     time: np.ndarray
     x: np.ndarray
@@ -83,7 +83,7 @@ def read_passage(_: str, path: Path) -> Passage:
     """A transient result."""
     with h5py.File(path) as file:
         series = file["transient"]
-        return Passage(series["time"][()], file["solution/x"][()], series["pressure"][()], series["film_thickness"][()])
+        return Passage(series["profile_time"][()], file["solution/x"][()], series["pressure"][()], series["film_thickness"][()])
 
 
 def passage_case(name: str, factor: float = 1, intervals: int = 1024, scheme: str = "backward_euler") -> Case:

@@ -20,7 +20,7 @@ class Fields:
         """Reads the result."""
         with h5py.File(path) as file:
             self.x = file["solution/x"][()]
-            self.time = file["transient/time"][()] - meeting_time
+            self.time = file["transient/profile_time"][()] - meeting_time
             self.film = file["transient/film_thickness"][()]
             self.pressure = file["transient/pressure"][()]
         self.smooth = float(self.film[0].min())

@@ -121,7 +121,7 @@ def read_film(path: Path) -> Film:
         x, film = file["solution/x"][()], file["transient/film_thickness"]
         first, last = np.searchsorted(x, WINDOW[0]) - 1, np.searchsorted(x, WINDOW[1], side="right")
         values, start = film[:, first : last + 1], film[0].min()
-        time, h_min = file["transient/time"][()], file["transient/h_min"][()].min()
+        time, h_min = file["transient/profile_time"][()], file["transient/h_min"][()].min()
     places = np.concatenate(([WINDOW[0]], x[first + 1 : last], [WINDOW[1]]))
     return Film(time, places, at_places(x[first : last + 1], values, places), float(start), float(h_min))
 

@@ -210,7 +210,7 @@ def read_moving(_: str, path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray,
     """X, time, film over time, and the smallest film."""
     with h5py.File(path) as file:
         x, series = file["solution/x"][()], file["transient"]
-        return x, series["time"][()], series["film_thickness"][()], float(series["h_min"][()].min())
+        return x, series["profile_time"][()], series["film_thickness"][()], float(series["h_min"][()].min())
 
 
 def read_steady(_: str, path: Path) -> tuple[np.ndarray, np.ndarray, float]:

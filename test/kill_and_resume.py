@@ -18,6 +18,7 @@ import tempfile
 import time
 
 import h5py
+import numpy as np
 from cases import STEADY, contents, same_bits, write
 
 # A second or less: waviness on both surfaces, so that no step is like another.
@@ -29,6 +30,7 @@ BUSY = (
 """
 )
 RESULT = ("solution", "transient", "summary", "statistics")
+PROFILES = ("profile_time", "pressure", "film_thickness")
 
 
 def busy(interval, others=""):
@@ -49,9 +51,11 @@ def check_part(part, reference):
         if "transient" not in file or "time" not in file["transient"]:
             return 0
         times = len(file["transient/time"])
+        profiles = np.count_nonzero(whole["transient/profile_time"][()] <= whole["transient/time"][times - 1])
         for name, series in whole["transient"].items():
-            assert len(file["transient"][name]) >= times, name
-            assert same_bits(file["transient"][name][:times], series[:times]), name
+            count = profiles if name in PROFILES else times
+            assert len(file["transient"][name]) >= count, name
+            assert same_bits(file["transient"][name][:count], series[:count]), name
     return times
 
 

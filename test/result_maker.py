@@ -59,8 +59,12 @@ def write_result(
     converged: bool = True,
     has_si: bool = True,
     speeds: tuple[float, float] = (0.1, 1.1),
+    has_profile_time: bool = True,
 ) -> Path:
-    """Writes a result; `fields` with 'time' make a transient one; `features` is /surface_2."""
+    """Writes a result; `fields` with 'time' make a transient one; `features` is /surface_2.
+
+    Without `has_profile_time` it is like those of older versions, which held no number but at the times of the profiles.
+    """
     scales = SCALES if has_si else dict.fromkeys(SCALES, ("1", 1.0))
     is_transient = "time" in fields
     last = {name: fields[name][-1] if is_transient else fields[name] for name in ("pressure", "film_thickness")}
@@ -84,8 +88,9 @@ def write_result(
         for name in ("x", "pressure", "film_thickness"):
             put(file.require_group("solution"), name, last.get(name, fields[name]), *scales[name])
         if is_transient:
-            for name in ("time", "pressure", "film_thickness"):
-                put(file.require_group("transient"), name, fields[name], *scales[name])
+            stored = {"profile_time": fields["time"]} if has_profile_time else {}
+            for name, values in ({name: fields[name] for name in ("time", "pressure", "film_thickness")} | stored).items():
+                put(file.require_group("transient"), name, values, *scales[name.removeprefix("profile_")])
             put(file["transient"], "residual", np.append(history[-1], np.full(fields["time"].size - 1, 4e-7)))
         write_summary(file, fields, scales)
         report = file.create_group("report")

@@ -12,7 +12,8 @@ import pytest
 from cases import LONG, MOES, STEADY, TRANSIENT, contents, same_bits, text, write
 
 SOLUTION = ["x", "pressure", "film_thickness", "viscosity", "density", "slip_factor", "roughness_1", "roughness_2"]
-SERIES = ["time", "pressure", "film_thickness", "rigid_displacement", "h_min", "p_max"]
+NUMBERS = ["time", "rigid_displacement", "h_min", "p_max", "residual"]
+SERIES = [*NUMBERS, "profile_time", "pressure", "film_thickness"]
 FIGURES = ["h_min", "h_min_node", "h_central", "p_max", "x_cavitation"]
 REPORT = ["method", "cycles", "residual_history", "wall_seconds", "phase_seconds", "levels", "fft_pairs"]
 ROOT_ATTRIBUTES = ["program", "version", "git_commit", "problem", "title", "converged", "reason"]
@@ -182,7 +183,8 @@ def test_stride_and_fields_choose_what_is_stored(asperity, tmp_path):
     write(tmp_path, "a.nml", TRANSIENT + "&output profile_stride = 3, fields = 'pressure' /\n")
     assert asperity("a.nml").returncode == 0
     with h5py.File(tmp_path / "a.h5") as file:
-        assert file["transient/time"][()] == pytest.approx(0.05 * np.arange(0, 21, 3), abs=1e-14)
+        assert file["transient/time"][()] == pytest.approx(0.05 * np.arange(21), abs=1e-14)
+        assert file["transient/profile_time"][()] == pytest.approx(0.05 * np.arange(0, 21, 3), abs=1e-14)
         assert file["transient/pressure"].shape == (7, 257)
         assert "film_thickness" not in file["transient"]
         assert file["summary/h_min"].attrs["dimensionless"] == file["transient/h_min"][()].min()
@@ -351,22 +353,38 @@ def test_memory_does_not_grow_with_the_steps(program, tmp_path):
     assert peaks[1] - peaks[0] < 2000  # [kB]; the history of residuals takes about 100 kB
 
 
-def test_estimates_are_those_of_the_stored_times(asperity, tmp_path):
-    """The companions count the times that the run stores, else a passage that is not stored would look like an error."""
-    ridge = "&surface_2 shape = 'feature', amplitude = 2e-7, wavelength = 1e-4, position = -1.5 /\n"
-    passage = STEADY + ridge + "&time transient = .true., end_time = 1.6, time_step = 0.02 /\n"
-    for stride in (1, 3, 1000):
-        write(tmp_path, f"s{stride}.nml", passage + f"&output profile_stride = {stride} /\n")
-    assert asperity("s1.nml", "s3.nml", "s1000.nml", "--quiet").returncode == 0
-    found = {}
-    for stride in (1, 3, 1000):
-        with h5py.File(tmp_path / f"s{stride}.h5") as file:
-            h_min = file["summary/h_min"]
-            found[stride] = (h_min[()], h_min.attrs["error_grid"])
-    assert found[1][0] < 0.95 * found[1000][0]
-    assert 0 < found[1000][1] < 0.02 * found[1000][0]
-    assert 0 < found[1][1] < 0.2 * found[1][0]
-    assert 0 < found[3][1] < 3 * found[1][1]
+OUTPUT_KEYS = (
+    "profile_stride = 3",
+    "profile_stride = 1000",
+    "fields = 'pressure'",
+    "fields = 'film_thickness', 'pressure', profile_stride = 7",
+    "checkpoint_interval = 0.0",
+    "checkpoint_interval = 0.0, profile_stride = 50, film_thresholds = 3e-7",
+)
+
+
+@pytest.mark.parametrize("others", ["", "&accuracy target = 1e-2 /\n"])
+def test_no_output_key_changes_a_number(asperity, tmp_path, others):
+    """Every step counts, whatever is stored: figures, their estimates and all series of single numbers, to the bit."""
+    ridge = "&surface_2 shape = 'feature', amplitude = 2e-7, wavelength = 1e-4, position = -2.0 /\n"
+    time_step, case = ("", STEADY.replace("intervals = 256", "")) if others else (", time_step = 0.02", STEADY)
+    passage = case + ridge + f"&time transient = .true., end_time = 1.6{time_step} /\n" + others
+    write(tmp_path, "plain.nml", passage)
+    for i, keys in enumerate(OUTPUT_KEYS):
+        write(tmp_path, f"keys{i}.nml", passage + f"&output {keys} /\n")
+    files = [f"keys{i}" for i in range(len(OUTPUT_KEYS))]
+    assert asperity("plain.nml", *(f"{name}.nml" for name in files), "--quiet").returncode == 0
+    expected = contents(tmp_path / "plain.h5")
+    numbers = [path for path in expected if path.startswith("summary") or path in {f"transient/{name}" for name in NUMBERS}]
+    assert len(numbers) > 40
+    for name in files:
+        found = contents(tmp_path / f"{name}.h5")
+        assert {path for path in found if path.startswith("summary")} == {path for path in numbers if path.startswith("summary")}
+        assert [path for path in numbers if not same_bits(found[path], expected[path])] == [], name
+    with h5py.File(tmp_path / "plain.h5") as file, h5py.File(tmp_path / "keys1.h5") as strided:
+        assert strided["summary/h_min"].attrs["dimensionless"] == file["transient/h_min"][()].min()
+        assert strided["transient/pressure"].shape[0] == len(strided["transient/profile_time"]) == 1
+        assert 0 < strided["summary/h_min"].attrs["error_grid"] < 0.2 * strided["summary/h_min"][()]
 
 
 def test_a_target_out_of_reach_is_told(asperity, tmp_path):

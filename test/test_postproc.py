@@ -181,6 +181,37 @@ def test_figures_of_the_program(asperity, tmp_path: Path) -> None:
     assert thinner < 0.8
 
 
+def test_profiles_have_times_of_their_own(asperity, tmp_path: Path) -> None:
+    """Numbers of every step, profiles of every 40th: the figures show the profiles at their times."""
+    text = (ROOT / "input" / "case3_demo.nml").read_text(encoding="utf-8")
+    (tmp_path / "demo.nml").write_text(text + "&output profile_stride = 40 /\n", encoding="utf-8")
+    assert asperity("demo.nml", "--quiet").returncode == 0
+    for script in ("profile", "convergence", "transient"):
+        extra = ("--time", 1.0) if script == "profile" else ()
+        done = run(script, tmp_path / "demo.h5", "--output", tmp_path / "out", "--format", "png", *extra)
+        assert (done.returncode, done.stderr) == (0, "")
+    read = load_module("result_file").read_result(tmp_path / "demo.h5", with_transient=True)
+    assert read.transient["time"].values.size == 407
+    assert read.profile_time.values == pytest.approx(read.transient["time"].values[::40], abs=0)
+    assert read.transient["pressure"].values.shape[0] == 11
+    transient = load("transient")
+    steps, followed = transient.strip_steps(read, [-1.0, 0.0])
+    places = followed.centre(read.profile_time.values[steps])
+    assert places == pytest.approx([-1.0, 0.0], abs=0.5 * followed.speed * 40 * read.transient["time"].values[1] + 1e-12)
+    pressure, _, found = load("profile").fields(read, 1.0)
+    assert found == pytest.approx(1.0, abs=20 * read.transient["time"].values[1])
+    assert np.array_equal(pressure, read.transient["pressure"].values[np.flatnonzero(read.profile_time.values == found)[0]])
+
+
+def test_results_of_older_versions_are_drawn(tmp_path: Path) -> None:
+    """Without profile_time the times of the numbers are those of the profiles."""
+    result = result_maker.write_result(tmp_path / "old.h5", result_maker.passage(), RIDGE, has_profile_time=False)
+    done = run("transient", result, "--output", tmp_path / "out", "--parts", "xt", "film_strip")
+    assert (done.returncode, done.stderr) == (0, "")
+    read = load_module("result_file").read_result(result, with_transient=True)
+    assert read.profile_time.values.size == read.transient["pressure"].values.shape[0]
+
+
 def test_film_statistics_of_the_program(asperity, tmp_path: Path) -> None:
     text = (ROOT / "input" / "rough_passage.nml").read_text(encoding="utf-8")
     for old, new in (("intervals = 512", "intervals = 128"), ("time_step = 0.01", "time_step = 0.04"), ("= 48.0", "= 12.0")):

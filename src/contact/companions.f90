@@ -24,8 +24,6 @@ module companions
    type, extends(lookout_t) :: collector_t
       type(line_summary_t) :: summary
       logical :: is_empty = .true.
-      !> How much larger the time steps are than those of the run that it is compared with, and of how many of those one counts.
-      integer :: factor = 1, stride = 1
       !> Coarser grids that a steady run has passed.
       type(error_bars_t) :: passed
       !> Smallest film at each time step of the last transient (0:steps).
@@ -90,7 +88,6 @@ contains
       if (coarse%domain%intervals < fewest_intervals) return
       coarse_time = time
       if (time%time_step > 0.0_wp) coarse_time%time_step = factor*time%time_step
-      collector%factor = factor
       call run_companion(coarse, settings, coarse_time, collector, is_known, error)   ! error: the caller looks
    end subroutine run_coarser
 
@@ -120,7 +117,6 @@ contains
       own_settings%wants_companions = .true.
       is_known = .false.
       collector%is_empty = .true.
-      collector%stride = time%stride
       collector%passed%has_half = .false.
       call solve_ehl_line(own, own_settings, time, collector, state, report, error)
       if (allocated(error)) return
@@ -136,7 +132,7 @@ contains
       self%passed = bars
    end subroutine collect_companions
 
-   !> Widens the extremes by one time step, if it is the first one at or behind a time that the other run stores.
+   !> Widens the extremes by one time step.
    subroutine collect_step(self, step, steps, state, report)
       class(collector_t), intent(inout) :: self
       integer, intent(in) :: step
@@ -153,11 +149,9 @@ contains
       end if
       summary = summary_of(state)
       self%films(step) = summary%h_min%value
-      if (self%stride <= self%factor .or. modulo(self%factor*step, self%stride) < self%factor) then
-         if (self%is_empty) self%summary = summary
-         call keep_extremes(self%summary, summary)
-         self%is_empty = .false.
-      end if
+      if (self%is_empty) self%summary = summary
+      call keep_extremes(self%summary, summary)
+      self%is_empty = .false.
       call self%look_outside()
    end subroutine collect_step
 

@@ -38,8 +38,6 @@ module solver_settings
       real(wp) :: time_step = 0.0_wp
       !> 'bdf2' (second order) or 'backward_euler' (first order, the thesis's).
       character(len=word_length) :: scheme = 'bdf2'
-      !> Of how many steps one is stored: the figures of the run are those of the stored times.
-      integer :: stride = 1
       !> Where an interrupted transient goes on; not allocated: it begins at T = 0.
       type(march_state_t), allocatable :: resume_from
    end type time_settings_t

@@ -25,20 +25,20 @@ module checkpoint
    public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 7
+   integer, parameter :: format_number = 8
 
    !> What a checkpoint holds.
    type :: checkpoint_t
       !> The values of the case that decide about its result, a line each.
       character(:), allocatable :: case
       type(march_state_t) :: march
-      !> Extremes of the stored times so far.
+      !> Extremes over the time steps so far.
       type(line_summary_t) :: summary
       !> Companions on coarser grids, which need not be run again.
       type(error_bars_t) :: bars
       !> The film over all time steps, where that is asked for.
       type(film_statistics_t) :: statistics
-      !> Stored times in NAME.part.
+      !> Time steps stored in NAME.part.
       integer :: records = 0
       !> Intervals, time step and space scheme, given or chosen.
       integer :: intervals = 0
@@ -63,7 +63,7 @@ contains
       call write_attribute(file, '/', 'git_commit', git_commit())
       call write_attribute(file, '/', 'checkpoint_format', format_number)
       call write_dataset(file, '/case', checkpoint%case, new_label('the values of the case', '1'))
-      call write_dataset(file, '/records', int(checkpoint%records, int64), new_label('stored times', '1'))
+      call write_dataset(file, '/records', int(checkpoint%records, int64), new_label('stored time steps', '1'))
       call write_dataset(file, '/summary', summary_numbers(checkpoint%summary), &
          new_label('h_min, h_min_node, h_central, p_max, x_cavitation: value, time, error estimate, extrapolated', '1'))
       call write_dataset(file, '/intervals', int(checkpoint%intervals, int64), new_label('intervals', '1'))

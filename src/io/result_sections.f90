@@ -79,7 +79,7 @@ contains
                          quantity_label('time of these fields, T = t u_s/(2 b)', 's', scaling%time, scaling))
    end subroutine write_solution
 
-   !> /summary: figures in SI; `is_transient`: extremes over the stored times, each with its time in `<name>_time`; `missing`: why
+   !> /summary: figures in SI; `is_transient`: extremes over all time steps, each with its time in `<name>_time`; `missing`: why
    !> a figure whose estimate is NaN has none.
    subroutine write_summary(file, summary, scaling, is_transient, missing)
       class(hdf5_file_t), intent(inout) :: file

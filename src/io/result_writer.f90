@@ -42,11 +42,11 @@ module result_writer
    type, extends(observer_t) :: result_writer_t
       !> Final name.
       character(:), allocatable :: path
-      !> Every how many time steps one is stored; T = 0 always is.
+      !> Every how many time steps profiles are stored; those at T = 0 always are.
       integer :: profile_stride = 1
-      !> Fields stored of each time step, names of `field_names`.
+      !> Profiles that are stored, names of `field_names`.
       character(len=field_name_length), allocatable :: fields(:)
-      !> Figures of the stored times, or of the solution if there are none.
+      !> Figures of all time steps, or of the solution if there are none.
       type(line_summary_t) :: summary
       !> Companions that tell how far off the figures may be.
       type(error_bars_t) :: bars
@@ -72,7 +72,7 @@ module result_writer
       procedure :: on_step
       !> Takes down what is known before the run.
       procedure :: describe
-      !> Times stored in NAME.part.
+      !> Time steps stored in NAME.part.
       procedure :: records
       !> Brings NAME.part to the disk as far as it is written.
       procedure :: sync
@@ -105,13 +105,14 @@ contains
       if (allocated(error)) call give_back(writer, is_complete=.false.)
    end subroutine open_result
 
-   !> Goes on with the result `path` of an interrupted run, with its first `records` times of `nx` nodes and their `summary`.
+   !> Goes on with the result `path` of an interrupted run, with its first `records` times and profiles of `nx` nodes, and their
+   !> `summary`.
    !> Error: NAME.part is not what the checkpoint says.
    subroutine reopen_result(writer, path, fields, records, nx, summary, error)
       type(result_writer_t), intent(out) :: writer
       character(*), intent(in) :: path
       character(*), intent(in) :: fields(:)
-      integer, intent(in) :: records, nx
+      integer, intent(in) :: records(2), nx
       type(line_summary_t), intent(in) :: summary
       type(error_t), allocatable, intent(out) :: error
 
@@ -257,24 +258,23 @@ contains
          if (step == 0) call add_start(self%statistics, state)
          if (step > 0) call add_time(self%statistics, state)
       end if
-      if (mod(step, self%profile_stride) /= 0) return
       summary = summary_of(state)
       if (.not. self%is_transient) then
-         call start_store(self, steps/self%profile_stride + 1, size(state%x))
+         call start_store(self, [steps, steps/self%profile_stride] + 1, size(state%x))
          self%summary = summary
       else
          call keep_extremes(self%summary, summary)
       end if
-      if (.not. allocated(self%file%failure)) call self%store%append(state, summary, report)
+      if (.not. allocated(self%file%failure)) call self%store%append(state, summary, report, mod(step, self%profile_stride) == 0)
       call self%keep_failure()
       if (self%store%records() == 1) call publish_store(self)
       self%wants_stop = allocated(self%file%failure)
    end subroutine on_step
 
-   !> Makes room for `capacity` times of `nx` nodes in NAME.tmp; after that the HDF5 library leaves that file alone.
+   !> Makes room for `capacity` times and profiles of `nx` nodes in NAME.tmp; after that the HDF5 library leaves that file alone.
    subroutine start_store(writer, capacity, nx)
       class(result_writer_t), intent(inout) :: writer
-      integer, intent(in) :: capacity, nx
+      integer, intent(in) :: capacity(2), nx
       type(error_t), allocatable :: error
 
       writer%is_transient = .true.
@@ -284,7 +284,7 @@ contains
       call write_description(writer)
       call create_store(writer%store, writer%file, writer%fields, capacity, nx, writer%scaling)
       call writer%file%close(error)   ! error: as above
-      if (.not. allocated(writer%file%failure)) call writer%store%open(writer%path//'.tmp', 0)
+      if (.not. allocated(writer%file%failure)) call writer%store%open(writer%path//'.tmp', [0, 0])
    end subroutine start_store
 
    !> NAME.tmp, with T = 0 in it, becomes NAME.part.
@@ -309,7 +309,7 @@ contains
       self%file%failure = self%store%file%failure
    end subroutine keep_failure
 
-   !> Number of stored times.
+   !> Number of stored time steps.
    pure function records(self)
       class(result_writer_t), intent(in) :: self
       integer :: records

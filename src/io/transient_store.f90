@@ -1,4 +1,6 @@
 !> /transient of a result: in NAME.part while the run goes on (see `running_series`), compressed in the result at its end.
+!>
+!> Series of one number hold every time step; profiles may be stored of some steps only, and have times of their own.
 module transient_store
    use errors, only: error_t, fail, input_error
    use hdf5, only: hid_t
@@ -21,10 +23,12 @@ module transient_store
 
    !> Longest name of a series.
    integer, parameter :: name_length = 24
-   !> Series of one number for each time. Time is counted last, and cut back first: there are never more times than values.
+   !> Series of one number for each time step. Time is counted last, and cut back first: there are never more times than values.
    character(len=name_length), parameter :: number_names(5) = [character(len=name_length) :: &
       'time', 'rigid_displacement', 'h_min', 'p_max', 'residual']
-   !> Mark of the times with a film below the floor, to be named like a field.
+   !> Times of the stored profiles, for which the same holds.
+   character(*), parameter :: profile_time_name = 'profile_time'
+   !> Mark of the time steps with a film below the floor, to be named like a field.
    character(*), parameter, public :: breakdown_name = 'film_breakdown'
    !> Numbers that are moved at once into the result.
    integer, parameter :: block_numbers = 131072
@@ -33,13 +37,15 @@ module transient_store
    type :: transient_store_t
       character(len=name_length), allocatable :: names(:)
       type(running_series_t), allocatable :: series(:)
+      !> From this series on they belong to the profiles.
+      integer :: first_profile = 0
       type(positional_file_t) :: file
    contains
-      !> Opens the file that the HDF5 library has closed, with the first `records` times.
+      !> Opens the file that the HDF5 library has closed, with the first `records` times and profiles.
       procedure :: open => open_store
-      !> Stores one time.
+      !> Stores one time step.
       procedure :: append
-      !> Number of stored times.
+      !> Number of stored time steps, T = 0 among them.
       procedure :: records
       !> Writes the series into another file, compressed.
       procedure :: copy_into
@@ -47,29 +53,30 @@ module transient_store
 
 contains
 
-   !> Makes room in an open HDF5 file for `capacity` times of `nx` nodes; `fields` are names of `field_names`, or
+   !> Makes room in an open HDF5 file for `capacity` times and profiles of `nx` nodes; `fields` are names of `field_names`, or
    !> `breakdown_name`.
    subroutine create_store(store, file, fields, capacity, nx, scaling)
       type(transient_store_t), intent(out) :: store
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: fields(:)
-      integer, intent(in) :: capacity, nx
+      integer, intent(in) :: capacity(2), nx
       type(scaling_t), intent(in) :: scaling
       integer :: i
 
       call name_series(store, fields)
       do i = 1, size(store%names)
          call create_running_series(store%series(i), file, '/transient/'//trim(store%names(i)), &
-            row_length(store%names(i), nx), capacity, series_label(trim(store%names(i)), scaling))
+            row_length(store%names(i), nx), capacity(kind_of(store, i)), series_label(trim(store%names(i)), scaling))
       end do
    end subroutine create_store
 
-   !> Finds the series of an earlier run in `path`. Error: they are not there, or hold less than `records` times of `nx` nodes.
+   !> Finds the series of an earlier run in `path`. Error: they are not there, or hold less than `records` times and profiles of
+   !> `nx` nodes.
    subroutine attach_store(store, path, fields, records, nx, error)
       type(transient_store_t), intent(out) :: store
       character(*), intent(in) :: path
       character(*), intent(in) :: fields(:)
-      integer, intent(in) :: records, nx
+      integer, intent(in) :: records(2), nx
       type(error_t), allocatable, intent(out) :: error
       type(hdf5_input_t) :: reader
       logical :: is_whole
@@ -81,7 +88,7 @@ contains
       is_whole = .true.
       do i = 1, size(store%names)
          call attach_series(store%series(i), reader, '/transient/'//trim(store%names(i)), row_length(store%names(i), nx), &
-            records, is_whole)
+            records(kind_of(store, i)), is_whole)
       end do
       call reader%close(error)
       if (.not. (allocated(error) .or. is_whole)) call fail(error, input_error, path//' holds less than the checkpoint says')
@@ -111,45 +118,55 @@ contains
       call reader%close_dataset(path, dataset)
    end subroutine attach_series
 
-   !> Opens `path` for writing and keeps the first `records` times.
+   !> Opens `path` for writing and keeps the first `records` times and profiles.
    subroutine open_store(self, path, records)
       class(transient_store_t), intent(inout) :: self
       character(*), intent(in) :: path
-      integer, intent(in) :: records
+      integer, intent(in) :: records(2)
       integer :: i
 
       call open_positional_file(self%file, path)
       do i = 1, size(self%series)
-         call self%series(i)%begin(self%file, records)
+         call self%series(i)%begin(self%file, records(kind_of(self, i)))
       end do
    end subroutine open_store
 
-   !> Stores one time. Whatever happens in between, the file holds whole records.
-   subroutine append(self, state, summary, report)
+   !> Stores one time step, with its profiles if `has_profiles`. Whatever happens in between, the file holds whole records.
+   subroutine append(self, state, summary, report, has_profiles)
       class(transient_store_t), intent(inout) :: self
       type(line_state_t), intent(in) :: state
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
-      integer :: i
+      logical, intent(in) :: has_profiles
+      integer :: i, last
 
-      call self%series(1)%put(self%file, [state%time])
-      call self%series(2)%put(self%file, [state%rigid_displacement])
-      call self%series(3)%put(self%file, [summary%h_min%value])
-      call self%series(4)%put(self%file, [summary%p_max%value])
-      call self%series(5)%put(self%file, [report%residual])
-      do i = size(number_names) + 1, size(self%series)
-         if (self%names(i) == breakdown_name) then
-            call self%series(i)%put(self%file, [merge(1.0_wp, 0.0_wp, report%breakdown%is_now)])
-         else
-            call self%series(i)%put(self%file, field_values(trim(self%names(i)), state))
-         end if
+      last = merge(size(self%series), self%first_profile - 1, has_profiles)
+      do i = 1, last
+         associate (series => self%series(i))
+            select case (self%names(i))
+            case ('time', profile_time_name)
+               call series%put(self%file, [state%time])
+            case ('rigid_displacement')
+               call series%put(self%file, [state%rigid_displacement])
+            case ('h_min')
+               call series%put(self%file, [summary%h_min%value])
+            case ('p_max')
+               call series%put(self%file, [summary%p_max%value])
+            case ('residual')
+               call series%put(self%file, [report%residual])
+            case (breakdown_name)
+               call series%put(self%file, [merge(1.0_wp, 0.0_wp, report%breakdown%is_now)])
+            case default
+               call series%put(self%file, field_values(trim(self%names(i)), state))
+            end select
+         end associate
       end do
-      do i = size(self%series), 1, -1
+      do i = last, 1, -1
          call self%series(i)%count_record(self%file)
       end do
    end subroutine append
 
-   !> Times that are stored.
+   !> Time steps that are stored.
    pure function records(self)
       class(transient_store_t), intent(in) :: self
       integer :: records
@@ -187,9 +204,22 @@ contains
       type(transient_store_t), intent(inout) :: store
       character(*), intent(in) :: fields(:)
 
-      store%names = [character(len=name_length) :: number_names, fields]
+      associate (is_mark => fields == breakdown_name)
+         store%names = [character(len=name_length) :: number_names, pack(fields, is_mark), profile_time_name, &
+            pack(fields, .not. is_mark)]
+         store%first_profile = size(number_names) + count(is_mark) + 1
+      end associate
       allocate (store%series(size(store%names)))
    end subroutine name_series
+
+   !> What series `i` counts: 1 = time steps, 2 = profiles.
+   pure function kind_of(store, i) result(kind)
+      type(transient_store_t), intent(in) :: store
+      integer, intent(in) :: i
+      integer :: kind
+
+      kind = merge(2, 1, i >= store%first_profile)
+   end function kind_of
 
    !> Length of the rows of a series; 0: single numbers.
    pure function row_length(name, nx) result(length)
@@ -208,7 +238,9 @@ contains
 
       select case (name)
       case ('time')
-         label = quantity_label('time, T = t u_s/(2 b)', 's', scaling%time, scaling)
+         label = quantity_label('time of every step, T = t u_s/(2 b)', 's', scaling%time, scaling)
+      case (profile_time_name)
+         label = quantity_label('time of the stored profiles, T = t u_s/(2 b)', 's', scaling%time, scaling)
       case ('rigid_displacement')
          label = quantity_label('rigid displacement H0 of (2.58)', 'm', scaling%film, scaling)
       case ('h_min')
