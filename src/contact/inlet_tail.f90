@@ -6,14 +6,16 @@
 !>     H(X) = H(X_a) + (X^2 - X_a^2)/2 - 1/2 ln( (X_c - X)/(X_c - X_a) )
 !>     Q(X_a) = lambda Int_{-inf}^{X_a} (H - m)/(H^3 S) dX ,   P = -ln(1 - alpha_bar Q)/alpha_bar
 !>
-!> Q is the reduced pressure (Barus' law, which all laws are at low pressure), S = sqrt(1 + B^2) the slip factor without
-!> slope. Roughness in front of the domain and the compression there are left out, and what the tail deforms.
+!> Q is the reduced pressure (Barus' law, which all laws are at low pressure, mu = 1/(1 - alpha_bar Q)), and S(Sigma, B) the slip
+!> factor at the slope that carries the flow there, found from it point by point (`divide_by_slip`). Roughness in front of the
+!> domain and the compression there are left out, and what the tail deforms.
 module inlet_tail
    use constants, only: pi
+   use eyring, only: slip_factor
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t
-   use lubricant, only: viscosity_constant
+   use lubricant, only: fluid_t, viscosity_constant
    implicit none (type, external)
    private
 
@@ -23,6 +25,9 @@ module inlet_tail
    integer, parameter :: points = 64
    !> Bound of alpha_bar Q: no tail of a solution comes near it, a wild iterate may.
    real(wp), parameter :: largest_reduced = 0.9_wp
+   !> Of the root for S: ln S that is looked for at most, steps, and the error of ln S before the last one.
+   real(wp), parameter :: largest_ln_slip = 100.0_wp, slip_tolerance = 1.0e-4_wp
+   integer, parameter :: most_steps = 60
 
 contains
 
@@ -55,7 +60,7 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
       real(wp), intent(out) :: pressure, load
-      real(wp) :: flow, first_film, centre, share, slip, x, h, gain, reduced
+      real(wp) :: flow, first_film, centre, share, x, h, gain, reduced, sigma
       integer :: i
 
       flow = flow_at_peak(contact, level)
@@ -67,12 +72,15 @@ contains
          share = level%dx*share/pi
          ! of the smooth surfaces
          first_film = level%film(0) - level%rhs_film(0) + 0.5_wp*x_a**2
-         slip = 0.0_wp
-         if (contact%fluid%is_eyring) slip = exp(contact%fluid%ln_b_scale)
+         sigma = 0.0_wp
+         gain = 0.0_wp
          do i = 1, points
             x = x_a*points/(i - 0.5_wp)
             h = first_film + 0.5_wp*(x**2 - x_a**2) - share*log((centre - x)/(centre - x_a))
-            gain = -x**2/(points*x_a)*contact%lambda*max(h - flow, 0.0_wp)/(h**2*sqrt(h**2 + slip**2))
+            reduced = pressure + 0.5_wp*gain
+            gain = contact%lambda*max(h - flow, 0.0_wp)/h**3
+            if (contact%fluid%is_eyring) call divide_by_slip(contact%fluid, h, reduced, gain, sigma)
+            gain = -x**2/(points*x_a)*gain
             pressure = pressure + gain
             load = load + gain*(x_a - x)
          end do
@@ -84,6 +92,40 @@ contains
          load = load - 0.5_wp*level%dx*pressure
       end associate
    end subroutine tail_of
+
+   !> Divides the slope `drive` = S dQ/dX > 0 of the reduced pressure, where the film is `h` and that pressure `reduced`, by S:
+   !>
+   !>     Sigma S(Sigma, B) = mu Sigma_scale h drive ,     mu = 1/(1 - alpha_bar Q) ,   ln B = ln B_scale + ln mu - ln h
+   !>
+   !> by Newton's method in ln Sigma, within bounds that shrink: the left side rises from 0, S >= 1. `sigma` is the root
+   !> of the point before (0: none), and becomes that of this one.
+   pure subroutine divide_by_slip(fluid, h, reduced, drive, sigma)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: h, reduced
+      real(wp), intent(inout) :: drive, sigma
+      real(wp) :: ln_mu, ln_b, ln_drive, y, bounds(2), excess, ln_s, slope, slope_b
+      integer :: i
+
+      if (drive <= 0.0_wp) return
+      ln_mu = 0.0_wp
+      if (fluid%viscosity_law /= viscosity_constant) ln_mu = -log(1 - min(fluid%alpha_bar*reduced, largest_reduced))
+      ln_b = fluid%ln_b_scale + ln_mu - log(h)
+      ln_drive = ln_mu + log(fluid%sigma_scale*h*drive)
+      bounds = [ln_drive - largest_ln_slip, ln_drive]
+      y = ln_drive
+      if (sigma > 0.0_wp) y = log(sigma)
+      do i = 1, most_steps
+         if (y <= bounds(1) .or. y >= bounds(2)) y = 0.5_wp*(bounds(1) + bounds(2))
+         sigma = exp(y)
+         call slip_factor(sigma, ln_b, ln_s, slope, slope_b)
+         excess = y + ln_s - ln_drive
+         bounds(merge(2, 1, excess > 0.0_wp)) = y
+         y = y - excess/(1 + sigma*slope)
+         if (abs(excess) < slip_tolerance) exit
+      end do
+      drive = drive*exp(y - ln_drive)
+      sigma = exp(y)
+   end subroutine divide_by_slip
 
    !> The flow rho H - e/lambda dP/dX at the face behind the largest pressure, as the space scheme has it: there it is known best
    !> while the solution is on its way.
