@@ -64,6 +64,7 @@ lint: ## style of Fortran, Python and shell, order of the layers, errors that no
 	fortitude check --quiet --output-format concise
 	$(PYTHON) tools/check_layers.py
 	$(PYTHON) tools/check_errors.py
+	$(PYTHON) tools/check_reads.py
 	ruff check --quiet .
 	ruff format --quiet --check .
 	shellcheck bootstrap .ci/run $(wildcard tools/*.sh cluster/*.sh)

@@ -1,8 +1,10 @@
 !> The arguments of the program.
 module command_line
+   use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
    use input_keys, only: every, has_word
    use nearest_name, only: nearest_known
+   use number_text, only: read_integer
    implicit none (type, external)
    private
 
@@ -28,6 +30,8 @@ module command_line
 
    character(len=16), parameter :: options(*) = [character(len=16) :: '--output', '--threads', '--check', '--resume', &
       '--quiet', '--template', '--keys', '--version', '--help']
+   !> Most threads that can be asked for.
+   integer, parameter :: most_threads = 9999
    character(*), parameter :: see_help = '; see asperity --help'
 
 contains
@@ -99,7 +103,8 @@ contains
       type(command_t), intent(inout) :: command
       character(*), intent(in) :: option, value
       type(error_t), allocatable, intent(out) :: error
-      integer :: status
+      integer(int64) :: threads
+      logical :: good
 
       if (len_trim(value) == 0) then
          call fail(error, input_error, 'found ' // option // ' without a value' // see_help)
@@ -109,9 +114,10 @@ contains
       case ('--output')
          command%output_dir = value
       case ('--threads')
-         status = 1
-         if (verify(value, '0123456789') == 0 .and. len(value) < 5) read (value, *, iostat=status) command%threads
-         if (status /= 0 .or. command%threads < 1) then
+         call read_integer(value, threads, good)
+         if (good .and. threads >= 1 .and. threads <= most_threads) then
+            command%threads = int(threads)
+         else
             call fail(error, input_error, 'found --threads ' // value // ', expected a number of threads, 1 to 9999')
          end if
       case default

@@ -123,7 +123,7 @@ contains
       call log%say('  mean pressure   contact   plastic   separation   largest p      error')
       do i = 1, size(rows)
          associate (row => rows(i))
-            write (line, '(2x,es10.3,a,2(f8.3,a),es11.3,a,es10.3,a,es9.1)') row%mean_pressure, ' Pa', &
+            write (line, '(ss,2x,es10.3,a,2(f8.3,a),es11.3,a,es10.3,a,es9.1)') row%mean_pressure, ' Pa', &
                100.0_wp*row%contact_area_fraction, ' %', 100.0_wp*row%plastic_area_fraction, ' %', row%mean_separation, ' m', &
                row%p_max, ' Pa', row%kkt
          end associate

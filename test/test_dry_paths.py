@@ -126,8 +126,8 @@ def test_element_kernel_of_an_area_in_full_contact(asperity, tmp_path):
 
 BAD_HDF5 = {
     "no_dataset": ({"z": np.zeros((4, 4))}, "/other", "other"),
-    "gap": ({"z": np.where(np.eye(4) > 0, np.nan, 1e-6)}, "z", "found a height that is no number (a gap) at node 1 "),
-    "infinite": ({"z": np.full((4, 4), np.inf)}, "z", "found a height that is no number (a gap)"),
+    "gap": ({"z": np.where(np.eye(4) > 0, np.nan, 1e-6)}, "z", "bad.h5: node 1: found a height that is no number (a gap)"),
+    "infinite": ({"z": np.full((4, 4), np.inf)}, "z", "bad.h5: node 1: found a height of Infinity m"),
     "profile": ({"z": np.zeros(8)}, "z", "found a profile, expected an area"),
     "cube": ({"z": np.zeros((4, 4, 4))}, "z", "found 3 dimensions"),
     "one_node": ({"z": np.zeros((1, 1))}, "z", "found 1 node"),

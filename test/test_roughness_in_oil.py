@@ -291,10 +291,10 @@ def test_checkpoint_knows_the_heights(program, asperity, tmp_path):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("x,z\n0,0\n1e-6,one\n", "p.csv:3: found 'one', expected a number"),
-        ("x,z\n0,0\n1e-6,1\n5e-6,1\n", "found uneven positions in"),
-        ("x,y\n0,0\n1e-6,1\n", "found no column z in the header of"),
-        ("x,z\n0,0\n1e-6,nan\n", "found a height that is no number"),
+        ("x,z\n0,0\n1e-6,one\n", "p.csv:3:6: found 'one', expected a number"),
+        ("x,z\n0,0\n1e-6,1\n5e-6,1\n", "p.csv:3: found uneven positions"),
+        ("x,y\n0,0\n1e-6,1\n", "found no column z in the header 'x,y'"),
+        ("x,z\n0,0\n1e-6,nan\n", "p.csv:3:6: found 'nan', expected a number"),
     ],
 )
 def test_bad_file(asperity, tmp_path, content, message):

@@ -30,7 +30,7 @@ contains
       character(:), allocatable :: string
       character(len=24) :: buffer
 
-      write (buffer, '(i0)') value
+      write (buffer, '(ss,i0)') value   ! ss: no plus sign, whatever GFORTRAN_OPTIONAL_PLUS says
       string = trim(buffer)
    end function long_to_text
 
@@ -47,10 +47,10 @@ contains
       if (present(digits)) shown = min(max(digits, 1), 17)
       if (abs(value) >= 1.0e-3_wp .and. abs(value) < 1.0e6_wp) then
          decimals = max(shown - 1 - floor(log10(abs(value))), 0)
-         write (form, '(a,i0,a)') '(f40.', decimals, ')'
+         form = '(ss,f40.' // integer_to_text(decimals) // ')'
       else
          ! Without its width an exponent of three digits loses its E.
-         write (form, '(a,i0,a)') '(es40.', shown - 1, trim(merge('e3)', ')  ', has_long_exponent(value)))
+         form = '(ss,es40.' // integer_to_text(shown - 1) // trim(merge('e3)', ')  ', has_long_exponent(value)))
       end if
       write (buffer, form) value
       string = trim(adjustl(buffer))

@@ -1,5 +1,6 @@
 !> Equal shares of work for threads.
 module work_shares
+   use, intrinsic :: iso_fortran_env, only: int64
    implicit none (type, external)
    private
 
@@ -12,7 +13,7 @@ contains
    pure elemental integer function share_end(share, shares, items)
       integer, intent(in) :: share, shares, items
 
-      share_end = share*items/shares
+      share_end = int(share*int(items, int64)/shares)
    end function share_end
 
 end module work_shares

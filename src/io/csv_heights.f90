@@ -4,8 +4,11 @@
 module csv_heights
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
+   use findings, only: quoted
+   use height_limits, only: height_fault, is_height, is_position, position_fault, spacing_fault
    use height_source, only: height_source_t
    use kinds, only: wp
+   use number_text, only: read_real
    use text, only: count_of, to_text
    use text_lines, only: open_lines, text_lines_t
    implicit none (type, external)
@@ -17,11 +20,14 @@ module csv_heights
    real(wp), parameter :: most_uneven = 1.0e-3_wp
    !> Rows from one noted place to the next.
    integer(int64), parameter :: block_rows = 4096_int64
+   !> Blank and tab.
+   character(*), parameter :: blanks = ' '//achar(9)
 
    !> One column of a table. The file is open only while it is read.
    type, extends(height_source_t) :: csv_heights_t
       character(:), allocatable, private :: file
-      integer, private :: column = 2
+      !> Number of the column with the heights, and of all columns.
+      integer, private :: column = 2, columns = 2
       !> First byte and line number of rows 0, block_rows, 2 block_rows, ... (2, n); the array may be longer.
       integer(int64), allocatable, private :: places(:, :)
    contains
@@ -32,14 +38,15 @@ module csv_heights
    type :: spacing_range_t
       real(wp) :: first = 0.0_wp, last = 0.0_wp
       real(wp) :: low = 0.0_wp, high = huge(1.0_wp)
-      !> Rows (0 = the first) that set the bounds.
-      integer(int64) :: low_row = 0_int64, high_row = 0_int64
+      !> Lines of the file that set the bounds.
+      integer(int64) :: low_line = 0_int64, high_line = 0_int64
    end type spacing_range_t
 
 contains
 
    !> Finds the rows of `file`, their `spacing` [m] and the column named `dataset` (empty: the second).
-   !> Errors (input_error): no such file or column; positions that are no numbers or uneven.
+   !> Errors (input_error), with the line: no such file or column; no header; positions that are no numbers or uneven; rows
+   !> that have not as many fields as the header.
    subroutine open_csv_heights(source, file, dataset, spacing, error)
       type(csv_heights_t), intent(out) :: source
       character(*), intent(in) :: file, dataset
@@ -53,14 +60,34 @@ contains
       call open_lines(lines, file, error)
       if (allocated(error)) return
       call lines%next(is_there, error)
-      if (.not. allocated(error)) then
-         source%column = column_of(lines%line(:lines%length), dataset)
-         if (source%column == 0) call fail(error, input_error, 'found no column '//dataset//' in the header of '//file//': '// &
-            lines%line(:lines%length))
-      end if
+      if (.not. allocated(error)) call read_header(source, lines, dataset, error)   ! error: below
       if (.not. allocated(error)) call find_rows(source, lines, spacing, error)   ! error: handed up
       call lines%close()
    end subroutine open_csv_heights
+
+   !> Finds the column named `dataset` in the present line. Errors: there is none; the line is no header.
+   subroutine read_header(source, lines, dataset, error)
+      type(csv_heights_t), intent(inout) :: source
+      type(text_lines_t), intent(in) :: lines
+      character(*), intent(in) :: dataset
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: number
+      logical :: is_number
+      integer :: first, last
+
+      associate (header => lines%line(:lines%length))
+         source%columns = 1 + count_of(',', header)
+         source%column = column_of(header, dataset)
+         call find_field(header, 1, first, last)
+         call read_real(header(first:last), number, is_number)
+         if (source%columns < 2 .or. is_number) then
+            call refuse(lines, first, 'found '//shown(header)//', expected a header line with the names of the columns, as '// &
+               'in x,z', error)
+         else if (source%column == 0) then
+            call refuse(lines, 1, 'found no column '//quoted(dataset)//' in the header '//shown(header), error)
+         end if
+      end associate
+   end subroutine read_header
 
    !> Notes where the rows are and looks at their positions.
    subroutine find_rows(source, lines, spacing, error)
@@ -78,18 +105,20 @@ contains
          call next_row(lines, is_there, error)
          if (allocated(error) .or. .not. is_there) exit
          if (modulo(source%nodes, block_rows) == 0) call note_place(source, [lines%place, lines%number])
-         call read_number(lines, 1, x, error)
+         call read_number(source, lines, 1, x, error)
          if (allocated(error)) return
-         call narrow(range, source%nodes, x)
+         call narrow(range, source%nodes, lines%number, x)
          source%nodes = source%nodes + 1
       end do
       if (allocated(error) .or. source%nodes < 2) return
       spacing = (range%last - range%first)/(source%nodes - 1)
       if (.not. spacing > 0.0_wp) then
-         call fail(error, input_error, 'found positions that do not rise in '//source%file)
+         call fail(error, input_error, source%file//': found positions that do not rise, expected those of a uniform grid')
       else if (spacing < range%low .or. spacing > range%high) then
-         call fail(error, input_error, 'found uneven positions in '//source%file//' (node '// &
-            to_text(merge(range%low_row, range%high_row, spacing < range%low) + 1)//'), expected a uniform grid')
+         call fail(error, input_error, source%file//':'//to_text(merge(range%low_line, range%high_line, spacing < range%low))// &
+            ': found uneven positions, expected a uniform grid')
+      else if (spacing_fault(spacing) /= '') then
+         call fail(error, input_error, source%file//': '//spacing_fault(spacing))
       end if
    end subroutine find_rows
 
@@ -109,10 +138,10 @@ contains
       source%places(:, block) = place
    end subroutine note_place
 
-   !> The spacings for which `x` of `row` is no more than `most_uneven` of them from its place.
-   pure subroutine narrow(range, row, x)
+   !> The spacings for which `x` of `row` (0 = the first) in `line` is no more than `most_uneven` of them from its place.
+   pure subroutine narrow(range, row, line, x)
       type(spacing_range_t), intent(inout) :: range
-      integer(int64), intent(in) :: row
+      integer(int64), intent(in) :: row, line
       real(wp), intent(in) :: x
       real(wp) :: high, low
 
@@ -123,11 +152,11 @@ contains
       high = (x - range%first)/(row - most_uneven)
       if (low > range%low) then
          range%low = low
-         range%low_row = row
+         range%low_line = line
       end if
       if (high < range%high) then
          range%high = high
-         range%high_row = row
+         range%high_line = line
       end if
    end subroutine narrow
 
@@ -149,7 +178,8 @@ contains
       do row = (block - 1)*block_rows, first + size(z) - 1
          call next_row(lines, is_there, error)
          if (.not. (allocated(error) .or. is_there)) call fail(error, input_error, self%file//' has fewer rows than before')
-         if (row >= first .and. .not. allocated(error)) call read_number(lines, self%column, z(row - first + 1), error)
+         if (row >= first .and. .not. allocated(error)) call read_number(self, lines, self%column, z(row - first + 1), &
+            error)
          if (allocated(error)) exit
       end do
       call lines%close()
@@ -164,25 +194,60 @@ contains
       do
          call lines%next(is_there, error)
          if (allocated(error) .or. .not. is_there) return
-         if (len_trim(lines%line(:lines%length)) > 0) return
+         if (verify(lines%line(:lines%length), blanks) > 0) return
       end do
    end subroutine next_row
 
-   !> The number in a column of the present line. Error: there is none.
-   subroutine read_number(lines, column, number, error)
+   !> The number in a column of the present line. Errors, with line and column: there is none; it cannot be a position or a
+   !> height; the line has not as many fields as the header.
+   subroutine read_number(source, lines, column, number, error)
+      type(csv_heights_t), intent(in) :: source
       type(text_lines_t), intent(in) :: lines
       integer, intent(in) :: column
       real(wp), intent(out) :: number
       type(error_t), allocatable, intent(out) :: error
-      integer :: first, last, status
+      character(:), allocatable :: fault
+      integer :: columns, first, last
+      logical :: good
 
       number = 0.0_wp
-      call find_field(lines%line(:lines%length), column, first, last)
-      status = 1
-      if (last >= first) read (lines%line(first:last), *, iostat=status) number
-      if (status /= 0) call fail(error, input_error, lines%file//':'//to_text(lines%number)//": found '"// &
-         lines%line(first:last)//"', expected a number")
+      associate (row => lines%line(:lines%length))
+         columns = 1 + count_of(',', row)
+         call find_field(row, column, first, last)
+         call read_real(row(first:last), number, good)
+         if (columns == source%columns .and. good .and. merge(is_position(number), is_height(number), column == 1)) return
+         if (columns /= source%columns) then
+            fault = 'found '//to_text(columns)//' fields, expected the '//to_text(source%columns)// &
+               ' of the header, separated by commas (numbers have a decimal point)'
+         else if (.not. good) then
+            fault = 'found '//shown(row(first:last))//', expected a number'
+         else if (column == 1) then
+            fault = position_fault(number)
+         else
+            fault = height_fault(number)
+         end if
+         call refuse(lines, first, fault, error)
+      end associate
    end subroutine read_number
+
+   !> Error with the place: byte `column` of the present line.
+   subroutine refuse(lines, column, fault, error)
+      type(text_lines_t), intent(in) :: lines
+      integer, intent(in) :: column
+      character(*), intent(in) :: fault
+      type(error_t), allocatable, intent(out) :: error
+
+      call fail(error, input_error, lines%file//':'//to_text(lines%number)//':'//to_text(column)//': '//fault)
+   end subroutine refuse
+
+   !> What a file says, in quotes and short.
+   function shown(string)
+      character(*), intent(in) :: string
+      character(:), allocatable :: shown
+
+      shown = quoted(string)
+      if (len_trim(string) > 0) shown = "'"//shown//"'"
+   end function shown
 
    !> Number of the column named `dataset` in a header (empty: 2); 0 if there is none.
    pure function column_of(header, dataset) result(column)
@@ -194,29 +259,36 @@ contains
       if (dataset == '') return
       do column = 1, 1 + count_of(',', header)
          call find_field(header, column, first, last)
-         if (trim(adjustl(header(first:last))) == trim(dataset)) return
+         if (header(first:last) == trim(dataset)) return
       end do
       column = 0
    end function column_of
 
-   !> Where field number `i` of a line of fields separated by commas is; empty if there are fewer.
+   !> Where field number `i` of a line of fields separated by commas is, without blanks around it; empty if there are fewer.
    pure subroutine find_field(line, i, first, last)
       character(*), intent(in) :: line
       integer, intent(in) :: i
       integer, intent(out) :: first, last
-      integer :: comma, k
+      integer :: k, length
 
       first = 1
+      last = len(line)
       do k = 1, i
-         comma = index(line(first:), ',')
-         last = first + comma - 2
-         if (comma == 0) last = len(line)
-         if (k == i) return
+         length = index(line(first:), ',') - 1
+         last = merge(len(line), first + length - 1, length < 0)
+         if (k == i) exit
          first = last + 2
-         if (comma > 0) cycle
+         if (length >= 0) cycle
          first = len(line) + 1
-         last = len(line)
-         return
+         exit
+      end do
+      do while (first <= last)
+         if (verify(line(first:first), blanks) > 0) exit
+         first = first + 1
+      end do
+      do while (last >= first)
+         if (verify(line(last:last), blanks) > 0) exit
+         last = last - 1
       end do
    end subroutine find_field
 

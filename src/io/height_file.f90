@@ -1,11 +1,11 @@
 !> Measured heights from a file: CSV with a header line, or HDF5.
 module height_file
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use checksum, only: checksum_t
    use csv_heights, only: csv_heights_t, open_csv_heights
    use errors, only: error_t, fail, input_error
    use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
+   use height_limits, only: height_fault, is_height, range_fault
    use height_source, only: height_source_t
    use kinds, only: wp
    use text, only: to_lower, to_text
@@ -40,14 +40,15 @@ contains
       call open_source(file, dataset, source, grid, heights%spacing, error)
       if (allocated(error)) return
       if (source%nodes > huge(heights%grid)) then
-         call fail(error, input_error, 'found '//to_text(source%nodes)//' nodes in '//file//', expected at most '// &
+         call fail(error, input_error, file//': found '//to_text(source%nodes)//' nodes, expected at most '// &
             to_text(huge(heights%grid)))
          return
       end if
       heights%grid = int(grid)
       allocate (heights%z(source%nodes))
       call source%get(0_int64, heights%z, error)
-      if (.not. allocated(error)) call look_for_gaps(file, 0_int64, heights%z, error)
+      if (.not. allocated(error)) call look_at_heights(file, 0_int64, heights%z, error)
+      if (.not. allocated(error)) call look_at_range(file, minval(heights%z), maxval(heights%z), error)   ! error: handed up
    end subroutine read_heights
 
    !> Opens the profile in `file`, of any length, and looks through it once: `digits` is the checksum of its heights; `spacing` [m],
@@ -60,7 +61,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(checksum_t) :: sums
       real(wp), allocatable :: z(:)
-      real(wp) :: spacings(2)
+      real(wp) :: highest, lowest, spacings(2)
       integer(int64) :: first, grid(2)
 
       digits = ''
@@ -69,18 +70,23 @@ contains
       if (allocated(error)) return
       spacing = spacings(1)
       if (grid(2) > 1) then
-         call fail(error, input_error, 'found an area, expected a profile')
+         call fail(error, input_error, file//': found an area, expected a profile')
          return
       end if
+      lowest = huge(lowest)
+      highest = -huge(highest)
       allocate (z(min(block_nodes, source%nodes)))
       do first = 0, source%nodes - 1, block_nodes
          associate (piece => z(:min(block_nodes, source%nodes - first)))
             call source%get(first, piece, error)
-            if (.not. allocated(error)) call look_for_gaps(file, first, piece, error)
+            if (.not. allocated(error)) call look_at_heights(file, first, piece, error)
             if (allocated(error)) return
             call sums%add(piece)
+            lowest = min(lowest, minval(piece))
+            highest = max(highest, maxval(piece))
          end associate
       end do
+      call look_at_range(file, lowest, highest, error)   ! error: handed up
       digits = sums%digits()
    end subroutine open_heights
 
@@ -111,21 +117,29 @@ contains
          call move_alloc(table, source)
       end if
       if (allocated(error)) return
-      if (source%nodes < 2) call fail(error, input_error, 'found '//to_text(source%nodes)//' node in '//file// &
-         ', expected at least 2')
+      if (source%nodes < 2) call fail(error, input_error, file//': found '//to_text(source%nodes)// &
+         ' nodes, expected at least 2')
    end subroutine open_source
 
-   !> Error: one of the heights `z` from number `first` on (0 = the first) is no number.
-   subroutine look_for_gaps(file, first, z, error)
+   !> Error: one of the heights `z` from number `first` on (0 = the first) is none.
+   subroutine look_at_heights(file, first, z, error)
       character(*), intent(in) :: file
       integer(int64), intent(in) :: first
       real(wp), intent(in) :: z(:)
       type(error_t), allocatable, intent(out) :: error
       integer :: bad
 
-      bad = findloc(ieee_is_finite(z), .false., dim=1)
-      if (bad > 0) call fail(error, input_error, 'found a height that is no number (a gap) at node '//to_text(first + bad)// &
-         ' in '//file//', expected heights without gaps')
-   end subroutine look_for_gaps
+      bad = findloc(is_height(z), .false., dim=1)
+      if (bad > 0) call fail(error, input_error, file//': node '//to_text(first + bad)//': '//height_fault(z(bad)))
+   end subroutine look_at_heights
+
+   !> Error: the surface is neither flat nor as high as numbers need.
+   subroutine look_at_range(file, lowest, highest, error)
+      character(*), intent(in) :: file
+      real(wp), intent(in) :: lowest, highest
+      type(error_t), allocatable, intent(out) :: error
+
+      if (range_fault(lowest, highest) /= '') call fail(error, input_error, file//': '//range_fault(lowest, highest))
+   end subroutine look_at_range
 
 end module height_file

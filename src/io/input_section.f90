@@ -5,8 +5,10 @@ module input_section
    use hdf5_dataset, only: label_t, new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
+   use number_text, only: read_real
    use result_labels, only: quantity_label
    use scaling, only: scaling_t
+   use text, only: count_of
    implicit none (type, external)
    private
 
@@ -46,11 +48,19 @@ contains
    pure function numbers_of(list) result(numbers)
       character(*), intent(in) :: list
       real(wp), allocatable :: numbers(:)
-      integer :: i, status
+      integer :: comma, i, start
+      logical :: good
 
-      allocate (numbers(1 + count([(list(i:i) == ',', i=1, len(list))])))
-      read (list, *, iostat=status) numbers
-      if (status /= 0) numbers = [real(wp) ::]
+      allocate (numbers(1 + count_of(',', list)))
+      start = 1
+      do i = 1, size(numbers)
+         comma = index(list(start:) // ',', ',')
+         call read_real(trim(adjustl(list(start:start + comma - 2))), numbers(i), good)
+         start = start + comma
+         if (good) cycle
+         numbers = [real(wp) ::]
+         return
+      end do
    end function numbers_of
 
 end module input_section

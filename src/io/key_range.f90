@@ -1,6 +1,7 @@
 !> Ranges of the key table, "> 0, <= 0.5" or "a power of two (times 3 or 5 or 7)", as a test.
 module key_range
    use kinds, only: wp
+   use number_text, only: read_real
    implicit none (type, external)
    private
 
@@ -31,7 +32,8 @@ contains
       character(*), intent(in) :: comparison
       logical :: holds
       real(wp) :: bound
-      integer :: blank, status
+      integer :: blank
+      logical :: good
 
       blank = index(comparison, ' ')
       holds = .false.
@@ -39,8 +41,8 @@ contains
          if (value >= 1.0_wp .and. value < 1.0e9_wp) holds = any(odd_part(nint(value)) == [1, 3, 5, 7])
          return
       end if
-      read (comparison(blank + 1:), *, iostat=status) bound
-      if (status /= 0) return
+      call read_real(trim(comparison(blank + 1:)), bound, good)
+      if (.not. good) return
       select case (comparison(:blank - 1))
       case ('>')
          holds = value > bound

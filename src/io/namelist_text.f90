@@ -4,8 +4,10 @@
 !> `case_input`. Accepted is standard namelist syntax: groups `&name ... /` (or `&end`), comments after `!`, several
 !> entries a line, values over several lines, blanks, tabs, CR LF line ends, a byte order mark. A string closes on its line.
 module namelist_text
+   use, intrinsic :: iso_fortran_env, only: int64
    use findings, only: findings_t, quoted
    use namelist_source, only: key_start, line_feed, name_end, new_source, next_equals, source_t
+   use number_text, only: read_integer
    use text, only: count_of, to_lower, to_text
    use text_file, only: find_bad_byte
    implicit none (type, external)
@@ -218,7 +220,9 @@ contains
       type(namelist_text_t), intent(inout) :: pieces
       type(findings_t), intent(inout) :: findings
       type(entry_t) :: entry
-      integer :: bracket, status
+      integer :: bracket
+      integer(int64) :: first
+      logical :: good
       character(:), allocatable :: name, subscript
 
       entry%group = group
@@ -230,11 +234,11 @@ contains
          subscript = name(bracket + 1:len(name) - 1)
          name = trim(name(:bracket - 1))
          entry%has_subscript = .true.
-         status = 1
-         if (verify(trim(adjustl(subscript)), '0123456789') == 0 .and. len_trim(subscript) < 8) then
-            read (subscript, *, iostat=status) entry%first
-         end if
-         if (status /= 0 .or. entry%first < 1) then
+         call read_integer(trim(adjustl(subscript)), first, good)
+         good = good .and. first >= 1 .and. first <= huge(entry%first)
+         if (good) then
+            entry%first = int(first)
+         else
             call findings%add(entry%line, group, to_lower(name), 'found the subscript (' // quoted(subscript) &
                // '), expected one number, as in ' // to_lower(name) // '(2) = ...')
             entry%is_broken = .true.

@@ -1,9 +1,8 @@
 !> The values of one namelist entry: cut into pieces, and each piece read as a number, a logical or a word.
-!>
-!> A piece is checked against the Fortran grammar before Fortran reads it, so that nothing is read by halves, nothing
-!> overflows and NaN or infinity do not get in.
 module namelist_values
+   use, intrinsic :: iso_fortran_env, only: int64
    use kinds, only: wp
+   use number_text, only: read_integer_text => read_integer, read_real_text => read_real
    use text, only: to_lower, to_text
    implicit none (type, external)
    private
@@ -18,10 +17,6 @@ module namelist_values
 
    !> Most values of one key.
    integer, parameter, public :: most_values = 2000
-   !> Longest number [characters].
-   integer, parameter :: longest_number = 60
-   !> Decimal exponents that a number in working precision can have, one kept as a reserve.
-   integer, parameter :: largest_exponent = 307
 
 contains
 
@@ -68,19 +63,22 @@ contains
       pieces = list(:count)
    end subroutine split_values
 
-   !> Reads the `n*` of a repeated value at `position`; repeats = 1 without, -1 if n is too long.
+   !> Reads the `n*` of a repeated value at `position`; repeats = 1 without, -1 if n is too large.
    subroutine read_repeats(values, position, repeats)
       character(*), intent(in) :: values
       integer, intent(inout) :: position
       integer, intent(out) :: repeats
       integer :: digits
+      integer(int64) :: count
+      logical :: good
 
       repeats = 1
       digits = verify(values(position:), '0123456789') - 1
       if (digits < 1) return
       if (values(position + digits:position + digits) /= '*') return
       repeats = -1
-      if (digits < 8) read (values(position:position + digits - 1), *) repeats
+      call read_integer_text(values(position:position + digits - 1), count, good)
+      if (good .and. count <= most_values) repeats = int(count)
       position = position + digits + 1
    end subroutine read_repeats
 
@@ -148,107 +146,30 @@ contains
       end do
    end function next_nonblank
 
-   !> Reads a real number (Fortran syntax, exponent letters e, d, q). `good` is false for everything else, also for a
-   !> number that working precision cannot hold, NaN and infinity.
+   !> Reads a real number; `good` is false for a string and for what `number_text` does not take.
    subroutine read_real(piece, value, good)
       type(piece_t), intent(in) :: piece
       real(wp), intent(out) :: value
       logical, intent(out) :: good
-      character(:), allocatable :: mantissa
-      character(len=longest_number + 10) :: buffer
-      integer :: letter, exponent, status, magnitude
 
-      value = 0.0_wp
-      good = .false.
-      if (piece%is_string .or. len(piece%text) > longest_number) return
-      letter = scan(piece%text, 'eEdDqQ')
-      if (letter == 0 .and. len(piece%text) > 1) letter = scan(piece%text(2:), '+-') + 1
-      if (letter <= 1) letter = len(piece%text) + 1
-      mantissa = piece%text(:letter - 1)
-      if (.not. is_mantissa(mantissa)) return
-      exponent = 0
-      if (letter <= len(piece%text)) then
-         call read_exponent(piece%text(letter:), exponent, good)
-         if (.not. good) return
-      end if
-      good = .false.
-      if (scan(mantissa, '123456789') > 0) then
-         magnitude = exponent + leading_exponent(mantissa)
-         if (abs(magnitude) > largest_exponent) return
-      else
-         exponent = 0
-      end if
-      write (buffer, '(a,a,i0)') mantissa, 'e', exponent
-      read (buffer, *, iostat=status) value
-      good = status == 0
+      call read_real_text(piece%text, value, good)
+      good = good .and. .not. piece%is_string
    end subroutine read_real
-
-   !> True for [+-]digits[.digits] with at least one digit.
-   pure function is_mantissa(string)
-      character(*), intent(in) :: string
-      logical :: is_mantissa
-      integer :: start, point
-
-      start = 1
-      if (index(string, '+') == 1 .or. index(string, '-') == 1) start = 2
-      point = index(string, '.')
-      is_mantissa = scan(string, '0123456789') > 0 .and. verify(string(start:), '0123456789.') == 0 &
-         .and. index(string, '.', back=.true.) == point
-   end function is_mantissa
-
-   !> Reads an exponent with its letter, or only with its sign: e-8, D+3, +3.
-   subroutine read_exponent(string, exponent, good)
-      character(*), intent(in) :: string
-      integer, intent(out) :: exponent
-      logical, intent(out) :: good
-      integer :: start, digits, status
-
-      start = 1
-      exponent = 0
-      if (scan(string(1:1), 'eEdDqQ') == 1) start = 2
-      good = .false.
-      digits = start
-      if (start <= len(string)) then
-         if (scan(string(start:start), '+-') == 1) digits = start + 1
-      end if
-      if (digits > len(string) .or. len(string) - digits > 6) return
-      if (verify(string(digits:), '0123456789') > 0) return
-      read (string(start:), *, iostat=status) exponent
-      good = status == 0
-   end subroutine read_exponent
-
-   !> Decimal exponent of the first digit of `mantissa` that is not zero.
-   pure function leading_exponent(mantissa) result(exponent)
-      character(*), intent(in) :: mantissa
-      integer :: exponent
-      integer :: point, first
-
-      point = index(mantissa, '.')
-      if (point == 0) point = len(mantissa) + 1
-      first = scan(mantissa, '123456789')
-      exponent = point - first
-      if (first < point) exponent = exponent - 1
-   end function leading_exponent
 
    !> Reads an integer of default kind; `good` is false for everything else.
    subroutine read_integer(piece, value, good)
       type(piece_t), intent(in) :: piece
       integer, intent(out) :: value
       logical, intent(out) :: good
-      integer :: start, status
+      integer(int64) :: long
 
+      call read_integer_text(piece%text, long, good)
+      good = good .and. .not. piece%is_string .and. abs(long) <= huge(value)
       value = 0
-      good = .false.
-      if (piece%is_string .or. len(piece%text) > longest_number) return
-      start = 1
-      if (scan(piece%text(1:1), '+-') == 1) start = 2
-      if (start > len(piece%text)) return
-      if (verify(piece%text(start:), '0123456789') > 0) return
-      read (piece%text, *, iostat=status) value
-      good = status == 0
+      if (good) value = int(long)
    end subroutine read_integer
 
-   !> Reads a logical: .true., .false., true, false, .t., .f., t, f in any case.
+   !> Reads a logical in any case: true, false, t, f, with a point before it or on both sides.
    subroutine read_logical(piece, value, good)
       type(piece_t), intent(in) :: piece
       logical, intent(out) :: value
@@ -258,9 +179,9 @@ contains
       good = .not. piece%is_string
       if (.not. good) return
       select case (to_lower(piece%text))
-      case ('.true.', 'true', '.t.', 't')
+      case ('.true.', 'true', '.true', '.t.', '.t', 't')
          value = .true.
-      case ('.false.', 'false', '.f.', 'f')
+      case ('.false.', 'false', '.false', '.f.', '.f', 'f')
          value = .false.
       case default
          good = .false.

@@ -40,7 +40,7 @@ def test_layers_may_be_used_from_the_right_only(tmp_path):
 
 
 def test_no_sources_is_a_finding(tmp_path):
-    for tool in ("check_layers.py", "check_errors.py"):
+    for tool in ("check_layers.py", "check_errors.py", "check_reads.py"):
         assert check(tool, tmp_path)[0] == 1
 
 
@@ -95,3 +95,12 @@ def test_calls_whose_error_nobody_looks_at_are_found(tmp_path):
     status, output = check("check_errors.py", tmp_path, base__bad=BAD_CALLS)
     assert status == 1
     assert [int(line.split(":")[1]) for line in output.splitlines()] == [6, 9, 11, 13, 16]
+
+
+def test_list_directed_reads_are_found(tmp_path):
+    good = "read (text, '(f70.0)') x\nread (unit) y*z\nread (unit, '(a)') a(1, *)\nx = read_real(2*3)\nend\n"
+    assert check("check_reads.py", tmp_path, base__good=good) == (0, "")
+    bad = "read (text(2:n), *, iostat=status) x\nread (unit=u, fmt=*) x\nread *, x\nread (text, &\n   *) x\nend\n"
+    status, output = check("check_reads.py", tmp_path, base__bad=bad)
+    assert status == 1
+    assert [line.split(":")[1] for line in output.splitlines()] == ["1", "2", "3", "4"]

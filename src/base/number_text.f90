@@ -1,0 +1,115 @@
+!> The one strict reader of numbers: namelists, height files, options of the command line, ranges of keys.
+!>
+!> A text is checked against the Fortran grammar before Fortran reads it, so that nothing is read by halves, nothing
+!> overflows, and NaN or infinity do not get in. List-directed reads are not used: they take `1/2` for 1 and `2*3` for 3.
+module number_text
+   use, intrinsic :: iso_fortran_env, only: int64
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: read_integer, read_real
+
+   !> Longest number [characters].
+   integer, parameter :: longest_number = 60
+   !> Decimal exponents that a number in working precision can have, one kept as a reserve.
+   integer, parameter :: largest_exponent = 307
+
+contains
+
+   !> Reads a real number (Fortran syntax, exponent letters e, d, q) that fills all of `string`. `good` is false for
+   !> everything else, also for a number that working precision cannot hold, NaN and infinity.
+   pure subroutine read_real(string, value, good)
+      character(*), intent(in) :: string
+      real(wp), intent(out) :: value
+      logical, intent(out) :: good
+      character(len=longest_number + 10) :: buffer
+      integer :: letter, status
+      integer(int64) :: exponent
+
+      value = 0.0_wp
+      good = .false.
+      if (len(string) > longest_number) return
+      letter = scan(string, 'eEdDqQ')
+      if (letter == 0 .and. len(string) > 1) letter = scan(string(2:), '+-') + 1
+      if (letter <= 1) letter = len(string) + 1
+      associate (mantissa => string(:letter - 1))
+         if (.not. is_mantissa(mantissa)) return
+         exponent = 0
+         if (letter <= len(string)) then
+            call read_exponent(string(letter:), exponent, good)
+            if (.not. good) return
+         end if
+         good = .false.
+         if (scan(mantissa, '123456789') > 0) then
+            if (abs(exponent + leading_exponent(mantissa)) > largest_exponent) return
+         else
+            exponent = 0
+         end if
+         write (buffer, '(a,a,ss,i0)') mantissa, 'e', exponent
+      end associate
+      read (buffer, '(f70.0)', iostat=status) value
+      good = status == 0
+   end subroutine read_real
+
+   !> True for [+-]digits[.digits] with at least one digit.
+   pure function is_mantissa(string)
+      character(*), intent(in) :: string
+      logical :: is_mantissa
+      integer :: start, point
+
+      start = 1
+      if (index(string, '+') == 1 .or. index(string, '-') == 1) start = 2
+      point = index(string, '.')
+      is_mantissa = scan(string, '0123456789') > 0 .and. verify(string(start:), '0123456789.') == 0 &
+         .and. index(string, '.', back=.true.) == point
+   end function is_mantissa
+
+   !> Reads an exponent with its letter, or only with its sign: e-8, D+3, +3.
+   pure subroutine read_exponent(string, exponent, good)
+      character(*), intent(in) :: string
+      integer(int64), intent(out) :: exponent
+      logical, intent(out) :: good
+      integer :: start
+
+      start = 1
+      if (scan(string(1:1), 'eEdDqQ') == 1) start = 2
+      exponent = 0
+      good = .false.
+      if (len(string) - start <= 7) call read_integer(string(start:), exponent, good)
+   end subroutine read_exponent
+
+   !> Decimal exponent of the first digit of `mantissa` that is not zero.
+   pure function leading_exponent(mantissa) result(exponent)
+      character(*), intent(in) :: mantissa
+      integer :: exponent
+      integer :: point, first
+
+      point = index(mantissa, '.')
+      if (point == 0) point = len(mantissa) + 1
+      first = scan(mantissa, '123456789')
+      exponent = point - first
+      if (first < point) exponent = exponent - 1
+   end function leading_exponent
+
+   !> Reads [+-]digits that fill all of `string`; `good` is false for everything else, also for more than 64 bits hold.
+   pure subroutine read_integer(string, value, good)
+      character(*), intent(in) :: string
+      integer(int64), intent(out) :: value
+      logical, intent(out) :: good
+      character(len=longest_number) :: buffer
+      integer :: start, status
+
+      value = 0_int64
+      good = .false.
+      if (len(string) == 0 .or. len(string) > longest_number) return
+      start = 1
+      if (scan(string(1:1), '+-') == 1) start = 2
+      if (start > len(string)) return
+      if (verify(string(start:), '0123456789') > 0) return
+      buffer = string
+      read (buffer, '(i60)', iostat=status) value
+      good = status == 0
+   end subroutine read_integer
+
+end module number_text
