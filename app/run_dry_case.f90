@@ -13,6 +13,7 @@ module run_dry_case
    use iteration_report, only: phase_steady
    use kinds, only: wp
    use progress_log, only: new_progress_log, progress_log_t
+   use quantity_text, only: wrapped
    use result_writer, only: open_result, result_writer_t
    use text, only: to_text
    use wall_clock, only: wall_seconds
@@ -20,6 +21,9 @@ module run_dry_case
    private
 
    public :: solve_and_write
+
+   !> Columns of a terminal that a note takes.
+   integer, parameter :: columns = 80
 
 contains
 
@@ -59,6 +63,7 @@ contains
       outcome%solution%report%wall_seconds = wall_seconds() - start
       outcome%solution%report%phase_seconds(phase_steady) = outcome%solution%report%wall_seconds
       call judge_sweep(outcome%rows, outcome%solution)
+      if (allocated(case%dry%note)) outcome%solution%report%note = case%dry%note
       writer%inputs = case%effective
       call write_dry_result(writer%file, case%dry, outcome%rows, outcome%fields, error)
       if (allocated(error)) then
@@ -129,6 +134,7 @@ contains
          end associate
          call log%say(trim(line))
       end do
+      if (allocated(solution%report%note)) call log%say('  ' // wrapped('note      ' // solution%report%note, columns - 2))
       call log%say('  result    ' // path)
    end subroutine tell
 

@@ -1,6 +1,7 @@
 !> A dry contact under a series of loads, and the figures of each, in SI.
 module dry_sweep
    use constants, only: pi
+   use domain_border, only: border_reason
    use dry_contact_solver, only: dry_solver_t
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open, new_dry_problem
    use dry_scaling, only: dry_scaling_t
@@ -131,6 +132,7 @@ contains
             rows(i)%mean_pressure = problem%load/n*scaling%pressure
             if (allocated(loads%mean_pressure)) rows(i)%mean_pressure = loads%mean_pressure(i)
             rows(i)%load = rows(i)%mean_pressure*area_of(grid, scaling)
+            call check_border(grid, scaling, fields, rows(i))
             rows(i)%separation = separation_of(problem%grid, scaling, top, solution%datum)
             rows(i)%dissipated_energy = 0.0_wp
             if (problem%is_capped()) rows(i)%dissipated_energy = loads%hardness*area_of(grid, scaling)*rows(i)%dp_mean
@@ -227,6 +229,20 @@ contains
       row%loaded = roughness_of(fields%height_loaded, grid%ny == 1)
       row%unloaded = roughness_of(fields%height_unloaded, grid%ny == 1)
    end subroutine fill_row
+
+   !> A contact that reaches the border of an open domain is no solution.
+   subroutine check_border(grid, scaling, fields, row)
+      type(dry_grid_t), intent(in) :: grid
+      type(dry_scaling_t), intent(in) :: scaling
+      type(dry_fields_t), intent(in) :: fields
+      type(dry_row_t), intent(inout) :: row
+      character(:), allocatable :: reason
+
+      reason = border_reason(grid, scaling, fields%height_undeformed, fields%pressure, row%load)
+      if (reason == '' .or. .not. row%is_converged) return
+      row%is_converged = .false.
+      call move_alloc(reason, row%reason)
+   end subroutine check_border
 
    !> Mean plastic deformation of this load alone, dimensionless.
    pure function mean_plastic(solution, problem) result(mean)

@@ -90,6 +90,8 @@ contains
       call list_effective(values, case)
       associate (dry => case%dry)
          call set_effective(case, 'bodies', 'reduced_modulus', to_text(dry%reduced_modulus, all_digits), 'Pa')
+         call set_effective(case, 'domain', 'periodic', trim(merge('.true. ', '.false.', dry%is_periodic)), '')
+         if (.not. dry%is_periodic) call set_effective(case, 'domain', 'kernel', 'element', '')
          if (dry%grid%ny == 1) then
             call set_effective(case, 'domain', 'length', to_text(dry%lengths(1), all_digits), 'm')
             call set_effective(case, 'domain', 'intervals', to_text(dry%grid%nx), '-')

@@ -2,6 +2,7 @@
 module dry_input
    use bodies, only: reduced_modulus, reduced_radius
    use dry_case, only: dry_case_t
+   use dry_checks, only: check_parabola, check_waves, has_shape
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
    use dry_scaling, only: contact_modulus
    use dry_solution, only: method_conjugate_gradient, method_steepest_descent
@@ -36,6 +37,7 @@ contains
       dry%reduced_modulus = modulus_of(values)
       radius = radius_of(values)
       call find_grid(values, folder, dry, findings)
+      if (findings%count == 0) call check_waves(values, dry, findings)
       if (findings%count > 0) return
       allocate (dry%height(dry%grid%nx*dry%grid%ny), source=0.0_wp)
       call add_surface(values, 'surface_1', folder, radius, dry, findings)
@@ -43,6 +45,7 @@ contains
       if (findings%count > 0) return
       call fill_loads(values, radius, dry, findings)
       call fill_solver(values, dry, findings)
+      if (findings%count == 0) call check_parabola(values, radius, dry, findings)
    end subroutine fill_dry_case
 
    !> Findings: groups that every dry case needs.
@@ -94,18 +97,6 @@ contains
          call report_unused(values, 'load', 'hertz_pressure', "without shape = 'parabola'", findings)
       end if
    end subroutine check_bodies
-
-   !> True if a surface has the shape `word`.
-   function has_shape(values, group, word)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group, word
-      logical :: has_shape
-      type(value_t) :: shape
-
-      shape = values%slot(group, 'shape')
-      has_shape = .false.
-      if (shape%has_value) has_shape = any(shape%words == word)
-   end function has_shape
 
    !> Findings: no load, or more than one.
    subroutine check_one_load(values, findings)

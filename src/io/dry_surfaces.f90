@@ -2,6 +2,7 @@
 module dry_surfaces
    use analytic_heights, only: feature_heights, node_positions, parabola_heights
    use dry_case, only: dry_case_t
+   use dry_checks, only: is_periodic
    use errors, only: error_t
    use features, only: feature_ridge, feature_sinusoid, feature_t
    use findings, only: findings_t
@@ -37,8 +38,7 @@ contains
       type(value_t) :: slot
       integer :: i, nodes(2)
 
-      slot = values%slot('domain', 'periodic')
-      dry%is_periodic = slot%logical
+      dry%is_periodic = is_periodic(values)
       counts = ['intervals_x ', 'intervals_y ']
       lengths = ['length_x    ', 'length_y    ']
       nodes = [1, 1]

@@ -280,8 +280,8 @@ module input_keys
       'number of nodes in x; default: those of the file, which others resample (Fourier series)', dry_area), &
       key_row_t('domain', 'intervals_y', integer_kind, '-', is_optional, '>= 2, <= 65536', '', '', &
       'number of nodes in y; default: those of the file, which others resample (Fourier series)', dry_area), &
-      key_row_t('domain', 'periodic', logical_kind, '', '.true.', '', '', '', &
-      'periodic surface; or an open half-space, pressed on the domain only', dry), &
+      key_row_t('domain', 'periodic', logical_kind, '', is_chosen, '', '', '', &
+      'periodic surface; or an open half-space, which the contact must not leave; chosen: .false. with a parabola', dry), &
       key_row_t('domain', 'kernel', word_kind, '', "'band_limited'", '', 'band_limited element', '', &
       'periodic: transfer function sampled, or pressure constant over each element; open: element', dry), &
       key_row_t('solver', 'method', word_kind, '', "'auto'", '', 'auto conjugate_gradient steepest_descent', '', &

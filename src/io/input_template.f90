@@ -124,9 +124,10 @@ module input_template
       example_t('surface_1', 'rms_height', '1e-6', .true.), &
       example_t('surface_1', 'wavelength_long', '4e-4', .false.), &
       example_t('surface_1', 'wavelength_rolloff', '1e-4', .true.), &
-      example_t('surface_1', 'wavelength_short', '6.25e-6', .true.), &
+      example_t('surface_1', 'wavelength_short', '1.25e-5', .true.), &
       example_t('domain', 'length', '4e-4', .true.), &
       example_t('domain', 'intervals', '512', .true.), &
+      example_t('domain', 'periodic', '.true.', .true.), &
       example_t('domain', 'length_x', '4e-4', .true.), &
       example_t('domain', 'length_y', '4e-4', .true.), &
       example_t('domain', 'intervals_x', '256', .true.), &

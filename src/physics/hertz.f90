@@ -5,7 +5,7 @@ module hertz
    implicit none (type, external)
    private
 
-   public :: line_half_width, line_peak_pressure, line_load_from_pressure, line_pressure, point_load_from_pressure
+   public :: line_half_width, line_peak_pressure, line_load_from_pressure, line_pressure, point_load_from_pressure, point_radius
 
 contains
 
@@ -51,5 +51,13 @@ contains
 
       load = 2.0_wp/3.0_wp*pi*(pi*hertz_pressure*reduced_radius/reduced_modulus)**2*hertz_pressure
    end function point_load_from_pressure
+
+   !> Radius a [m] of a point contact under the load P [N] >= 0:  a = (3 P R/(2 E'))^(1/3). Arguments as above.
+   pure elemental function point_radius(load, reduced_radius, reduced_modulus) result(radius)
+      real(wp), intent(in) :: load, reduced_radius, reduced_modulus
+      real(wp) :: radius
+
+      radius = (1.5_wp*load*reduced_radius/reduced_modulus)**(1.0_wp/3.0_wp)
+   end function point_radius
 
 end module hertz
