@@ -23,6 +23,7 @@ module run_case
    use run_dry_case, only: solve_and_write
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
+   use step_choice, only: choose_time_step
    use text, only: to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
@@ -120,6 +121,7 @@ contains
       end if
       if (.not. is_open) call tell_coarse_waves(case, contact, watcher, nodes, note)
       call tell_missed_target(case, contact, watcher, note)
+      call complete_time_step(case, contact)
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
       watcher%space_scheme = case%solver%space_scheme
@@ -138,6 +140,17 @@ contains
       call fill_chosen(case, contact, report)
       call complete_report(watcher, seconds, report)
    end subroutine solve
+
+   !> The time step that the solver will take.
+   pure subroutine complete_time_step(case, contact)
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(line_contact_t) :: whole
+
+      whole = contact
+      call choose_domain(whole)
+      call choose_time_step(whole, case%time)
+   end subroutine complete_time_step
 
    !> What the solver does not know: a film breakdown in SI, the time of companions of their own and of output.
    subroutine complete_report(watcher, seconds, report)
@@ -268,7 +281,7 @@ contains
       call set_effective(case, 'domain', 'inlet', trim(contact%domain%inlet), '')
       call set_effective(case, 'domain', 'x_outlet', to_text(contact%domain%x_outlet, all_digits), 'half-widths')
       call set_effective(case, 'domain', 'intervals', to_text(contact%domain%intervals), '-')
-      if (case%time%is_transient .and. case%time%time_step > 0.0_wp) call set_effective(case, 'time', 'time_step', &
+      if (case%time%is_transient) call set_effective(case, 'time', 'time_step', &
          to_text(case%time%time_step, all_digits), '-')
       call set_effective(case, 'solver', 'space_scheme', trim(merge('sharp ', 'thesis', case%solver%space_scheme == 'sharp')), '')
       call set_effective(case, 'solver', 'levels', to_text(report%levels), '-')

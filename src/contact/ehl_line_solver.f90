@@ -15,6 +15,7 @@ module ehl_line_solver
    use observer, only: observer_t
    use solver_settings, only: solver_settings_t, time_settings_t
    use state_output, only: fill_properties, fill_state
+   use step_choice, only: choose_time_step
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -40,12 +41,15 @@ contains
       type(line_hierarchy_t) :: hierarchy
       type(error_bars_t) :: companions
       type(solver_settings_t) :: wanted
+      type(time_settings_t) :: whole_steps
       real(wp) :: start, begin
 
       start = wall_seconds()
       if (allocated(time%resume_from)) report = time%resume_from%report
       call complete_domain(contact, settings, wanted)
-      call load_profiles(contact, time, error)
+      whole_steps = time
+      call choose_time_step(contact, whole_steps)
+      call load_profiles(contact, whole_steps, error)
       if (allocated(error)) return
       companions = new_error_bars(contact, time)
       report%inlet_error = inlet_error(contact)
@@ -77,7 +81,7 @@ contains
       end if
       if (time%is_transient .and. report%converged) then
          begin = wall_seconds()
-         call march(hierarchy, contact, settings, time, watcher, state, report)
+         call march(hierarchy, contact, settings, whole_steps, watcher, state, report)
          call add_phase(report, phase_transient, begin)
       end if
       if (all(state%film_thickness > 0.0_wp)) call fill_properties(contact, state)
@@ -107,11 +111,10 @@ contains
       type(line_contact_t), intent(inout) :: contact
       type(time_settings_t), intent(in) :: time
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: begin, dx
+      real(wp) :: begin
 
-      dx = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
       begin = 0.0_wp
-      if (allocated(time%resume_from)) begin = time%resume_from%step*merge(time%time_step, dx, time%time_step > 0.0_wp)
+      if (allocated(time%resume_from)) begin = time%resume_from%step*time%time_step
       call move_profiles(contact, begin, error)   ! error: the caller looks
    end subroutine load_profiles
 

@@ -24,6 +24,7 @@ module ehl_line_transient
    use solver_choice, only: adopt, note_choice, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t, word_length
    use state_output, only: fill_state
+   use step_choice, only: count_steps
    use text, only: to_text
    use time_scheme, only: derivative_weights, part_ends
    implicit none (type, external)
@@ -49,7 +50,8 @@ module ehl_line_transient
 
 contains
 
-   !> Marches from the smooth steady solution on the finest level, or from where an earlier run stood, to `time%end_time`;
+   !> Marches from the smooth steady solution on the finest level, or from where an earlier run stood, to `time%end_time`, with a
+   !> step from `choose_time_step`;
    !> the observer gets every step. Ends early, not converged, where a step finds no solution, or the heights of a
    !> surface cannot be read any more; `state` is then the last good one. The profiles are at hand where it begins.
    subroutine march(hierarchy, contact, settings, time, watcher, state, report)
@@ -70,10 +72,10 @@ contains
       if (settings%max_cycles == 0) plan%limits%max_cycles = min(plan%limits%max_cycles, default_cycles)
       call note_choice(report, plan%attempts(1), plan%limits)
       associate (level => hierarchy%levels(hierarchy%finest))
-         time_step = merge(time%time_step, level%dx, time%time_step > 0.0_wp)
+         time_step = time%time_step
          plan%length = time_step
          plan%scheme = time%scheme
-         steps = nint(time%end_time/time_step)
+         steps = count_steps(time)
          if (allocated(time%resume_from)) then
             history = time%resume_from
             call take_up(history, level, hierarchy%rigid_displacement)
