@@ -71,7 +71,9 @@ def case_1(intervals: int | None, solver: dict | None = None, **others: dict) ->
     return namelist(groups)
 
 
-def case_3(intervals: int, solver: dict | None = None, steps_per_dx: float = 2, end_time: float = 2.1806640625, **time: object) -> str:
+def case_3(
+    intervals: int, solver: dict | None = None, steps_per_dx: float = 2, end_time: float = 2.1806640625, **time: object
+) -> str:
     """Chapter 5, Case 3: the ridge on the fast surface; time steps of dX/steps_per_dx, the scheme of the thesis."""
     step = 5.5 / intervals / steps_per_dx
     settings = {"transient": True, "end_time": end_time, "time_step": step, "scheme": "backward_euler"} | time
