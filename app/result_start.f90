@@ -4,6 +4,7 @@ module result_start
    use case_record, only: case_identity, case_t
    use checkpoint, only: checkpoint_t, read_checkpoint
    use errors, only: error_t
+   use file_seal, only: is_whole
    use film_statistics, only: new_statistics
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
@@ -69,8 +70,8 @@ contains
       type(checkpoint_t) :: checkpoint
 
       call read_checkpoint(path//'.ckpt', watcher%case, checkpoint, error)
-      if (.not. allocated(error)) call reopen_result(watcher%writer, path, stored_fields(case), [checkpoint%records, &
-         (checkpoint%records - 1)/case%output_settings%profile_stride + 1], size(checkpoint%march%film), checkpoint%summary, error)
+      if (.not. allocated(error)) call reopen_result(watcher%writer, path, stored_fields(case), checkpoint%part, &
+         size(checkpoint%march%film), checkpoint%summary, error)
       if (allocated(error)) then
          error%message = 'cannot resume: '//error%message
          return
@@ -113,6 +114,8 @@ contains
       type(error_t), allocatable :: error
 
       is_converged = .false.
+      is_complete = is_whole(path)
+      if (.not. is_complete) return
       call open_hdf5_input(reader, path, error)
       is_complete = .not. allocated(error)
       if (.not. is_complete) return

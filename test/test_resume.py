@@ -9,7 +9,7 @@ import time
 import h5py
 import numpy as np
 import pytest
-from cases import LONG, STEADY, TRANSIENT, write
+from cases import LONG, STEADY, TRANSIENT, seal, write
 from kill_and_resume import busy, check_part, different, kill_until_complete, killed_at_last, start, undisturbed
 
 
@@ -34,6 +34,12 @@ def wait_for_times(part, times):
             pass
         time.sleep(0.005)
     pytest.fail(f"{part} did not grow to {times} times")
+
+
+def flipped(content, place):
+    """`content` with one bit turned over."""
+    place %= len(content)
+    return content[:place] + bytes([content[place] ^ 4]) + content[place + 1 :]
 
 
 def names(folder):
@@ -200,6 +206,7 @@ def test_checkpoint_of_another_version_is_refused(interrupted, asperity, tmp_pat
     interrupted()
     with h5py.File(tmp_path / "case.h5.ckpt", "r+") as file:
         file.attrs[name] = np.bytes_(value) if isinstance(value, str) else value
+    seal(tmp_path / "case.h5.ckpt")
     done = asperity("case.nml", "--resume", "--quiet")
     assert done.returncode == 1
     assert "cannot resume: case.h5.ckpt was written by another version, asperity " in done.stderr
@@ -208,11 +215,62 @@ def test_checkpoint_of_another_version_is_refused(interrupted, asperity, tmp_pat
 def test_damaged_checkpoint_is_refused(interrupted, asperity, tmp_path):
     interrupted()
     whole = (tmp_path / "case.h5.ckpt").read_bytes()
-    for content in (b"", b"not HDF5", whole[: len(whole) // 2]):
+    for content in (
+        b"",
+        b"not HDF5",
+        whole[: len(whole) // 2],
+        whole[:-1],
+        whole + b"\n",
+        flipped(whole, 3000),
+        flipped(whole, -40),
+    ):
         (tmp_path / "case.h5.ckpt").write_bytes(content)
         done = asperity("case.nml", "--resume", "--quiet")
         assert done.returncode == 1
         assert "cannot resume: cannot read case.h5.ckpt" in done.stderr
+        assert done.stderr.endswith("; delete it, and the run starts at the beginning\n")
+    (tmp_path / "case.h5.ckpt").unlink()
+    assert "starts at the beginning" in asperity("case.nml", "--resume").stderr
+
+
+def test_damaged_part_is_refused(interrupted, asperity, tmp_path):
+    """The times before the checkpoint go from NAME.part into the result: one bit of the last pressure makes another result."""
+    interrupted()
+    with h5py.File(tmp_path / "case.h5.part") as file:
+        series = file["transient/pressure"]
+        place = series.id.get_offset() + 8 * (series.shape[0] * series.shape[1] - series.shape[1] // 2)
+    part = tmp_path / "case.h5.part"
+    whole = part.read_bytes()
+    part.write_bytes(flipped(whole, place))
+    changed = part.read_bytes()
+    done = asperity("case.nml", "--resume", "--quiet")
+    assert done.returncode == 1
+    assert "cannot resume: case.h5.part is damaged: its checksum is not that of the checkpoint; delete the" in done.stderr
+    assert part.read_bytes() == changed
+    part.write_bytes(whole)
+    assert asperity("case.nml", "--resume", "--quiet").returncode == 0
+
+
+def test_checkpoint_has_checksums_of_its_own(interrupted, tmp_path):
+    interrupted()
+    with h5py.File(tmp_path / "case.h5.ckpt") as file:
+        sets = []
+        file.visititems(lambda _, item: sets.append(item) if isinstance(item, h5py.Dataset) else None)
+        assert len(sets) > 20
+        assert [item.name for item in sets if item.size > 0 and not item.fletcher32] == []
+
+
+@pytest.mark.parametrize("place", [20, 3000, -100, -40])
+def test_damaged_result_is_not_complete(asperity, tmp_path, place):
+    """In its structure, its data, its seal: --resume makes it again."""
+    write(tmp_path, "case.nml", STEADY)
+    assert asperity("case.nml", "--quiet").returncode == 0
+    result = tmp_path / "case.h5"
+    result.write_bytes(flipped(result.read_bytes(), place))
+    done = asperity("case.nml", "--resume")
+    assert done.returncode == 0
+    assert "nothing to do" not in done.stderr
+    assert asperity("case.nml", "--resume").stderr == "case.nml: case.h5 is complete: nothing to do\n"
 
 
 def test_missing_or_wrong_part_is_refused(interrupted, asperity, tmp_path):

@@ -1,12 +1,14 @@
 !> Checkpoint of a transient, NAME.ckpt beside NAME.part: where the run stood after a time step.
 !>
 !> It is written under another name, brought to the disk and renamed, so that there is always the last complete one,
-!> whenever the run is killed.
+!> whenever the run is killed. It ends with a seal over all its bytes (see `file_seal`), and holds the checksums of NAME.part:
+!> what is damaged is refused before anything is read.
 module checkpoint
    use, intrinsic :: iso_fortran_env, only: int64
    use build_info, only: git_commit, program_name, program_version
    use error_bars, only: error_bars_t
    use errors, only: error_t, fail, input_error, output_error
+   use file_seal, only: has_seal, is_whole, seal_file
    use film_statistics, only: film_statistics_t, from_numbers, numbers_of
    use hdf5_attribute, only: write_attribute
    use hdf5_dataset, only: new_label, write_dataset
@@ -19,13 +21,16 @@ module checkpoint
    use operating_system, only: remove_file, rename_file, sync_file, sync_folder
    use solver_settings, only: word_length
    use split_errors, only: forecast_figures, forecast_t
+   use transient_store, only: part_t
    implicit none (type, external)
    private
 
    public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 8
+   integer, parameter :: format_number = 9
+   !> What to do about a checkpoint that cannot be used.
+   character(*), parameter :: way_out = '; delete it, and the run starts at the beginning'
 
    !> What a checkpoint holds.
    type :: checkpoint_t
@@ -38,8 +43,8 @@ module checkpoint
       type(error_bars_t) :: bars
       !> The film over all time steps, where that is asked for.
       type(film_statistics_t) :: statistics
-      !> Time steps stored in NAME.part.
-      integer :: records = 0
+      !> What is stored in NAME.part.
+      type(part_t) :: part
       !> Intervals, time step and space scheme, given or chosen.
       integer :: intervals = 0
       real(wp) :: time_step = 0.0_wp
@@ -58,12 +63,13 @@ contains
 
       call create_hdf5_file(file, path//'.tmp', error)
       if (allocated(error)) return
+      file%has_checksums = .true.
       call write_attribute(file, '/', 'program', program_name)
       call write_attribute(file, '/', 'version', program_version)
       call write_attribute(file, '/', 'git_commit', git_commit())
       call write_attribute(file, '/', 'checkpoint_format', format_number)
       call write_dataset(file, '/case', checkpoint%case, new_label('the values of the case', '1'))
-      call write_dataset(file, '/records', int(checkpoint%records, int64), new_label('stored time steps', '1'))
+      call write_part(file, checkpoint%part)
       call write_dataset(file, '/summary', summary_numbers(checkpoint%summary), &
          new_label('h_min, h_min_node, h_central, p_max, x_cavitation: value, time, error estimate, extrapolated', '1'))
       call write_dataset(file, '/intervals', int(checkpoint%intervals, int64), new_label('intervals', '1'))
@@ -74,6 +80,7 @@ contains
       call write_march(file, checkpoint%march)
       call write_report_so_far(file, checkpoint%march%report)
       call file%close(error)
+      if (.not. allocated(error)) call seal_file(path//'.tmp', error)
       if (.not. allocated(error)) then
          is_done = sync_file(path//'.tmp')
          if (is_done) is_done = rename_file(path//'.tmp', path)
@@ -160,6 +167,28 @@ contains
       call write_dataset(file, '/report/phase_seconds', report%phase_seconds, new_label('wall time by phase', 's'))
    end subroutine write_report_so_far
 
+   !> The series in NAME.part.
+   subroutine write_part(file, part)
+      type(hdf5_file_t), intent(inout) :: file
+      type(part_t), intent(in) :: part
+
+      call write_dataset(file, '/part/records', int(part%records, int64), new_label('stored time steps and profiles', '1'))
+      call write_dataset(file, '/part/places', [part%places], new_label('places of numbers and of their count, each series', 'B'))
+      call write_dataset(file, '/part/checksums', part%digits, new_label('checksums of the series', '1'))
+   end subroutine write_part
+
+   !> The series in NAME.part.
+   subroutine read_part(reader, part)
+      type(hdf5_input_t), intent(inout) :: reader
+      type(part_t), intent(out) :: part
+      real(wp), allocatable :: places(:)
+
+      part%records = int(reshape(reader%reals('/part/records'), [2], pad=[0.0_wp]))
+      places = reader%reals('/part/places')
+      part%places = reshape(int(places, int64), [2, size(places)/2])
+      part%digits = reader%text('/part/checksums')
+   end subroutine read_part
+
    !> Reads the checkpoint `path` for the case `case`. Error: it is damaged, of another version or of another case.
    subroutine read_checkpoint(path, case, checkpoint, error)
       character(*), intent(in) :: path
@@ -169,6 +198,12 @@ contains
       type(hdf5_input_t) :: reader
       character(:), allocatable :: difference
 
+      if (.not. is_whole(path)) then
+         difference = 'it has no checksum: it is damaged, or of another version'
+         if (has_seal(path)) difference = 'it is damaged: its checksum differs'
+         call fail(error, input_error, 'cannot read '//path//': '//difference//way_out)
+         return
+      end if
       call open_hdf5_input(reader, path, error)
       if (allocated(error)) return
       difference = other_version(reader)
@@ -177,7 +212,7 @@ contains
          difference = first_difference(checkpoint%case, case)
       end if
       if (difference == '' .and. .not. allocated(reader%failure)) then
-         checkpoint%records = int(reader%integer_value('/records'))
+         call read_part(reader, checkpoint%part)
          checkpoint%summary = summary_from(reader%reals('/summary'))
          checkpoint%intervals = int(reader%integer_value('/intervals'))
          checkpoint%time_step = reader%real_value('/time_step')
@@ -203,7 +238,7 @@ contains
       commit = reader%text_attribute('/', 'git_commit')
       if (reader%integer_attribute('/', 'checkpoint_format') /= format_number .or. version /= program_version &
          .or. commit /= git_commit()) difference = ' was written by another version, '//program_name//' '//version// &
-         ' (commit '//commit//'), this is '//program_version//' (commit '//git_commit()//')'
+         ' (commit '//commit//'), this is '//program_version//' (commit '//git_commit()//')'//way_out
       if (allocated(reader%failure)) difference = ''
    end function other_version
 

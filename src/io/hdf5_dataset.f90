@@ -4,8 +4,8 @@
 module hdf5_dataset
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
-   use hdf5, only: h5dclose_f, h5dcreate_f, h5dwrite_f, h5p_dataset_create_f, h5pclose_f, h5pcreate_f, h5pset_obj_track_times_f, &
-      h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, hid_t, hsize_t
+   use hdf5, only: h5dclose_f, h5dcreate_f, h5dwrite_f, h5p_dataset_create_f, h5pclose_f, h5pcreate_f, h5pset_chunk_f, &
+      h5pset_fletcher32_f, h5pset_obj_track_times_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, hid_t, hsize_t
    use hdf5_attribute, only: attach_real, attach_string, close_type, new_string_type
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
@@ -154,7 +154,7 @@ contains
    end subroutine create_labelled
 
    !> Creates, writes, labels and closes a dataset; no extents = one value.
-   subroutine store(file, path, type_id, extents, values, label)
+   recursive subroutine store(file, path, type_id, extents, values, label)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
       integer(hid_t), intent(in) :: type_id
@@ -165,6 +165,10 @@ contains
       integer :: status
 
       if (allocated(file%failure)) return
+      if (size(extents) == 0 .and. file%has_checksums) then
+         call store(file, path, type_id, [1], values, label)
+         return
+      end if
       if (size(extents) == 0) then
          call h5screate_f(h5s_scalar_f, space, status)
       else
@@ -172,6 +176,7 @@ contains
       end if
       call file%check(status, path)
       call new_properties(file, path, properties)
+      if (file%has_checksums .and. product(extents) > 0) call add_checksum(file, path, extents, properties)
       call create_labelled(file, path, type_id, space, properties, label, dataset)
       if (allocated(file%failure)) return
       if (product(extents) > 0) call h5dwrite_f(dataset, type_id, values, status)
@@ -179,6 +184,21 @@ contains
       call h5dclose_f(dataset, status)
       call file%check(status, path)
    end subroutine store
+
+   !> A checksum over the whole dataset, which becomes one chunk.
+   subroutine add_checksum(file, path, extents, properties)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      integer, intent(in) :: extents(:)
+      integer(hid_t), intent(in) :: properties
+      integer :: status
+
+      if (allocated(file%failure)) return
+      call h5pset_chunk_f(properties, size(extents), int(extents, hsize_t), status)
+      call file%check(status, path)
+      call h5pset_fletcher32_f(properties, status)
+      call file%check(status, path)
+   end subroutine add_checksum
 
    !> Where `n` numbers lie; none have no address.
    function address_of(values, n) result(address)

@@ -30,6 +30,8 @@ module hdf5_file
       !> HDF5 types of real(wp) and integer(int64).
       integer(hid_t) :: real_type = -1_hid_t
       integer(hid_t) :: integer_type = -1_hid_t
+      !> Datasets get the checksums of the HDF5 library (Fletcher-32); for that single values become vectors of one.
+      logical :: has_checksums = .false.
       logical, private :: is_open = .false.
    contains
       !> Makes a group, and those above it.

@@ -184,7 +184,7 @@ contains
       integer(int64), target :: value
 
       value = 0_int64
-      if (size(self%extents(path)) > 0) call self%check(-1, path//': one number expected')
+      if (product(self%extents(path)) /= 1_int64) call self%check(-1, path//': one number expected')
       call read_numbers(self, path, h5kind_to_type(int64, h5_integer_kind), c_loc(value))
    end function integer_value
 

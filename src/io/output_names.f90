@@ -6,6 +6,7 @@ module output_names
    use case_record, only: beside_namelist, case_t, effective_t, result_path
    use errors, only: error_t
    use file_identity, only: file_identity_t, is_same_file, kind_folder, kind_missing, kind_regular, look_at_file
+   use file_seal, only: has_seal
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    implicit none (type, external)
    private
@@ -165,8 +166,8 @@ contains
       type(hdf5_input_t) :: reader
       type(error_t), allocatable :: error
 
-      answer = has_hdf5_signature(path)
-      if (.not. answer) return
+      answer = has_seal(path)   ! then what is between need not be looked at, damaged or not
+      if (answer .or. .not. has_hdf5_signature(path)) return
       call open_hdf5_input(reader, path, error)   ! error: it stays in the reader
       answer = reader%text_attribute('/', 'program') == program_name
       call reader%close(error)

@@ -56,14 +56,16 @@ module positional_file
 
 contains
 
-   !> Opens an existing file.
-   subroutine open_positional_file(file, path)
+   !> Opens an existing file, for reading alone or for both.
+   subroutine open_positional_file(file, path, for_writing)
       type(positional_file_t), intent(out) :: file
       character(*), intent(in) :: path
+      logical, intent(in) :: for_writing
 
       file%path = path
-      file%descriptor = opened(path, for_writing=.true.)
-      if (file%descriptor < 0_c_int) call fail(file%failure, output_error, 'cannot write '//path//': it cannot be opened')
+      file%descriptor = opened(path, for_writing)
+      if (file%descriptor < 0_c_int) call fail(file%failure, output_error, 'cannot '//trim(merge('write', 'read ', for_writing))// &
+         ' '//path//': it cannot be opened')
    end subroutine open_positional_file
 
    !> Writes `values` (n).

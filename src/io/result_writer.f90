@@ -11,6 +11,7 @@ module result_writer
    use case_record, only: effective_t
    use error_bars, only: apply_error_bars, error_bars_t, missing_estimate
    use errors, only: error_t, fail, input_error, output_error
+   use file_seal, only: seal_file
    use film_statistics, only: add_start, add_time, film_statistics_t
    use hdf5_attribute, only: write_attribute
    use hdf5_dataset, only: new_label, write_dataset
@@ -29,7 +30,7 @@ module result_writer
    use result_sections, only: write_report, write_scaling, write_solution, write_summary
    use scaling, only: scaling_t
    use statistics_section, only: write_statistics
-   use transient_store, only: attach_store, create_store, transient_store_t
+   use transient_store, only: attach_store, create_store, part_t, transient_store_t
    implicit none (type, external)
    private
 
@@ -72,8 +73,8 @@ module result_writer
       procedure :: on_step
       !> Takes down what is known before the run.
       procedure :: describe
-      !> Time steps stored in NAME.part.
-      procedure :: records
+      !> What is stored in NAME.part.
+      procedure :: part => stored_part
       !> Brings NAME.part to the disk as far as it is written.
       procedure :: sync
       !> Whether something could not be written.
@@ -105,14 +106,14 @@ contains
       if (allocated(error)) call give_back(writer, is_complete=.false.)
    end subroutine open_result
 
-   !> Goes on with the result `path` of an interrupted run, with its first `records` times and profiles of `nx` nodes, and their
-   !> `summary`.
-   !> Error: NAME.part is not what the checkpoint says.
-   subroutine reopen_result(writer, path, fields, records, nx, summary, error)
+   !> Goes on with the result `path` of an interrupted run, with what was stored of it (`part`, profiles of `nx` nodes) and its
+   !> `summary`. Error: NAME.part is not what the checkpoint says.
+   subroutine reopen_result(writer, path, fields, part, nx, summary, error)
       type(result_writer_t), intent(out) :: writer
       character(*), intent(in) :: path
       character(*), intent(in) :: fields(:)
-      integer, intent(in) :: records(2), nx
+      type(part_t), intent(in) :: part
+      integer, intent(in) :: nx
       type(line_summary_t), intent(in) :: summary
       type(error_t), allocatable, intent(out) :: error
 
@@ -124,11 +125,8 @@ contains
          return
       end if
       writer%fields = [character(len=field_name_length) :: fields]
-      call attach_store(writer%store, path//'.part', fields, records, nx, error)
-      if (.not. allocated(error)) then
-         call writer%store%open(path//'.part', records)
-         if (allocated(writer%store%file%failure)) error = writer%store%file%failure
-      end if
+      call attach_store(writer%store, path//'.part', fields, nx, part, error)
+      if (allocated(writer%store%file%failure) .and. .not. allocated(error)) error = writer%store%file%failure
       if (allocated(error)) then
          call writer%suspend()
          return
@@ -284,7 +282,7 @@ contains
       call write_description(writer)
       call create_store(writer%store, writer%file, writer%fields, capacity, nx, writer%scaling)
       call writer%file%close(error)   ! error: as above
-      if (.not. allocated(writer%file%failure)) call writer%store%open(writer%path//'.tmp', [0, 0])
+      if (.not. allocated(writer%file%failure)) call writer%store%open(writer%path//'.tmp')
    end subroutine start_store
 
    !> NAME.tmp, with T = 0 in it, becomes NAME.part.
@@ -309,13 +307,13 @@ contains
       self%file%failure = self%store%file%failure
    end subroutine keep_failure
 
-   !> Number of stored time steps.
-   pure function records(self)
+   !> What is stored in NAME.part.
+   function stored_part(self) result(part)
       class(result_writer_t), intent(in) :: self
-      integer :: records
+      type(part_t) :: part
 
-      records = self%store%records()
-   end function records
+      part = self%store%part()
+   end function stored_part
 
    !> Whether something could not be written.
    pure function has_failed(self)
@@ -363,8 +361,7 @@ contains
       class(result_writer_t), intent(inout) :: self
       type(report_t), intent(in) :: report
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: reason, temporary
-      logical :: is_done
+      character(:), allocatable :: reason
       integer :: i
 
       do i = 1, size(self%inputs)
@@ -377,14 +374,7 @@ contains
       call write_attribute(self%file, '/', 'converged', merge(1, 0, report%converged))
       call write_attribute(self%file, '/', 'reason', reason)
       call self%file%close(error)
-      if (.not. allocated(error)) then
-         temporary = self%path//'.part'
-         if (self%is_transient) temporary = self%path//'.tmp'
-         is_done = .true.
-         if (self%has_checkpoint) is_done = sync_file(temporary)
-         if (is_done) is_done = rename_file(temporary, self%path)
-         if (.not. is_done) call fail(error, output_error, 'cannot rename '//temporary//' to '//self%path)
-      end if
+      if (.not. allocated(error)) call give_name(self, error)
       if (.not. allocated(error)) call self%remove_checkpoint()
       if (allocated(error) .or. self%is_transient) then
          call self%discard()
@@ -392,6 +382,23 @@ contains
          call self%lock%release()
       end if
    end subroutine publish
+
+   !> Seals the complete file and gives it its name.
+   subroutine give_name(writer, error)
+      class(result_writer_t), intent(in) :: writer
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: temporary
+      logical :: is_done
+
+      temporary = writer%path//'.part'
+      if (writer%is_transient) temporary = writer%path//'.tmp'
+      call seal_file(temporary, error)
+      if (allocated(error)) return
+      is_done = .true.
+      if (writer%has_checkpoint) is_done = sync_file(temporary)
+      if (is_done) is_done = rename_file(temporary, writer%path)
+      if (.not. is_done) call fail(error, output_error, 'cannot rename '//temporary//' to '//writer%path)
+   end subroutine give_name
 
    !> Closes NAME.part.
    subroutine suspend(self)

@@ -115,7 +115,7 @@ contains
       checkpoint%summary = self%writer%summary
       checkpoint%bars = self%writer%bars
       checkpoint%statistics = self%writer%statistics
-      checkpoint%records = self%writer%records()
+      checkpoint%part = self%writer%part()
       checkpoint%intervals = self%intervals
       checkpoint%time_step = self%time_step
       checkpoint%space_scheme = self%space_scheme

@@ -25,6 +25,7 @@
 module running_series
    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t
    use, intrinsic :: iso_fortran_env, only: int64
+   use checksum, only: checksum_t
    use errors, only: fail, output_error
    use hdf5, only: h5d_alloc_time_early_f, h5d_fill_time_never_f, h5dclose_f, h5pset_alloc_time_f, h5pset_fill_time_f, &
       h5screate_simple_f, hid_t, hsize_t
@@ -35,10 +36,12 @@ module running_series
    implicit none (type, external)
    private
 
-   public :: create_running_series, place_of_dataset, running_series_t
+   public :: create_running_series, running_series_t
 
    !> Message types of the dataspace and of a header that goes on elsewhere; the version of header and dataspace known here.
    integer(int64), parameter :: dataspace_message = 1_int64, continuation_message = 16_int64, known_version = 1_int64
+   !> Numbers that are read at once.
+   integer, parameter :: block_numbers = 131072
    !> Bytes of the header before its first message, and of a message before its content.
    integer, parameter :: header_bytes = 16, message_bytes = 8
 
@@ -52,9 +55,17 @@ module running_series
       integer :: records = 0
       !> Places in the file [bytes from its start]: first number, object header, number of records.
       integer(int64), private :: data_place = 0, header_place = 0, count_place = 0
+      !> Checksum of the counted records, and with the one that was put.
+      type(checksum_t), private :: sums, next_sums
    contains
-      !> Finds the place of the count in an open file and sets the count.
+      !> Finds the place of the count in an open file, if it is not known, and sets the count.
       procedure :: begin
+      !> Takes up a series whose places in the file are known, without a look at its header.
+      procedure :: take_up
+      !> Places in the file of the first number and of the number of records, for `take_up` [bytes].
+      procedure :: places
+      !> Checksum of the counted records.
+      procedure :: digits
       !> Writes a record behind the counted ones.
       procedure :: put
       !> Counts the record that was put.
@@ -132,19 +143,72 @@ contains
       if (series%data_place <= 0_int64) status = -1
    end subroutine place_of_dataset
 
+   !> The series at `places` of a file, with its first `records` records.
+   subroutine take_up(self, file, path, row_length, places, records)
+      class(running_series_t), intent(inout) :: self
+      type(positional_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      integer, intent(in) :: row_length, records
+      integer(int64), intent(in) :: places(2)
+
+      self%path = path
+      self%row_length = row_length
+      self%data_place = places(1)
+      self%count_place = places(2)
+      call read_back(self, file, records)
+   end subroutine take_up
+
+   !> Where the first number and the number of records stand.
+   pure function places(self)
+      class(running_series_t), intent(in) :: self
+      integer(int64) :: places(2)
+
+      places = [self%data_place, self%count_place]
+   end function places
+
+   !> 16 hexadecimal digits.
+   pure function digits(self)
+      class(running_series_t), intent(in) :: self
+      character(len=16) :: digits
+
+      digits = self%sums%digits()
+   end function digits
+
+   !> Counts the first `records` records, whose checksum is made again.
+   subroutine read_back(series, file, records)
+      class(running_series_t), intent(inout) :: series
+      type(positional_file_t), intent(inout) :: file
+      integer, intent(in) :: records
+      real(wp), allocatable :: values(:, :)
+      integer :: first, most
+
+      most = min(max(block_numbers/max(series%row_length, 1), 1), records)
+      allocate (values(max(series%row_length, 1), most))
+      series%sums = checksum_t()
+      do first = 1, records, most
+         associate (block => values(:, :min(most, records - first + 1)))
+            call series%get(file, first, block)
+            call series%sums%add(reshape(block, [size(block)]))
+         end associate
+         if (allocated(file%failure)) return
+      end do
+      series%records = records
+   end subroutine read_back
+
    !> Finds where the number of records stands and sets it to `records`. (With none, newer HDF5 libraries refuse the dataset.)
    subroutine begin(self, file, records)
       class(running_series_t), intent(inout) :: self
       type(positional_file_t), intent(inout) :: file
       integer, intent(in) :: records
 
-      self%count_place = 0_int64
-      if (file%number_at(self%header_place, 1) == known_version) self%count_place = count_in_block(file, &
-         self%header_place + header_bytes, file%number_at(self%header_place + 8, 4))
+      if (self%count_place == 0_int64) then
+         if (file%number_at(self%header_place, 1) == known_version) self%count_place = count_in_block(file, &
+            self%header_place + header_bytes, file%number_at(self%header_place + 8, 4))
+      end if
       if (self%count_place == 0_int64 .and. .not. allocated(file%failure)) call fail(file%failure, output_error, 'cannot write ' &
          //file%path//' ('//self%path//'): the HDF5 library made a header of an unknown version')
       if (allocated(file%failure)) return
-      self%records = records
+      if (records /= self%records) call read_back(self, file, records)
       call file%write_number(self%count_place, int(records, int64))
    end subroutine begin
 
@@ -175,10 +239,12 @@ contains
 
    !> Writes a record (row_length, or 1 number) behind the counted ones.
    subroutine put(self, file, values)
-      class(running_series_t), intent(in) :: self
+      class(running_series_t), intent(inout) :: self
       type(positional_file_t), intent(inout) :: file
       real(wp), intent(in), contiguous :: values(:)
 
+      self%next_sums = self%sums
+      call self%next_sums%add(values)
       call file%write_reals(place_of_record(self, self%records), values)
    end subroutine put
 
@@ -189,6 +255,7 @@ contains
 
       if (allocated(file%failure)) return
       self%records = self%records + 1
+      self%sums = self%next_sums
       call file%write_number(self%count_place, int(self%records, int64))
    end subroutine count_record
 

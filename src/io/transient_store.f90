@@ -2,11 +2,10 @@
 !>
 !> Series of one number hold every time step; profiles may be stored of some steps only, and have times of their own.
 module transient_store
+   use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
-   use hdf5, only: hid_t
    use hdf5_dataset, only: label_t, new_label
    use hdf5_file, only: hdf5_file_t
-   use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use hdf5_series, only: create_series, series_t
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -14,12 +13,12 @@ module transient_store
    use line_summary, only: line_summary_t
    use positional_file, only: open_positional_file, positional_file_t
    use result_labels, only: field_label, field_names, field_values, quantity_label
-   use running_series, only: create_running_series, place_of_dataset, running_series_t
+   use running_series, only: create_running_series, running_series_t
    use scaling, only: scaling_t
    implicit none (type, external)
    private
 
-   public :: attach_store, create_store, transient_store_t
+   public :: attach_store, create_store, part_t, transient_store_t
 
    !> Longest name of a series.
    integer, parameter :: name_length = 24
@@ -30,8 +29,19 @@ module transient_store
    character(*), parameter :: profile_time_name = 'profile_time'
    !> Mark of the time steps with a film below the floor, to be named like a field.
    character(*), parameter, public :: breakdown_name = 'film_breakdown'
+   !> What to do about a file that does not fit its checkpoint.
+   character(*), parameter :: way_out = '; delete the checkpoint, and the run starts at the beginning'
    !> Numbers that are moved at once into the result.
    integer, parameter :: block_numbers = 131072
+
+   !> What is kept of NAME.part in a checkpoint: enough to find the series in it again, and to know that they are the same.
+   type :: part_t
+      !> Time steps and profiles.
+      integer :: records(2) = 0
+      !> Places of each series (2, series) [bytes], and its checksum of 16 digits.
+      integer(int64), allocatable :: places(:, :)
+      character(:), allocatable :: digits
+   end type part_t
 
    !> The series of one run.
    type :: transient_store_t
@@ -41,12 +51,14 @@ module transient_store
       integer :: first_profile = 0
       type(positional_file_t) :: file
    contains
-      !> Opens the file that the HDF5 library has closed, with the first `records` times and profiles.
+      !> Opens the file that the HDF5 library has closed, without records.
       procedure :: open => open_store
       !> Stores one time step.
       procedure :: append
       !> Number of stored time steps, T = 0 among them.
       procedure :: records
+      !> What a checkpoint needs to know.
+      procedure :: part => part_of
       !> Writes the series into another file, compressed.
       procedure :: copy_into
    end type transient_store_t
@@ -70,66 +82,74 @@ contains
       end do
    end subroutine create_store
 
-   !> Finds the series of an earlier run in `path`. Error: they are not there, or hold less than `records` times and profiles of
-   !> `nx` nodes.
-   subroutine attach_store(store, path, fields, records, nx, error)
+   !> Goes on in `path` where the series of an earlier run stood: `part`, with profiles of `nx` nodes. Their bytes are read again,
+   !> the HDF5 library does not look at the file. Error: they are not what they were.
+   subroutine attach_store(store, path, fields, nx, part, error)
       type(transient_store_t), intent(out) :: store
       character(*), intent(in) :: path
       character(*), intent(in) :: fields(:)
-      integer, intent(in) :: records(2), nx
+      integer, intent(in) :: nx
+      type(part_t), intent(in) :: part
       type(error_t), allocatable, intent(out) :: error
-      type(hdf5_input_t) :: reader
-      logical :: is_whole
+      type(part_t) :: found
       integer :: i
 
       call name_series(store, fields)
-      call open_hdf5_input(reader, path, error)
-      if (allocated(error)) return
-      is_whole = .true.
+      call open_positional_file(store%file, path, for_writing=.true.)
+      if (allocated(store%file%failure)) then
+         error = store%file%failure
+         return
+      end if
       do i = 1, size(store%names)
-         call attach_series(store%series(i), reader, '/transient/'//trim(store%names(i)), row_length(store%names(i), nx), &
-            records(kind_of(store, i)), is_whole)
+         call store%series(i)%take_up(store%file, '/transient/'//trim(store%names(i)), row_length(store%names(i), nx), &
+            part%places(:, i), part%records(kind_of(store, i)))
       end do
-      call reader%close(error)
-      if (.not. (allocated(error) .or. is_whole)) call fail(error, input_error, path//' holds less than the checkpoint says')
+      if (allocated(store%file%failure)) then
+         call fail(error, input_error, path//' holds less than the checkpoint says'//way_out)
+         return
+      end if
+      found = store%part()
+      if (found%digits /= part%digits) then
+         call fail(error, input_error, path//' is damaged: its checksum is not that of the checkpoint'//way_out)
+         return
+      end if
+      call begin_series(store, part%records)
    end subroutine attach_store
 
-   !> Finds one series; `is_whole` becomes false if it holds less than `records`.
-   subroutine attach_series(series, reader, path, length, records, is_whole)
-      type(running_series_t), intent(out) :: series
-      type(hdf5_input_t), intent(inout) :: reader
-      character(*), intent(in) :: path
-      integer, intent(in) :: length, records
-      logical, intent(inout) :: is_whole
-      integer(hid_t) :: dataset
-      integer :: status
-
-      associate (extents => reader%extents(path))
-         if (size(extents) /= merge(1, 2, length == 0)) then
-            is_whole = .false.
-         else
-            is_whole = is_whole .and. extents(size(extents)) >= records .and. (length == 0 .or. extents(1) == length)
-         end if
-      end associate
-      call reader%open_dataset(path, dataset)
-      if (allocated(reader%failure)) return
-      call place_of_dataset(series, dataset, path, length, status)
-      call reader%check(status, path)
-      call reader%close_dataset(path, dataset)
-   end subroutine attach_series
-
-   !> Opens `path` for writing and keeps the first `records` times and profiles.
-   subroutine open_store(self, path, records)
+   !> Opens `path` for writing.
+   subroutine open_store(self, path)
       class(transient_store_t), intent(inout) :: self
       character(*), intent(in) :: path
+
+      call open_positional_file(self%file, path, for_writing=.true.)
+      call begin_series(self, [0, 0])
+   end subroutine open_store
+
+   !> Keeps the first `records` times and profiles.
+   subroutine begin_series(store, records)
+      class(transient_store_t), intent(inout) :: store
       integer, intent(in) :: records(2)
       integer :: i
 
-      call open_positional_file(self%file, path)
-      do i = 1, size(self%series)
-         call self%series(i)%begin(self%file, records(kind_of(self, i)))
+      do i = 1, size(store%series)
+         call store%series(i)%begin(store%file, records(kind_of(store, i)))
       end do
-   end subroutine open_store
+   end subroutine begin_series
+
+   !> What is stored, where, and its checksums.
+   function part_of(self) result(part)
+      class(transient_store_t), intent(in) :: self
+      type(part_t) :: part
+      integer :: i
+
+      part%records = [self%series(1)%records, self%series(self%first_profile)%records]
+      allocate (part%places(2, size(self%series)))
+      part%digits = ''
+      do i = 1, size(self%series)
+         part%places(:, i) = self%series(i)%places()
+         part%digits = part%digits//self%series(i)%digits()
+      end do
+   end function part_of
 
    !> Stores one time step, with its profiles if `has_profiles`. Whatever happens in between, the file holds whole records.
    subroutine append(self, state, summary, report, has_profiles)
