@@ -17,6 +17,7 @@ module run_case
    use line_case, only: build_line_contact, scaled_solver
    use line_contact, only: line_contact_t, nodes_in_finest_wave
    use line_state, only: all_finite, line_state_t
+   use pressure_spike, only: spike_law_t
    use progress_log, only: new_progress_log
    use resolution_choice, only: choose_resolution, settle_tolerance
    use result_start, only: find_complete_result, start_result
@@ -115,6 +116,7 @@ contains
          case%time%time_step = watcher%time_step
          case%solver%space_scheme = watcher%space_scheme
          call settle_tolerance(case%solver)
+         watcher%writer%bars%spike_law = spike_law_t(contact%fluid, contact%lambda)
       else if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
          call compare_grids(case, contact, watcher, seconds, error)
          if (allocated(error) .or. watcher%wants_stop) return

@@ -11,8 +11,8 @@ module error_bars
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_summary, only: crests_t, figure_t, line_summary_t
-   use lubricant, only: density_constant, viscosity_constant
-   use pressure_spike, only: growth_of, is_calm, largest_change
+   use lubricant, only: viscosity_constant
+   use pressure_spike, only: ceiling_of_spike, spike_law_t
    use solver_settings, only: time_settings_t
    use split_errors, only: apply_forecast, forecast_t
    use transient_errors, only: error_by_reference, error_in_time, limit_in_time, pressure_safety_in_time
@@ -33,8 +33,6 @@ module error_bars
    real(wp), parameter :: orders(2) = [1.0_wp, 2.0_wp]
    !> Error of the exit between two nodes, in spacings: rms 0.2, at most 0.6 in 32 solutions of 8 contacts.
    real(wp), parameter :: exit_jitter = 0.2_wp
-   !> Above this alpha p_h a Newtonian contact may have a spike.
-   real(wp), parameter :: spike_alpha_bar = 3.0_wp
    !> An inlet of error e (`inlet_error`) starves the film by 0.4 e to 1.6 e, and changes the largest pressure by up to 8 e, with
    !> constant viscosity 20 e, times the smaller one of 1 and H_c (M 0.5-500, L 0-30, against four times the domain).
    real(wp), parameter :: film_safety = 2.0_wp, starved_pressure = 8.0_wp, starved_isoviscous = 20.0_wp
@@ -50,9 +48,8 @@ module error_bars
       !> Of a transient with a scheme of first order: figures with that of second order on its own grid, known if those on n/2 are.
       type(line_summary_t) :: second_order
       logical :: is_first_order = .false.
-      !> A Newtonian piezoviscous contact may have a pressure spike, which in an incompressible lubricant has no end on finer
-      !> grids.
-      logical :: may_spike = .false., is_compressible = .false.
+      !> How a pressure spike grows on finer grids.
+      type(spike_law_t) :: spike_law
       !> Change of the largest pressure over that of a starved film.
       real(wp) :: starving = starved_pressure
       !> Of a transient whose resolution was chosen, in place of companions.
@@ -86,6 +83,7 @@ contains
 
       if (bars%forecast%is_known) then
          call apply_forecast(bars%forecast, exit_jitter*dx, pressure_safety/safety, summary)
+         call allow_for_spike(bars, dx, summary)
       else if (bars%has_half .and. report%steps > 0) then
          call estimate_errors_in_time(bars, dx, summary)
       else if (bars%has_half) then
@@ -110,8 +108,11 @@ contains
 
       if (.not. report%converged) then
          reason = 'no solution'
-      else if (bars%has_half .or. bars%forecast%is_known) then
-         reason = 'the grids that are compared show no limit'
+      else if (bars%has_quarter .or. bars%forecast%is_known) then
+         reason = 'a pressure spike that this grid does not resolve may pass the largest pressure on finer grids, or grow '// &
+            'without a limit'
+      else if (bars%has_half) then
+         reason = 'only one coarser grid is compared'
       else
          reason = 'no coarser grids are compared'
       end if
@@ -164,9 +165,7 @@ contains
                quarter%x_cavitation%extrapolated), exit_limit, error)
             figure%error_grid = error + abs(figure%value - figure%extrapolated) + exit_jitter*dx
          end associate
-         call estimate_pressure_in_time(bars, full%crests, &
-            three(full%crests%highest, half%crests%highest, quarter%crests%highest), &
-            three(full%crests%last, half%crests%last, quarter%crests%last), summary)
+         call estimate_pressure_in_time(bars, three(top_of(full%crests), top_of(half%crests), top_of(quarter%crests)), dx, summary)
       end associate
 
    contains
@@ -194,33 +193,55 @@ contains
       if (bars%is_first_order) error = error_by_reference(value, limit, error)
    end subroutine compare
 
-   !> The largest pressure of a transient from its maxima by parabolas: as other figures where it does not grow like a spike;
-   !> where it may, what a spike grows, and what the last crest, which may be one, would then be above it. `highest`, `last`:
-   !> the largest and the last crest of the second-order scheme on n, n/2, n/4 intervals, `crests` all on n.
-   pure subroutine estimate_pressure_in_time(bars, crests, highest, last, summary)
+   !> The largest pressure of a transient from its maxima by parabolas, those of the second-order scheme on n, n/2, n/4 intervals,
+   !> and what a spike may grow.
+   pure subroutine estimate_pressure_in_time(bars, highest, dx, summary)
       type(error_bars_t), intent(in) :: bars
-      type(crests_t), intent(in) :: crests
-      real(wp), intent(in) :: highest(3), last(3)
+      real(wp), intent(in) :: highest(3), dx
       type(line_summary_t), intent(inout) :: summary
-      real(wp) :: error, growth, above, limit
+      real(wp) :: error, limit
 
       if (.not. all(ieee_is_finite(highest))) return
       error = pressure_safety_in_time*error_in_time(highest)
-      if (bars%may_spike) then
-         growth = growth_of(crests)
-         above = 0.0_wp
-         if (all(ieee_is_finite(last(:2)))) above = last(1) + growth*largest_change(last) - highest(1)
-         if (.not. (bars%is_compressible .or. (is_calm(highest) .and. above <= 0.0_wp))) return
-         if (.not. is_calm(highest)) error = growth*largest_change(highest)
-         error = max(error, above)
-      end if
       limit = limit_in_time(highest)
       associate (p_max => summary%p_max, top => summary%crests%highest)
          if (bars%is_first_order) error = error_by_reference(top, limit, error)
          p_max%error_grid = error + abs(top - p_max%value)
          p_max%extrapolated = limit
       end associate
+      call allow_for_spike(bars, dx, summary)
    end subroutine estimate_pressure_in_time
+
+   !> Where the grid does not resolve a pressure spike the largest pressure may be off by what the spike may grow above it; not
+   !> known where that is not.
+   pure subroutine allow_for_spike(bars, dx, summary)
+      type(error_bars_t), intent(in) :: bars
+      real(wp), intent(in) :: dx
+      type(line_summary_t), intent(inout) :: summary
+      real(wp) :: ceiling
+
+      if (.not. ieee_is_finite(summary%crests%highest) .or. .not. ieee_is_finite(summary%p_max%error_grid)) return
+      ceiling = ceiling_of_spike(bars%spike_law, summary%crests, summary%h_central%value, dx)
+      associate (p_max => summary%p_max)
+         if (.not. ieee_is_finite(ceiling)) then
+            p_max%error_grid = ceiling
+            p_max%extrapolated = ceiling
+         else if (ceiling > 0.0_wp) then
+            p_max%error_grid = max(ceiling - p_max%value, p_max%error_grid)
+            p_max%extrapolated = ieee_value(1.0_wp, ieee_quiet_nan)
+         end if
+      end associate
+   end subroutine allow_for_spike
+
+   !> The maximum of P that is followed from grid to grid: the largest beside a spike that is below it, else the largest.
+   pure function top_of(crests) result(top)
+      type(crests_t), intent(in) :: crests
+      real(wp) :: top
+
+      top = crests%highest
+      if (.not. (ieee_is_finite(crests%spike) .and. ieee_is_finite(crests%other))) return
+      if (crests%spike < crests%other) top = crests%other
+   end function top_of
 
    !> The part of the grid.
    pure subroutine estimate_grid_errors(bars, dx, summary)
@@ -231,7 +252,7 @@ contains
       call estimate(bars, bars%half%h_min, bars%quarter%h_min, bars%eighth%h_min, summary%h_min)
       call estimate(bars, bars%half%h_min_node, bars%quarter%h_min_node, bars%eighth%h_min_node, summary%h_min_node)
       call estimate(bars, bars%half%h_central, bars%quarter%h_central, bars%eighth%h_central, summary%h_central)
-      call estimate_pressure(bars, summary)
+      call estimate_pressure(bars, dx, summary)
       call estimate_exit(bars, dx, summary%x_cavitation)
       ! nodal figures jump with the position of the nodes, which no difference of levels shows
       summary%h_min_node%error_grid = max(summary%h_min_node%error_grid, &
@@ -284,32 +305,19 @@ contains
       if (all(changes > 0.0_wp) .or. all(changes < 0.0_wp)) figure%error_grid = steady_safety/safety*figure%error_grid
    end subroutine estimate
 
-   !> Estimate for the largest pressure of a node, from maxima by parabolas; none where three grids do not show a limit of the
-   !> pressure spike. The rules are those that hold in a survey (theory page, section on error estimates).
-   pure subroutine estimate_pressure(bars, summary)
+   !> Estimate for the largest pressure of a node, from maxima by parabolas; that of a spike which the grid does not resolve by
+   !> what it may grow.
+   pure subroutine estimate_pressure(bars, dx, summary)
       type(error_bars_t), intent(in) :: bars
+      real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
-      real(wp) :: highest(3), last(3), other(3)
+      real(wp) :: values(3)
 
       if (.not. bars%has_quarter) return
-      associate (fine => summary%crests, half => bars%half%crests, quarter => bars%quarter%crests)
-         highest = [fine%highest, half%highest, quarter%highest]
-         last = [fine%last, half%last, quarter%last]
-         other = [fine%other, half%other, quarter%other]
-      end associate
-      if (.not. all(ieee_is_finite(highest))) return
-      if (.not. bars%may_spike) then
-         call estimate_crest(highest, summary%p_max)
-      else if (ieee_is_finite(other(1)) .and. last(1) < other(1)) then
-         if (.not. stays_below(bars, growth_of(summary%crests), last, other(1))) return
-         call estimate_crest(merge(other, highest, ieee_is_finite(other)), summary%p_max)
-      else if (is_calm(highest)) then
-         call estimate_crest(highest, summary%p_max)
-      else if (bars%is_compressible) then
-         associate (p_max => summary%p_max)
-            p_max%error_grid = growth_of(summary%crests)*largest_change(highest) + abs(highest(1) - p_max%value)
-         end associate
-      end if
+      values = [top_of(summary%crests), top_of(bars%half%crests), top_of(bars%quarter%crests)]
+      if (.not. all(ieee_is_finite(values))) return
+      call estimate_crest(values, summary%p_max)
+      call allow_for_spike(bars, dx, summary)
    end subroutine estimate_pressure
 
    !> Error of a nodal maximum: that of the parabola's, and what the node is below it.
@@ -324,27 +332,6 @@ contains
       figure%error_grid = pressure_safety/safety*figure%error_grid + abs(values(1) - figure%value)
       figure%extrapolated = values(1) + (values(1) - values(2))/(2.0_wp**order - 1.0_wp)
    end subroutine estimate_crest
-
-   !> Whether a spike (its height on the three grids, NaN where it is not seen), which may grow `growth` times its last change, will
-   !> stay below `crest` on finer grids.
-   pure function stays_below(bars, growth, spike, crest)
-      type(error_bars_t), intent(in) :: bars
-      real(wp), intent(in) :: growth
-      real(wp), intent(in) :: spike(3)
-      real(wp), intent(in) :: crest
-      logical :: stays_below
-      real(wp) :: change
-
-      stays_below = .false.
-      if (.not. ieee_is_finite(spike(2))) return
-      change = abs(spike(1) - spike(2))
-      if (.not. bars%is_compressible) then
-         if (.not. ieee_is_finite(spike(3))) return
-         if (change >= 0.5_wp*abs(spike(2) - spike(3))) return
-      end if
-      if (ieee_is_finite(spike(3))) change = largest_change(spike)
-      stays_below = spike(1) + growth*change <= crest
-   end function stays_below
 
    !> safety |q1 - q2|/(2^order - 1).
    pure elemental function error_from_levels(q1, q2, order) result(error)
@@ -372,10 +359,9 @@ contains
       type(time_settings_t), intent(in) :: time
       type(error_bars_t) :: bars
 
-      bars%is_compressible = contact%fluid%density_law /= density_constant
+      bars%spike_law = spike_law_t(contact%fluid, contact%lambda)
       if (contact%fluid%viscosity_law == viscosity_constant) bars%starving = starved_isoviscous
       if (contact%domain%inlet == 'tail') bars%starving = pressure_behind_tail
-      bars%may_spike = contact%fluid%alpha_bar > spike_alpha_bar .and. .not. contact%fluid%is_eyring
       bars%is_first_order = time%is_transient .and. time%scheme == 'backward_euler'
    end function new_error_bars
 

@@ -26,16 +26,17 @@ module line_summary
       real(wp) :: error_domain = 0.0_wp, error_iteration = 0.0_wp
    end type figure_t
 
-   !> Maxima of P, each by the parabola through three nodes; NaN: there is none.
+   !> Maxima of P; NaN: there is none.
    type :: crests_t
-      !> The largest.
-      real(wp) :: highest
-      !> The last one before the exit (where a pressure spike is), and the largest in front of it; only where there are two.
-      real(wp) :: last, other
-      !> How far the nodes beside the top of the last one are below it, both together, over its height above the valley in front of
-      !> it: 2 for a single node, small for a spike that the grid resolves.
-      real(wp) :: sharpness = 2.0_wp
+      !> The largest, and the largest beside the spike, each by the parabola through three nodes.
+      real(wp) :: highest, other
+      !> The spike, the last maximum before the exit if P falls behind it by the share `spike_drop` within two spacings: P and H of
+      !> its top node.
+      real(wp) :: spike, spike_film
    end type crests_t
+
+   !> (Of 90 contacts on 64 to 32768 intervals spikes that are not resolved fell by 0.3 and more, other maxima by 0.02 and less.)
+   real(wp), parameter :: spike_drop = 0.1_wp
 
    !> Figures of one time, or the extremes over several.
    type :: line_summary_t
@@ -81,7 +82,7 @@ contains
       summary%p_max = new_figure(peak_value(p), time)
       summary%x_cavitation = new_figure(exit_position(x, p), time)
       summary%x_cavitation%extrapolated = exit_between_nodes(x, p)
-      summary%crests = crests_of(p)
+      summary%crests = crests_of(p, h)
    end function summary_of_fields
 
    !> Widens `summary` by the figures of another time: smallest films, largest pressure and exit.
@@ -96,9 +97,11 @@ contains
       call keep_larger(summary%p_max, other%p_max)
       call keep_larger(summary%x_cavitation, other%x_cavitation)
       summary%crests%highest = larger(summary%crests%highest, other%crests%highest)
-      summary%crests%last = larger(summary%crests%last, other%crests%last)
       summary%crests%other = larger(summary%crests%other, other%crests%other)
-      summary%crests%sharpness = max(summary%crests%sharpness, other%crests%sharpness)
+      if (.not. ieee_is_finite(other%crests%spike)) return
+      if (ieee_is_finite(summary%crests%spike) .and. other%crests%spike <= summary%crests%spike) return
+      summary%crests%spike = other%crests%spike
+      summary%crests%spike_film = other%crests%spike_film
    end subroutine keep_extremes
 
    !> Smallest value of a positive curve on a uniform grid: vertex of the parabola through the smallest node and its neighbours;
@@ -191,31 +194,26 @@ contains
       end do
    end function exit_position
 
-   !> Maxima of a pressure p (nx). A plateau counts once.
-   pure function crests_of(p) result(crests)
-      real(wp), intent(in) :: p(:)
+   !> Maxima of a pressure p with the film h (nx). A plateau counts once.
+   pure function crests_of(p, h) result(crests)
+      real(wp), intent(in) :: p(:), h(:)
       type(crests_t) :: crests
-      integer :: i, last, valley
+      integer :: i
+      logical :: is_last
 
-      crests = crests_t(not_known(), not_known(), not_known())
-      last = 0
+      crests = crests_t(not_known(), not_known(), not_known(), not_known())
+      is_last = .true.
       do i = size(p) - 1, 2, -1
          if (.not. (p(i) > p(i - 1) .and. p(i) >= p(i + 1))) cycle
-         if (last == 0) then
-            last = i
+         if (is_last .and. p(min(i + 2, size(p))) < (1.0_wp - spike_drop)*p(i)) then
+            crests%spike = p(i)
+            crests%spike_film = h(i)
          else
             crests%other = larger(crests%other, vertex(p(i - 1:i + 1)))
          end if
+         crests%highest = larger(crests%highest, vertex(p(i - 1:i + 1)))
+         is_last = .false.
       end do
-      if (last == 0) return
-      valley = last
-      do while (valley > 1)
-         if (p(valley - 1) > p(valley)) exit
-         valley = valley - 1
-      end do
-      crests%sharpness = (2*p(last) - p(last - 1) - p(last + 1))/(p(last) - p(valley))
-      crests%highest = larger(crests%other, vertex(p(last - 1:last + 1)))
-      if (ieee_is_finite(crests%other)) crests%last = vertex(p(last - 1:last + 1))
    end function crests_of
 
    !> Top of the parabola through three values at equal distances, the middle one the largest.

@@ -25,7 +25,6 @@ module resolution_choice
    use line_contact, only: fewest_in_wave, intervals_for_waves, line_contact_t, shortest_passage
    use line_hierarchy, only: coarsest_for_film, most_intervals
    use observer, only: observer_t
-   use pressure_spike, only: is_calm
    use solver_settings, only: solver_settings_t, time_settings_t
    use split_errors, only: doubts_at, error_at, figure_values, forecast_figures, new_split_error, shift_at, split_error_t
    implicit none (type, external)
@@ -314,7 +313,7 @@ contains
       type(pilots_t), intent(in) :: pilots
       integer, intent(in) :: intervals, steps
       type(split_error_t) :: error
-      real(wp) :: dx_ratio, dt_ratio, highest(3)
+      real(wp) :: dx_ratio, dt_ratio
       integer :: i
 
       contact%domain%intervals = intervals
@@ -331,13 +330,6 @@ contains
             forecast%pilot_error(i) = error_at(error, 1.0_wp, 1.0_wp)
             forecast%shift(i) = shift_at(error, dx_ratio, dt_ratio)
          end do
-         ! of a pressure spike nothing is foretold
-         if (bars%may_spike .and. ieee_is_finite(forecast%error(4))) then
-            highest(1) = pilots%values(4)
-            highest(2) = highest(1) - changes(4, 1, space)
-            highest(3) = highest(2) - changes(4, 1, time_step)
-            if (.not. is_calm(highest)) forecast%error(4) = ieee_value(1.0_wp, ieee_quiet_nan)
-         end if
       end associate
    end subroutine take
 

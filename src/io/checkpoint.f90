@@ -97,9 +97,8 @@ contains
 
       call write_dataset(file, '/companions/known', [real(wp) :: merge(1, 0, bars%has_half), merge(1, 0, bars%has_quarter), &
          merge(1, 0, bars%forecast%is_known)], new_label('whether there are figures on n/2, on n/4 intervals, a forecast', '1'))
-      call write_dataset(file, '/companions/traits', [real(wp) :: merge(1, 0, bars%is_first_order), &
-         merge(1, 0, bars%may_spike), merge(1, 0, bars%is_compressible), bars%starving], &
-         new_label('is of first order in time, may have a spike, is compressible, starving', '1'))
+      call write_dataset(file, '/companions/traits', [real(wp) :: merge(1, 0, bars%is_first_order), bars%starving], &
+         new_label('is of first order in time, starving', '1'))
       associate (f => bars%forecast)
          if (f%is_known) call write_dataset(file, '/companions/forecast', [f%pilot, f%pilot_error, f%error, f%shift], &
             new_label('figures of a pilot, their errors; errors of the run, what leads to the limits', '1'))
@@ -113,17 +112,15 @@ contains
    subroutine read_bars(reader, bars)
       type(hdf5_input_t), intent(inout) :: reader
       type(error_bars_t), intent(out) :: bars
-      real(wp) :: triple(3), traits(4), forecast(forecast_figures, 4)
+      real(wp) :: triple(3), traits(2), forecast(forecast_figures, 4)
 
       triple = reshape(reader%reals('/companions/known'), [3], pad=[0.0_wp])
       bars%has_half = triple(1) > 0.0_wp
       bars%has_quarter = triple(2) > 0.0_wp
       bars%forecast%is_known = triple(3) > 0.0_wp
-      traits = reshape(reader%reals('/companions/traits'), [4], pad=[0.0_wp])
+      traits = reshape(reader%reals('/companions/traits'), [2], pad=[0.0_wp])
       bars%is_first_order = traits(1) > 0.0_wp
-      bars%may_spike = traits(2) > 0.0_wp
-      bars%is_compressible = traits(3) > 0.0_wp
-      bars%starving = traits(4)
+      bars%starving = traits(2)
       if (bars%forecast%is_known) then
          forecast = reshape(reader%reals('/companions/forecast'), shape(forecast), pad=[0.0_wp])
          bars%forecast = forecast_t(.true., forecast(:, 1), forecast(:, 2), forecast(:, 3), forecast(:, 4))
@@ -346,8 +343,8 @@ contains
       numbers(:, 3) = figure_numbers(summary%h_central)
       numbers(:, 4) = figure_numbers(summary%p_max)
       numbers(:, 5) = figure_numbers(summary%x_cavitation)
-      numbers(:, 6) = [summary%crests%highest, summary%crests%last, summary%crests%other, &
-         summary%crests%sharpness]
+      numbers(:, 6) = [summary%crests%highest, summary%crests%other, summary%crests%spike, &
+         summary%crests%spike_film]
       numbers(:, 7) = summary%h_central_cubic
    end function summary_numbers
 

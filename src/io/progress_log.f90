@@ -217,6 +217,8 @@ contains
          row(29:) = number_text(figure%value, 6)
          if (ieee_is_finite(figure%error_estimate) .and. abs(figure%value) > 0.0_wp) then
             row(40:) = '+- '//number_text(100*abs(figure%error_estimate/figure%value), 2)//' %'
+         else if (ieee_is_finite(summary%h_min%error_estimate)) then
+            row(40:) = '+- not known'
          end if
          if (report%steps > 0 .and. ieee_is_finite(figure%time)) row(53:) = 'at T '//number_text(figure%time, 4)
          line = trim(row)
