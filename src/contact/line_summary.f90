@@ -36,7 +36,7 @@ module line_summary
    end type crests_t
 
    !> (Of 90 contacts on 64 to 32768 intervals spikes that are not resolved fell by 0.3 and more, other maxima by 0.02 and less.)
-   real(wp), parameter :: spike_drop = 0.1_wp
+   real(wp), parameter :: spike_drop = 0.25_wp
 
    !> Figures of one time, or the extremes over several.
    type :: line_summary_t
