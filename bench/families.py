@@ -65,13 +65,17 @@ class Member:
 
 @dataclass(frozen=True)
 class Family:
-    """Cases of one kind; `quantities` are paths of the result, `draw` makes so many members from a source of random numbers."""
+    """Cases of one kind; `quantities` are paths of the result, `draw` makes so many members from a source of random numbers.
+
+    `estimate` is the attribute that is judged: `error_grid` where the truth has the same domain.
+    """
 
     name: str
     title: str
     quantities: tuple[str, ...]
     draw: Callable[[random.Random, int], list[Member]]
     count: int = 24
+    estimate: str = "error_estimate"
 
 
 @dataclass
@@ -103,7 +107,7 @@ def as_text(value: object) -> str:
     return value.decode("utf-8") if isinstance(value, bytes) else str(value)
 
 
-def run(text: str, files: dict[str, str | bytes], quantities: tuple[str, ...]) -> Result:
+def run(text: str, files: dict[str, str | bytes], family: Family) -> Result:
     """Runs a namelist in a folder of its own."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -117,23 +121,24 @@ def run(text: str, files: dict[str, str | bytes], quantities: tuple[str, ...]) -
         with h5py.File(folder / "case.h5") as file:
             reason = "" if file.attrs["converged"] == 1 else as_text(file.attrs["reason"])
             note = as_text(file["report/note"][()]) if "report/note" in file else ""
-            return Result(done.returncode, reason, note, {path: read(file, path) for path in quantities if path in file})
+            values = {path: read(file, path, family.estimate) for path in family.quantities if path in file}
+            return Result(done.returncode, reason, note, values)
 
 
-def read(file: h5py.File, path: str) -> tuple[float, float]:
+def read(file: h5py.File, path: str, estimate: str) -> tuple[float, float]:
     """A quantity and its error estimate, of a sweep the last one."""
     data = file[path]
-    return float(np.ravel(data[()])[-1]), float(np.ravel(data.attrs.get("error_estimate", math.nan))[-1])
+    return float(np.ravel(data[()])[-1]), float(np.ravel(data.attrs.get(estimate, math.nan))[-1])
 
 
 def judge(family: Family, member: Member) -> list[Row]:
     """All quantities of a member."""
-    found = run(member.case, member.files, family.quantities)
+    found = run(member.case, member.files, family)
     if found.status != 0 or found.reason:
         return [Row(family.name, member.name, path, REFUSED, reason=found.reason) for path in family.quantities]
     truth = member.exact
     if member.truth:
-        fine = run(member.truth, member.files, family.quantities)
+        fine = run(member.truth, member.files, family)
         if fine.status != 0:
             return [Row(family.name, member.name, path, "no truth", reason=fine.reason) for path in family.quantities]
         truth = {path: value for path, (value, _) in fine.values.items()} | truth
