@@ -10,13 +10,12 @@ from pathlib import Path
 
 import figure_command
 import figure_style as style
-import h5py
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from result_file import PREFIXES, ResultError
+from result_file import LARGEST, PREFIXES, ResultError, opened, values_of
 
 PROGRAM = "dry.py"
 EXAMPLE = "python postproc/dry.py results/dry_profile.h5 --output results"
@@ -52,26 +51,25 @@ class DryResult:
 
 def read_dry(path: Path) -> DryResult:
     """Reads a result; ResultError if it is not one of a dry contact."""
-    try:
-        with h5py.File(path) as file:
-            problem = file.attrs.get("problem", b"")
-            problem = problem.decode() if isinstance(problem, bytes) else str(problem)
-            if not problem.startswith("dry_") or "sweep" not in file:
-                raise ResultError(f"{path}: not a dry result of asperity (problem is '{problem}')")
-            groups = [{name: item[()] for name, item in file[group].items()} for group in ("solution", "sweep", "surface")]
-            hardness = file.get("input/effective/bodies/hardness")
-            reason = file.attrs.get("reason", b"")
-            return DryResult(
-                path,
-                bool(file.attrs.get("converged", 0)),
-                reason.decode() if isinstance(reason, bytes) else str(reason),
-                *groups,
-                np.atleast_1d(file["report/residual_history"][()]),
-                float(file["input/effective/solver/tolerance"][()]),
-                None if hardness is None else float(hardness[()]),
-            )
-    except OSError as error:
-        raise ResultError(f"{path}: cannot read: {error.strerror or 'not an HDF5 file'}") from error
+    with opened(path) as file:
+        problem = file.attrs.get("problem", b"")
+        problem = problem.decode() if isinstance(problem, bytes) else str(problem)
+        if not problem.startswith("dry_") or "sweep" not in file:
+            raise ResultError(f"{path}: not a dry result of asperity (problem is '{problem}')")
+        groups = [
+            {name: values_of(item, LARGEST) for name, item in file[group].items()} for group in ("solution", "sweep", "surface")
+        ]
+        hardness = file.get("input/effective/bodies/hardness")
+        reason = file.attrs.get("reason", b"")
+        return DryResult(
+            path,
+            bool(file.attrs.get("converged", 0)),
+            reason.decode() if isinstance(reason, bytes) else str(reason),
+            *groups,
+            np.atleast_1d(values_of(file["report/residual_history"])),
+            float(values_of(file["input/effective/solver/tolerance"])),
+            None if hardness is None else float(values_of(hardness)),
+        )
 
 
 def unit(values: np.ndarray, name: str) -> tuple[float, str]:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NoReturn
 
-from result_file import Result, ResultError, check_result
+from result_file import DAMAGE, Result, ResultError, check_result
 
 FORMATS = ("png", "pdf", "svg")
 
@@ -90,6 +90,9 @@ def guarded(program: str, work: Callable[..., list[Path]], *arguments: object) -
     except OSError as error:
         reason = error.strerror or str(error)
         return _complain(program, [f"{error.filename or 'output'}: cannot write: {reason}"], 3)
+    except DAMAGE as error:
+        reason = " ".join(str(error).split())[:200]
+        return _complain(program, [f"{_names(arguments)}: cannot be drawn, damaged? ({type(error).__name__}: {reason})"], 1)
     return 0
 
 
@@ -118,6 +121,11 @@ def _finding(path: Path, needs: tuple[str, ...]) -> str:
     except ResultError as error:
         return str(error)
     return ""
+
+
+def _names(arguments: tuple[object, ...]) -> str:
+    """The results that a script was drawing: its first argument, or all of its command line."""
+    return str(arguments[0]) if isinstance(arguments[0], Path) else ", ".join(arguments[0].results)
 
 
 def _complain(program: str, findings: list[str], status: int) -> int:

@@ -9,10 +9,9 @@ from pathlib import Path
 
 import figure_command
 import figure_style as style
-import h5py
 import numpy as np
 from matplotlib.axes import Axes
-from result_file import read_result
+from result_file import opened, read_result, values_of
 
 PROGRAM = "film_statistics.py"
 EXAMPLE = "python postproc/film_statistics.py results/rough.h5 --output results"
@@ -21,8 +20,8 @@ NANO, GIGA = 1e-9, 1e9
 
 def read_statistics(path: Path) -> dict[str, np.ndarray]:
     """The datasets of /statistics."""
-    with h5py.File(path) as file:
-        return {name: np.atleast_1d(item[()]) for name, item in file["statistics"].items()}
+    with opened(path) as file:
+        return {name: np.atleast_1d(values_of(item)) for name, item in file["statistics"].items()}
 
 
 def draw_distribution(axes: Axes, edges: np.ndarray, shares: np.ndarray, look: dict[str, object]) -> None:

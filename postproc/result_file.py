@@ -6,8 +6,10 @@ factor to multiply and which label to write, dimensionless or SI.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -18,6 +20,13 @@ import numpy as np
 class ResultError(Exception):
     """A file that cannot be drawn; the message is one line and names the file."""
 
+
+# What h5py, numpy and matplotlib raise where the bytes of a file are damaged.
+DAMAGE = (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, MemoryError)
+# Beyond this no field is one of a contact.
+LARGEST = 1e30
+# The best that deflate does: bytes of a dataset over bytes of the file.
+DEFLATED = 1100
 
 # What a dataset is called in words, as dimensionless symbol and as SI symbol.
 SYMBOLS = {
@@ -174,7 +183,7 @@ class Result:
 
 def check_result(path: str | Path, needs: tuple[str, ...] = ("solution",)) -> None:
     """Raises ResultError unless `path` is a lubricated result with the groups `needs`."""
-    with _opened(Path(path)) as file:
+    with opened(Path(path)) as file:
         _check_content(Path(path), file, needs)
 
 
@@ -184,7 +193,7 @@ def read_result(path: str | Path, si: bool = False, with_transient: bool = False
     Of /transient always the values over time, fields over time only `with_transient`.
     """
     path = Path(path)
-    with _opened(path) as file:
+    with opened(path) as file:
         _check_content(path, file, ("solution", "transient") if with_transient else ("solution",))
         result = Result(
             path=path,
@@ -210,7 +219,34 @@ def read_result(path: str | Path, si: bool = False, with_transient: bool = False
     return result
 
 
-def _opened(path: Path) -> h5py.File:
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[h5py.File]:
+    """The open file; whatever is wrong with it, also while it is read, is a ResultError."""
+    with _file(path) as file:
+        try:
+            yield file
+        except DAMAGE as error:
+            raise ResultError(f"{path}: damaged: {_first_line(error)}") from None
+
+
+def values_of(dataset: h5py.Dataset, largest: float = math.inf) -> object:
+    """The values of a dataset; a ValueError where they cannot be what the program wrote: too many, or beyond `largest`."""
+    if not isinstance(dataset, h5py.Dataset):
+        raise ValueError(f"{dataset.name} is no dataset")
+    if dataset.nbytes > DEFLATED * dataset.file.id.get_filesize():
+        raise ValueError(f"{dataset.name} says that it holds {dataset.nbytes:.3g} bytes")
+    values = dataset[()]
+    if np.asarray(values).dtype.kind == "f" and np.max(np.abs(values), initial=0.0, where=np.isfinite(values)) > largest:
+        raise ValueError(f"{dataset.name} holds a value beyond {largest:g}")
+    return values
+
+
+def _first_line(error: Exception) -> str:
+    """What an error says, in one line."""
+    return " ".join(str(error).split())[:200] or type(error).__name__
+
+
+def _file(path: Path) -> h5py.File:
     if path.suffix == ".part":
         raise ResultError(f"{path}: an unfinished result (.part): still being written, or its run was stopped")
     if not path.exists():
@@ -243,7 +279,7 @@ def _quantities(path: Path, file: h5py.File, group: str, names: tuple[str, ...])
         if name not in file[group]:
             raise ResultError(f"{path}: has no /{group}/{name}")
         dataset = file[group][name]
-        values = np.asarray(dataset[()], dtype=float)
+        values = np.asarray(values_of(dataset, LARGEST), dtype=float)
         values[~np.isfinite(values)] = np.nan
         if values.size == 0:
             raise ResultError(f"{path}: /{group}/{name} is empty")
@@ -265,7 +301,7 @@ def _summary(file: h5py.File) -> dict[str, float]:
 
 def _plain(dataset: h5py.Dataset) -> object:
     """A dataset as str, number or array."""
-    value = dataset[()]
+    value = values_of(dataset)
     if isinstance(value, (bytes, str)):
         return _text(value)
     array = np.asarray(value)
