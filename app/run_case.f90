@@ -1,6 +1,5 @@
 !> One case from its record to its result file and its exit status.
 module run_case
-   use, intrinsic :: iso_fortran_env, only: int64
    use breakdown_text, only: breakdown_sentence
    use case_outcome, only: give_up, status_converged, status_interrupted, status_not_converged, status_not_written
    use case_record, only: case_t, result_path, set_effective
@@ -15,7 +14,7 @@ module run_case
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_case, only: build_line_contact, scaled_solver
-   use line_contact, only: line_contact_t, nodes_in_finest_wave
+   use line_contact, only: line_contact_t
    use line_state, only: all_finite, line_state_t
    use pressure_spike, only: spike_law_t
    use progress_log, only: new_progress_log
@@ -27,13 +26,12 @@ module run_case
    use step_choice, only: choose_time_step
    use text, only: to_text
    use wall_clock, only: wall_seconds
+   use wave_resolution, only: coarse_waves, nodes_in_wave, steps_in_wave
    implicit none (type, external)
    private
 
    public :: run_one_case
 
-   !> Nodes in the finest wave of a profile below which the program says so.
-   real(wp), parameter :: fewest_nodes = 48.0_wp
    !> A forecast that is above the wanted accuracy by so little is not.
    real(wp), parameter :: rounding = 1.0e-6_wp
 
@@ -103,7 +101,7 @@ contains
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: note
-      real(wp) :: nodes, seconds
+      real(wp) :: seconds
       logical :: is_open
 
       seconds = 0.0_wp
@@ -121,16 +119,16 @@ contains
          call compare_grids(case, contact, watcher, seconds, error)
          if (allocated(error) .or. watcher%wants_stop) return
       end if
-      if (.not. is_open) call tell_coarse_waves(case, contact, watcher, nodes, note)
-      call tell_missed_target(case, contact, watcher, note)
       call complete_time_step(case, contact)
+      call tell_coarse_waves(case, contact, watcher, note)
+      call tell_missed_target(case, contact, watcher, note)
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
       watcher%space_scheme = case%solver%space_scheme
       call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
       if (allocated(error)) return
-      if (is_open) call tell_coarse_waves(case, contact, watcher, nodes, note)
-      report%nodes_per_wave = nodes
+      report%nodes_per_wave = nodes_in_wave(contact)
+      report%steps_per_wave = steps_in_wave(contact, case%time)
       call move_alloc(note, report%note)
       call refuse_nonsense(state, report)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
@@ -169,24 +167,23 @@ contains
       end associate
    end subroutine complete_report
 
-   !> `nodes` in the finest wave of a profile, huge if there is none; `note` says where they are few, else it stays unallocated.
-   subroutine tell_coarse_waves(case, contact, watcher, nodes, note)
+   !> Says where grid or time step are too coarse for the waves of the surfaces; `note` then says it too, else it stays unallocated.
+   !> With a wanted accuracy both are chosen by what they do to h_min.
+   subroutine tell_coarse_waves(case, contact, watcher, note)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: watcher
-      real(wp), intent(out) :: nodes
-      character(:), allocatable, intent(out) :: note
+      character(:), allocatable, intent(inout) :: note
       type(line_contact_t) :: whole
-      integer :: doublings
+      character(:), allocatable :: words
 
+      if (case%accuracy%target > 0.0_wp) return
       whole = contact
       call choose_domain(whole)
-      nodes = nodes_in_finest_wave(whole)
-      if (nodes >= fewest_nodes) return
-      doublings = ceiling(log(fewest_nodes/nodes)/log(2.0_wp))
-      note = 'the finest waves of the roughness have '//to_text(nodes, 2)//' nodes, '//to_text(nint(fewest_nodes))// &
-         ' are needed: '//to_text(int(whole%domain%intervals, int64)*2_int64**doublings)//' intervals, or fewer harmonics'
-      call watcher%log%say(case%file//': '//note)
+      words = coarse_waves(whole, case%time)
+      if (len(words) == 0) return
+      call watcher%log%say(case%file//': '//words)
+      call move_alloc(words, note)
    end subroutine tell_coarse_waves
 
    !> Says where pilot runs do not foretell that a transient keeps its wanted accuracy, behind what `note` says already.

@@ -137,7 +137,7 @@ def test_synthetic_profile_of_any_length(program, asperity, tmp_path):
     stride = "&output profile_stride = 5 /\n"
     case = passage(surface.format("1.5e-8"), 3.0, stride).replace("time_step = 0.02", "time_step = 0.05")
     first, told = run(asperity, tmp_path, case, "first")
-    assert "nodes, 48 are needed" in told
+    assert "nodes, 32 are needed" in told
     again, _ = run(asperity, tmp_path, case, "again")
     assert different(first, again) == []
     with h5py.File(first) as file:
@@ -251,7 +251,7 @@ def test_seed_decides(asperity, tmp_path):
 def test_too_few_nodes_are_told(asperity, tmp_path):
     surface = "&surface_2 shape = 'synthetic', rms_height = 30e-9, wavelength_short = 5e-5 /\n"
     path, told = run(asperity, tmp_path, passage(surface))
-    note = "the finest waves of the roughness have 22. nodes, 48 are needed: 1024 intervals, or fewer harmonics"
+    note = "the finest wave of the surfaces has 22.0 nodes, 32 are needed: 384 intervals"
     table = " ".join(told[told.index("dimensionless") :].split())
     assert f"case.nml: {note}\n" in told
     assert f"note {note} result case.h5" in table
@@ -260,7 +260,7 @@ def test_too_few_nodes_are_told(asperity, tmp_path):
         dx = np.diff(file["solution/x"][:2])[0] * file["scaling"].attrs["half_width"]
         assert file["report/nodes_per_wave"][()] == pytest.approx(5e-5 / dx)
     path, told = run(asperity, tmp_path, passage(surface.replace("5e-5", "3e-4")))
-    assert "finest waves" not in told
+    assert "finest wave" not in told
     with h5py.File(path) as file:
         assert "note" not in file["report"]
         assert file["report/nodes_per_wave"][()] == pytest.approx(3e-4 / dx)

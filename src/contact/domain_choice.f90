@@ -11,6 +11,7 @@ module domain_choice
    use kinds, only: wp
    use line_contact, only: film_estimate, is_smooth, line_contact_t, newtonian_film
    use moes, only: rigid_film
+   use wave_resolution, only: intervals_at_least, nodes_in_wave, wanted_nodes
    implicit none (type, external)
    private
 
@@ -25,6 +26,8 @@ module domain_choice
    !> Smooth contacts get a tail where it shortens the domain by this factor: it takes one or two cycles more.
    real(wp), parameter :: least_shortening = 1.3_wp
    integer, parameter :: fewest_intervals = 256, most_intervals = 2**20
+   !> A grid is not made finer than this for waves alone: a passage on it takes minutes.
+   integer, parameter :: most_for_waves = 2**16
 
 contains
 
@@ -53,6 +56,8 @@ contains
          domain%has_inlet = .true.
          if (domain%intervals <= 0) then
             domain%intervals = min(max(intervals_for(contact, accurate_spacing), fewest_intervals), most_intervals)
+            domain%intervals = max(domain%intervals, min(intervals_at_least(wanted_nodes/nodes_in_wave(contact)*domain%intervals), &
+               most_for_waves))
          end if
       end associate
 

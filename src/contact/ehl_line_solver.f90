@@ -51,7 +51,7 @@ contains
       call choose_time_step(contact, whole_steps)
       call load_profiles(contact, whole_steps, error)
       if (allocated(error)) return
-      companions = new_error_bars(contact, time)
+      companions = new_error_bars(contact, whole_steps)
       report%inlet_error = inlet_error(contact)
       if (settings%target > 0.0_wp .and. .not. time%is_transient) then
          call solve_to_accuracy(hierarchy, contact, wanted, watcher, companions, report, error)

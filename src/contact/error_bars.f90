@@ -16,6 +16,7 @@ module error_bars
    use solver_settings, only: time_settings_t
    use split_errors, only: apply_forecast, forecast_t
    use transient_errors, only: error_by_reference, error_in_time, limit_in_time, pressure_safety_in_time
+   use wave_resolution, only: unseen_waves
    implicit none (type, external)
    private
 
@@ -52,6 +53,8 @@ module error_bars
       type(spike_law_t) :: spike_law
       !> Change of the largest pressure over that of a starved film.
       real(wp) :: starving = starved_pressure
+      !> Why companions tell nothing of the error; empty or not allocated: they do.
+      character(:), allocatable :: unseen
       !> Of a transient whose resolution was chosen, in place of companions.
       type(forecast_t) :: forecast
    end type error_bars_t
@@ -84,9 +87,9 @@ contains
       if (bars%forecast%is_known) then
          call apply_forecast(bars%forecast, exit_jitter*dx, pressure_safety/safety, summary)
          call allow_for_spike(bars, dx, summary)
-      else if (bars%has_half .and. report%steps > 0) then
+      else if (bars%has_half .and. report%steps > 0 .and. .not. has_unseen_waves(bars)) then
          call estimate_errors_in_time(bars, dx, summary)
-      else if (bars%has_half) then
+      else if (bars%has_half .and. .not. has_unseen_waves(bars)) then
          call estimate_grid_errors(bars, dx, summary)
       end if
       iteration = max(report%residual, report%load_error)
@@ -100,6 +103,15 @@ contains
       call add_up(summary%x_cavitation, share, iteration)
    end subroutine apply_error_bars
 
+   !> Whether the surfaces have waves that companions do not see; a forecast has seen them.
+   pure function has_unseen_waves(bars)
+      type(error_bars_t), intent(in) :: bars
+      logical :: has_unseen_waves
+
+      has_unseen_waves = .false.
+      if (allocated(bars%unseen)) has_unseen_waves = len(bars%unseen) > 0 .and. .not. bars%forecast%is_known
+   end function has_unseen_waves
+
    !> Why a figure of a result has no estimate.
    pure function missing_estimate(bars, report) result(reason)
       type(error_bars_t), intent(in) :: bars
@@ -108,6 +120,8 @@ contains
 
       if (.not. report%converged) then
          reason = 'no solution'
+      else if (has_unseen_waves(bars)) then
+         reason = bars%unseen
       else if (bars%has_quarter .or. bars%forecast%is_known) then
          reason = 'a pressure spike that this grid does not resolve may pass the largest pressure on finer grids, or grow '// &
             'without a limit'
@@ -363,6 +377,7 @@ contains
       if (contact%fluid%viscosity_law == viscosity_constant) bars%starving = starved_isoviscous
       if (contact%domain%inlet == 'tail') bars%starving = pressure_behind_tail
       bars%is_first_order = time%is_transient .and. time%scheme == 'backward_euler'
+      bars%unseen = unseen_waves(contact, time)
    end function new_error_bars
 
 end module error_bars

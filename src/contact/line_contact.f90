@@ -11,7 +11,7 @@ module line_contact
    implicit none (type, external)
    private
 
-   public :: film_estimate, intervals_for_waves, is_smooth, line_contact_t, move_profiles, newtonian_film, nodes_in_finest_wave
+   public :: film_estimate, finest_wave, intervals_for_waves, is_smooth, line_contact_t, move_profiles, newtonian_film
    public :: shortest_passage
 
    !> Intervals in the finest wave (feature, sinusoid, profile) below which companions on n/4 may not see it.
@@ -90,18 +90,6 @@ contains
       if (allocated(surface%features)) wave = minval([wave, surface%features%wavelength])
       if (allocated(surface%profile)) wave = min(wave, surface%profile%finest_wave)
    end function finest_wave
-
-   !> Nodes in the finest wave of the profiles, on a complete domain; huge if there is no profile.
-   pure function nodes_in_finest_wave(contact) result(nodes)
-      type(line_contact_t), intent(in) :: contact
-      real(wp) :: nodes
-      real(wp) :: dx
-
-      dx = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
-      nodes = huge(1.0_wp)
-      if (allocated(contact%surface_1%profile)) nodes = contact%surface_1%profile%finest_wave/dx
-      if (allocated(contact%surface_2%profile)) nodes = min(nodes, contact%surface_2%profile%finest_wave/dx)
-   end function nodes_in_finest_wave
 
    !> Has the profiles of both surfaces at hand for the whole of a complete domain at `time`. Error: a file cannot be read.
    subroutine move_profiles(contact, time, error)

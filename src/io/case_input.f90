@@ -20,6 +20,7 @@ module case_input
    use scaling, only: scaling_t, new_scaling
    use text, only: to_text
    use viscosity, only: complete_roelands
+   use wave_validation, only: check_waves
    implicit none (type, external)
    private
 
@@ -73,6 +74,7 @@ contains
       call add_profile(values, 'surface_2', case, surface_2, findings)
       case%surface_1 = surface_1
       case%surface_2 = surface_2
+      if (findings%count == 0) call check_waves(values, case, findings)
    end subroutine read_case
 
    !> The rest of a dry case. Findings: see module dry_input.

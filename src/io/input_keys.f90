@@ -158,7 +158,7 @@ module input_keys
       key_row_t('time', 'end_time', real_kind, '-', is_optional, '> 0, <= 1e6', '', '', &
       'end of the transient, T; required with transient = .true.'), &
       key_row_t('time', 'time_step', real_kind, '-', is_chosen, '>= 1e-9, <= 1e3', '', '', &
-      'time step in T, cut so that whole steps reach end_time; chosen: dX'), &
+      'time step in T, cut so that whole steps reach end_time; chosen: dX or less'), &
       key_row_t('time', 'scheme', word_kind, '', "'bdf2'", '', 'backward_euler bdf2', '', &
       'time discretisation: second order, or first order (thesis)'), &
       key_row_t('solver', 'method', word_kind, '', "'auto'", '', 'auto fas_block_jacobi block_jacobi newton_krylov newton_dense', &

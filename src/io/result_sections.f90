@@ -231,7 +231,9 @@ contains
       call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, &
                          new_label('bound on residual and load error: max(tolerance, 5 x round-off floor)', '1'))
       if (report%nodes_per_wave < huge(1.0_wp)) call write_dataset(file, '/report/nodes_per_wave', report%nodes_per_wave, &
-                         new_label('nodes of the grid in the finest wave of the roughness', '1'))
+                         new_label('nodes of the grid in the finest wave of the surfaces', '1'))
+      if (report%steps_per_wave < huge(1.0_wp)) call write_dataset(file, '/report/steps_per_wave', report%steps_per_wave, &
+                         new_label('time steps in which the finest moving wave passes a place', '1'))
       if (allocated(report%note)) call write_dataset(file, '/report/note', report%note, &
                                                      new_label('what should be known about this result', '1'))
       call write_dataset(file, '/report/residual_history', report%residual_history(), &

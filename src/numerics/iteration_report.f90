@@ -51,8 +51,9 @@ module iteration_report
       integer :: max_cycles = 0, pre_sweeps = 0, post_sweeps = 0, coarse_sweeps = 0
       !> Films below the floor.
       type(breakdown_t) :: breakdown
-      !> Nodes of the grid in the finest wave of the roughness; huge: there is no measured or synthetic roughness.
-      real(wp) :: nodes_per_wave = huge(1.0_wp)
+      !> Nodes of the grid in the finest wave of the surfaces, steps in which the finest moving one passes a place; huge: there is
+      !> none.
+      real(wp) :: nodes_per_wave = huge(1.0_wp), steps_per_wave = huge(1.0_wp)
       !> What the reader of the result should know about it; not allocated: nothing.
       character(:), allocatable :: note
       !> Cycles (or iterations) on the finest level, time steps included.

@@ -1,0 +1,90 @@
+!> Ridges, dents and sinusoids that the grid or the time step cannot hold: fewer than two nodes in a wave, or two steps in its
+!> passage. (Of measured and synthetic profiles the finest waves are told only: they may be noise.)
+module wave_validation
+   use case_record, only: case_t
+   use domain_choice, only: choose_domain
+   use features, only: rough_surface_t
+   use findings, only: findings_t
+   use input_values, only: input_values_t
+   use kinds, only: wp
+   use line_case, only: build_line_contact
+   use line_contact, only: line_contact_t
+   use scaling, only: scaling_t
+   use solver_settings, only: time_settings_t
+   use step_choice, only: choose_time_step
+   use text, only: to_text
+   use wave_resolution, only: fewest_in_a_wave, intervals_at_least
+   implicit none (type, external)
+   private
+
+   public :: check_waves
+
+contains
+
+   !> Findings about both surfaces of a `case` whose grid is not chosen for an accuracy.
+   subroutine check_waves(values, case, findings)
+      type(input_values_t), intent(in) :: values
+      type(case_t), intent(in) :: case
+      type(findings_t), intent(inout) :: findings
+      type(scaling_t) :: scaling
+      type(line_contact_t) :: contact
+      type(time_settings_t) :: time
+
+      if (case%has_moes .or. case%accuracy%target > 0.0_wp) return
+      call build_line_contact(case, scaling, contact)
+      call choose_domain(contact)
+      time = case%time
+      call choose_time_step(contact, time)
+      call check_surface_waves(values, 'surface_1', contact%surface_1, contact, scaling%half_width, findings)
+      call check_surface_waves(values, 'surface_2', contact%surface_2, contact, scaling%half_width, findings)
+      if (.not. time%is_transient) return
+      call check_passages(values, 'surface_1', contact%surface_1, time%time_step, findings)
+      call check_passages(values, 'surface_2', contact%surface_2, time%time_step, findings)
+   end subroutine check_waves
+
+   !> Finds a wave that falls between the nodes of the grid; lengths over `half_width` [m].
+   subroutine check_surface_waves(values, group, surface, contact, half_width, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      type(rough_surface_t), intent(in) :: surface
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: half_width
+      type(findings_t), intent(inout) :: findings
+      real(wp) :: wave, dx, nodes
+
+      if (size(surface%features) == 0) return
+      wave = minval(surface%features%wavelength)
+      dx = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
+      nodes = wave/dx
+      if (nodes >= fewest_in_a_wave) return
+      if (values%has_value('domain', 'intervals')) then
+         call findings%add(values%line_of('domain', 'intervals'), 'domain', 'intervals', 'found '// &
+            to_text(contact%domain%intervals)//', a grid with '//to_text(nodes, 2)//' nodes in the wavelength '// &
+            to_text(wave*half_width, 3)//' m of &'//group//', expected at least '// &
+            to_text(intervals_at_least(fewest_in_a_wave*contact%domain%intervals/nodes))//', two nodes in a wave')
+      else
+         call findings%add(values%line_of(group, 'wavelength'), group, 'wavelength', 'found '//to_text(wave*half_width, 3)// &
+            ' m, '//to_text(nodes, 2)//' nodes of the finest grid that the program chooses, expected at least '// &
+            to_text(fewest_in_a_wave*dx*half_width, 3)//' m, or intervals in &domain')
+      end if
+   end subroutine check_surface_waves
+
+   !> Finds a wave that passes within two of the given time steps.
+   subroutine check_passages(values, group, surface, time_step, findings)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      type(rough_surface_t), intent(in) :: surface
+      real(wp), intent(in) :: time_step
+      type(findings_t), intent(inout) :: findings
+      real(wp) :: wave, way
+
+      if (size(surface%features) == 0 .or. .not. values%has_value('time', 'time_step')) return
+      wave = minval(surface%features%wavelength)
+      way = abs(surface%speed)*time_step
+      if (wave >= fewest_in_a_wave*way) return
+      call findings%add(values%line_of('time', 'time_step'), 'time', 'time_step', 'found '//to_text(time_step, 3)// &
+         ', in which &'//group//' moves by '//to_text(way/wave, 2)//' of its wavelength, expected at most '// &
+         to_text(wave/(fewest_in_a_wave*abs(surface%speed)), 3)//' [-], half of it')
+   end subroutine check_passages
+
+end module wave_validation
