@@ -251,7 +251,8 @@ def test_seed_decides(asperity, tmp_path):
 def test_too_few_nodes_are_told(asperity, tmp_path):
     surface = "&surface_2 shape = 'synthetic', rms_height = 30e-9, wavelength_short = 5e-5 /\n"
     path, told = run(asperity, tmp_path, passage(surface))
-    note = "the finest wave of the surfaces has 22.0 nodes, 32 are needed: 384 intervals"
+    note = "the finest wave of the surfaces has 22.0 nodes, 32 are needed: 384 intervals; the finest moving wave passes in "
+    note += "12.9 time steps, 16 are needed: time_step = 0.016"
     table = " ".join(told[told.index("dimensionless") :].split())
     assert f"case.nml: {note}\n" in told
     assert f"note {note} result case.h5" in table
@@ -259,6 +260,7 @@ def test_too_few_nodes_are_told(asperity, tmp_path):
         assert text(file["report/note"][()]) == note
         dx = np.diff(file["solution/x"][:2])[0] * file["scaling"].attrs["half_width"]
         assert file["report/nodes_per_wave"][()] == pytest.approx(5e-5 / dx)
+        assert file["report/steps_per_wave"][()] == pytest.approx(12.9, abs=0.05)
     path, told = run(asperity, tmp_path, passage(surface.replace("5e-5", "3e-4")))
     assert "finest wave" not in told
     with h5py.File(path) as file:
