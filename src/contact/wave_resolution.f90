@@ -5,7 +5,8 @@
 !> 24 nodes in the wave, 88 % with 24 to 32, 96 % with 32 to 48; of 40 passages on 32 to 64 nodes in 92 % with 8 steps in which the
 !> wave passes a place, 97 % with 16. Estimates of h_min from n/2 and n/4 intervals held in 81 to 83 % with 8 to 16 nodes in a wave
 !> at rest, in 94 to 98 % with more; in passages in 89 % with 4 to 8 nodes, in 95 to 98 % with more, and on fine grids, with steps
-!> longer than dX, in 68 to 90 % with 1 to 8 steps, 97 % with 16 (theory page, section on domain and grid).
+!> longer than dX, in 68 to 90 % with 1 to 8 steps, 97 % with 16; those of h_central in 36 to 72 % and 92 %, and for two dents in
+!> 16 and 23 steps they were up to twice too small (theory page, section on domain and grid).
 module wave_resolution
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t, shortest_passage
@@ -18,8 +19,8 @@ module wave_resolution
 
    !> Nodes in the finest wave, and steps in which it passes a place, for 1 % in h_min: those of the default, and what is told.
    integer, parameter, public :: wanted_nodes = 32, wanted_steps = 16
-   !> Nodes and steps from which on companions see what this grid sees: nodes at rest and in time.
-   real(wp), parameter :: seen_nodes(2) = [16.0_wp, 8.0_wp], seen_steps = 16.0_wp
+   !> Nodes (at rest, in time) and steps from which on companions see what this grid sees; steps only where they are longer than dX.
+   real(wp), parameter :: seen_nodes(2) = [16.0_wp, 8.0_wp], seen_steps = 32.0_wp
    !> A feature or sinusoid with fewer nodes, or steps in its passage, is refused.
    real(wp), parameter, public :: fewest_in_a_wave = 2.0_wp
    !> Steps up to so many spacings are no longer than dX, but for rounding.
