@@ -1,30 +1,34 @@
 !> asperity: reads the command line and the namelists, runs the cases, ends with the exit status.
 program asperity
-   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use build_info, only: git_commit, program_name, program_version
-   use case_outcome, only: status_interrupted
+   use case_outcome, only: status_interrupted, status_not_written
    use case_record, only: case_t
    use command_line, only: command_t, help_text, read_command_line
-   use errors, only: error_t
+   use errors, only: error_t, output_error
    use input_manual, only: keys_markdown, keys_text
    use input_template, only: template_text
-   use interruption, only: is_interrupted
+   use interruption, only: is_interrupted, listen_to_signals
+   use progress_log, only: new_progress_log, progress_log_t
    use read_cases, only: read_all_cases
    use run_case, only: run_one_case
+   use standard_output, only: print_text, settle_standard_streams
    implicit none (type, external)
 
    !> Exit status of bad input, usage or file.
    integer, parameter :: status_bad_input = 1
    type(command_t) :: command
    type(error_t), allocatable :: error
+   type(progress_log_t) :: log
    integer :: status
 
    status = 0
+   call settle_standard_streams()
    call read_command_line(command, error)
    if (.not. allocated(error)) call obey(command, status, error)
    if (allocated(error)) then
-      write (error_unit, '(a)') error%message
-      status = status_bad_input
+      log = new_progress_log(is_quiet=.false.)
+      call log%say(error%message)
+      status = merge(status_not_written, status_bad_input, error%kind == output_error)
    end if
    if (status /= 0) stop status, quiet=.true.
 
@@ -36,34 +40,61 @@ contains
       integer, intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
       type(case_t), allocatable :: cases(:)
-      integer :: i, this_status
 
       select case (command%action)
       case ('help')
-         write (output_unit, '(a)', advance='no') help_text()
+         call print_text(help_text(), error)
       case ('version')
-         write (output_unit, '(a)') program_name // ' ' // program_version // ' (commit ' // git_commit() // ')'
+         call print_text(program_name // ' ' // program_version // ' (commit ' // git_commit() // ')' // new_line('a'), error)
       case ('template')
-         write (output_unit, '(a)', advance='no') template_text(command%problem)
+         call print_text(template_text(command%problem), error)
       case ('keys')
-         write (output_unit, '(a)', advance='no') keys_text()
+         call print_text(keys_text(), error)
       case ('keys-markdown')
-         write (output_unit, '(a)', advance='no') keys_markdown()
+         call print_text(keys_markdown(), error)
       case default
+         call listen_to_signals()
          call read_all_cases(command%files, command%output_dir, cases, error)
          if (allocated(error)) return
-         do i = 1, size(cases)
-            if (command%action == 'check') then
-               write (output_unit, '(a)') cases(i)%file // ': no findings'
-               cycle
-            end if
-            call run_one_case(cases(i), command, this_status)
-            status = max(status, this_status)
-            if (.not. is_interrupted()) cycle
-            if (i < size(cases)) status = status_interrupted
-            exit
-         end do
+         if (command%action == 'check') then
+            call print_text(no_findings(cases), error)
+         else
+            call run_cases(cases, command, status)
+         end if
       end select
    end subroutine obey
+
+   !> What --check says of good cases.
+   function no_findings(cases) result(text)
+      type(case_t), intent(in) :: cases(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(cases)
+         text = text // cases(i)%file // ': no findings' // new_line('a')
+      end do
+   end function no_findings
+
+   !> Runs one case after another; `status` becomes the largest of theirs. After an interruption none begins any more.
+   subroutine run_cases(cases, command, status)
+      type(case_t), intent(inout) :: cases(:)
+      type(command_t), intent(in) :: command
+      integer, intent(inout) :: status
+      type(progress_log_t) :: log
+      integer :: i, this_status
+
+      this_status = 0
+      do i = 1, size(cases)
+         if (is_interrupted()) then
+            log = new_progress_log(command%is_quiet)
+            if (this_status /= status_interrupted) call log%say_error('interrupted before ' // cases(i)%file)
+            status = status_interrupted
+            return
+         end if
+         call run_one_case(cases(i), command, this_status)
+         status = max(status, this_status)
+      end do
+   end subroutine run_cases
 
 end program asperity

@@ -79,6 +79,7 @@ contains
       watcher%earlier_seconds = checkpoint%march%report%wall_seconds
       watcher%output_seconds = checkpoint%march%report%phase_seconds(phase_output)
       watcher%checkpoint_step = checkpoint%march%step
+      call watcher%writer%expect_interruption(watcher%checkpoint_step)
       watcher%intervals = checkpoint%intervals
       watcher%time_step = checkpoint%time_step
       watcher%space_scheme = checkpoint%space_scheme

@@ -10,7 +10,6 @@ module run_case
    use error_bars, only: domain_error, error_bars_t
    use errors, only: error_t
    use input_keys, only: lubricated
-   use interruption, only: listen_to_signals
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_case, only: build_line_contact, scaled_solver
@@ -69,7 +68,6 @@ contains
          call solve_and_write(case, command%output_dir, command%is_quiet, command%threads, status)
          return
       end if
-      call listen_to_signals()
       call build_line_contact(case, scaling, contact)
       case%solver = scaled_solver(case%solver, scaling)
       call watcher%log%start_case(case%file, scaling)
@@ -236,17 +234,17 @@ contains
    subroutine suspend(watcher, status)
       type(run_observer_t), intent(inout) :: watcher
       integer, intent(out) :: status
+      character(:), allocatable :: words
 
       status = status_interrupted
       if (allocated(watcher%failure)) status = status_not_written
+      words = watcher%writer%interruption_text(watcher%checkpoint_step)
       if (watcher%writer%has_checkpoint) then
          call watcher%writer%suspend()
-         call watcher%log%say_error('interrupted; --resume goes on after step '//to_text(watcher%checkpoint_step)// &
-            ' with '//watcher%writer%path//'.ckpt')
       else
          call watcher%writer%discard()
-         call watcher%log%say_error('interrupted without a checkpoint, nothing is kept of '//watcher%writer%path)
       end if
+      call watcher%log%say_error(words)
    end subroutine suspend
 
    !> Companions on coarser grids; with a target, intervals and time step too.

@@ -10,6 +10,7 @@ module run_dry_case
    use errors, only: error_t
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
+   use interruption, only: set_patience
    use iteration_report, only: phase_steady
    use kinds, only: wp
    use progress_log, only: new_progress_log, progress_log_t
@@ -65,6 +66,7 @@ contains
       call judge_sweep(outcome%rows, outcome%solution)
       if (allocated(case%dry%note)) outcome%solution%report%note = case%dry%note
       writer%inputs = case%effective
+      call set_patience(.true.)
       call write_dry_result(writer%file, case%dry, outcome%rows, outcome%fields, error)
       if (allocated(error)) then
          call writer%discard()

@@ -3,7 +3,7 @@ module case_input
    use bodies, only: reduced_radius, reduced_modulus
    use case_effective, only: list_effective
    use case_record, only: case_t, set_effective
-   use case_validation, only: validate
+   use case_validation, only: check_case, validate
    use dry_input, only: fill_dry_case
    use errors, only: error_t
    use features, only: rough_surface_t, feature_ridge, feature_sinusoid
@@ -84,6 +84,7 @@ contains
       type(findings_t), intent(inout) :: findings
       integer, parameter :: all_digits = 17
 
+      call check_case(values, findings)
       if (findings%count > 0) return
       call fill_dry_case(values, case%file(:index(case%file, '/', back=.true.)), case%dry, findings)
       if (findings%count > 0) return

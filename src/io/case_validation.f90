@@ -13,7 +13,7 @@ module case_validation
    implicit none (type, external)
    private
 
-   public :: validate
+   public :: check_case, validate
 
    !> Most time steps of a transient.
    real(wp), parameter :: most_steps = 1.0e8_wp
@@ -25,6 +25,9 @@ module case_validation
 
    !> Why a length is of no use.
    character(*), parameter :: no_units = 'with &moes, which has no SI units'
+
+   !> Longest title [bytes]: HDF5 keeps attributes of up to 64 kB.
+   integer, parameter :: longest_title = 10000
 
 contains
 
@@ -88,12 +91,15 @@ contains
       end do
    end subroutine check_required
 
-   !> Finding: an output that cannot be the name of a file.
+   !> Findings: an output that cannot be the name of a file; a title that no attribute can hold.
    subroutine check_case(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
-      type(value_t) :: output
+      type(value_t) :: output, title
 
+      title = values%slot('case', 'title')
+      if (len(title%text) > longest_title) call findings%add(title%line, 'case', 'title', 'found ' // to_text(len(title%text)) &
+         // ' bytes, expected at most ' // to_text(longest_title))
       output = values%slot('case', 'output')
       if (.not. output%has_value) return
       if (len_trim(output%text) == 0) then

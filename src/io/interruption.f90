@@ -1,24 +1,52 @@
-!> Signals (POSIX): SIGINT (Ctrl-C) and SIGTERM (batch systems, kill) ask the program to end; others must not end it.
+!> Signals (POSIX) that ask the program to end: SIGINT (Ctrl-C), SIGTERM, SIGHUP (a terminal that is gone), SIGUSR1, SIGUSR2 and
+!> SIGXCPU (batch systems). Others must not end it.
 !>
-!> The first request is only noted; the program looks at the note between time steps, keeps where it stands and ends. The second
-!> one ends the program at once. The note is the one variable of the program that outlives a call: a signal handler has no
-!> arguments through which it could reach anything else.
+!> The first request is noted; the program looks at the note between cycles and time steps, keeps where it stands and ends. Where it
+!> does not look soon (a factorisation, a library, a large file, a dry contact, which has nothing to keep) a timer ends it: the
+!> last words that were laid down for that are said, the files named with them are removed, exit status 4. A second SIGINT or
+!> SIGTERM does the same at once.
+!>
+!> Note and last words are the variables of the program that outlive a call: a signal handler has no arguments through which it
+!> could reach anything else. It only calls what POSIX allows there (write, unlink, setitimer, signal, _exit), and allocates
+!> nothing.
 module interruption
-   use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_intptr_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, c_long, c_null_char, c_ptr, c_null_ptr, &
+      c_size_t
    implicit none (type, external)
    private
 
-   public :: ignore_file_size_signal, is_interrupted, listen_to_signals
+   public :: forget_last_words, ignore_file_size_signal, is_interrupted, lay_down_last_words, listen_to_signals, set_patience
 
-   !> SIGINT, SIGPIPE and SIGTERM on every POSIX system.
-   integer(c_int), parameter :: signal_interrupt = 2_c_int, signal_pipe = 13_c_int, signal_terminate = 15_c_int
-   !> SIGXFSZ on Linux, macOS and the BSDs.
-   integer(c_int), parameter :: signal_file_size = 25_c_int
+   !> Signals with the same number on every POSIX system; SIGUSR1, SIGUSR2, SIGXCPU and SIGXFSZ as on Linux.
+   integer(c_int), parameter :: signal_hangup = 1_c_int, signal_interrupt = 2_c_int, signal_pipe = 13_c_int, &
+      signal_alarm = 14_c_int, signal_terminate = 15_c_int, signal_user_1 = 10_c_int, signal_user_2 = 12_c_int, &
+      signal_processor_time = 24_c_int, signal_file_size = 25_c_int
    !> SIG_DFL and SIG_IGN as addresses.
    integer(c_intptr_t), parameter :: default_address = 0_c_intptr_t, ignore_address = 1_c_intptr_t
+   !> ITIMER_REAL; time within which the program looks at the note if it looks at all, time that a time step or the writing of a
+   !> result gets, time for the last words themselves [us].
+   integer(c_int), parameter :: wall_timer = 0_c_int
+   integer(c_long), parameter :: soon = 700000_c_long, patience = 20000000_c_long, one_second = 1000000_c_long
+   integer(c_int), parameter :: standard_error = 2_c_int, status_interrupted = 4_c_int
+   !> Longest words, longest file name, and files to remove.
+   integer, parameter :: longest_words = 9000, longest_name = 4200, most_files = 4
+   character(*), parameter :: usual_words = 'asperity: interrupted'
+   character(kind=c_char, len=*), parameter :: waiting_words = &
+      'asperity: interrupted, ends when this time step or result is complete'//new_line('a')
 
-   !> Number of the signal that came; 0: none.
+   !> Number of the signal that came first; 0: none. Which ones came.
    integer(c_int), volatile :: noted = 0_c_int
+   logical, volatile :: has_come(64) = .false.
+   !> A checkpoint or a result is about to be written; that has been said.
+   logical, volatile :: is_patient = .false., is_waiting = .false.
+   !> The last words and the files that go with them, twice: one set is valid while the other one is written.
+   type :: last_words_t
+      integer :: length = 0, files = 0
+      character(kind=c_char, len=longest_words) :: words = ''
+      character(kind=c_char, len=longest_name) :: names(most_files) = ''
+   end type last_words_t
+   type(last_words_t) :: sets(2)
+   integer, volatile :: current = 0
 
    interface
       !> signal(2): sets what a signal does.
@@ -29,22 +57,106 @@ module interruption
          type(c_funptr), value :: action
          type(c_funptr) :: previous
       end function c_signal
+
+      !> setitimer(2): `setting` is struct itimerval, the interval and the time until the first signal, seconds and microseconds.
+      function c_setitimer(timer, setting, old) bind(c, name='setitimer') result(status)
+         import :: c_int, c_long, c_ptr
+         implicit none (type, external)
+         integer(c_int), value :: timer
+         integer(c_long), intent(in) :: setting(4)
+         type(c_ptr), value :: old
+         integer(c_int) :: status
+      end function c_setitimer
+
+      !> write(2).
+      function c_write(descriptor, text, bytes) bind(c, name='write') result(written)
+         import :: c_char, c_int, c_size_t
+         implicit none (type, external)
+         integer(c_int), value :: descriptor
+         character(kind=c_char), intent(in) :: text(*)
+         integer(c_size_t), value :: bytes
+         integer(c_size_t) :: written
+      end function c_write
+
+      !> unlink(2).
+      function c_unlink(path) bind(c, name='unlink') result(status)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int) :: status
+      end function c_unlink
+
+      !> _exit(2): ends the process, nothing is flushed.
+      subroutine c_exit(status) bind(c, name='_exit')
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: status
+      end subroutine c_exit
    end interface
 
 contains
 
-   !> From now on the first SIGINT or SIGTERM is noted instead of ending the program. One that was ignored (nohup, a job in
-   !> the background) stays ignored. That nobody reads standard error any more (SIGPIPE) is no reason to end.
+   !> From now on the first request is noted instead of ending the program. A signal that was ignored (nohup, a job in the
+   !> background) stays ignored. That nobody reads what the program says any more (SIGPIPE) is no reason to end.
    subroutine listen_to_signals()
+      type(c_funptr) :: previous
+
       call ignore(signal_pipe)
+      call forget_last_words()
+      previous = c_signal(signal_alarm, c_funloc(end_at_last))
+      call listen_to(signal_hangup)
       call listen_to(signal_interrupt)
       call listen_to(signal_terminate)
+      call listen_to(signal_user_1)
+      call listen_to(signal_user_2)
+      call listen_to(signal_processor_time)
    end subroutine listen_to_signals
 
    !> A write beyond the allowed file size (`ulimit -f`) fails from now on instead of ending the program without a word.
    subroutine ignore_file_size_signal()
       call ignore(signal_file_size)
    end subroutine ignore_file_size_signal
+
+   !> What is said, and which files are removed, where the program has to be ended from now on.
+   subroutine lay_down_last_words(words, files)
+      character(*), intent(in) :: words
+      character(*), intent(in) :: files(:)
+      integer :: i, next
+
+      next = merge(2, 1, current == 1)
+      associate (set => sets(next))
+         set%words = words
+         set%length = min(len(words) + 1, longest_words)
+         set%words(set%length:set%length) = new_line('a')
+         set%files = 0
+         do i = 1, min(size(files), most_files)
+            if (len_trim(files(i)) >= longest_name) cycle
+            set%files = set%files + 1
+            set%names(set%files) = trim(files(i))//c_null_char
+         end do
+      end associate
+      current = next
+   end subroutine lay_down_last_words
+
+   !> There is nothing to remove, and nothing to say but that the program was interrupted.
+   subroutine forget_last_words()
+      call set_patience(.false.)
+      call lay_down_last_words(usual_words, [character(len=1) ::])
+   end subroutine forget_last_words
+
+   !> Whether what is going on is worth waiting for: a time step, after which a checkpoint is kept, or the writing of a result.
+   subroutine set_patience(is_worth_it)
+      logical, intent(in) :: is_worth_it
+
+      is_patient = is_worth_it
+   end subroutine set_patience
+
+   !> Whether the program was asked to end.
+   function is_interrupted() result(answer)
+      logical :: answer
+
+      answer = noted /= 0_c_int
+   end function is_interrupted
 
    !> A signal has no effect from now on.
    subroutine ignore(number)
@@ -63,20 +175,58 @@ contains
       if (transfer(previous, 0_c_intptr_t) == ignore_address) previous = c_signal(number, previous)
    end subroutine listen_to
 
-   !> Whether the program was asked to end.
-   function is_interrupted() result(answer)
-      logical :: answer
-
-      answer = noted /= 0_c_int
-   end function is_interrupted
-
-   !> The handler: notes the signal and gives a second one its usual effect.
+   !> The handler of requests: notes the first one and sets the timer; ends the program where a user or batch system insists.
+   !> (Others may come in numbers: SIGXCPU does each second, SIGHUP from terminal and shell.)
    subroutine note(number) bind(c)
       integer(c_int), value :: number
-      type(c_funptr) :: previous
 
+      if (has_come(number) .and. (number == signal_interrupt .or. number == signal_terminate)) call say_last_words()
+      has_come(number) = .true.
+      if (noted /= 0_c_int) return
       noted = number
-      previous = c_signal(number, transfer(default_address, previous))
+      call set_timer(soon)
    end subroutine note
+
+   !> The handler of the timer.
+   subroutine end_at_last(number) bind(c)
+      integer(c_int), value :: number
+      integer(c_size_t) :: written
+
+      associate (unused => number)
+      end associate
+      if (is_patient .and. .not. is_waiting) then
+         is_waiting = .true.
+         call set_timer(patience)
+         written = c_write(standard_error, waiting_words, len(waiting_words, kind=c_size_t))
+         return
+      end if
+      call say_last_words()
+   end subroutine end_at_last
+
+   !> Removes the files, says the words and ends the program; words that nobody takes must not hold it up.
+   subroutine say_last_words()
+      type(c_funptr) :: previous
+      integer(c_size_t) :: written
+      integer(c_int) :: status
+      integer :: i
+
+      previous = c_signal(signal_alarm, transfer(default_address, previous))
+      call set_timer(one_second)
+      associate (set => sets(current))
+         do i = 1, set%files
+            status = c_unlink(set%names(i))
+         end do
+         written = c_write(standard_error, set%words, int(set%length, c_size_t))
+      end associate
+      call c_exit(status_interrupted)
+   end subroutine say_last_words
+
+   !> SIGALRM after `time` [us].
+   subroutine set_timer(time)
+      integer(c_long), intent(in) :: time
+      integer(c_int) :: status
+
+      status = c_setitimer(wall_timer, [0_c_long, 0_c_long, time/one_second, modulo(time, one_second)], c_null_ptr)
+   end subroutine set_timer
 
 end module interruption

@@ -17,7 +17,7 @@ module result_writer
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: create_hdf5_file, hdf5_file_t
    use input_section, only: write_input
-   use interruption, only: ignore_file_size_signal
+   use interruption, only: forget_last_words, ignore_file_size_signal, lay_down_last_words, set_patience
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
@@ -30,6 +30,7 @@ module result_writer
    use result_sections, only: write_report, write_scaling, write_solution, write_summary
    use scaling, only: scaling_t
    use statistics_section, only: write_statistics
+   use text, only: to_text
    use transient_store, only: attach_store, create_store, part_t, transient_store_t
    implicit none (type, external)
    private
@@ -85,6 +86,10 @@ module result_writer
       procedure :: publish
       !> Closes NAME.part and leaves it for a later run to go on with.
       procedure :: suspend
+      !> Lays down what happens to the files if the program has to be ended by force; `step`: of the last checkpoint.
+      procedure :: expect_interruption
+      !> The same in words.
+      procedure :: interruption_text
       !> Gives the file up; nothing of it stays, but NAME.part if there is a checkpoint.
       procedure :: discard
       procedure, private :: remove_checkpoint, keep_failure
@@ -104,6 +109,7 @@ contains
       call writer%remove_checkpoint()
       call create_hdf5_file(writer%file, path//'.part', error)
       if (allocated(error)) call give_back(writer, is_complete=.false.)
+      if (.not. allocated(error)) call writer%expect_interruption(0)
    end subroutine open_result
 
    !> Goes on with the result `path` of an interrupted run, with what was stored of it (`part`, profiles of `nx` nodes) and its
@@ -156,8 +162,35 @@ contains
 
       if (is_complete) call writer%remove_checkpoint()
       if (is_complete .or. .not. writer%had_part) is_removed = remove_file(writer%path//'.part')
+      call forget_last_words()
       call writer%lock%release()
    end subroutine give_back
+
+   !> What is said of a run that ends here; `step`: of the last checkpoint.
+   function interruption_text(self, step) result(text)
+      class(result_writer_t), intent(in) :: self
+      integer, intent(in) :: step
+      character(:), allocatable :: text
+
+      if (self%has_checkpoint) then
+         text = 'interrupted; --resume goes on after step '//to_text(step)//' with '//self%path//'.ckpt'
+      else
+         text = 'interrupted without a checkpoint, nothing is kept of '//self%path
+      end if
+   end function interruption_text
+
+   !> Lays down this text, and which files go with it.
+   subroutine expect_interruption(self, step)
+      class(result_writer_t), intent(in) :: self
+      integer, intent(in) :: step
+      integer :: first, i
+
+      first = merge(2, 1, self%has_checkpoint)   ! a checkpoint needs NAME.part
+      associate (endings => [character(len=9) :: '.part', '.tmp', '.ckpt.tmp'])
+         call lay_down_last_words(program_name//': '//self%interruption_text(step), &
+            [(self%path//endings(i), i=first, size(endings))])
+      end associate
+   end subroutine expect_interruption
 
    !> Makes sure that `path` can be the name of a result, and that nobody else is writing it.
    subroutine take_name(writer, path, error)
@@ -341,6 +374,7 @@ contains
       type(report_t), intent(in) :: report
       type(error_t), allocatable, intent(out) :: error
 
+      call set_patience(.true.)
       if (.not. self%is_transient) then
          self%summary = summary_of(state)
       else if (.not. allocated(self%file%failure)) then
@@ -364,6 +398,7 @@ contains
       character(:), allocatable :: reason
       integer :: i
 
+      call set_patience(.true.)
       do i = 1, size(self%inputs)
          call write_input(self%file, self%inputs(i), self%scaling)
       end do
@@ -379,6 +414,7 @@ contains
       if (allocated(error) .or. self%is_transient) then
          call self%discard()
       else
+         call forget_last_words()
          call self%lock%release()
       end if
    end subroutine publish
@@ -404,6 +440,7 @@ contains
    subroutine suspend(self)
       class(result_writer_t), intent(inout) :: self
 
+      call forget_last_words()
       call self%store%file%close()
       call self%store_lock%release()
       call self%lock%release()
@@ -419,6 +456,7 @@ contains
       call self%store%file%close()
       if (self%is_transient) is_removed = remove_file(self%path//'.tmp')
       if (.not. self%has_checkpoint) is_removed = remove_file(self%path//'.part')
+      call forget_last_words()
       call self%store_lock%release()
       call self%lock%release()
    end subroutine discard

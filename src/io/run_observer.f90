@@ -6,7 +6,7 @@ module run_observer
    use checkpoint, only: checkpoint_t, write_checkpoint
    use error_bars, only: error_bars_t
    use errors, only: error_t, fail, output_error
-   use interruption, only: is_interrupted
+   use interruption, only: is_interrupted, set_patience
    use iteration_report, only: phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: line_state_t
@@ -99,6 +99,7 @@ contains
       self%wants_state = is_interrupted() .or. begin - self%last_checkpoint >= self%checkpoint_interval
       if (step == steps) self%wants_state = self%has_companions .and. (self%wants_state .or. begin - self%start > long_run)
       self%wants_state = self%wants_state .and. .not. self%writer%wants_stop
+      call set_patience(self%wants_state .or. step < steps)
       self%output_seconds = self%output_seconds + wall_seconds() - begin
    end subroutine on_step
 
@@ -136,7 +137,9 @@ contains
       else
          self%checkpoint_step = history%step
          self%writer%has_checkpoint = .true.
+         call self%writer%expect_interruption(history%step)
       end if
+      call set_patience(.false.)   ! until the next step
       self%wants_state = .false.
       self%last_checkpoint = wall_seconds()
       self%output_seconds = self%output_seconds + self%last_checkpoint - begin

@@ -1,0 +1,59 @@
+!> Text for standard output. (Fortran's own output tells neither a full device nor a reader that is gone.)
+module standard_output
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_size_t
+   use errors, only: error_t, fail, output_error
+   use operating_system, only: closed, opened
+   implicit none (type, external)
+   private
+
+   public :: print_text, settle_standard_streams
+
+   !> File descriptors of standard output and standard error.
+   integer(c_int), parameter :: standard_output_descriptor = 1_c_int, standard_error_descriptor = 2_c_int
+
+   interface
+      !> write(2).
+      function c_write(descriptor, text, bytes) bind(c, name='write') result(written)
+         import :: c_char, c_int, c_size_t
+         implicit none (type, external)
+         integer(c_int), value :: descriptor
+         character(kind=c_char), intent(in) :: text(*)
+         integer(c_size_t), value :: bytes
+         integer(c_size_t) :: written
+      end function c_write
+   end interface
+
+contains
+
+   !> Prints all of `text` and closes standard output. Error: some of it is lost.
+   subroutine print_text(text, error)
+      character(*), intent(in) :: text
+      type(error_t), allocatable, intent(out) :: error
+      integer(c_size_t) :: done, written
+
+      done = 0_c_size_t
+      do while (done < len(text))
+         written = c_write(standard_output_descriptor, text(done + 1:), len(text) - done)
+         if (written <= 0_c_size_t) exit
+         done = done + written
+      end do
+      if (done == len(text)) then
+         if (closed(standard_output_descriptor)) return   ! some file systems tell a full disk only here
+      end if
+      call fail(error, output_error, 'cannot write to standard output: the disk is full, or nobody reads it')
+   end subroutine print_text
+
+   !> Standard streams that are closed lead nowhere from now on: else the next files to be opened would take their places, and
+   !> messages would go into a result.
+   subroutine settle_standard_streams()
+      integer(c_int) :: descriptor
+      logical :: is_closed
+
+      do
+         descriptor = opened('/dev/null', for_writing=.false.)
+         if (descriptor < 0_c_int .or. descriptor > standard_error_descriptor) exit
+      end do
+      if (descriptor > standard_error_descriptor) is_closed = closed(descriptor)
+   end subroutine settle_standard_streams
+
+end module standard_output

@@ -1,0 +1,125 @@
+"""Whoever asks the program to end gets status 4 within a second, a word, and no left-over files; nobody has to listen to it."""
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import h5py
+import pytest
+from cases import LONG, STEADY, write
+from test_resume import names, wait_for, wait_for_times
+
+# Seconds of solving, without a look at the outside.
+DRY = """&case problem = 'dry_area' /
+&bodies youngs_modulus_1 = 206e9, poisson_ratio_1 = 0.3 /
+&load mean_pressure = 1e7, 2e7, 4e7, 8e7, 1e8, 2e8, 3e8, 4e8, 5e8, 6e8 /
+&surface_1 shape = 'synthetic', seed = 3, hurst = 0.8, rms_height = 1e-6, wavelength_long = 1e-3, wavelength_short = 4e-6 /
+&domain length_x = 1e-3, length_y = 1e-3, intervals_x = 1024, intervals_y = 1024 /
+"""
+DENSE = STEADY.replace("intervals = 256", "intervals = 8192") + "&solver method = 'newton_dense' /\n"
+SIGNALS = [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU]
+# The program takes 0.7 s at most; the rest is for a busy machine.
+SECONDS = 10
+
+
+def begin(program, folder, *arguments):
+    return subprocess.Popen([program, *arguments, "--quiet"], cwd=folder, stderr=subprocess.PIPE, text=True)
+
+
+def end(running, number):
+    """Sends a signal; status, what was said, and processor time from the signal to the end [s]."""
+    with Path(f"/proc/{running.pid}/stat").open(encoding="ascii") as file:
+        before = sum(map(int, file.read().rsplit(")", 1)[1].split()[11:13])) / os.sysconf("SC_CLK_TCK")
+    running.send_signal(number)
+    _, status, usage = os.wait4(running.pid, 0)
+    running.returncode = os.waitstatus_to_exitcode(status)
+    return running.returncode, running.stderr.read(), usage.ru_utime + usage.ru_stime - before
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_dry_case_ends_within_a_second(program, tmp_path, number):
+    write(tmp_path, "dry.nml", DRY)
+    write(tmp_path, "later.nml", STEADY)
+    with begin(program, tmp_path, "dry.nml", "later.nml") as running:
+        wait_for(tmp_path / "dry.h5.part", running)
+        status, message, seconds = end(running, number)
+    assert (status, message) == (4, "asperity: interrupted without a checkpoint, nothing is kept of dry.h5\n")
+    assert seconds < 1.5
+    assert names(tmp_path) == ["dry.nml", "later.nml"]
+
+
+def test_a_factorisation_ends_within_a_second(program, tmp_path):
+    """A dense matrix of 8192 rows is taken apart by a library that looks at nothing."""
+    write(tmp_path, "dense.nml", DENSE)
+    with begin(program, tmp_path, "dense.nml") as running:
+        wait_for(tmp_path / "dense.h5.part", running)
+        time.sleep(2)
+        status, message, seconds = end(running, signal.SIGTERM)
+    assert (status, message) == (4, "asperity: interrupted without a checkpoint, nothing is kept of dense.h5\n")
+    assert seconds < 1.5
+    assert names(tmp_path) == ["dense.nml"]
+
+
+@pytest.mark.parametrize("number", SIGNALS[2:])
+def test_batch_systems_get_a_checkpoint(program, tmp_path, number):
+    write(tmp_path, "case.nml", LONG)
+    with begin(program, tmp_path, "case.nml") as running:
+        wait_for_times(tmp_path / "case.h5.part", 20)
+        status, message, _ = end(running, number)
+    assert status == 4
+    assert message.startswith("asperity: interrupted; --resume goes on after step ")
+    assert names(tmp_path) == ["case.h5.ckpt", "case.h5.part", "case.nml"]
+
+
+def test_complete_results_are_kept(program, tmp_path):
+    write(tmp_path, "first.nml", STEADY)
+    write(tmp_path, "dry.nml", DRY)
+    with begin(program, tmp_path, "first.nml", "dry.nml") as running:
+        wait_for(tmp_path / "dry.h5.part", running)
+        assert end(running, signal.SIGTERM)[0] == 4
+    assert names(tmp_path) == ["dry.nml", "first.h5", "first.nml"]
+    with h5py.File(tmp_path / "first.h5") as file:
+        assert file.attrs["converged"] == 1
+
+
+def test_an_ignored_signal_stays_ignored(program, tmp_path):
+    """nohup."""
+    write(tmp_path, "case.nml", LONG.replace("end_time = 1000.0", "end_time = 2.0"))
+    command = ["nohup", program, "case.nml", "--quiet"]
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as running:
+        wait_for(tmp_path / "case.h5.part", running)
+        assert end(running, signal.SIGHUP)[0] == 0
+
+
+def test_later_cases_run_though_nobody_reads(program, tmp_path):
+    cases = ("one.nml", "dry.nml", "two.nml")
+    write(tmp_path, "one.nml", STEADY)
+    write(tmp_path, "two.nml", STEADY)
+    write(tmp_path, "dry.nml", DRY.replace("1024", "64").replace("4e-6", "5e-5"))
+    with subprocess.Popen([program, *cases], cwd=tmp_path, stderr=subprocess.PIPE) as running:
+        running.stderr.close()
+    assert running.returncode == 0
+    assert names(tmp_path) == sorted([*cases, "one.h5", "dry.h5", "two.h5"])
+
+
+@pytest.mark.parametrize("closed", ["2>&-", ">&-", "<&-", "<&- >&- 2>&-"])
+def test_closed_streams_do_not_end_up_in_a_result(program, tmp_path, closed):
+    """A file gets the lowest free descriptor: without care messages would go into the first one that is opened."""
+    write(tmp_path, "case.nml", STEADY)
+    assert subprocess.run(f"'{program}' case.nml {closed}", shell=True, cwd=tmp_path, check=False).returncode == 0
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert file.attrs["converged"] == 1
+    done = subprocess.run([program, "case.nml", "--resume"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.stderr == "case.nml: case.h5 is complete: nothing to do\n"
+
+
+@pytest.mark.parametrize("option", ["--help", "--version", "--keys", "--keys-markdown", "--template ehl_line", "--check case.nml"])
+@pytest.mark.parametrize("target", ["> /dev/full", ">&-"])
+def test_lost_text_is_told(program, tmp_path, option, target):
+    write(tmp_path, "case.nml", STEADY)
+    command = f"'{program}' {option} {target}"
+    done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 3
+    assert done.stderr == "cannot write to standard output: the disk is full, or nobody reads it\n"
