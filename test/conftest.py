@@ -7,9 +7,12 @@ import subprocess
 
 import pytest
 
-# Shells ignore SIGINT for what runs in the background, and programs inherit that: the runs that these tests interrupt must not.
+# Shells ignore SIGINT for what runs in the background, nohup SIGHUP, and programs inherit that: the runs that these tests interrupt
+# must not. A handler of our own is not inherited.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, lambda *_: None)
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 

@@ -33,7 +33,7 @@ SECONDS = 60
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """Two cases in one call, one signal (sometimes two)."""
+    """Two cases in one call, one signal."""
     chosen = [source.choice(list(PROBLEMS)) for _ in range(2)]
     for number, name in enumerate(chosen):
         (folder / f"case{number}.nml").write_text(PROBLEMS[name], encoding="utf-8")
@@ -49,7 +49,8 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
     ) as running:
         if not is_heard:
             running.stderr.close()
-        time.sleep(source.uniform(0.2, 2.0))
+        wait_until_it_begins(running, folder)
+        time.sleep(source.uniform(0.0, 2.0))
         running.send_signal(number)
         try:
             status = running.wait(SECONDS)
@@ -58,6 +59,13 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
             return f"{chosen}: signal {number} is not seen"
         message = running.stderr.read().decode() if is_heard else ""
     return look_at(folder, chosen, number, status, message if is_heard else None)
+
+
+def wait_until_it_begins(running: subprocess.Popen, folder: Path) -> None:
+    """Before it has made its first file the program has nothing to leave behind, and may not listen yet."""
+    end = time.monotonic() + SECONDS
+    while not any(folder.glob("*.h5*")) and running.poll() is None and time.monotonic() < end:
+        time.sleep(0.01)
 
 
 def look_at(folder: Path, chosen: list[str], number: int, status: int, message: str | None) -> str | None:
