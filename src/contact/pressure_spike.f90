@@ -10,6 +10,8 @@
 !>
 !>     l_flow = sqrt( e/(lambda rho) ) = sqrt( H^3 S/(mu lambda) ) ,    l_density = H rho'/rho .
 !>
+!> S is that of the top or of the flank, of the slope P/l_flow: without sliding an Eyring oil thins there alone.
+!>
 !> Both fall as the pressure of the spike rises, l_flow like exp(-ln mu/2). So its height in the end solves
 !>
 !>     P^2 = P_node^2 ( 1 + min( c_flow dX/l_flow(P) , c_density (dX/l_density(P))^(2/3) ) ) ,
@@ -34,9 +36,12 @@ module pressure_spike
    real(wp), parameter :: sure_share = 1.0_wp/3.0_wp
    !> A in units of H_c^(2/3): the top node of a spike of which a grid shows nothing would be so high.
    real(wp), parameter :: edge_strength = 0.5_wp
-   !> No height beyond this many times that of the node is looked for, in so many steps.
-   real(wp), parameter :: highest_growth = 20.0_wp
+   !> No height beyond this many times that of the node is looked for, in so many steps, and none beyond `most_claimed` times it
+   !> is claimed.
+   real(wp), parameter :: highest_growth = 20.0_wp, most_claimed = 3.0_wp
    integer, parameter :: most_steps = 200
+   !> Halvings of the bracket of ln l_flow.
+   integer, parameter :: bisections = 40
    !> A height beyond all bounds.
    real(wp), parameter, public :: endless = huge(1.0_wp)
    !> Accuracy of a height, relative.
@@ -68,7 +73,7 @@ contains
          if (height < endless) ceiling = crests%spike + safety*(height - crests%spike)
          if (ceiling <= crest) then
             ceiling = 0.0_wp
-         else if (height >= endless) then
+         else if (height > most_claimed*crests%spike) then
             ceiling = not_known()
          else if (crests%spike < crest .and. crests%spike + sure_share*(height - crests%spike) <= crest) then
             ceiling = not_known()
@@ -122,15 +127,40 @@ contains
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: pressure, film
       real(wp) :: lengths(2)
-      real(wp), dimension(1) :: ln_mu, ln_s, rho, drho
+      real(wp), dimension(1) :: ln_mu, rho, drho
 
       call fluid_ln_viscosity(law%fluid, [pressure], ln_mu)
       call fluid_density(law%fluid, [pressure], rho, drho)
-      ln_s = 0.0_wp
-      if (law%fluid%is_eyring) call ln_slip_factors([0.0_wp], law%fluid%ln_b_scale + ln_mu - log(film), ln_s)
-      lengths(1) = exp(0.5_wp*(3*log(film) + ln_s(1) - ln_mu(1) - log(law%lambda)))
+      lengths(1) = exp(0.5_wp*(3*log(film) - ln_mu(1) - log(law%lambda)))
+      if (law%fluid%is_eyring) lengths(1) = thinned_length(law%fluid, pressure, film, ln_mu(1), lengths(1))
       lengths(2) = film*drho(1)/rho(1)
    end function smoothing_lengths
+
+   !> l_flow of an Eyring oil from that of its viscosity alone, `thick`: with S of the top or, if that is larger, of the slope
+   !> P/l_flow of the flank, by bisection.
+   pure function thinned_length(fluid, pressure, film, ln_mu, thick) result(length)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: pressure, film, ln_mu, thick
+      real(wp) :: length, lower, upper, middle, fall
+      real(wp) :: ln_b(2), ln_s(2)
+      integer :: i
+
+      fall = fluid%sigma_scale*film*pressure
+      ln_b = fluid%ln_b_scale + ln_mu - log(film)
+      call ln_slip_factors([0.0_wp, 0.0_wp], ln_b, ln_s)
+      lower = log(thick) + 0.5_wp*ln_s(1)
+      upper = max(lower + 1.0_wp, log(fall))
+      do i = 1, bisections
+         middle = 0.5_wp*(lower + upper)
+         call ln_slip_factors([0.0_wp, fall*exp(-middle)], ln_b, ln_s)
+         if (middle < log(thick) + 0.5_wp*maxval(ln_s)) then
+            lower = middle
+         else
+            upper = middle
+         end if
+      end do
+      length = exp(lower)
+   end function thinned_length
 
    !> A quiet NaN.
    pure function not_known() result(value)
