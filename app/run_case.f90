@@ -214,7 +214,7 @@ contains
       type(case_t), intent(inout) :: case
       type(run_observer_t), intent(inout) :: watcher
       type(line_state_t), intent(in) :: state
-      type(report_t), intent(in) :: report
+      type(report_t), intent(inout) :: report
       integer, intent(out) :: status
       type(error_t), allocatable :: error
 

@@ -69,7 +69,7 @@ def test_missing_file(asperity, tmp_path):
 
 
 def test_folder_as_file(asperity, tmp_path):
-    assert run(asperity, tmp_path) == [f"{tmp_path}: found a folder, expected a namelist file"]
+    assert run(asperity, tmp_path) == [f"{tmp_path}: found a folder, expected a file"]
 
 
 def test_unreadable_file(asperity, tmp_path):
@@ -81,12 +81,14 @@ def test_unreadable_file(asperity, tmp_path):
     assert "cannot be opened" in run(asperity, path)[0]
 
 
-def test_device_without_end(asperity):
-    assert "found" in run(asperity, "/dev/zero")[0]
+@pytest.mark.parametrize("path", ["/dev/zero", "/dev/null"])
+def test_device(asperity, path):
+    assert run(asperity, path) == [f"{path}: found a pipe, a device or a socket, expected a file"]
 
 
-def test_device_without_content(asperity):
-    assert "found no group" in run(asperity, "/dev/null")[0]
+def test_pipe(asperity, tmp_path):
+    os.mkfifo(tmp_path / "pipe.nml")
+    assert run(asperity, "pipe.nml") == ["pipe.nml: found a pipe, a device or a socket, expected a file"]
 
 
 def test_file_too_large(asperity, tmp_path):

@@ -1,5 +1,7 @@
 """Dry areas under load, unload and reload: energy, running-in, hardness; the element kernel against direct sums."""
 
+import os
+
 import h5py
 import numpy as np
 import pytest
@@ -149,3 +151,71 @@ def test_bad_hdf5_file(asperity, tmp_path, name):
     assert message in done.stderr
     assert "Backtrace" not in done.stderr
     assert not (tmp_path / "case.h5").exists()
+
+
+BAD_ATTRIBUTES = {
+    "array": ("spacing", np.full(3000, 1e-6), "(spacing): found 3000 values, expected 1"),
+    "array_of_x": ("spacing_x", np.full(3, 1e-6), "(spacing_x): found 3 values, expected 1"),
+    "array_of_scale": ("si_scale", np.full(7000, 1.0), "(si_scale): found 7000 values, expected 1"),
+    "empty": ("spacing", h5py.Empty("f8"), "(spacing): found 0 values, expected 1"),
+    "word": ("spacing", "1e-6", "(spacing): found text, expected numbers"),
+    "zero": ("spacing", 0.0, "(spacing): found a spacing of 0.000E+00 m, expected 1.0E-15 to 1000000 m"),
+    "subnormal": ("spacing", 1e-320, "found a spacing of"),
+    "not_a_number": ("spacing", np.nan, "found a spacing of NaN m"),
+    "infinite": ("si_scale", np.inf, "(si_scale): found Infinity, expected"),
+}
+
+
+def refused_heights(asperity, tmp_path):
+    """The message about the dataset z of bad.h5."""
+    text = case_text("shape = 'file', file = 'bad.h5', dataset = 'z'", [1e6], "")
+    (tmp_path / "case.nml").write_text(text, encoding="utf-8")
+    done = asperity("case.nml")
+    assert done.returncode == 1
+    assert done.stderr.startswith("case.nml:4: &surface_1 file: ")
+    assert "bad.h5" in done.stderr
+    assert not (tmp_path / "case.h5").exists()
+    return done.stderr
+
+
+@pytest.mark.parametrize("name", BAD_ATTRIBUTES)
+def test_bad_attribute(asperity, tmp_path, name):
+    attribute, value, message = BAD_ATTRIBUTES[name]
+    with h5py.File(tmp_path / "bad.h5", "w") as file:
+        attributes = file.create_dataset("z", data=np.linspace(0, 1e-6, 64)).attrs
+        attributes["spacing"] = 1e-6
+        attributes[attribute] = value
+    assert message in refused_heights(asperity, tmp_path)
+
+
+def test_heights_of_other_files_are_not_read(asperity, tmp_path):
+    os.mkfifo(tmp_path / "pipe.h5")
+    sources = {
+        "found external storage": lambda file: file.create_dataset("z", (32,), "f8", external=[("/etc/passwd", 0, 256)]),
+        "found a virtual dataset": lambda file: file.create_virtual_dataset("z", virtual("bad.h5")),
+        "traversal": lambda file: file.update({"z": h5py.ExternalLink("pipe.h5", "z")}),
+    }
+    for message, make in sources.items():
+        with h5py.File(tmp_path / "bad.h5", "w") as file:
+            make(file)
+        found = refused_heights(asperity, tmp_path)
+        assert message in found or "link" in found
+
+
+def virtual(source):
+    """A virtual dataset over z of a file."""
+    layout = h5py.VirtualLayout((64,), "f8")
+    layout[...] = h5py.VirtualSource(source, "z", shape=(64,))
+    return layout
+
+
+def test_heights_without_end(asperity, tmp_path):
+    with h5py.File(tmp_path / "bad.h5", "w") as file:
+        file.create_dataset("z", (2**45,), "f8", chunks=True).attrs["spacing"] = 1e-6
+    assert "of which the file stores 0, expected all of them" in refused_heights(asperity, tmp_path)
+    with h5py.File(tmp_path / "bad.h5", "w") as file:
+        file.create_dataset("z", (2**29,), "f8", chunks=(2**28,)).attrs["spacing"] = 1e-6
+    assert "found chunks of 2147483648 bytes" in refused_heights(asperity, tmp_path)
+    (tmp_path / "bad.h5").unlink()
+    os.mkfifo(tmp_path / "bad.h5")
+    assert "found a pipe, a device or a socket, expected a file" in refused_heights(asperity, tmp_path)

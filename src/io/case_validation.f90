@@ -9,7 +9,7 @@ module case_validation
    use lubricant_validation, only: check_lubricant
    use surface_validation, only: check_surface
    use text, only: to_text
-   use validation_messages, only: report_missing, report_unused
+   use validation_messages, only: check_radii, report_missing, report_unused
    implicit none (type, external)
    private
 
@@ -164,11 +164,7 @@ contains
          if (first + second <= 0.0_wp) call findings%add(values%line_of('bodies', 'speed_1'), 'bodies', 'speed_1', &
             'found speed_1 + speed_2 = ' // to_text(first + second) // ', expected a sum > 0 [m/s]: no oil is drawn in')
       end if
-      if (values%has_value('bodies', 'radius_1') .and. values%has_value('bodies', 'radius_2')) then
-         first = 1.0_wp/values%real_value('bodies', 'radius_1') + 1.0_wp/values%real_value('bodies', 'radius_2')
-         if (first < 1.0e-9_wp .or. first > 1.0e9_wp) call findings%add(values%line_of('bodies', 'radius_1'), 'bodies', &
-            'radius_1', 'found 1/radius_1 + 1/radius_2 = ' // to_text(first) // ', expected 1e-9 to 1e9 [1/m]')
-      end if
+      call check_radii(values, findings)
    end subroutine check_speeds
 
    !> Finds no load, or two.

@@ -13,7 +13,7 @@ module dry_input
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
    use text, only: to_text
-   use validation_messages, only: report_missing, report_unused
+   use validation_messages, only: check_radii, report_missing, report_unused
    implicit none (type, external)
    private
 
@@ -89,6 +89,8 @@ contains
          if (.not. (values%is_given('bodies', 'reduced_radius') .or. values%is_given('bodies', 'radius_1') &
             .and. values%is_given('bodies', 'radius_2'))) then
             call report_missing(values, 'bodies', 'reduced_radius', findings, "(or radius_1 and radius_2) for shape = 'parabola'")
+         else if (.not. values%is_given('bodies', 'reduced_radius')) then
+            call check_radii(values, findings)
          end if
       else
          call report_unused(values, 'bodies', 'reduced_radius', "without shape = 'parabola'", findings)

@@ -5,7 +5,7 @@ module file_identity
    implicit none (type, external)
    private
 
-   public :: file_identity_t, is_same_file, look_at_file, look_at_open_file
+   public :: file_fault, file_identity_t, is_same_file, look_at_file, look_at_open_file
 
    !> What a path leads to; `kind_other`: a pipe, a device, a socket.
    integer, parameter, public :: kind_missing = 0, kind_regular = 1, kind_folder = 2, kind_link = 3, kind_other = 4
@@ -64,6 +64,25 @@ contains
 
       identity = look(descriptor, '', empty_path)
    end function look_at_open_file
+
+   !> Why `path` is nothing to read, in words: only regular files have an end. Empty if it is one.
+   function file_fault(path) result(fault)
+      character(*), intent(in) :: path
+      character(:), allocatable :: fault
+      type(file_identity_t) :: identity
+
+      identity = look_at_file(path, follows=.true.)
+      select case (identity%kind)
+      case (kind_regular)
+         fault = ''
+      case (kind_folder)
+         fault = 'found a folder, expected a file'
+      case (kind_missing)
+         fault = 'no such file'
+      case default
+         fault = 'found a pipe, a device or a socket, expected a file'
+      end select
+   end function file_fault
 
    !> Asks the operating system.
    function look(folder, path, flags) result(identity)

@@ -53,6 +53,7 @@ contains
       real(wp), intent(in), target :: value
       type(label_t), intent(in) :: label
 
+      call file%look_at(path, [value])
       call store(file, path, file%real_type, [integer ::], c_loc(value), label)
    end subroutine write_real
 
@@ -63,6 +64,7 @@ contains
       real(wp), intent(in), contiguous, target :: value(:)
       type(label_t), intent(in) :: label
 
+      call file%look_at(path, value)
       call store(file, path, file%real_type, shape(value), address_of(value, size(value)), label)
    end subroutine write_real_vector
 
@@ -72,7 +74,11 @@ contains
       character(*), intent(in) :: path
       real(wp), intent(in), contiguous, target :: value(:, :)
       type(label_t), intent(in) :: label
+      integer :: i
 
+      do i = 1, size(value, 2)
+         call file%look_at(path, value(:, i))
+      end do
       call store(file, path, file%real_type, shape(value), address_of(value, size(value)), label)
    end subroutine write_real_matrix
 

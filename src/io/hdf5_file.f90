@@ -4,6 +4,7 @@
 !> Every return code is checked. The first failure stays in `file%failure` (with HDF5's reason and the name of the file); what
 !> follows it does nothing, so a writer checks once, at `close`. No object carries a time stamp: equal contents make equal files.
 module hdf5_file
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, output_error
    use hdf5, only: h5f_acc_trunc_f, h5f_close_strong_f, h5f_scope_global_f, h5fclose_f, &
@@ -32,8 +33,12 @@ module hdf5_file
       integer(hid_t) :: integer_type = -1_hid_t
       !> Datasets get the checksums of the HDF5 library (Fletcher-32); for that single values become vectors of one.
       logical :: has_checksums = .false.
+      !> The first dataset of an answer whose values are none, and why; unallocated = none so far.
+      character(:), allocatable :: nonsense
       logical, private :: is_open = .false.
    contains
+      !> Looks at numbers that are written.
+      procedure :: look_at
       !> Makes a group, and those above it.
       procedure :: create_group
       !> Hands everything to the operating system.
@@ -89,6 +94,21 @@ contains
 
       call keep_hdf5_failure(self%failure, output_error, 'cannot write ' // self%path, status, doing)
    end subroutine check
+
+   !> Every number of an answer passes here on its way into the file: it must be finite, and a pressure not below zero. What the
+   !> user gave and what the report tells of an iteration may be otherwise.
+   subroutine look_at(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      real(wp), intent(in) :: values(:)
+
+      if (allocated(self%nonsense) .or. index(path, '/report/') == 1 .or. index(path, '/input/') == 1) return
+      if (.not. all(ieee_is_finite(values))) then
+         self%nonsense = path//' holds values that are not finite'
+      else if (index(path, '/pressure', back=.true.) == len(path) - len('/pressure') + 1) then
+         if (any(values < 0.0_wp)) self%nonsense = path//' holds values below zero'
+      end if
+   end subroutine look_at
 
    !> Makes a group and those above it.
    subroutine create_group(self, path)

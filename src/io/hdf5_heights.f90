@@ -3,9 +3,12 @@ module hdf5_heights
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
-   use hdf5, only: h5aclose_f, h5aexists_f, h5aopen_f, h5aread_f, h5dget_space_f, h5dread_f, h5s_select_set_f, h5sclose_f, &
-      h5screate_simple_f, h5sselect_hyperslab_f, h5t_native_double, hid_t, hsize_t
+   use findings, only: quoted
+   use hdf5, only: h5dget_space_f, h5dread_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, &
+      h5t_native_double, hid_t, hsize_t
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   use hdf5_source, only: fault_of_size, hdf5_source_t, number_class
+   use height_limits, only: scale_fault, spacing_fault
    use height_source, only: height_source_t
    use kinds, only: wp
    use text, only: to_text
@@ -13,6 +16,12 @@ module hdf5_heights
    private
 
    public :: hdf5_heights_t, open_hdf5_heights
+
+   !> Spacing of a dataset without that attribute; any number of values.
+   real(wp), parameter :: no_spacing = -huge(1.0_wp)
+   integer(int64), parameter :: any_count = -1_int64
+   !> Most nodes.
+   real(wp), parameter :: most_nodes = 1.0e18_wp
 
    !> A dataset (nx) or, as h5py sees it, (ny, nx); x runs fastest. The file is open only while it is read.
    type, extends(height_source_t) :: hdf5_heights_t
@@ -49,25 +58,59 @@ contains
          extents = reader%extents(dataset)
          call reader%open_dataset(dataset, set_id)
          if (.not. allocated(reader%failure)) then
-            spacing = attribute_of(set_id, 'spacing', 0.0_wp)
-            spacing = [attribute_of(set_id, 'spacing_x', spacing(1)), attribute_of(set_id, 'spacing_y', spacing(2))]
-            source%si_scale = attribute_of(set_id, 'si_scale', 1.0_wp)
+            call look_at_dataset(reader, source, set_id, spacing)
          end if
          call reader%close_dataset(dataset, set_id)
       end if
       call reader%close(error)
       if (allocated(error)) return
       if (.not. exists) then
-         call fail(error, input_error, 'found no dataset '//dataset//' in '//file)
+         call fail(error, input_error, file//': found no dataset '//quoted(dataset))
       else if (size(extents) < 1 .or. size(extents) > 2) then
-         call fail(error, input_error, 'found '//to_text(size(extents))//' dimensions in '//file//' '//dataset// &
-            ', expected 1 or 2')
+         call fail(error, input_error, file//': found '//to_text(size(extents))//' dimensions in '// &
+            dataset//', expected 1 or 2')
       else
          source%grid = 1
          source%grid(:size(extents)) = extents
-         source%nodes = product(source%grid)
+         if (product(real(source%grid, wp)) > most_nodes) call fail(error, input_error, file//': found too many nodes in '//dataset)
+         if (.not. allocated(error)) source%nodes = product(source%grid)
       end if
    end subroutine open_hdf5_heights
+
+   !> Spacing and scale of an open dataset. Failures: it holds no numbers or does not store them; attributes that are no single
+   !> numbers or of no use.
+   subroutine look_at_dataset(reader, source, set_id, spacing)
+      type(hdf5_input_t), intent(inout) :: reader
+      type(hdf5_heights_t), intent(inout) :: source
+      integer(hid_t), intent(in) :: set_id
+      real(wp), intent(inout) :: spacing(2)
+      type(hdf5_source_t) :: values
+      character(len=*), parameter :: names(2) = ['spacing_x', 'spacing_y']
+      integer :: i
+
+      values%id = set_id
+      call reader%refuse(source%dataset, values%fault(number_class, any_count))
+      call reader%refuse(source%dataset, fault_of_size(set_id))
+      spacing = reader%number_of(set_id, 'spacing', no_spacing)
+      call refuse_spacing(reader, 'spacing', spacing(1))
+      do i = 1, 2
+         spacing(i) = reader%number_of(set_id, names(i), spacing(i))
+         call refuse_spacing(reader, names(i), spacing(i))
+      end do
+      source%si_scale = reader%number_of(set_id, 'si_scale', 1.0_wp)
+      call reader%refuse('si_scale', scale_fault(source%si_scale))
+      where (spacing < 0.0_wp) spacing = 0.0_wp
+   end subroutine look_at_dataset
+
+   !> A failure: the attribute `name` is there and no spacing.
+   subroutine refuse_spacing(reader, name, spacing)
+      type(hdf5_input_t), intent(inout) :: reader
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: spacing
+
+      if (spacing <= no_spacing .and. spacing >= no_spacing) return
+      call reader%refuse(name, spacing_fault(spacing))
+   end subroutine refuse_spacing
 
    !> Heights from number `first` on; of an area all of them. Error: they cannot be read.
    subroutine get(self, first, z, error)
@@ -93,6 +136,7 @@ contains
       call reader%open_dataset(self%dataset, set_id)
       if (.not. allocated(reader%failure)) then
          call h5dget_space_f(set_id, file_space, status)
+         call reader%check(status, self%dataset)
          call h5sselect_hyperslab_f(file_space, h5s_select_set_f, offset, extents, status)
          call reader%check(status, self%dataset//': fewer nodes than before')
          call h5screate_simple_f(1, [size(z, kind=hsize_t)], memory_space, status)
@@ -108,26 +152,5 @@ contains
       call reader%close_dataset(self%dataset, set_id)
       call reader%close(error)   ! error: handed up
    end subroutine get
-
-   !> A real attribute of an open dataset; `default` if there is none.
-   function attribute_of(set_id, name, default) result(value)
-      integer(hid_t), intent(in) :: set_id
-      character(*), intent(in) :: name
-      real(wp), intent(in) :: default
-      real(wp) :: value
-      integer(hid_t) :: attribute_id
-      logical :: exists
-      integer :: status
-      real(wp) :: read_value(1)
-
-      value = default
-      call h5aexists_f(set_id, name, exists, status)
-      if (status /= 0 .or. .not. exists) return
-      call h5aopen_f(set_id, name, attribute_id, status)
-      if (status /= 0) return
-      call h5aread_f(attribute_id, h5t_native_double, read_value, [1_hsize_t], status)
-      if (status == 0) value = read_value(1)
-      call h5aclose_f(attribute_id, status)
-   end function attribute_of
 
 end module hdf5_heights

@@ -6,18 +6,22 @@ module hdf5_input
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
-   use hdf5, only: h5aclose_f, h5aget_space_f, h5aget_type_f, h5aopen_by_name_f, h5aread_f, h5dclose_f, h5dget_space_f, &
-      h5dget_type_f, h5dopen_f, h5dread_f, h5f_acc_rdonly_f, h5fclose_f, h5fopen_f, &
-      h5kind_to_type, h5_integer_kind, h5_real_kind, h5lexists_f, h5sclose_f, h5sget_simple_extent_dims_f, &
-      h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, h5t_string_f, h5tclose_f, h5tget_class_f, h5tget_size_f, &
-      h5tis_variable_str_f, hid_t, hsize_t, size_t
+   use file_identity, only: file_fault
+   use hdf5, only: h5aclose_f, h5aexists_f, h5aopen_by_name_f, h5aopen_f, h5dclose_f, h5dget_space_f, h5dopen_f, h5f_acc_rdonly_f, &
+      h5fclose_f, h5fopen_f, h5kind_to_type, h5_integer_kind, h5_real_kind, h5lexists_f, h5sclose_f, h5sget_simple_extent_dims_f, &
+      h5sget_simple_extent_ndims_f, h5tclose_f, hid_t, hsize_t
    use hdf5_library, only: start_hdf5
    use hdf5_reason, only: keep_hdf5_failure
+   use hdf5_source, only: fault_of_storage, hdf5_source_t, number_class, text_class
    use kinds, only: wp
+   use text, only: to_text
    implicit none (type, external)
    private
 
    public :: hdf5_input_t, open_hdf5_input
+
+   !> Most numbers that are read at once.
+   integer, parameter :: most_values = 268435456
 
    !> An open file for reading.
    type :: hdf5_input_t
@@ -42,27 +46,28 @@ module hdf5_input
       !> The text of an attribute, of a fixed length.
       procedure :: text_attribute
       procedure :: integer_attribute
+      !> The number of an attribute of an open dataset.
+      procedure :: number_of
       !> An open dataset, to be closed with `close_dataset`.
       procedure :: open_dataset, close_dataset
       procedure :: check
+      procedure :: refuse
       !> Closes the file; `error` is the first failure.
       procedure :: close => close_reader
    end type hdf5_input_t
 
 contains
 
-   !> Opens `path`. Error: there is no such file, or it is not HDF5.
+   !> Opens `path`. Error: there is no such file, it is a pipe or a device, or it is not HDF5.
    subroutine open_hdf5_input(reader, path, error)
       type(hdf5_input_t), intent(out) :: reader
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
-      logical :: exists
       integer :: status
 
       reader%path = path
-      inquire (file=path, exist=exists)
-      if (.not. exists) then
-         call fail(reader%failure, input_error, 'cannot read '//path//': no such file')
+      if (file_fault(path) /= '') then
+         call fail(reader%failure, input_error, 'cannot read '//path//': '//file_fault(path))
       else
          call start_hdf5(status)
          call reader%check(status, 'starting the HDF5 library')
@@ -100,7 +105,7 @@ contains
       end do
    end function has
 
-   !> Opens a dataset.
+   !> Opens a dataset. A failure: there is none, or its values lie elsewhere than in the file.
    subroutine open_dataset(self, path, dataset)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
@@ -111,7 +116,19 @@ contains
       if (allocated(self%failure)) return
       call h5dopen_f(self%id, path, dataset, status)
       call self%check(status, path)
+      if (allocated(self%failure)) return
+      call self%refuse(path, fault_of_storage(dataset))
+      if (allocated(self%failure)) call h5dclose_f(dataset, status)
    end subroutine open_dataset
+
+   !> Keeps "found ..., expected ..." about the dataset or attribute `name` as the first failure, unless it is empty.
+   subroutine refuse(self, name, fault)
+      class(hdf5_input_t), intent(inout) :: self
+      character(*), intent(in) :: name, fault
+
+      if (fault == '' .or. allocated(self%failure)) return
+      call fail(self%failure, input_error, 'cannot read '//self%path//' ('//name//'): '//fault)
+   end subroutine refuse
 
    !> Closes a dataset; `path` is for messages.
    subroutine close_dataset(self, path, dataset)
@@ -158,23 +175,30 @@ contains
       character(*), intent(in) :: path
       real(wp), allocatable, target :: values(:)
       integer(int64), allocatable :: counts(:)
+      integer :: status
 
       counts = self%extents(path)
       if (allocated(self%failure)) counts = [0_int64]
-      allocate (values(product(counts)), source=0.0_wp)
-      if (size(values) > 0) call read_numbers(self, path, h5kind_to_type(wp, h5_real_kind), c_loc(values))
+      if (product(real(counts, wp)) > real(most_values, wp)) then
+         call self%refuse(path, 'found more than '//to_text(most_values)//' values')
+         counts = [0_int64]
+      end if
+      allocate (values(product(counts)), source=0.0_wp, stat=status)
+      if (status /= 0) then
+         call self%refuse(path, 'found '//to_text(product(counts))//' values, for which there is no memory')
+         allocate (values(0))
+      end if
+      if (size(values) > 0) call read_numbers(self, path, size(values, kind=int64), h5kind_to_type(wp, h5_real_kind), c_loc(values))
    end function reals
 
-   !> The first number of a dataset.
+   !> The number of a dataset that holds one.
    function real_value(self, path) result(value)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
-      real(wp) :: value
-      real(wp), allocatable :: values(:)
+      real(wp), target :: value
 
       value = 0.0_wp
-      values = self%reals(path)
-      if (size(values) > 0) value = values(1)
+      call read_numbers(self, path, 1_int64, h5kind_to_type(wp, h5_real_kind), c_loc(value))
    end function real_value
 
    !> The number of a dataset that holds one.
@@ -184,51 +208,51 @@ contains
       integer(int64), target :: value
 
       value = 0_int64
-      if (product(self%extents(path)) /= 1_int64) call self%check(-1, path//': one number expected')
-      call read_numbers(self, path, h5kind_to_type(int64, h5_integer_kind), c_loc(value))
+      call read_numbers(self, path, 1_int64, h5kind_to_type(int64, h5_integer_kind), c_loc(value))
    end function integer_value
 
-   !> All numbers of a dataset, converted to `type_id`, to `place`, which has room for them.
-   subroutine read_numbers(reader, path, type_id, place)
+   !> The `count` numbers of a dataset, converted to `type_id`, to `place`, which has room for them.
+   subroutine read_numbers(reader, path, count, type_id, place)
       class(hdf5_input_t), intent(inout) :: reader
       character(*), intent(in) :: path
+      integer(int64), intent(in) :: count
       integer(hid_t), intent(in) :: type_id
       type(c_ptr), intent(in) :: place
-      type(c_ptr) :: address
       integer(hid_t) :: dataset
-      integer :: status
 
       call reader%open_dataset(path, dataset)
       if (allocated(reader%failure)) return
-      address = place   ! the argument of h5dread_f is intent(inout)
-      call h5dread_f(dataset, type_id, address, status)
-      call reader%check(status, path)
+      call read_checked(reader, path, hdf5_source_t(dataset), count, type_id, place)
       call reader%close_dataset(path, dataset)
    end subroutine read_numbers
+
+   !> The one place where numbers are read: `count` of them from an open dataset or attribute, which must have just these.
+   subroutine read_checked(reader, name, source, count, type_id, place)
+      class(hdf5_input_t), intent(inout) :: reader
+      character(*), intent(in) :: name
+      type(hdf5_source_t), intent(in) :: source
+      integer(int64), intent(in) :: count
+      integer(hid_t), intent(in) :: type_id
+      type(c_ptr), intent(in) :: place
+      integer :: status
+
+      call reader%refuse(name, source%fault(number_class, count))
+      if (allocated(reader%failure)) return
+      call source%read_into(type_id, place, status)
+      call reader%check(status, name)
+   end subroutine read_checked
 
    !> The text of a dataset; null characters at its end are cut off.
    function text(self, path)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
       character(:), allocatable :: text
-      character(kind=c_char, len=:), allocatable, target :: buffer
-      integer(hid_t) :: dataset, type_id
-      type(c_ptr) :: place
-      integer :: status
+      integer(hid_t) :: dataset
 
       text = ''
       call self%open_dataset(path, dataset)
       if (allocated(self%failure)) return
-      call h5dget_type_f(dataset, type_id, status)
-      call self%check(status, path)
-      call make_buffer(self, path, type_id, buffer)
-      if (.not. allocated(self%failure)) then
-         place = c_loc(buffer)
-         call h5dread_f(dataset, type_id, place, status)
-         call self%check(status, path)
-         text = without_nulls(buffer)
-      end if
-      call h5tclose_f(type_id, status)
+      call read_text(self, path, hdf5_source_t(dataset), text)
       call self%close_dataset(path, dataset)
    end function text
 
@@ -237,9 +261,7 @@ contains
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path, name
       character(:), allocatable :: text
-      character(kind=c_char, len=:), allocatable, target :: buffer
-      integer(hid_t) :: attribute, type_id
-      type(c_ptr) :: place
+      integer(hid_t) :: attribute
       integer :: status
 
       text = ''
@@ -247,16 +269,7 @@ contains
       call h5aopen_by_name_f(self%id, path, name, attribute, status)
       call self%check(status, name)
       if (allocated(self%failure)) return
-      call h5aget_type_f(attribute, type_id, status)
-      call self%check(status, name)
-      call make_buffer(self, name, type_id, buffer)
-      if (.not. allocated(self%failure)) then
-         place = c_loc(buffer)
-         call h5aread_f(attribute, type_id, place, status)
-         call self%check(status, name)
-         text = without_nulls(buffer)
-      end if
-      call h5tclose_f(type_id, status)
+      call read_text(self, name, hdf5_source_t(attribute, is_attribute=.true.), text)
       call h5aclose_f(attribute, status)
    end function text_attribute
 
@@ -265,9 +278,7 @@ contains
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path, name
       integer(int64), target :: value
-      integer(hid_t) :: attribute, space
-      integer(hsize_t) :: points
-      type(c_ptr) :: place
+      integer(hid_t) :: attribute
       integer :: status
 
       value = 0_int64
@@ -275,39 +286,56 @@ contains
       call h5aopen_by_name_f(self%id, path, name, attribute, status)
       call self%check(status, name)
       if (allocated(self%failure)) return
-      call h5aget_space_f(attribute, space, status)
-      call self%check(status, name)
-      call h5sget_simple_extent_npoints_f(space, points, status)
-      call h5sclose_f(space, status)
-      if (points /= 1_hsize_t) call self%check(-1, name//': one number expected')
-      if (.not. allocated(self%failure)) then
-         place = c_loc(value)
-         call h5aread_f(attribute, h5kind_to_type(int64, h5_integer_kind), place, status)
-         call self%check(status, name)
-      end if
+      call read_checked(self, name, hdf5_source_t(attribute, is_attribute=.true.), 1_int64, &
+         h5kind_to_type(int64, h5_integer_kind), c_loc(value))
       call h5aclose_f(attribute, status)
    end function integer_attribute
 
-   !> Room for a text of the type; a failure if it is not a text of fixed length.
-   subroutine make_buffer(reader, name, type_id, buffer)
+   !> The number of the attribute `name` of an open dataset; `default` if there is none.
+   function number_of(self, dataset, name, default) result(value)
+      class(hdf5_input_t), intent(inout) :: self
+      integer(hid_t), intent(in) :: dataset
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: default
+      real(wp), target :: value
+      integer(hid_t) :: attribute
+      logical :: exists
+      integer :: status
+
+      value = default
+      if (allocated(self%failure)) return
+      call h5aexists_f(dataset, name, exists, status)
+      call self%check(status, name)
+      if (allocated(self%failure) .or. .not. exists) return
+      call h5aopen_f(dataset, name, attribute, status)
+      call self%check(status, name)
+      if (allocated(self%failure)) return
+      call read_checked(self, name, hdf5_source_t(attribute, is_attribute=.true.), 1_int64, h5kind_to_type(wp, h5_real_kind), &
+         c_loc(value))
+      call h5aclose_f(attribute, status)
+   end function number_of
+
+   !> The one place where texts are read: one of fixed length, its null characters at the end cut off.
+   subroutine read_text(reader, name, source, text)
       class(hdf5_input_t), intent(inout) :: reader
       character(*), intent(in) :: name
-      integer(hid_t), intent(in) :: type_id
-      character(kind=c_char, len=:), allocatable, target, intent(out) :: buffer
-      logical :: is_variable
-      integer(size_t) :: length
-      integer :: class_id, status
+      type(hdf5_source_t), intent(in) :: source
+      character(:), allocatable, intent(inout) :: text
+      character(kind=c_char, len=:), allocatable, target :: buffer
+      integer(hid_t) :: type_id
+      integer :: status
 
+      call reader%refuse(name, source%fault(text_class, 1_int64))
       if (allocated(reader%failure)) return
-      call h5tget_class_f(type_id, class_id, status)
+      call source%open_type(type_id, status)
       call reader%check(status, name)
-      is_variable = .true.
-      if (class_id == h5t_string_f) call h5tis_variable_str_f(type_id, is_variable, status)
-      if (is_variable) call reader%check(-1, name//': a text of fixed length expected')
-      call h5tget_size_f(type_id, length, status)
+      if (allocated(reader%failure)) return
+      allocate (character(len=source%value_bytes()) :: buffer)
+      call source%read_into(type_id, c_loc(buffer), status)
       call reader%check(status, name)
-      if (.not. allocated(reader%failure)) allocate (character(len=length) :: buffer)
-   end subroutine make_buffer
+      if (.not. allocated(reader%failure)) text = without_nulls(buffer)
+      call h5tclose_f(type_id, status)
+   end subroutine read_text
 
    !> A text without the null characters at its end.
    pure function without_nulls(buffer) result(text)

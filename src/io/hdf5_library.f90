@@ -1,5 +1,6 @@
 !> Start of the HDF5 library, the same for everybody who uses it.
 module hdf5_library
+   use, intrinsic :: iso_c_binding, only: c_int
    use hdf5, only: h5dont_atexit_f, h5eset_auto_f, h5open_f
    use operating_system, only: set_environment
    implicit none (type, external)
@@ -9,6 +10,19 @@ module hdf5_library
 
    !> The library has been started in this process.
    logical :: is_started = .false.
+
+   !> H5L_TYPE_EXTERNAL.
+   integer(c_int), parameter :: external_link = 64_c_int
+
+   interface
+      !> Takes the class of links away, which then nobody can follow.
+      function h5lunregister(class) bind(c, name='H5Lunregister') result(status)
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: class
+         integer(c_int) :: status
+      end function h5lunregister
+   end interface
 
 contains
 
@@ -25,6 +39,7 @@ contains
       call h5dont_atexit_f(ignored)       ! at its end the library would write a failed file again
       call h5open_f(status)
       if (status >= 0) call h5eset_auto_f(0, status)
+      if (status >= 0) status = h5lunregister(external_link)   ! a file does not lead into others
       is_started = status >= 0
    end subroutine start_hdf5
 

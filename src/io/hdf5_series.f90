@@ -89,6 +89,7 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       real(wp), intent(in), target :: value
 
+      call file%look_at(self%path, [value])
       call append_records(self, file, [int(self%records, hsize_t)], [1_hsize_t], c_loc(value))
    end subroutine append_number
 
@@ -98,6 +99,7 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       real(wp), intent(in), contiguous, target :: values(:)
 
+      call file%look_at(self%path, values)
       call append_records(self, file, [0_hsize_t, int(self%records, hsize_t)], [int(self%row_length, hsize_t), 1_hsize_t], &
                          c_loc(values))
    end subroutine append_row
@@ -108,9 +110,12 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       real(wp), intent(in), contiguous, target :: values(:, :)
       integer(hsize_t) :: offset(2), extents(2)
-      integer :: first
+      integer :: first, i
 
       if (size(values, 2) == 0) return
+      do i = 1, size(values, 2)
+         call file%look_at(self%path, values(:, i))
+      end do
       offset = [0_hsize_t, int(self%records, hsize_t)]
       extents = [int(self%row_length, hsize_t), size(values, 2, kind=hsize_t)]
       first = merge(2, 1, self%row_length == 0)

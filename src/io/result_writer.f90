@@ -371,7 +371,7 @@ contains
    subroutine finish(self, state, report, error)
       class(result_writer_t), intent(inout) :: self
       type(line_state_t), intent(in) :: state
-      type(report_t), intent(in) :: report
+      type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
 
       call set_patience(.true.)
@@ -390,10 +390,11 @@ contains
       call self%publish(report, error)
    end subroutine finish
 
-   !> Writes input, report and outcome, closes the file and gives it its final name.
+   !> Writes input, report and outcome, closes the file and gives it its final name. Every result of every problem ends here: one
+   !> with values that are no answer has not converged, whatever the solver says.
    subroutine publish(self, report, error)
       class(result_writer_t), intent(inout) :: self
-      type(report_t), intent(in) :: report
+      type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: reason
       integer :: i
@@ -402,6 +403,10 @@ contains
       do i = 1, size(self%inputs)
          call write_input(self%file, self%inputs(i), self%scaling)
       end do
+      if (report%converged .and. allocated(self%file%nonsense)) then
+         report%converged = .false.
+         report%reason = self%file%nonsense
+      end if
       call write_report(self%file, report)
       if (self%is_scaled) call write_breakdown(self%file, report%breakdown, self%scaling)
       reason = ''

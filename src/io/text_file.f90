@@ -1,7 +1,8 @@
 !> A whole text file as one string, and the checks that it is text at all.
 module text_file
-   use, intrinsic :: iso_fortran_env, only: int64, iostat_end
+   use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
+   use file_identity, only: file_fault
    use text, only: to_text
    implicit none (type, external)
    private
@@ -15,25 +16,18 @@ contains
 
    !> Reads `file` into `content`, byte for byte.
    !>
-   !> Errors (input_error): the file does not exist, is a folder, cannot be read, is larger than 16 MB.
+   !> Errors (input_error): the file does not exist, is a folder, a pipe or a device, cannot be read, is larger than 16 MB.
    subroutine read_text_file(file, content, error)
       character(*), intent(in) :: file
       character(:), allocatable, intent(out) :: content
       type(error_t), allocatable, intent(out) :: error
       integer :: unit, status
       integer(int64) :: bytes
-      logical :: exists
       character(len=256) :: message
 
       content = ''
-      inquire (file=file // '/.', exist=exists)
-      if (exists) then
-         call fail(error, input_error, file // ': found a folder, expected a namelist file')
-         return
-      end if
-      inquire (file=file, exist=exists)
-      if (.not. exists .or. len_trim(file) == 0) then
-         call fail(error, input_error, file // ': no such file')
+      if (file_fault(file) /= '') then
+         call fail(error, input_error, file // ': ' // file_fault(file))
          return
       end if
       open (newunit=unit, file=file, access='stream', form='unformatted', action='read', status='old', &
@@ -50,45 +44,9 @@ contains
          allocate (character(len=bytes) :: content)
          read (unit, iostat=status, iomsg=message) content
          if (status /= 0) call fail(error, input_error, file // ': cannot be read: ' // trim(message))
-      else
-         call read_bytes(unit, file, content, error)   ! error: handed up after the close
       end if
       close (unit, iostat=status)
    end subroutine read_text_file
-
-   !> Reads a file of unknown size (a pipe, a device) byte by byte.
-   subroutine read_bytes(unit, file, content, error)
-      integer, intent(in) :: unit
-      character(*), intent(in) :: file
-      character(:), allocatable, intent(inout) :: content
-      type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: buffer, grown
-      character(len=1) :: byte
-      integer :: filled, status
-
-      allocate (character(len=4096) :: buffer)
-      filled = 0
-      do
-         read (unit, iostat=status) byte
-         if (status == iostat_end) exit
-         if (status /= 0) then
-            call fail(error, input_error, file // ': cannot be read')
-            return
-         end if
-         if (filled == largest_file) then
-            call fail(error, input_error, file // ': found more than 16 MB, expected a namelist')
-            return
-         end if
-         if (filled == len(buffer)) then
-            allocate (character(len=2*filled) :: grown)
-            grown(:filled) = buffer
-            call move_alloc(grown, buffer)
-         end if
-         filled = filled + 1
-         buffer(filled:filled) = byte
-      end do
-      content = buffer(:filled)
-   end subroutine read_bytes
 
    !> Position of the first byte of `content` that is not UTF-8 text (0: none). Tab, line feed, form feed and
    !> carriage return are text; other control characters are not.

@@ -2,6 +2,7 @@
 module text_lines
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
+   use file_identity, only: file_fault
    use text, only: to_text
    implicit none (type, external)
    private
@@ -35,30 +36,23 @@ module text_lines
 
 contains
 
-   !> Opens `file` at its first line. Error: no such file; a folder; not a file of known size.
+   !> Opens `file` at its first line. Error: no such file; a folder, a pipe or a device.
    subroutine open_lines(lines, file, error)
       type(text_lines_t), intent(out) :: lines
       character(*), intent(in) :: file
       type(error_t), allocatable, intent(out) :: error
       integer :: status
-      logical :: exists, is_folder
       character(len=256) :: message
 
       lines%file = file
-      inquire (file=file//'/.', exist=is_folder)
-      inquire (file=file, exist=exists)
-      if (is_folder .or. .not. exists) then
-         call fail(error, input_error, file//trim(merge(': found a folder', ': no such file  ', is_folder)))
+      if (file_fault(file) /= '') then
+         call fail(error, input_error, file//': '//file_fault(file))
          return
       end if
       open (newunit=lines%unit, file=file, access='stream', form='unformatted', action='read', status='old', iostat=status, &
          iomsg=message)
       if (status == 0) inquire (unit=lines%unit, size=lines%bytes)
-      if (status /= 0) then
-         call fail(error, input_error, file//': cannot be opened: '//trim(message))
-      else if (lines%bytes < 0) then
-         call fail(error, input_error, file//': found something without a size (a pipe?), expected a file')
-      end if
+      if (status /= 0) call fail(error, input_error, file//': cannot be opened: '//trim(message))
    end subroutine open_lines
 
    !> Goes elsewhere.

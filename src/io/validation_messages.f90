@@ -3,10 +3,15 @@ module validation_messages
    use findings, only: findings_t
    use input_keys, only: key_rows, find_key, expected_value
    use input_values, only: input_values_t
+   use kinds, only: wp
+   use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: report_missing, report_unused, report_unused_by_shape
+   public :: check_radii, report_missing, report_unused, report_unused_by_shape
+
+   !> Curvature of the gap between two bodies, 1/R [1/m]: the reverse of the range of reduced_radius.
+   real(wp), parameter :: least_curvature = 1.0e-9_wp, largest_curvature = 1.0e9_wp
 
 contains
 
@@ -33,6 +38,18 @@ contains
       call findings%add(values%line_of(group, key), group, key, 'found a key that is not used ' // reason &
          // ', expected it left out')
    end subroutine report_unused
+
+   !> Finding: two radii of bodies that do not touch, or lie in each other.
+   subroutine check_radii(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      real(wp) :: curvature
+
+      if (.not. (values%has_value('bodies', 'radius_1') .and. values%has_value('bodies', 'radius_2'))) return
+      curvature = 1.0_wp/values%real_value('bodies', 'radius_1') + 1.0_wp/values%real_value('bodies', 'radius_2')
+      if (curvature < least_curvature .or. curvature > largest_curvature) call findings%add(values%line_of('bodies', 'radius_1'), &
+         'bodies', 'radius_1', 'found 1/radius_1 + 1/radius_2 = ' // to_text(curvature) // ', expected 1e-9 to 1e9 [1/m]')
+   end subroutine check_radii
 
    !> Adds those of `keys` that are given: the shape of the surface does not use them.
    subroutine report_unused_by_shape(values, group, keys, shape, findings)
