@@ -163,7 +163,7 @@ contains
          // '  --output DIR   folder of the results; without it the current folder (or the output of the case)' // nl &
          // '  --check        read and check the namelists, compute nothing' // nl &
          // '  --quiet        no progress; errors only' // nl &
-         // '  --threads N    threads of areal problems (default 1); a line contact needs one' // nl &
+         // '  --threads N    threads of areal problems (default 1), at most as many as processors; a line needs one' // nl &
          // '  --resume       go on where an interrupted run of the same cases left off' // nl // nl &
          // 'Examples:' // nl &
          // '  asperity --template ehl_line > case.nml && asperity case.nml        first run, writes case.h5' // nl &

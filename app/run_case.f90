@@ -1,6 +1,7 @@
 !> One case from its record to its result file and its exit status.
 module run_case
    use breakdown_text, only: breakdown_sentence
+   use case_memory, only: lubricated_memory
    use case_outcome, only: give_up, status_converged, status_interrupted, status_not_converged, status_not_written
    use case_record, only: case_t, result_path, set_effective
    use command_line, only: command_t
@@ -8,7 +9,7 @@ module run_case
    use domain_choice, only: choose_domain, inlet_error
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: domain_error, error_bars_t
-   use errors, only: error_t
+   use errors, only: error_t, fail, input_error
    use input_keys, only: lubricated
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
@@ -23,6 +24,8 @@ module run_case
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
    use step_choice, only: choose_time_step
+   use solver_settings, only: most_intervals_of
+   use system_limits, only: memory_fault
    use text, only: to_text
    use wall_clock, only: wall_seconds
    use wave_resolution, only: coarse_waves, nodes_in_wave, steps_in_wave
@@ -71,6 +74,11 @@ contains
       call build_line_contact(case, scaling, contact)
       case%solver = scaled_solver(case%solver, scaling)
       call watcher%log%start_case(case%file, scaling)
+      call check_grid(case, contact, error)
+      if (allocated(error)) then
+         call give_up(error, watcher%log, status)
+         return
+      end if
       watcher%film_floor = case%solver%film_floor
       watcher%scaling = scaling
       call watcher%start_clock()
@@ -89,6 +97,24 @@ contains
          call store(case, watcher, state, report, status)
       end if
    end subroutine run_one_case
+
+   !> Error: the grid that the program will choose is too fine for the method, or for the memory.
+   subroutine check_grid(case, contact, error)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(error_t), allocatable, intent(out) :: error
+      type(line_contact_t) :: whole
+      character(:), allocatable :: fault
+
+      whole = contact
+      call choose_domain(whole)
+      associate (intervals => whole%domain%intervals, method => case%solver%method)
+         fault = memory_fault(lubricated_memory(intervals, method == 'newton_dense'))
+         if (intervals > most_intervals_of(method)) fault = 'found '//to_text(intervals)//' intervals, which the program '// &
+            'chooses, expected at most '//to_text(most_intervals_of(method))//" with method = '"//trim(method)//"'"
+      end associate
+      if (fault /= '') call fail(error, input_error, case%file//': &domain intervals: '//fault)
+   end subroutine check_grid
 
    !> The case itself, and companions on coarser grids: behind it, where they need not choose its grid.
    subroutine solve(case, contact, watcher, state, report, error)

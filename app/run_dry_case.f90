@@ -16,6 +16,7 @@ module run_dry_case
    use progress_log, only: new_progress_log, progress_log_t
    use quantity_text, only: wrapped
    use result_writer, only: open_result, result_writer_t
+   use system_limits, only: processors
    use text, only: to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
@@ -53,7 +54,7 @@ contains
       start = wall_seconds()
       associate (dry => case%dry)
          scaling = new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus)
-         if (dry%grid%ny > 1) dry%grid%threads = threads
+         if (dry%grid%ny > 1) dry%grid%threads = min(threads, processors())
          call solve_dry_sweep(dry%grid, dry%height, scaling, dry%loads, dry%settings, outcome, error)
       end associate
       if (allocated(error)) then

@@ -15,7 +15,7 @@ module grid_choice
    use nested_start, only: bump_start, companion_tolerance, most_firsts, refine, solve_level
    use observer, only: is_stopped, observer_t
    use solver_choice, only: adopt, steady_attempts
-   use solver_settings, only: solver_settings_t
+   use solver_settings, only: most_intervals_of, solver_settings_t
    implicit none (type, external)
    private
 
@@ -128,7 +128,8 @@ contains
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
          hierarchy%levels(hierarchy%finest)%is_sharp = hierarchy%is_sharp
          call solve_steady(hierarchy, contact, settings, watcher, report)
-         if (watcher%wants_stop .or. 2*contact%domain%intervals > most_intervals) return
+         if (watcher%wants_stop) return
+         if (2*contact%domain%intervals > min(most_intervals, most_intervals_of(settings%method))) return
          if (report%converged) then
             summary = summary_on(hierarchy%levels(hierarchy%finest))
             if (contact%domain%intervals >= intervals_for_waves(contact) .and. &

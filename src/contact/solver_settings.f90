@@ -7,7 +7,11 @@ module solver_settings
    implicit none (type, external)
    private
 
-   public :: domain_t, time_settings_t, solver_settings_t
+   public :: domain_t, most_intervals_of, solver_settings_t, time_settings_t
+
+   !> Most intervals with method = 'newton_dense', a matrix of 0.5 GB and about a minute a step, and with 'block_jacobi', which
+   !> converges on no more than some hundred and notices that it does not after 40 blocks of 200 sweeps at least.
+   integer, parameter :: most_small_intervals = 8192
 
    !> Length of the words below.
    integer, parameter, public :: word_length = 24
@@ -80,5 +84,16 @@ module solver_settings
       !> At a breakdown: 'stop', as not converged, or 'continue', with a mark. A film that closes always stops.
       character(len=word_length) :: on_film_breakdown = 'stop'
    end type solver_settings_t
+
+contains
+
+   !> Most intervals that a method is given, by the user or by the program; huge: as many as there can be.
+   pure function most_intervals_of(method) result(most)
+      character(*), intent(in) :: method
+      integer :: most
+
+      most = huge(most)
+      if (method == 'newton_dense' .or. method == 'block_jacobi') most = most_small_intervals
+   end function most_intervals_of
 
 end module solver_settings

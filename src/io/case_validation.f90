@@ -2,12 +2,15 @@
 !>
 !> Each check adds its findings and goes on, so that one report tells everything.
 module case_validation
+   use case_memory, only: lubricated_memory
    use findings, only: findings_t
    use input_keys, only: key_rows, group_rows, find_key, expected_value, is_required
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
    use lubricant_validation, only: check_lubricant
+   use solver_settings, only: most_intervals_of
    use surface_validation, only: check_surface
+   use system_limits, only: memory_fault
    use text, only: to_text
    use validation_messages, only: check_radii, report_missing, report_unused
    implicit none (type, external)
@@ -19,10 +22,6 @@ module case_validation
    real(wp), parameter :: most_steps = 1.0e8_wp
    !> Fewest intervals of the coarsest grid.
    integer, parameter :: fewest_intervals = 4
-   !> Most intervals with method = 'newton_dense', a matrix of 0.5 GB and about a minute a step, and with 'block_jacobi', which
-   !> converges on no more than some hundred and notices that it does not after 40 blocks of 200 sweeps at least.
-   integer, parameter :: most_small_intervals = 8192
-
    !> Why a length is of no use.
    character(*), parameter :: no_units = 'with &moes, which has no SI units'
 
@@ -255,15 +254,25 @@ contains
          'without film_floor', findings)
       levels = values%slot('solver', 'levels')
       intervals = values%slot('domain', 'intervals')
-      if ((method == 'newton_dense' .or. method == 'block_jacobi') .and. intervals%has_value &
-         .and. intervals%integer > most_small_intervals) call findings%add(intervals%line, 'domain', 'intervals', 'found ' &
-         // to_text(intervals%integer) // ', expected at most ' // to_text(most_small_intervals) // " with method = '" &
-         // method // "'")
+      if (intervals%has_value) call check_fineness(intervals, method, findings)
       if (.not. levels%has_value .or. .not. intervals%has_value) return
       if (shiftr(intervals%integer, levels%integer - 1) < fewest_intervals) call findings%add(levels%line, 'solver', 'levels', &
          'found ' // to_text(levels%integer) // ' levels for ' // to_text(intervals%integer) // ' intervals, expected at least ' &
          // to_text(fewest_intervals) // ' intervals on the coarsest grid')
    end subroutine check_solver
+
+   !> Finding: more intervals than the method is given, or than there is memory for.
+   subroutine check_fineness(intervals, method, findings)
+      type(value_t), intent(in) :: intervals
+      character(*), intent(in) :: method
+      type(findings_t), intent(inout) :: findings
+      character(:), allocatable :: fault
+
+      fault = memory_fault(lubricated_memory(intervals%integer, method == 'newton_dense'))
+      if (intervals%integer > most_intervals_of(method)) fault = 'found ' // to_text(intervals%integer) // ', expected at most ' &
+         // to_text(most_intervals_of(method)) // " with method = '" // method // "'"
+      if (fault /= '') call findings%add(intervals%line, 'domain', 'intervals', fault)
+   end subroutine check_fineness
 
    !> Finds a method or smoother that cannot solve the sharp space scheme.
    subroutine check_sharp(values, findings)

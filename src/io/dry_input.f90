@@ -1,6 +1,8 @@
 !> From the values of a namelist to a dry contact: checks over several keys, then the record.
 module dry_input
+   use, intrinsic :: iso_fortran_env, only: int64
    use bodies, only: reduced_modulus, reduced_radius
+   use case_memory, only: dry_memory, most_nodes
    use dry_case, only: dry_case_t
    use dry_checks, only: check_parabola, check_waves, has_shape
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
@@ -12,6 +14,7 @@ module dry_input
    use input_keys, only: group_rows, has_word
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
+   use system_limits, only: memory_fault
    use text, only: to_text
    use validation_messages, only: check_radii, report_missing, report_unused
    implicit none (type, external)
@@ -29,6 +32,7 @@ contains
       type(dry_case_t), intent(out) :: dry
       type(findings_t), intent(inout) :: findings
       real(wp) :: radius
+      integer :: status
 
       call check_needed_groups(values, findings)
       call check_bodies(values, findings)
@@ -38,8 +42,13 @@ contains
       radius = radius_of(values)
       call find_grid(values, folder, dry, findings)
       if (findings%count == 0) call check_waves(values, dry, findings)
+      if (findings%count == 0) call check_size(values, dry, findings)
       if (findings%count > 0) return
-      allocate (dry%height(dry%grid%nx*dry%grid%ny), source=0.0_wp)
+      allocate (dry%height(dry%grid%nx*dry%grid%ny), source=0.0_wp, stat=status)
+      if (status /= 0) then
+         call findings%add(values%line_of('domain', ''), 'domain', '', 'found no memory for the heights of the grid')
+         return
+      end if
       call add_surface(values, 'surface_1', folder, radius, dry, findings)
       call add_surface(values, 'surface_2', folder, radius, dry, findings)
       if (findings%count > 0) return
@@ -47,6 +56,21 @@ contains
       call fill_solver(values, dry, findings)
       if (findings%count == 0) call check_parabola(values, radius, dry, findings)
    end subroutine fill_dry_case
+
+   !> Findings: more nodes than can be counted, or than there is memory for.
+   subroutine check_size(values, dry, findings)
+      type(input_values_t), intent(in) :: values
+      type(dry_case_t), intent(in) :: dry
+      type(findings_t), intent(inout) :: findings
+      character(:), allocatable :: fault, key
+      integer(int64) :: nodes
+
+      key = trim(merge('intervals  ', 'intervals_x', values%problem == 'dry_line'))
+      nodes = int(dry%grid%nx, int64)*dry%grid%ny
+      fault = memory_fault(dry_memory([dry%grid%nx, dry%grid%ny], dry%is_periodic))
+      if (nodes > most_nodes) fault = 'found ' // to_text(nodes) // ' nodes, expected at most ' // to_text(most_nodes)
+      if (fault /= '') call findings%add(values%line_of('domain', key), 'domain', key, fault)
+   end subroutine check_size
 
    !> Findings: groups that every dry case needs.
    subroutine check_needed_groups(values, findings)

@@ -41,7 +41,7 @@ contains
          if (position > len(values)) exit
          if (values(position:position) == ',') then
             if (comma_before) then
-               problem = 'an empty value before a comma'
+               problem = 'an empty value before a comma (a null of the Fortran standard, not taken here)'
                return
             end if
             comma_before = .true.
@@ -52,6 +52,10 @@ contains
          call read_repeats(values, position, repeats)
          call read_piece(values, position, piece, problem)
          if (allocated(problem)) return
+         if (scan(values(position:min(position, len(values))), ' ,') == 0 .and. position <= len(values)) then
+            problem = 'two values without a comma or blank between them'
+            return
+         end if
          if (repeats < 1 .or. count + repeats > most_values) then
             problem = 'a repeat count or list outside 1 to ' // to_text(most_values) // ' values'
             return
@@ -94,7 +98,7 @@ contains
       mark = ' '
       if (position <= len(values)) mark = values(position:position)
       if (mark == ' ' .or. mark == ',') then
-         problem = 'a repeat count without a value'
+         problem = 'a repeat count without a value (a null of the Fortran standard, not taken here)'
       else if (mark == "'" .or. mark == '"') then
          call read_string(values, position, piece)
       else

@@ -1,0 +1,63 @@
+"""CSV files of heights with one field, row or header that is not what it should be."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+from surfaces import judged, solved
+
+TITLE = "CSV files of heights: fields, rows, headers, positions"
+CASES = 200
+
+FIELDS = ["0.1 um", "1e-7/3", "3*1e-7", "1e-7 2e-7", "1;5", "/", "", " ", "NaN", "nan", "inf", "-Infinity", "1,5", "0,1", "1e300"]
+FIELDS += [
+    "1e-320",
+    "1e400",
+    "1_000",
+    "0x1p3",
+    "'1e-7'",
+    '"1e-7"',
+    "one",
+    "1e",
+    "e5",
+    ".",
+    "+",
+    "--1",
+    "1.2.3",
+    "(1,2)",
+    "T",
+    "1e-7!",
+]
+FIELDS += ["1e-7\x00", "\xb5", "1e-7\t2", "&", "1e-7,", "2*", "1e+-5", "\u221e", "9" * 70, "=1", "#N/A", "-", "1e5000000000"]
+HEADERS = ["", "0,1e-7", "x;z", "x", "x z", "1.0,2.0", "x,z,more", "x,"]
+GOOD = [(" ", ","), ("", ", "), ("\t", ",")]
+
+
+def rows_of(source: random.Random) -> list[list[str]]:
+    """Positions and heights of a small profile."""
+    return [[repr(i * 1e-6), repr(source.gauss(0.0, 1e-7))] for i in range(32)]
+
+
+def attack(program: Path, source: random.Random, folder: Path) -> str | None:
+    """One thing wrong in one place, or nothing wrong in an unusual form."""
+    rows, header, ends = rows_of(source), "x,z", "\n"
+    kind = source.choice(["field", "field", "field", "header", "row", "position", "good"])
+    row = source.randrange(len(rows))
+    before, comma = "", ","
+    if kind == "field":
+        rows[row][source.randrange(2)] = source.choice(FIELDS)
+    elif kind == "header":
+        header = source.choice(HEADERS)
+    elif kind == "row":
+        rows[row] = source.choice([rows[row][:1], [*rows[row], "0.0"], [], ["", ""], rows[row] * 2, ["1 2"]]) or [","]
+    elif kind == "position":
+        rows[row][0] = source.choice([rows[row - 1][0] if row else "5.0", "1e300", "-1.0", "1.5e-6", "1e-3"])
+    else:
+        before, comma = source.choice(GOOD)
+        ends = source.choice(["\n", "\r\n", "\n\n"])
+        rows = [[source.choice([x, x.replace("e", "D"), x.replace("e", "E")]), z] for x, z in rows]
+    text = ends.join([header, *(before + comma.join(row) for row in rows)]) + ends
+    (folder / "z.csv").write_bytes(text.encode("utf-8"))
+    case = source.choice(["line", "oil"])
+    return judged(solved(program, folder, case, "z.csv"), folder, "z.csv", is_good=kind == "good")
