@@ -16,6 +16,7 @@ module run_case
    use line_case, only: build_line_contact, scaled_solver
    use line_contact, only: line_contact_t
    use line_state, only: all_finite, line_state_t
+   use outlet_check, only: check_outlet
    use pressure_spike, only: spike_law_t
    use progress_log, only: new_progress_log
    use resolution_choice, only: choose_resolution, settle_tolerance
@@ -125,10 +126,12 @@ contains
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: note
+      type(line_contact_t) :: open
       real(wp) :: seconds
       logical :: is_open
 
       seconds = 0.0_wp
+      open = contact
       case%solver%target = case%accuracy%target
       case%solver%wants_companions = case%accuracy%has_error_bars
       is_open = case%accuracy%target > 0.0_wp .and. .not. case%time%is_transient   ! the solver chooses the grid
@@ -161,6 +164,7 @@ contains
          if (allocated(error)) return
          report%converged = .not. watcher%wants_stop
       end if
+      call check_outlet(case, open, contact, watcher, report, error)   ! error: the caller looks
       call fill_chosen(case, contact, report)
       call complete_report(watcher, seconds, report)
    end subroutine solve

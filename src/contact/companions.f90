@@ -1,7 +1,7 @@
 !> Runs of the same case on coarser grids, in a transient with larger time steps, where the run itself has not passed them on its
 !> way.
 module companions
-   use domain_choice, only: choose_domain
+   use domain_choice, only: choose_domain, farthest
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
@@ -15,7 +15,7 @@ module companions
    implicit none (type, external)
    private
 
-   public :: collector_t, run_companion, run_companions
+   public :: collector_t, run_companion, run_companions, run_longer
 
    !> Companions that error bars come from have at least this many intervals.
    integer, parameter :: fewest_intervals = 32
@@ -69,6 +69,38 @@ contains
       end if
    end subroutine run_companions
 
+   !> The case at the spacing of n/2 intervals on a domain that is longer behind the outlet: what the outlet cuts off. Twice the
+   !> length; of a steady contact up to eight times, until nothing is cut off any more.
+   subroutine run_longer(bars, contact, settings, time, watcher, error)
+      type(error_bars_t), intent(inout) :: bars
+      type(line_contact_t), intent(in) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      type(time_settings_t), intent(in) :: time
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(collector_t) :: collector
+      type(line_contact_t) :: longer
+      integer :: doubling
+
+      bars%is_cut = .true.
+      if (.not. bars%has_half) return
+      collector%watcher => watcher
+      longer = contact
+      do doubling = 1, merge(1, 3, time%is_transient)
+         associate (domain => longer%domain)
+            domain%x_outlet = 2*domain%x_outlet - domain%x_inlet
+            if (domain%x_outlet > farthest) return
+            domain%intervals = 2*domain%intervals
+            call run_coarser(longer, settings, time, 2, collector, bars%has_longer, error)
+            if (allocated(error) .or. .not. bars%has_longer) return
+            bars%longer = collector%summary
+            bars%has_longer = time%is_transient .or. &
+               collector%summary%x_cavitation%value < domain%x_outlet - 3*(domain%x_outlet - domain%x_inlet)/domain%intervals
+         end associate
+         if (bars%has_longer) return
+      end do
+   end subroutine run_longer
+
    !> The case on `factor` times fewer intervals with a time step as much larger; its figures are those of `collector`.
    subroutine run_coarser(contact, settings, time, factor, collector, is_known, error)
       type(line_contact_t), intent(in) :: contact
@@ -106,6 +138,7 @@ contains
       type(report_t) :: report
 
       own = contact
+      own%domain%may_lengthen = .false.
       own_settings = settings
       own_settings%levels = 0
       own_settings%explains_failure = .false.

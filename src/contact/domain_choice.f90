@@ -1,5 +1,8 @@
 !> Domain and grid from the regime, where the user leaves them open.
 !>
+!> The film ruptures before the outlet X = max(1.5, 1 + S/2), S = sqrt(2 H_c): at 0.9 of the way from X = 1 to it at most, where the
+!> bodies are rigid (400 contacts, M 0.01-2000, L 0-40, half of them with Eyring's law).
+!>
 !> With S = sqrt(2 H_c) and H_c from the Moes fit, an inlet at X = -(1 + c S) with P = 0, c^2 = 9.5^2 + 42^2 r^3, r = rigid film
 !> over fit, leaves h_min starved by about 1e-3 (against twice the domain, M 0.01-1000, L 0-30: 0.05-1.27e-3 in 71 runs, most
 !> where the regimes meet, M 0.3-1). For another tolerance t:
@@ -9,13 +12,14 @@
 !> L 0-40, with Eyring's law too, c 1.75-9, the same nodes on the longest domain) h_min was off by up to t in 91 % and 2 t in 98 %.
 module domain_choice
    use kinds, only: wp
-   use line_contact, only: film_estimate, is_smooth, line_contact_t, newtonian_film
+   use line_contact, only: closing_slope, film_estimate, is_smooth, line_contact_t, newtonian_film
    use moes, only: rigid_film
+   use solver_settings, only: domain_t
    use wave_resolution, only: intervals_at_least, nodes_in_wave, wanted_nodes
    implicit none (type, external)
    private
 
-   public :: choose_domain, inlet_error, intervals_for, intervals_for_film
+   public :: choose_domain, inlet_error, intervals_for, intervals_for_film, lengthen_outlet
 
    !> Spacing that gives 1 % in the central film: dX <= 0.045 sqrt(H_c).
    real(wp), parameter, public :: accurate_spacing = 0.045_wp
@@ -25,6 +29,10 @@ module domain_choice
    real(wp), parameter :: default_inlet_error = 1.0e-3_wp, default_tail_error = 1.0e-4_wp
    !> Smooth contacts get a tail where it shortens the domain by this factor: it takes one or two cycles more.
    real(wp), parameter :: least_shortening = 1.3_wp
+   !> Margin of an outlet behind waves, and how many times as far from the end of the contact it may be as that of smooth surfaces.
+   real(wp), parameter :: wave_margin = 1.1_wp, most_widening = 3.0_wp
+   !> The largest outlet [half-widths].
+   real(wp), parameter, public :: farthest = 1000.0_wp
    integer, parameter :: fewest_intervals = 256, most_intervals = 2**20
    !> A grid is not made finer than this for waves alone: a passage on it takes minutes.
    integer, parameter :: most_for_waves = 2**16
@@ -44,8 +52,11 @@ contains
       end if
       width = sqrt(2*newtonian_film(contact))
       associate (domain => contact%domain)
-         if (.not. domain%has_outlet) domain%x_outlet = max(1.5_wp, 1 + 0.5_wp*width)
-         domain%has_outlet = .true.
+         if (.not. domain%has_outlet) then
+            domain%x_outlet = outlet_behind_waves(contact, max(1.5_wp, 1 + 0.5_wp*width))
+            domain%has_outlet = .true.
+            domain%may_lengthen = .true.
+         end if
          if (domain%inlet == 'auto') then
             domain%inlet = 'zero'
             if (is_smooth(contact) .and. .not. domain%has_inlet) then
@@ -72,6 +83,32 @@ contains
       end function distance
 
    end subroutine choose_domain
+
+   !> The outlet of a contact whose smooth film has ruptured before `smooth`: behind X = sqrt(1 + s^2) the gap opens faster, about
+   !> as sqrt(X^2 - 1), than passing waves of the slope s close it, and pressure does not build up again in the ruptured film. Not
+   !> further out than `most_widening` times.
+   pure function outlet_behind_waves(contact, smooth) result(outlet)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: smooth
+      real(wp) :: outlet
+
+      outlet = wave_margin*sqrt(1 + closing_slope(contact)**2)
+      outlet = max(smooth, min(outlet, 1 + most_widening*(smooth - 1)))
+   end function outlet_behind_waves
+
+   !> Moves an outlet of the program out that cuts the film off: to twice the distance from the end of the contact, at most to
+   !> `farthest`. All else is as in `open` again, the domain before it was completed.
+   pure subroutine lengthen_outlet(domain, open)
+      type(domain_t), intent(inout) :: domain
+      type(domain_t), intent(in) :: open
+      real(wp) :: outlet
+
+      outlet = min(2*domain%x_outlet - 1, farthest)
+      domain = open
+      domain%x_outlet = outlet
+      domain%has_outlet = .true.
+      domain%may_lengthen = .true.
+   end subroutine lengthen_outlet
 
    !> c of an inlet at X = -(1 + c S) that starves the film by the share `tolerance`, for what is in front of it.
    pure function inlet_reach(contact, inlet, tolerance) result(reach)

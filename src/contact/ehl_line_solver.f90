@@ -1,6 +1,6 @@
 !> The lubricated line contact from its data to its fields: the page to read beside chapter 2 of the thesis.
 module ehl_line_solver
-   use domain_choice, only: choose_domain, inlet_error
+   use domain_choice, only: choose_domain, farthest, inlet_error, lengthen_outlet
    use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
    use ehl_line_transient, only: march
    use error_bars, only: domain_error, error_bars_t, new_error_bars
@@ -13,7 +13,7 @@ module ehl_line_solver
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, total_products
    use line_state, only: line_state_t
    use observer, only: observer_t
-   use solver_settings, only: solver_settings_t, time_settings_t
+   use solver_settings, only: domain_t, solver_settings_t, time_settings_t
    use state_output, only: fill_properties, fill_state
    use step_choice, only: choose_time_step
    use wall_clock, only: wall_seconds
@@ -25,12 +25,12 @@ module ehl_line_solver
 contains
 
    !> Solves one contact. Steady: with the surfaces at rest where they are. Transient: from the smooth steady contact.
-   !> `contact%domain` is completed where the user left it open. The observer is told every cycle of the steady solution
-   !> and every time step, and the figures of the coarser grids that a steady solution has passed. With `time%resume_from` the
-   !> transient goes on there. With `settings%target` the grid of a steady contact is chosen for that accuracy of h_min, and so is
-   !> its inlet, unless it is given: then the accuracy is that on the given domain. Not converging is in the report; `error` is
-   !> for failures of memory, libraries and files of heights.
-   subroutine solve_ehl_line(contact, settings, time, watcher, state, report, error)
+   !> `contact%domain` is completed where the user left it open; an outlet of the program that cuts the steady film off is moved
+   !> out. The observer is told every cycle of the steady solution and every time step, and the figures of the coarser grids that a
+   !> steady solution has passed. With `time%resume_from` the transient goes on there. With `settings%target` the grid of a steady
+   !> contact is chosen for that accuracy of h_min, and so is its inlet, unless it is given: then the accuracy is that on the given
+   !> domain. Not converging is in the report; `error` is for failures of memory, libraries and files of heights.
+   recursive subroutine solve_ehl_line(contact, settings, time, watcher, state, report, error)
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
@@ -42,10 +42,12 @@ contains
       type(error_bars_t) :: companions
       type(solver_settings_t) :: wanted
       type(time_settings_t) :: whole_steps
+      type(domain_t) :: open
       real(wp) :: start, begin
 
       start = wall_seconds()
       if (allocated(time%resume_from)) report = time%resume_from%report
+      open = contact%domain
       call complete_domain(contact, settings, wanted)
       whole_steps = time
       call choose_time_step(contact, whole_steps)
@@ -57,6 +59,7 @@ contains
          call solve_to_accuracy(hierarchy, contact, wanted, watcher, companions, report, error)
          if (allocated(error)) return
          call fill_state(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, 0.0_wp, state)
+         report%outlet_pressure = state%pressure(size(state%pressure) - 1)
          call add_phase(report, phase_steady, start)
          report%phase_seconds(phase_setup) = hierarchy%setup_seconds
          report%phase_seconds(phase_steady) = report%phase_seconds(phase_steady) - hierarchy%setup_seconds
@@ -71,9 +74,15 @@ contains
             begin = wall_seconds()
             call solve_start(hierarchy, contact, settings, time, watcher, report)
             call fill_state(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, 0.0_wp, state)
+            report%outlet_pressure = state%pressure(size(state%pressure) - 1)
             call add_phase(report, phase_steady, begin)
             if (.not. time%is_transient) call gather_companions(hierarchy, companions)
          end if
+      end if
+      if (wants_longer_outlet(contact%domain, report, time)) then
+         call lengthen_outlet(contact%domain, open)
+         call solve_ehl_line(contact, settings, time, watcher, state, report, error)
+         return
       end if
       if (report%converged .and. .not. time%is_transient) then
          call watcher%keep_companions(companions)
@@ -90,6 +99,17 @@ contains
       report%work_units = hierarchy%work_units
       report%wall_seconds = report%wall_seconds + wall_seconds() - start
    end subroutine solve_ehl_line
+
+   !> Whether an outlet of the program cuts the steady film off and can move out.
+   pure function wants_longer_outlet(domain, report, time) result(is_wanted)
+      type(domain_t), intent(in) :: domain
+      type(report_t), intent(in) :: report
+      type(time_settings_t), intent(in) :: time
+      logical :: is_wanted
+
+      is_wanted = report%converged .and. report%outlet_pressure > 0.0_wp .and. domain%may_lengthen &
+         .and. domain%x_outlet < farthest .and. .not. allocated(time%resume_from)
+   end function wants_longer_outlet
 
    !> Completes the domain. An inlet of the program takes a part of the wanted accuracy; what is left is in `wanted`.
    pure subroutine complete_domain(contact, settings, wanted)

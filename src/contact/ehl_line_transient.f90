@@ -102,6 +102,7 @@ contains
             end if
             call look_for_breakdown(level%x, level%film, settings, step, step*time_step, report)
             if (.not. report%converged) return
+            report%outlet_pressure = max(report%outlet_pressure, level%pressure(level%n - 1))
             history%step = step
             report%steps = step
             call fill_state(contact, level, hierarchy%rigid_displacement, step*time_step, state)

@@ -21,7 +21,7 @@ module error_bars
    private
 
    public :: error_bars_t, new_error_bars, apply_error_bars, domain_error, estimated_error, error_from_levels, observed_order
-   public :: missing_estimate
+   public :: missing_estimate, outlet_error
 
    !> An estimate is widened by this factor: the observed order is uncertain.
    real(wp), parameter :: safety = 1.5_wp
@@ -55,6 +55,9 @@ module error_bars
       real(wp) :: starving = starved_pressure
       !> Why companions tell nothing of the error; empty or not allocated: they do.
       character(:), allocatable :: unseen
+      !> Whether the outlet cuts the film off, and figures on n/2 intervals with one that does not, at the same spacing.
+      logical :: is_cut = .false., has_longer = .false.
+      type(line_summary_t) :: longer
       !> Of a transient whose resolution was chosen, in place of companions.
       type(forecast_t) :: forecast
    end type error_bars_t
@@ -96,11 +99,15 @@ contains
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
       ! a starved film is thinner everywhere by the same share; pressure and exit follow as far as it is thick [b^2/R]
       share = report%inlet_error*min(1.0_wp, summary%h_central%value)
-      call add_up(summary%h_min, domain_error(report%inlet_error), iteration)
-      call add_up(summary%h_min_node, domain_error(report%inlet_error), iteration)
-      call add_up(summary%h_central, domain_error(report%inlet_error), iteration)
-      call add_up(summary%p_max, bars%starving*share, iteration)
-      call add_up(summary%x_cavitation, share, iteration)
+      associate (half => bars%half, longer => bars%longer)
+         call add_up(summary%h_min, domain_error(report%inlet_error), iteration, cut_error(bars, half%h_min, longer%h_min))
+         call add_up(summary%h_min_node, domain_error(report%inlet_error), iteration, &
+            cut_error(bars, half%h_min_node, longer%h_min_node))
+         call add_up(summary%h_central, domain_error(report%inlet_error), iteration, &
+            cut_error(bars, half%h_central, longer%h_central))
+         call add_up(summary%p_max, bars%starving*share, iteration, cut_error(bars, half%p_max, longer%p_max))
+         call add_up(summary%x_cavitation, share, iteration, cut_error(bars, half%x_cavitation, longer%x_cavitation))
+      end associate
    end subroutine apply_error_bars
 
    !> Whether the surfaces have waves that companions do not see; a forecast has seen them.
@@ -112,6 +119,35 @@ contains
       if (allocated(bars%unseen)) has_unseen_waves = len(bars%unseen) > 0 .and. .not. bars%forecast%is_known
    end function has_unseen_waves
 
+   !> Relative error of h_min, h_central and p_max, whichever is the largest, because the outlet cuts the film off: 0 if it does
+   !> not, NaN where that is not known.
+   pure function outlet_error(bars) result(error)
+      type(error_bars_t), intent(in) :: bars
+      real(wp) :: error
+
+      error = 0.0_wp
+      if (.not. bars%is_cut) return
+      associate (half => bars%half, longer => bars%longer)
+         error = max(cut_error(bars, half%h_min, longer%h_min)/half%h_min%value, &
+            cut_error(bars, half%h_central, longer%h_central)/half%h_central%value, &
+            cut_error(bars, half%p_max, longer%p_max)/half%p_max%value)
+      end associate
+      if (.not. bars%has_longer) error = ieee_value(1.0_wp, ieee_quiet_nan)
+   end function outlet_error
+
+   !> Error of a figure because the outlet cuts the film off, from its values on n/2 intervals with that outlet and with one farther
+   !> out; NaN where these are not known.
+   pure function cut_error(bars, half, longer) result(error)
+      type(error_bars_t), intent(in) :: bars
+      type(figure_t), intent(in) :: half, longer
+      real(wp) :: error
+
+      error = 0.0_wp
+      if (.not. bars%is_cut) return
+      error = ieee_value(1.0_wp, ieee_quiet_nan)
+      if (bars%has_half .and. bars%has_longer) error = safety*abs(half%value - longer%value)
+   end function cut_error
+
    !> Why a figure of a result has no estimate.
    pure function missing_estimate(bars, report) result(reason)
       type(error_bars_t), intent(in) :: bars
@@ -122,6 +158,8 @@ contains
          reason = 'no solution'
       else if (has_unseen_waves(bars)) then
          reason = bars%unseen
+      else if (bars%is_cut .and. .not. bars%has_longer) then
+         reason = 'the outlet cuts the film off'
       else if (bars%has_quarter .or. bars%forecast%is_known) then
          reason = 'a pressure spike that this grid does not resolve may pass the largest pressure on finer grids, or grow '// &
             'without a limit'
@@ -140,12 +178,12 @@ contains
       error = film_safety*inlet_error
    end function domain_error
 
-   !> Relative errors of domain and iteration beside that of the grid, and the sum.
-   pure subroutine add_up(figure, domain, iteration)
+   !> Relative errors of inlet (`domain`) and iteration and what the outlet cuts off, beside the error of the grid, and the sum.
+   pure subroutine add_up(figure, domain, iteration, cut)
       type(figure_t), intent(inout) :: figure
-      real(wp), intent(in) :: domain, iteration
+      real(wp), intent(in) :: domain, iteration, cut
 
-      figure%error_domain = domain*abs(figure%value)
+      figure%error_domain = domain*abs(figure%value) + cut
       figure%error_iteration = iteration*abs(figure%value)
       figure%error_estimate = figure%error_grid + figure%error_domain + figure%error_iteration
    end subroutine add_up

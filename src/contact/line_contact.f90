@@ -1,5 +1,6 @@
 !> The lubricated line contact in dimensionless form: everything that (2.57)-(2.64) of the thesis need.
 module line_contact
+   use constants, only: pi
    use kinds, only: wp
    use lubricant, only: fluid_t
    use moes, only: central_film
@@ -11,8 +12,8 @@ module line_contact
    implicit none (type, external)
    private
 
-   public :: film_estimate, finest_wave, intervals_for_waves, is_smooth, line_contact_t, move_profiles, newtonian_film
-   public :: shortest_passage
+   public :: closing_slope, film_estimate, finest_wave, intervals_for_waves, is_smooth, line_contact_t, move_profiles
+   public :: newtonian_film, shortest_passage
 
    !> Intervals in the finest wave (feature, sinusoid, profile) below which companions on n/4 may not see it.
    integer, parameter, public :: fewest_in_wave = 16
@@ -71,6 +72,29 @@ contains
 
       is_smooth = min(finest_wave(contact%surface_1), finest_wave(contact%surface_2)) >= huge(1.0_wp)
    end function is_smooth
+
+   !> Slope by which the features of both surfaces close the film as they pass: of each surface the steepest one, 2 pi A/wavelength,
+   !> times how fast it moves relative to the flow, |1 - dX/dT|; profiles, whose slopes differ, are left out.
+   pure function closing_slope(contact) result(slope)
+      type(line_contact_t), intent(in) :: contact
+      real(wp) :: slope
+
+      slope = slope_of(contact%surface_1) + slope_of(contact%surface_2)
+
+   contains
+
+      !> That of one surface.
+      pure function slope_of(surface) result(slope)
+         type(rough_surface_t), intent(in) :: surface
+         real(wp) :: slope
+
+         slope = 0.0_wp
+         if (.not. allocated(surface%features)) return
+         if (size(surface%features) == 0) return
+         slope = 2*pi*abs(1 - surface%speed)*maxval(abs(surface%features%amplitude)/surface%features%wavelength)
+      end function slope_of
+
+   end function closing_slope
 
    !> Time T in which the finest wave of a moving surface passes a place; above 1e9 if there is none.
    pure function shortest_passage(contact) result(time)

@@ -30,6 +30,8 @@ module solver_settings
       integer :: intervals = 0
       !> In front of the inlet: 'zero', no pressure, or 'tail', what module inlet_tail finds (steady only); 'auto': chosen.
       character(len=word_length) :: inlet = 'zero'
+      !> True: the outlet is the program's, which moves it out where it cuts the film off.
+      logical :: may_lengthen = .false.
    end type domain_t
 
    !> Steady or in time, and the steps. Time is dimensionless, T = t u_s/(2 b).

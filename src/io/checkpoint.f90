@@ -156,6 +156,7 @@ contains
          call write_dataset(file, '/report/breakdown', [real(wp) :: b%count, b%step, b%time, b%position, b%film, &
             b%smallest_film], new_label('films below the floor: how often; step, time, place and film of the first; smallest', '1'))
       end associate
+      call write_dataset(file, '/report/outlet_pressure', report%outlet_pressure, new_label('largest P before the outlet', '1'))
       call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, new_label('bound', '1'))
       call write_dataset(file, '/report/uncut_steps', int(report%uncut_steps, int64), new_label('steps taken whole', '1'))
       call write_dataset(file, '/report/work_units', report%work_units, new_label('sweeps of the finest level', '1'))
@@ -315,6 +316,7 @@ contains
       call report%restore(residuals, load_errors)
       report%breakdown = breakdown_from(reader%reals('/report/breakdown'))
       report%method = reader%text('/report/method')
+      report%outlet_pressure = reader%real_value('/report/outlet_pressure')
       report%tolerance_effective = reader%real_value('/report/tolerance_effective')
       report%uncut_steps = int(reader%integer_value('/report/uncut_steps'))
       report%work_units = reader%real_value('/report/work_units')

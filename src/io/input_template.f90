@@ -72,8 +72,8 @@ module input_template
       example_t('surface_2', 'amplitude', '2e-7', .false.), &
       example_t('surface_2', 'wavelength', '1e-4', .false.), &
       example_t('surface_2', 'position', '-2.5', .false.), &
-      example_t('domain', 'x_inlet', '-4.0', .true.), &
-      example_t('domain', 'x_outlet', '1.5', .true.), &
+      example_t('domain', 'x_inlet', '-4.0', .false.), &
+      example_t('domain', 'x_outlet', '1.5', .false.), &
       example_t('domain', 'intervals', '1024', .true.), &
       example_t('time', 'end_time', '2.181818', .false.), &
       example_t('time', 'time_step', '2.7e-3', .false.), &

@@ -1,0 +1,72 @@
+!> The outlet of a result: whether it cuts the film off, by how much that changes the figures, and a note on it.
+module outlet_check
+   use case_record, only: case_t
+   use companions, only: run_longer
+   use domain_choice, only: choose_domain
+   use error_bars, only: outlet_error
+   use errors, only: error_t
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use run_observer, only: run_observer_t
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: check_outlet
+
+   !> A relative change of the figures by the outlet above which the program says so.
+   real(wp), parameter :: telling_change = 1.0e-3_wp
+
+contains
+
+   !> Where the film of the solved `contact` is still under pressure at the last node before the outlet, finds what that changes if
+   !> there are error bars, for their part of the domain, and adds a note to the report unless it is little. `open`: the contact as
+   !> it was posed. Error: memory or a library failed.
+   subroutine check_outlet(case, open, contact, watcher, report, error)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: open, contact
+      type(run_observer_t), intent(inout) :: watcher
+      type(report_t), intent(inout) :: report
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: note
+      real(wp) :: change
+
+      if (.not. (report%converged .and. report%outlet_pressure > 0.0_wp)) return
+      associate (bars => watcher%writer%bars)
+         bars%is_cut = .true.
+         if (case%accuracy%has_error_bars) call run_longer(bars, contact, case%solver, case%time, watcher, error)
+         if (allocated(error)) return
+         change = outlet_error(bars)
+      end associate
+      if (change <= telling_change) return
+      note = outlet_note(open, contact%domain%x_outlet, change)
+      call watcher%log%say(case%file//': '//note)
+      if (allocated(report%note)) note = report%note//'; '//note
+      call move_alloc(note, report%note)
+   end subroutine check_outlet
+
+   !> What is wrong with the outlet, and what cures it; `change`: of the figures, NaN if it is not known.
+   pure function outlet_note(open, x_outlet, change) result(note)
+      type(line_contact_t), intent(in) :: open
+      real(wp), intent(in) :: x_outlet, change
+      character(:), allocatable :: note
+      type(line_contact_t) :: own
+
+      note = 'the film is still under pressure at the outlet X = '//to_text(x_outlet, 4)
+      if (change > 0.0_wp) then
+         note = note//', which changes its figures by up to '//to_text(100*change, 2)//' %'
+      else
+         note = note//', and what that changes is not known'
+      end if
+      own = open
+      own%domain%has_outlet = .false.
+      call choose_domain(own)
+      if (own%domain%x_outlet > x_outlet) then
+         note = note//': without x_outlet the program takes '//to_text(own%domain%x_outlet, 4)
+      else
+         note = note//': x_outlet farther out cures it'
+      end if
+   end function outlet_note
+
+end module outlet_check
