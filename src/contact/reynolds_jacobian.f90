@@ -7,7 +7,7 @@ module reynolds_jacobian
    use line_contact, only: line_contact_t
    use line_level, only: has_close_exit, line_level_t
    use mobility, only: fluid_mobility_slopes, mobility_slopes_t
-   use reynolds_line, only: apply_reynolds, wedge_weights
+   use reynolds_line, only: apply_reynolds, third_order_share, third_order_slope, wedge_weights
    implicit none (type, external)
    private
 
@@ -51,20 +51,20 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
       type(reynolds_jacobian_t), intent(inout) :: jacobian
-      real(wp) :: left_p(-2:1), left_h(-1:0), right_p(-2:1), right_h(-1:0), weights(-2:1)
+      real(wp) :: left_p(-2:1), left_h(-2:0), right_p(-2:1), right_h(-2:0), weights(-2:0)
       integer :: i, n
 
       n = level%n
       call evaluate_slopes(contact, level, jacobian)
-      call apply_reynolds(contact%lambda, level)
-      call differentiate_flux(level, jacobian, 1, right_p, right_h)
+      call apply_reynolds(contact, level)
+      call differentiate_flux(contact, level, jacobian, 1, right_p, right_h)
       associate (jp => jacobian%by_pressure, jh => jacobian%by_film, kernel => level%kernel)
          do i = 1, n - 1
             left_p = right_p
             left_h = right_h
-            call differentiate_flux(level, jacobian, i + 1, right_p, right_h)
+            call differentiate_flux(contact, level, jacobian, i + 1, right_p, right_h)
             jp(:, i) = [-left_p(-2), right_p(-2) - left_p(-1), right_p(-1) - left_p(0), right_p(0) - left_p(1), right_p(1)]
-            jh(:, i) = [0.0_wp, -left_h(-1), right_h(-1) - left_h(0), right_h(0)]
+            jh(:, i) = [-left_h(-2), right_h(-2) - left_h(-1), right_h(-1) - left_h(0), right_h(0)]
             if (i <= 2) weights = wedge_and_squeeze(contact%lambda, level, i)
             call add_flow(weights, level, i, jacobian)
             jacobian%diagonal(i) = jp(0, i) - jh(-2, i)*kernel(2) - jh(-1, i)*kernel(1) - jh(0, i)*kernel(0) - jh(1, i)*kernel(1)
@@ -98,12 +98,15 @@ contains
       end associate
    end subroutine evaluate_slopes
 
-   !> Derivatives of the flux e(i-1/2) (P(i) - P(i-1))/dX^2 through the face left of node i by P(i-2..i+1) and H(i-1..i).
-   pure subroutine differentiate_flux(level, jacobian, i, flux_p, flux_h)
+   !> Derivatives of the flux e(i-1/2) (P(i) - P(i-1))/dX^2 through the face left of node i, with what the sharp scheme has more of
+   !> the flow rH there, by P(i-2..i+1) and H(i-2..i).
+   ! allow(too-many-arguments)  two of them are the result
+   pure subroutine differentiate_flux(contact, level, jacobian, i, flux_p, flux_h)
+      type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
       type(reynolds_jacobian_t), intent(in) :: jacobian
       integer, intent(in) :: i
-      real(wp), intent(out) :: flux_p(-2:1), flux_h(-1:0)
+      real(wp), intent(out) :: flux_p(-2:1), flux_h(-2:0)
       real(wp) :: slope, conductance, left, right
 
       slope = (level%pressure(i) - level%pressure(i - 1))/level%dx**2
@@ -111,39 +114,60 @@ contains
       if (level%is_sharp) then
          associate (faces => jacobian%faces)
             flux_p = [0.0_wp, faces%by_p_left(i)*slope - conductance, faces%by_p_right(i)*slope + conductance, 0.0_wp]
-            flux_h = [faces%by_h_left(i)*slope, faces%by_h_right(i)*slope]
+            flux_h = [0.0_wp, faces%by_h_left(i)*slope, faces%by_h_right(i)*slope]
          end associate
+         if (i > 1) call add_third_order_slopes(contact, level, jacobian%slopes%rho_p(i - 2:i), i, flux_p(:0), flux_h)
       else
          associate (s => jacobian%slopes)
             left = 0.25_wp*s%e_slope(i - 1)*slope/level%dx
             right = 0.25_wp*s%e_slope(i)*slope/level%dx
             flux_p = [-left, 0.5_wp*s%e_p(i - 1)*slope - conductance - right, 0.5_wp*s%e_p(i)*slope + conductance + left, right]
-            flux_h = 0.5_wp*s%e_h(i - 1:i)*slope
+            flux_h = [0.0_wp, 0.5_wp*s%e_h(i - 1)*slope, 0.5_wp*s%e_h(i)*slope]
          end associate
       end if
    end subroutine differentiate_flux
 
-   !> Weights of rH(i-2) ... rH(i+1) in the wedge and the squeeze term of row i, the same ones from the second row on.
+   !> The part of -lambda/dX theta/3 ( rH(i) - 2 rH(i-1) + rH(i-2) ) in these derivatives.
+   pure subroutine add_third_order_slopes(contact, level, rho_p, i, flux_p, flux_h)
+      type(line_contact_t), intent(in) :: contact
+      type(line_level_t), intent(in) :: level
+      integer, intent(in) :: i
+      real(wp), intent(in) :: rho_p(-2:0)
+      real(wp), intent(inout) :: flux_p(-2:0), flux_h(-2:0)
+      real(wp), parameter :: second(-2:0) = [1.0_wp, -2.0_wp, 1.0_wp]
+      real(wp) :: factor, kappa, share
+
+      associate (p => level%pressure(i - 2:i), h => level%film(i - 2:i), rho => level%density(i - 2:i), &
+         alpha => contact%fluid%alpha_bar)
+         factor = contact%lambda/(3*level%dx)
+         kappa = alpha*dot_product(second, p)
+         share = third_order_share(kappa)
+         flux_p = flux_p - factor*second*(share*rho_p*h + alpha*third_order_slope(kappa)*dot_product(second, rho*h))
+         flux_h = flux_h - factor*second*share*rho
+      end associate
+   end subroutine add_third_order_slopes
+
+   !> Weights of rH(i-2) ... rH(i) in the wedge and the squeeze term of row i, the same ones from the second row on.
    pure function wedge_and_squeeze(lambda, level, i) result(weights)
       real(wp), intent(in) :: lambda
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: i
-      real(wp) :: weights(-2:1)
+      real(wp) :: weights(-2:0)
 
-      weights = wedge_weights(level%is_sharp, i)*lambda/level%dx
+      weights = wedge_weights(i)*lambda/level%dx
       weights(0) = weights(0) + lambda*level%inverse_time_step
    end function wedge_and_squeeze
 
    !> The wedge and the squeeze term of row i.
    pure subroutine add_flow(weights, level, i, jacobian)
-      real(wp), intent(in) :: weights(-2:1)
+      real(wp), intent(in) :: weights(-2:0)
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: i
       type(reynolds_jacobian_t), intent(inout) :: jacobian
       integer :: o
 
       associate (s => jacobian%slopes)
-         do o = max(-2, -i), 1
+         do o = max(-2, -i), 0
             jacobian%by_pressure(o, i) = jacobian%by_pressure(o, i) - weights(o)*s%rho_p(i + o)*level%film(i + o)
             jacobian%by_film(o, i) = jacobian%by_film(o, i) - weights(o)*s%rho(i + o)
          end do

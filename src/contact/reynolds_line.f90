@@ -6,9 +6,14 @@
 !> with e = rho H^3 S/mu, e(i+-1/2) the arithmetic mean, rH = rho H, and the first-order wedge at node 1. The old film
 !> of a time step is in the right side: L_R = -lambda rH_old/dT.
 !>
-!> The sharp scheme (`level%is_sharp`) takes e(i+-1/2) from module face_mobility, and the flow rH at a face from two nodes
-!> upstream and one downstream, rH(i+1/2) = (2 rH(i+1) + 5 rH(i) - rH(i-1))/6: the wedge is of third order,
-!> lambda/(6 dX) [ 2 rH(i+1) + 3 rH(i) - 6 rH(i-1) + rH(i-2) ]. At the first face both schemes have (rH(0) + rH(1))/2.
+!> The sharp scheme (`level%is_sharp`) takes e(i+-1/2) from module face_mobility, and the flow rH at a face from one node
+!> downstream too,
+!>
+!>     rH(i+1/2) = ( 3 rH(i) - rH(i-1) )/2 + theta(i)/3 ( rH(i+1) - 2 rH(i) + rH(i-1) )
+!>
+!> which with theta = 1 is (2 rH(i+1) + 5 rH(i) - rH(i-1))/6, of third order, and with theta = 0 the flow of the thesis's wedge.
+!> The share theta falls where the pressure curves beyond what the grid resolves (`third_order_share`). At the first face both
+!> schemes have (rH(0) + rH(1))/2.
 module reynolds_line
    use constants, only: pi
    use face_mobility, only: fluid_face_mobility
@@ -22,7 +27,10 @@ module reynolds_line
    private
 
    public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, reynolds_diagonals, residual_t, measure_residual, &
-      wedge_weights
+      third_order_share, third_order_slope, wedge_weights
+
+   !> Curvature kappa at which half of the third order is left in the flow of the sharp scheme.
+   real(wp), parameter :: strong_curvature = 1.0_wp
 
    !> Residuals of the original problem in the unit of d(rho H)/dX, see `measure_residual`.
    type :: residual_t
@@ -54,22 +62,35 @@ contains
       end if
    end subroutine evaluate_coefficients
 
-   !> Weights of rH(i-2) ... rH(i+1) in dX d(rho H)/dX of row i.
-   pure function wedge_weights(is_sharp, i) result(weights)
-      logical, intent(in) :: is_sharp
+   !> Weights of rH(i-2) ... rH(i) in dX d(rho H)/dX of row i by the thesis's scheme.
+   pure function wedge_weights(i) result(weights)
       integer, intent(in) :: i
-      real(wp) :: weights(-2:1)
+      real(wp) :: weights(-2:0)
 
-      if (is_sharp .and. i > 1) then
-         weights = [1.0_wp, -6.0_wp, 3.0_wp, 2.0_wp]/6
-      else if (is_sharp) then
-         weights = [0.0_wp, -2.0_wp, 1.0_wp, 1.0_wp]/3
-      else if (i > 1) then
-         weights = [0.5_wp, -2.0_wp, 1.5_wp, 0.0_wp]
-      else
-         weights = [0.0_wp, -1.0_wp, 1.0_wp, 0.0_wp]
-      end if
+      weights = [0.5_wp, -2.0_wp, 1.5_wp]
+      if (i == 1) weights = [0.0_wp, -1.0_wp, 1.0_wp]
    end function wedge_weights
+
+   !> Share theta of the third order in the flow rH at a face, 1/(1 + (kappa/kappa_s)^2), by the curvature
+   !> kappa = alpha_bar (P(i-1) - 2 P(i) + P(i+1)) at the node upstream, the change of the slope of ln mu from interval to interval.
+   !>
+   !> Where oil is as good as solid, rH is the same at all faces. The third order would let it be so with a rest of H that changes
+   !> its sign from node to node and falls upstream by 2.7 a node, of any size: a zigzag of the pressure in front of the spike, and
+   !> several solutions. (What the flow upstream alone leaves falls downstream, by 3 a node.) 1 - theta is of fourth order in dX.
+   pure elemental function third_order_share(kappa) result(share)
+      real(wp), intent(in) :: kappa
+      real(wp) :: share
+
+      share = 1/(1 + (kappa/strong_curvature)**2)
+   end function third_order_share
+
+   !> d theta/d kappa.
+   pure elemental function third_order_slope(kappa) result(slope)
+      real(wp), intent(in) :: kappa
+      real(wp) :: slope
+
+      slope = -2*kappa/strong_curvature**2*third_order_share(kappa)**2
+   end function third_order_slope
 
    !> Coefficients, then the operator L_R at nodes 1..n-1 (0 at both ends).
    pure subroutine evaluate_reynolds(contact, level)
@@ -77,38 +98,55 @@ contains
       type(line_level_t), intent(inout) :: level
 
       call evaluate_coefficients(contact%fluid, level)
-      call apply_reynolds(contact%lambda, level)
+      call apply_reynolds(contact, level)
    end subroutine evaluate_reynolds
 
    !> L_R with the present coefficients.
-   pure subroutine apply_reynolds(lambda, level)
-      real(wp), intent(in) :: lambda
+   pure subroutine apply_reynolds(contact, level)
+      type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
-      real(wp) :: diffusion, squeeze, w(-2:1)
+      real(wp) :: diffusion, squeeze, w(-2:0)
       integer :: i, n
 
       n = level%n
       diffusion = 1.0_wp/level%dx**2
-      squeeze = lambda*level%inverse_time_step
+      squeeze = contact%lambda*level%inverse_time_step
       associate (p => level%pressure, h => level%film, e => level%face_mobility, rho => level%density, flow => level%operator)
          flow(0) = 0.0_wp
          flow(n) = 0.0_wp
-         w = lambda/level%dx*wedge_weights(level%is_sharp, 1)
+         w = contact%lambda/level%dx*wedge_weights(1)
          flow(1) = diffusion*(e(2)*(p(2) - p(1)) - e(1)*(p(1) - p(0))) &
-            - (w(0)*rho(1)*h(1) + w(-1)*rho(0)*h(0) + w(1)*rho(2)*h(2)) - squeeze*rho(1)*h(1)
-         w = lambda/level%dx*wedge_weights(level%is_sharp, 2)
+            - (w(0)*rho(1)*h(1) + w(-1)*rho(0)*h(0)) - squeeze*rho(1)*h(1)
+         w = contact%lambda/level%dx*wedge_weights(2)
          do concurrent (i=2:n - 1)
             flow(i) = diffusion*(e(i + 1)*(p(i + 1) - p(i)) - e(i)*(p(i) - p(i - 1))) &
-               - (w(0)*rho(i)*h(i) + w(-1)*rho(i - 1)*h(i - 1) + w(-2)*rho(i - 2)*h(i - 2) + w(1)*rho(i + 1)*h(i + 1)) &
-               - squeeze*rho(i)*h(i)
+               - (w(0)*rho(i)*h(i) + w(-1)*rho(i - 1)*h(i - 1) + w(-2)*rho(i - 2)*h(i - 2)) - squeeze*rho(i)*h(i)
          end do
          if (has_close_exit(level)) then
             i = level%exit_node
             flow(i) = flow(i) - level%exit_conductance*(p(i) - level%pressure_start(i))
          end if
       end associate
+      if (level%is_sharp) call add_third_order(contact, level)
       if (allocated(level%pressure_rest)) call add_flow_of_rest(level)
    end subroutine apply_reynolds
+
+   !> Adds what the sharp scheme has more of the flow rH at the faces (in the work space of the level, by the node upstream).
+   pure subroutine add_third_order(contact, level)
+      type(line_contact_t), intent(in) :: contact
+      type(line_level_t), intent(inout) :: level
+      integer :: i, n
+
+      n = level%n
+      associate (p => level%pressure, h => level%film, rho => level%density, more => level%work, alpha => contact%fluid%alpha_bar)
+         more(0) = 0.0_wp
+         do concurrent (i=1:n - 1)
+            more(i) = third_order_share(alpha*(p(i - 1) - 2*p(i) + p(i + 1)))/3 &
+               *(rho(i + 1)*h(i + 1) - 2*rho(i)*h(i) + rho(i - 1)*h(i - 1))
+         end do
+         level%operator(1:n - 1) = level%operator(1:n - 1) - contact%lambda/level%dx*(more(1:n - 1) - more(:n - 2))
+      end associate
+   end subroutine add_third_order
 
    !> Adds what the slopes of the rest of P bring to L_R. (P(i) - P(i-1) is exact, being the difference of neighbours.)
    pure subroutine add_flow_of_rest(level)
