@@ -1,0 +1,50 @@
+"""The sharp space scheme at pressure spikes, found from two starts; and contacts of wide ranges with the default solver.
+
+A discrete problem with one solution gives the same numbers from every start: the truth of a spiked contact is the same grid
+without error bars and without coarser grids of its own, so that a second solution shows as an error outside the bar. Wide contacts
+are heavy, fast and slide far (M to 3000, L to 60, tau_0 0.5 to 20 MPa, slide-to-roll ratios to 20).
+"""
+
+from __future__ import annotations
+
+import random
+
+import namelists
+from families import Family, Member
+
+NO_BARS = {"error_bars": False}
+LAWS = tuple({"viscosity_law": v, "density_law": d} for v in ("barus", "roelands") for d in ("constant", "dowson_higginson"))
+FINE = {"intervals": 2**15, "inlet": "zero", "x_inlet": -20.0, "x_outlet": 2.0}
+
+
+def spiked(source: random.Random, count: int) -> list[Member]:
+    """Heavy contacts on given grids, by the sharp scheme."""
+    found = []
+    for i in range(count):
+        m, l, n = 10 ** source.uniform(1.3, 3), source.uniform(5, 30), source.choice((1024, 4096, 16384))  # noqa: E741
+        moes = {"moes": {"moes_m": m, "moes_l": l, "velocity": "sum"}, "lubricant": LAWS[i % 4]}
+        groups = moes | {"domain": namelists.WINDOW | {"intervals": n}, "solver": {"space_scheme": "sharp"}}
+        other = groups | {"solver": {"space_scheme": "sharp", "levels": 1}, "accuracy": NO_BARS}
+        found.append(Member(f"{i:03d}", namelists.namelist(groups), namelists.namelist(other)))
+    return found
+
+
+def wide(source: random.Random, count: int) -> list[Member]:
+    """Contacts in SI, three of four with Eyring's law, on the domain and grid that the program chooses."""
+    found = []
+    for i in range(count):
+        m, l = 10 ** source.uniform(0.5, 3.5), source.uniform(2, 60)  # noqa: E741
+        stress = 10 ** source.uniform(5.7, 7.3) if i % 4 else None
+        groups = namelists.steel(m, l, 10 ** source.uniform(-1.3, 1.3), stress)
+        groups["lubricant"] |= LAWS[source.randrange(4)]
+        if groups["lubricant"]["viscosity_law"] == "barus":
+            del groups["lubricant"]["roelands_p0"]
+        truth = groups | {"domain": FINE, "accuracy": NO_BARS}
+        found.append(Member(f"{i:03d}", namelists.namelist(groups), namelists.namelist(truth)))
+    return found
+
+
+FAMILIES = [
+    Family("one_solution", "Spikes by the sharp scheme from two starts", ("summary/h_min", "summary/p_max"), spiked),
+    Family("wide", "Heavy, fast and sliding contacts, chosen domain and grid", ("summary/h_min", "summary/h_central"), wide),
+]
