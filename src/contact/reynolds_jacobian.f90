@@ -100,7 +100,6 @@ contains
 
    !> Derivatives of the flux e(i-1/2) (P(i) - P(i-1))/dX^2 through the face left of node i, with what the sharp scheme has more of
    !> the flow rH there, by P(i-2..i+1) and H(i-2..i).
-   ! allow(too-many-arguments)  two of them are the result
    pure subroutine differentiate_flux(contact, level, jacobian, i, flux_p, flux_h)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
