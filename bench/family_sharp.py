@@ -13,7 +13,9 @@ from families import Family, Member
 
 NO_BARS = {"error_bars": False}
 LAWS = tuple({"viscosity_law": v, "density_law": d} for v in ("barus", "roelands") for d in ("constant", "dowson_higginson"))
+# Intervals of the truth of a spike.
 SPIKE_FINE = 2**17
+FILMS = ("summary/h_min", "summary/h_central")
 FINE = {"intervals": 2**15, "inlet": "zero", "x_inlet": -20.0, "x_outlet": 2.0}
 
 
@@ -45,6 +47,6 @@ def wide(source: random.Random, count: int) -> list[Member]:
 
 
 FAMILIES = [
-    Family("sharp_spikes", "Spikes by the sharp scheme, given grids", ("summary/h_min", "summary/h_central", "summary/p_max"), spiked),
-    Family("wide", "Heavy, fast and sliding contacts, chosen domain and grid", ("summary/h_min", "summary/h_central"), wide),
+    Family("sharp_spikes", "Spikes by the sharp scheme, given grids", (*FILMS, "summary/p_max"), spiked),
+    Family("wide", "Heavy, fast and sliding contacts, chosen domain and grid", FILMS, wide),
 ]
