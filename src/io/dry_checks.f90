@@ -166,7 +166,7 @@ contains
          end if
          if (wave < (least_nodes - rounding)*spacing) call findings%add(values%line_of(groups(i), key), groups(i), key, 'found ' &
             // to_text(wave) // ' m, expected at least two nodes a wave, ' // to_text(2.0_wp*spacing, 3) // ' m, or more intervals')
-         finest = min(finest, wave/spacing)
+         if (wave < huge(1.0_wp)) finest = min(finest, wave/spacing)
       end do
       if (finest < fewest_nodes - rounding .and. findings%count == 0) call add_note(dry, 'the finest waves of the surface have ' &
          // to_text(finest, 2) // ' nodes, of ' // to_text(nint(fewest_nodes)) // ' that are needed for its contact area')

@@ -183,13 +183,13 @@ contains
    subroutine expect_interruption(self, step)
       class(result_writer_t), intent(in) :: self
       integer, intent(in) :: step
-      integer :: first, i
+      character(len=9), parameter :: endings(3) = [character(len=9) :: '.part', '.tmp', '.ckpt.tmp']
+      character(len=len(self%path) + len(endings)) :: names(size(endings))
+      integer :: first
 
       first = merge(2, 1, self%has_checkpoint)   ! a checkpoint needs NAME.part
-      associate (endings => [character(len=9) :: '.part', '.tmp', '.ckpt.tmp'])
-         call lay_down_last_words(program_name//': '//self%interruption_text(step), &
-            [(self%path//endings(i), i=first, size(endings))])
-      end associate
+      names = self%path//endings
+      call lay_down_last_words(program_name//': '//self%interruption_text(step), names(first:))
    end subroutine expect_interruption
 
    !> Makes sure that `path` can be the name of a result, and that nobody else is writing it.
