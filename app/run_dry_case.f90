@@ -1,20 +1,24 @@
 !> One dry case from its record to its result file and its exit status.
 module run_dry_case
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use case_outcome, only: give_up, status_converged, status_not_converged
    use case_record, only: case_t, result_path
+   use dry_case, only: dry_case_t
+   use dry_errors, only: dry_sweep_t, estimate_dry_errors
    use dry_result, only: write_dry_result
-   use dry_scaling, only: dry_scaling_t, new_dry_scaling
+   use dry_scaling, only: new_dry_scaling
    use dry_solution, only: dry_solution_t
    use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
    use errors, only: error_t
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
+   use input_keys, only: dry_area
    use interruption, only: set_patience
-   use iteration_report, only: phase_steady
+   use iteration_report, only: phase_error_bars, phase_steady
    use kinds, only: wp
    use progress_log, only: new_progress_log, progress_log_t
-   use quantity_text, only: wrapped
+   use quantity_text, only: number_text, wrapped
    use result_writer, only: open_result, result_writer_t
    use system_limits, only: processors
    use text, only: to_text
@@ -26,6 +30,8 @@ module run_dry_case
 
    !> Columns of a terminal that a note takes.
    integer, parameter :: columns = 80
+   !> A relative error below this is printed as none.
+   real(wp), parameter :: rounding = 1.0e-7_wp
 
 contains
 
@@ -39,10 +45,9 @@ contains
       integer, intent(out) :: status
       type(result_writer_t) :: writer
       type(progress_log_t) :: log
-      type(dry_scaling_t) :: scaling
       type(dry_outcome_t) :: outcome
+      type(dry_row_t), allocatable :: errors(:)
       type(error_t), allocatable :: error
-      real(wp) :: start
 
       log = new_progress_log(is_quiet)
       call open_result(writer, result_path(case, output_dir), error)
@@ -51,24 +56,18 @@ contains
          return
       end if
       call writer%describe(trim(case%problem), case%title, case%namelist)
-      start = wall_seconds()
-      associate (dry => case%dry)
-         scaling = new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus)
-         if (dry%grid%ny > 1) dry%grid%threads = min(threads, processors())
-         call solve_dry_sweep(dry%grid, dry%height, scaling, dry%loads, dry%settings, outcome, error)
-      end associate
+      if (case%problem == dry_area) case%dry%grid%threads = min(threads, processors())
+      call solve_with_errors(case%dry, outcome, errors, error)
       if (allocated(error)) then
          call writer%discard()
          call give_up(error, log, status)
          return
       end if
-      outcome%solution%report%wall_seconds = wall_seconds() - start
-      outcome%solution%report%phase_seconds(phase_steady) = outcome%solution%report%wall_seconds
       call judge_sweep(outcome%rows, outcome%solution)
       if (allocated(case%dry%note)) outcome%solution%report%note = case%dry%note
       writer%inputs = case%effective
       call set_patience(.true.)
-      call write_dry_result(writer%file, case%dry, outcome%rows, outcome%fields, error)
+      call write_dry_result(writer%file, case%dry, outcome%rows, errors, outcome%fields, error)
       if (allocated(error)) then
          call writer%discard()
          call give_up(error, log, status)
@@ -80,9 +79,33 @@ contains
          call give_up(error, log, status)
          return
       end if
-      call tell(log, case%file(index(case%file, '/', back=.true.) + 1:), outcome%rows, outcome%solution, writer%path)
+      call tell(log, case%file(index(case%file, '/', back=.true.) + 1:), outcome%rows, errors, outcome%solution, writer%path)
       status = merge(status_converged, status_not_converged, outcome%solution%report%converged)
    end subroutine solve_and_write
+
+   !> The sweep, and the estimated `errors` of its figures (none: not wanted). Errors as in `solve_dry_sweep`.
+   subroutine solve_with_errors(dry, outcome, errors, error)
+      type(dry_case_t), intent(in) :: dry
+      type(dry_outcome_t), intent(out) :: outcome
+      type(dry_row_t), allocatable, intent(out) :: errors(:)
+      type(error_t), allocatable, intent(out) :: error
+      type(dry_sweep_t) :: sweep
+      real(wp) :: start
+
+      allocate (errors(0))
+      start = wall_seconds()
+      sweep = dry_sweep_t(dry%grid, dry%height, new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus), dry%loads, &
+         dry%settings)
+      call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, sweep%settings, outcome, error)
+      if (allocated(error)) return
+      associate (report => outcome%solution%report)
+         report%phase_seconds(phase_steady) = wall_seconds() - start
+         if (dry%has_error_bars) call estimate_dry_errors(sweep, outcome%rows, errors, error)
+         if (allocated(error)) return
+         report%wall_seconds = wall_seconds() - start
+         report%phase_seconds(phase_error_bars) = report%wall_seconds - report%phase_seconds(phase_steady)
+      end associate
+   end subroutine solve_with_errors
 
    !> What the solution took: /report/cpu_..., /report/transforms.
    subroutine write_costs(file, outcome)
@@ -113,11 +136,11 @@ contains
       end do
    end subroutine judge_sweep
 
-   !> A table with a line for each load.
-   subroutine tell(log, name, rows, solution, path)
+   !> A table with a line for each load, and under it the estimated errors.
+   subroutine tell(log, name, rows, errors, solution, path)
       type(progress_log_t), intent(inout) :: log
       character(*), intent(in) :: name, path
-      type(dry_row_t), intent(in) :: rows(:)
+      type(dry_row_t), intent(in) :: rows(:), errors(:)
       type(dry_solution_t), intent(in) :: solution
       character(len=80) :: line
       integer :: i
@@ -136,9 +159,33 @@ contains
                row%p_max, ' Pa', row%kkt
          end associate
          call log%say(trim(line))
+         if (size(errors) > 0) call log%say(error_line(rows(i), errors(i)))
       end do
       if (allocated(solution%report%note)) call log%say('  ' // wrapped('note      ' // solution%report%note, columns - 2))
       call log%say('  result    ' // path)
    end subroutine tell
+
+   !> The line of estimated errors under that of a load, in percent of its figures.
+   function error_line(row, error) result(line)
+      type(dry_row_t), intent(in) :: row, error
+      character(:), allocatable :: line
+      character(len=80) :: cells
+
+      write (cells, '(a15,2a10,2a13)') '+-', percent(error%contact_area_fraction, row%contact_area_fraction), &
+         percent(error%plastic_area_fraction, row%plastic_area_fraction), percent(error%mean_separation, row%mean_separation), &
+         percent(error%p_max, row%p_max)
+      line = trim(cells)
+   end function error_line
+
+   !> `error` in percent of `value`, right-justified as in the line above it; '-' if it is not known.
+   function percent(error, value) result(cell)
+      real(wp), intent(in) :: error, value
+      character(:), allocatable :: cell
+
+      cell = '-'
+      if (.not. (ieee_is_finite(error) .and. abs(value) > 0.0_wp)) return
+      cell = '0 %'
+      if (error > rounding*abs(value)) cell = number_text(100.0_wp*error/abs(value), 2)//' %'
+   end function percent
 
 end module run_dry_case

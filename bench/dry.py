@@ -43,6 +43,7 @@ CASE = """&case problem = '{problem}' /
 &surface_1 shape = 'file', file = 'z.h5', dataset = '/z' /
 &domain periodic = {periodic} /
 &solver tolerance = 1e-6 /
+&accuracy error_bars = .false. /
 """
 PROFILES = ROOT / "test" / "data" / "profiles_ABCD.csv"
 SWEEP = """&case problem = 'dry_line' /

@@ -52,6 +52,8 @@ module dry_sweep
       character(:), allocatable :: reason
       !> Contact area less (pi - 1 + ln 2)/24 of its perimeter (areas), as a fraction.
       real(wp) :: contact_area_corrected
+      !> Neighbours one of which is in contact (at the hardness) and the other not, of the periodic grid.
+      integer :: contact_edges, plastic_edges
       type(roughness_t) :: undeformed, loaded, unloaded
    end type dry_row_t
 
@@ -224,7 +226,10 @@ contains
       row%is_converged = solution%report%converged
       row%reason = solution%report%reason
       row%contact_area_corrected = row%contact_area_fraction
-      if (grid%ny > 1) row%contact_area_corrected = row%contact_area_fraction - perimeter_share(grid, solution%pressure)
+      row%contact_edges = edges_of(grid, solution%pressure > 0.0_wp)
+      row%plastic_edges = 0
+      if (problem%is_capped()) row%plastic_edges = edges_of(grid, solution%pressure >= problem%hardness)
+      if (grid%ny > 1) row%contact_area_corrected = row%contact_area_fraction - perimeter_share(grid, row%contact_edges)
       row%undeformed = roughness_of(fields%height_undeformed, grid%ny == 1)
       row%loaded = roughness_of(fields%height_loaded, grid%ny == 1)
       row%unloaded = roughness_of(fields%height_unloaded, grid%ny == 1)
@@ -253,18 +258,26 @@ contains
       mean = sum(max(solution%datum - solution%v, 0.0_wp), mask=solution%pressure >= problem%hardness)/size(solution%v)
    end function mean_plastic
 
-   !> (pi - 1 + ln 2)/24 S/(nx ny), S the number of edges between nodes in and out of contact, of the periodic grid
-   !> (V. A. Yastrebov, G. Anciaux and J.-F. Molinari, Tribol. Lett. 56, 2014, 171).
-   pure function perimeter_share(grid, pressure) result(share)
+   !> Number of neighbours in x and y one of which is `inside` (nx*ny) and the other not, of the periodic grid.
+   pure function edges_of(grid, inside) result(edges)
       type(dry_grid_t), intent(in) :: grid
-      real(wp), intent(in) :: pressure(:)
+      logical, intent(in) :: inside(:)
+      integer :: edges
+      logical, allocatable :: map(:, :)
+
+      map = reshape(inside, [grid%nx, grid%ny])
+      edges = count(map .neqv. cshift(map, 1, 1)) + count(map .neqv. cshift(map, 1, 2))
+   end function edges_of
+
+   !> (pi - 1 + ln 2)/24 S/(nx ny), S the number of `edges` between nodes in and out of contact
+   !> (V. A. Yastrebov, G. Anciaux and J.-F. Molinari, Tribol. Lett. 56, 2014, 171).
+   pure function perimeter_share(grid, edges) result(share)
+      type(dry_grid_t), intent(in) :: grid
+      integer, intent(in) :: edges
       real(wp) :: share
       real(wp), parameter :: factor = (pi - 1.0_wp + log(2.0_wp))/24.0_wp
-      logical, allocatable :: touches(:, :)
 
-      touches = reshape(pressure > 0.0_wp, [grid%nx, grid%ny])
-      share = factor*(count(touches .neqv. cshift(touches, 1, 1)) + count(touches .neqv. cshift(touches, 1, 2))) &
-              /(real(grid%nx, wp)*real(grid%ny, wp))
+      share = factor*edges/(real(grid%nx, wp)*real(grid%ny, wp))
    end function perimeter_share
 
 end module dry_sweep

@@ -21,6 +21,8 @@ module dry_case
       real(wp) :: reduced_modulus
       type(dry_loads_t) :: loads
       type(dry_settings_t) :: settings
+      !> Errors are estimated.
+      logical :: has_error_bars
       !> What the reader of the result should know about it; not allocated: nothing.
       character(:), allocatable :: note
    end type dry_case_t

@@ -242,7 +242,7 @@ contains
       if (found /= '') call findings%add(slot%line, 'load', 'separation', found)
    end subroutine fill_separations
 
-   !> Kernel, method, tolerance. Finding: band_limited on an open domain.
+   !> Kernel, method, tolerance, error bars. Finding: band_limited on an open domain.
    subroutine fill_solver(values, dry, findings)
       type(input_values_t), intent(in) :: values
       type(dry_case_t), intent(inout) :: dry
@@ -262,6 +262,8 @@ contains
       dry%settings%tolerance = values%real_value('solver', 'tolerance')
       slot = values%slot('solver', 'max_cycles')
       dry%settings%max_cycles = slot%integer
+      slot = values%slot('accuracy', 'error_bars')
+      dry%has_error_bars = slot%logical
    end subroutine fill_solver
 
 end module dry_input

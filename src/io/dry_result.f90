@@ -1,6 +1,6 @@
 !> The sections of a dry result: /scaling, /solution, /sweep and /summary, all in SI.
 module dry_result
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use analytic_heights, only: node_positions
    use dry_case, only: dry_case_t
@@ -18,14 +18,18 @@ module dry_result
 
    !> Levels of the bearing curves, and steps of the height densities.
    integer, parameter :: bearing_levels = 201, density_steps = 50
+   !> Figures of /sweep that /summary has of the last load.
+   character(len=21), parameter :: summary_names(*) = [character(len=21) :: 'p_max', 'contact_area_fraction', &
+      'plastic_area_fraction', 'mean_separation']
 
 contains
 
-   !> Writes the figures of every load and the fields of the last. Fails (internal_error) if FFTW does.
-   subroutine write_dry_result(file, dry, rows, fields, error)
+   !> Writes the figures of every load with their estimated `errors` (none: not estimated) and the fields of the last. Fails
+   !> (internal_error) if FFTW does.
+   subroutine write_dry_result(file, dry, rows, errors, fields, error)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
-      type(dry_row_t), intent(in) :: rows(:)
+      type(dry_row_t), intent(in) :: rows(:), errors(:)
       type(dry_fields_t), intent(in) :: fields
       type(error_t), allocatable, intent(out) :: error
 
@@ -33,7 +37,7 @@ contains
       call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus)
       call write_attribute(file, '/scaling', 'reduced_modulus_units', 'Pa')
       call write_fields(file, dry, fields)
-      call write_sweep(file, dry, rows)
+      call write_sweep(file, dry, rows, errors)
       call write_roughness(file, 'ra', 'arithmetic mean height', 'm', rows%undeformed%ra, rows%loaded%ra, rows%unloaded%ra)
       call write_roughness(file, 'rq', 'rms height', 'm', rows%undeformed%rq, rows%loaded%rq, rows%unloaded%rq)
       call write_roughness(file, 'rz', trim(merge('highest less lowest, mean of five parts', &
@@ -41,8 +45,6 @@ contains
       call write_roughness(file, 'rsk', 'skewness', '1', rows%undeformed%rsk, rows%loaded%rsk, rows%unloaded%rsk)
       call write_roughness(file, 'rku', 'kurtosis', '1', rows%undeformed%rku, rows%loaded%rku, rows%unloaded%rku)
       call write_surface(file, dry, fields, error)
-      if (allocated(error)) return
-      call write_summary(file, rows(size(rows)))
    end subroutine write_dry_result
 
    !> /solution.
@@ -79,36 +81,45 @@ contains
 
    end subroutine write_fields
 
-   !> /sweep without roughness: one value for each load.
-   subroutine write_sweep(file, dry, rows)
+   !> /sweep without roughness: one value for each load, and /summary of the last one.
+   subroutine write_sweep(file, dry, rows, errors)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
-      type(dry_row_t), intent(in) :: rows(:)
+      type(dry_row_t), intent(in) :: rows(:), errors(:)
       character(:), allocatable :: energy_unit, load_unit
       logical :: is_line
 
       is_line = dry%grid%ny == 1
       load_unit = trim(merge('N/m', 'N  ', is_line))
       energy_unit = trim(merge('J/m', 'J  ', is_line))
-      call write_column('mean_pressure', rows%mean_pressure, 'load over nominal area', 'Pa')
-      call write_column('load', rows%load, 'load', load_unit)
-      call write_column('contact_area_fraction', rows%contact_area_fraction, 'nodes with p > 0 over all', '1')
-      if (.not. is_line) call write_column('contact_area_fraction_corrected', rows%contact_area_corrected, &
-         'contact area less (pi - 1 + ln 2)/24 of its perimeter', '1')
-      call write_column('plastic_area_fraction', rows%plastic_area_fraction, 'nodes with p = hardness over all', '1')
-      call write_column('plasticity_index', rows%plasticity_index, 'plastic over contact area', '1')
-      call write_column('mean_separation', rows%mean_separation, 'plane to mean of the loaded surface', 'm')
-      if (dry%is_periodic) then
-         call write_column('separation', rows%separation, 'plane to mean of the undeformed surface', 'm')
-      else if (.not. is_line) then
-         call write_column('separation', rows%separation, 'approach of the bodies since first touch', 'm')
+      if (allocated(dry%loads%separation)) then
+         call write_estimated('mean_pressure', rows%mean_pressure, errors%mean_pressure, 'load over nominal area', 'Pa')
+         call write_estimated('load', rows%load, errors%load, 'load', load_unit)
+      else
+         call write_column('mean_pressure', rows%mean_pressure, 'load over nominal area', 'Pa')
+         call write_column('load', rows%load, 'load', load_unit)
       end if
-      call write_column('datum', rows%datum, 'mean of deflection less height where 0 < p < hardness', 'm')
-      call write_column('p_max', rows%p_max, 'largest pressure', 'Pa')
-      call write_column('dp_max', rows%dp_max, 'largest plastic deformation', 'm')
-      call write_column('dp_mean', rows%dp_mean, 'mean plastic deformation', 'm')
-      call write_column('elastic_energy', rows%elastic_energy, 'stored elastic energy', energy_unit)
-      call write_column('dissipated_energy', rows%dissipated_energy, 'energy dissipated by plastic deformation', energy_unit)
+      call write_estimated('contact_area_fraction', rows%contact_area_fraction, errors%contact_area_fraction, &
+         'nodes with p > 0 over all', '1')
+      if (.not. is_line) call write_estimated('contact_area_fraction_corrected', rows%contact_area_corrected, &
+         errors%contact_area_corrected, 'contact area less (pi - 1 + ln 2)/24 of its perimeter', '1')
+      call write_estimated('plastic_area_fraction', rows%plastic_area_fraction, errors%plastic_area_fraction, &
+         'nodes with p = hardness over all', '1')
+      call write_estimated('plasticity_index', rows%plasticity_index, errors%plasticity_index, 'plastic over contact area', '1')
+      call write_estimated('mean_separation', rows%mean_separation, errors%mean_separation, &
+         'plane to mean of the loaded surface', 'm')
+      if (dry%is_periodic) then
+         call write_estimated('separation', rows%separation, errors%separation, 'plane to mean of the undeformed surface', 'm')
+      else if (.not. is_line) then
+         call write_estimated('separation', rows%separation, errors%separation, 'approach of the bodies since first touch', 'm')
+      end if
+      call write_estimated('datum', rows%datum, errors%datum, 'mean of deflection less height where 0 < p < hardness', 'm')
+      call write_estimated('p_max', rows%p_max, errors%p_max, 'largest pressure', 'Pa')
+      call write_estimated('dp_max', rows%dp_max, errors%dp_max, 'largest plastic deformation', 'm')
+      call write_estimated('dp_mean', rows%dp_mean, errors%dp_mean, 'mean plastic deformation', 'm')
+      call write_estimated('elastic_energy', rows%elastic_energy, errors%elastic_energy, 'stored elastic energy', energy_unit)
+      call write_estimated('dissipated_energy', rows%dissipated_energy, errors%dissipated_energy, &
+         'energy dissipated by plastic deformation', energy_unit)
       call write_column('kkt', rows%kkt, 'violation of the contact conditions', '1')
       call write_dataset(file, '/sweep/fft_pairs', int(rows%fft_pairs, int64), &
          new_label('pairs of transforms, in pairs of the full grid', '1'))
@@ -124,6 +135,31 @@ contains
          copy = values
          call write_dataset(file, '/sweep/' // name, copy, new_label(long_name, units))
       end subroutine write_column
+
+      !> One column with its estimated errors, and its last value in /summary if that has it.
+      subroutine write_estimated(name, values, estimates, long_name, units)
+         character(*), intent(in) :: name, long_name, units
+         real(wp), intent(in) :: values(:), estimates(:)
+         real(wp) :: known(size(values))
+         character(:), allocatable :: missing
+
+         known = ieee_value(0.0_wp, ieee_quiet_nan)
+         missing = 'no coarser grids are compared'
+         if (size(estimates) > 0) then
+            known = estimates
+            missing = 'no solution, or too few coarser grids with one'
+         end if
+         call write_column(name, values, long_name, units)
+         call write_attribute(file, '/sweep/' // name, 'error_estimate', known)
+         if (.not. all(ieee_is_finite(known))) call write_attribute(file, '/sweep/' // name, 'no_estimate', missing)
+         if (.not. any(summary_names == name)) return
+         associate (last => size(values))
+            call write_dataset(file, '/summary/' // name, values(last), new_label(long_name, units))
+            call write_attribute(file, '/summary/' // name, 'units', units)
+            call write_attribute(file, '/summary/' // name, 'error_estimate', known(last))
+            if (.not. ieee_is_finite(known(last))) call write_attribute(file, '/summary/' // name, 'no_estimate', missing)
+         end associate
+      end subroutine write_estimated
 
    end subroutine write_sweep
 
@@ -192,29 +228,5 @@ contains
       call write_dataset(file, '/surface/power_' // state, power, &
          new_label('mean square height in harmonics 1, 2, ... along x', 'm^2'))
    end subroutine write_state
-
-   !> /summary of the last load.
-   subroutine write_summary(file, row)
-      class(hdf5_file_t), intent(inout) :: file
-      type(dry_row_t), intent(in) :: row
-
-      call write_figure('p_max', row%p_max, 'largest pressure', 'Pa')
-      call write_figure('contact_area_fraction', row%contact_area_fraction, 'contact over nominal area', '1')
-      call write_figure('plastic_area_fraction', row%plastic_area_fraction, 'plastic over nominal area', '1')
-      call write_figure('mean_separation', row%mean_separation, 'plane to mean of the loaded surface', 'm')
-
-   contains
-
-      !> One figure; its discretisation error is not estimated.
-      subroutine write_figure(name, value, long_name, units)
-         character(*), intent(in) :: name, long_name, units
-         real(wp), intent(in) :: value
-
-         call write_dataset(file, '/summary/' // name, value, new_label(long_name, units))
-         call write_attribute(file, '/summary/' // name, 'units', units)
-         call write_attribute(file, '/summary/' // name, 'error_estimate', ieee_value(0.0_wp, ieee_quiet_nan))
-      end subroutine write_figure
-
-   end subroutine write_summary
 
 end module dry_result

@@ -2,8 +2,9 @@
 module hdf5_attribute
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
-   use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5oclose_f, h5oopen_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5t_c_s1, &
-      h5t_cset_utf8_f, h5t_str_nullpad_f, h5tclose_f, h5tcopy_f, h5tset_cset_f, h5tset_size_f, h5tset_strpad_f, hid_t, size_t
+   use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5oclose_f, h5oopen_f, h5s_scalar_f, h5sclose_f, h5screate_f, &
+      h5screate_simple_f, h5t_c_s1, h5t_cset_utf8_f, h5t_str_nullpad_f, h5tclose_f, h5tcopy_f, h5tset_cset_f, h5tset_size_f, &
+      h5tset_strpad_f, hid_t, hsize_t, size_t
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    implicit none (type, external)
@@ -11,9 +12,10 @@ module hdf5_attribute
 
    public :: attach_real, attach_string, close_type, new_string_type, write_attribute
 
-   !> Stores an attribute of an existing object, named by its path: real, integer or string.
+   !> Stores an attribute of an existing object, named by its path: real, reals, integer or string.
    interface write_attribute
       module procedure :: write_real_attribute
+      module procedure :: write_reals_attribute
       module procedure :: write_integer_attribute
       module procedure :: write_string_attribute
    end interface write_attribute
@@ -32,6 +34,21 @@ contains
       call attach_real(file, object, name, value)
       call close_object(file, object)
    end subroutine write_real_attribute
+
+   !> Several reals as one attribute of the object at `path`.
+   subroutine write_reals_attribute(file, path, name, values)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: values(:)
+      real(wp), allocatable, target :: copy(:)
+      integer(hid_t) :: object
+
+      copy = values
+      call open_object(file, path, object)
+      call attach(file, object, name, file%real_type, c_loc(copy), size(copy))
+      call close_object(file, object)
+   end subroutine write_reals_attribute
 
    !> An integer attribute of the object at `path`.
    subroutine write_integer_attribute(file, path, name, value)
@@ -87,18 +104,23 @@ contains
       call close_type(file, string_type)
    end subroutine attach_string
 
-   !> Attaches one value of any type to an open object.
-   subroutine attach(file, object, name, type_id, value)
+   !> Attaches one value of any type, or a vector of so many, to an open object.
+   subroutine attach(file, object, name, type_id, value, count)
       class(hdf5_file_t), intent(inout) :: file
       integer(hid_t), intent(in) :: object
       character(*), intent(in) :: name
       integer(hid_t), intent(in) :: type_id
       type(c_ptr), intent(in) :: value
+      integer, intent(in), optional :: count
       integer(hid_t) :: space, attribute
       integer :: status
 
       if (allocated(file%failure)) return
-      call h5screate_f(h5s_scalar_f, space, status)
+      if (present(count)) then
+         call h5screate_simple_f(1, [int(count, hsize_t)], space, status)
+      else
+         call h5screate_f(h5s_scalar_f, space, status)
+      end if
       call file%check(status, name)
       if (allocated(file%failure)) return
       call h5acreate_f(object, name, type_id, space, attribute, status)

@@ -69,7 +69,7 @@ module input_keys
       group_row_t('time', 'no', 'steady, or a transient from the smooth steady solution; T = t (u1+u2)/(2 half-width)'), &
       group_row_t('solver', 'no', 'method and accuracy of the numerical solution', every), &
       group_row_t('output', 'no', 'what is stored of a transient'), &
-      group_row_t('accuracy', 'no', 'error bars, and an accuracy from which the program chooses grid and time step')]
+      group_row_t('accuracy', 'no', 'error bars, and an accuracy from which the program chooses grid and time step', every)]
 
    type(key_row_t), parameter :: case_rows(*) = [ &
       key_row_t('case', 'title', text_kind, '', "''", '', '', '', 'free text, stored in the result', every), &
@@ -200,7 +200,7 @@ module input_keys
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, '>= 1e-7, <= 0.1', '', '', &
       'relative error of h_min for which intervals and time step are chosen'), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', '', '', '', &
-      'compares with half and a quarter of the intervals, for error estimates')]
+      'compares with fewer intervals, for error estimates', every)]
 
    type(key_row_t), parameter :: dry_surface_rows(*) = [ &
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid file synthetic parabola', '', &

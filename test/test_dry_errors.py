@@ -1,0 +1,104 @@
+"""Error bars of dry contacts: where they stand, that they hold, what switches them off."""
+
+import h5py
+import numpy as np
+import pytest
+from cases import text, write
+from dry_cases import HARD, case_text, profile, solve
+
+MODULUS, LENGTH = 230e9, 1e-3
+ESTIMATED = {"contact_area_fraction", "plastic_area_fraction", "plasticity_index", "mean_separation", "separation", "datum"} | {
+    "p_max",
+    "dp_max",
+    "dp_mean",
+    "elastic_energy",
+    "dissipated_energy",
+}
+SUMMARY = {"p_max", "contact_area_fraction", "plastic_area_fraction", "mean_separation"}
+OFF = "&accuracy error_bars = .false. /"
+
+
+def test_every_figure_has_an_estimate(asperity, tmp_path):
+    with solve(asperity, tmp_path, profile("C"), [25e6, 250e6]) as file:
+        assert {name for name, data in file["sweep"].items() if "error_estimate" in data.attrs} == ESTIMATED
+        assert set(file["summary"]) == SUMMARY
+        for name in ESTIMATED:
+            found = file["sweep"][name].attrs["error_estimate"]
+            assert found.shape == (2,)
+            assert np.all(np.isfinite(found) & (found >= 0)), name
+        for name in SUMMARY:
+            last = file["sweep"][name]
+            assert file["summary"][name].attrs["error_estimate"] == last.attrs["error_estimate"][-1]
+            assert file["summary"][name][()] == last[-1]
+        phases = text(file["report/phase_seconds"].attrs["phases"]).split(", ")
+        assert file["report/phase_seconds"][phases.index("error_bars")] > 0
+
+
+def test_off_is_off_and_changes_no_number(asperity, tmp_path):
+    found = []
+    for more in ("", OFF):
+        with solve(asperity, tmp_path, profile("A"), [100e6], more=more) as file:
+            found.append({name: data[()] for name, data in file["sweep"].items()})
+            found[-1]["pressure"] = file["solution/pressure"][()]
+            if more:
+                assert np.isnan(file["summary/p_max"].attrs["error_estimate"])
+                assert text(file["summary/p_max"].attrs["no_estimate"]) == "no coarser grids are compared"
+    for name, values in found[0].items():
+        assert np.array_equal(values, found[1][name]), name
+
+
+def test_estimates_are_printed(asperity, tmp_path):
+    write(tmp_path, "case.nml", case_text(profile("C"), [250e6], HARD))
+    lines = asperity("case.nml").stderr.splitlines()
+    with h5py.File(tmp_path / "case.h5") as file:
+        area = file["summary/contact_area_fraction"]
+        share = 100 * area.attrs["error_estimate"] / area[()]
+    bar = next(line for line in lines if line.strip().startswith("+-"))
+    assert float(bar.split()[1]) == pytest.approx(share, rel=0.06)
+    write(tmp_path, "case.nml", case_text(profile("C"), [250e6], HARD, OFF))
+    assert "+-" not in asperity("case.nml").stderr
+
+
+def test_no_estimate_without_a_solution(asperity, tmp_path):
+    content = case_text(profile("C"), [100e6]).replace("tolerance = 1e-12", "tolerance = 1e-12, max_cycles = 3")
+    write(tmp_path, "case.nml", content)
+    assert asperity("case.nml", "--quiet").returncode == 2
+    with h5py.File(tmp_path / "case.h5") as file:
+        for name in SUMMARY:
+            assert np.isnan(file["summary"][name].attrs["error_estimate"]), name
+
+
+def test_too_few_nodes_for_coarser_grids(asperity, tmp_path):
+    surface = "shape = 'sinusoid', amplitude = 1e-7, wavelength = 1e-3"
+    with solve(asperity, tmp_path, surface, [1e7], "", "&domain length = 1e-3, intervals = 9 /") as file:
+        assert np.isnan(file["summary/p_max"].attrs["error_estimate"])
+        assert text(file["summary/p_max"].attrs["no_estimate"]) == "no solution, or too few coarser grids with one"
+        assert np.isfinite(file["summary/contact_area_fraction"].attrs["error_estimate"])
+
+
+@pytest.mark.parametrize("nodes", [96, 131, 400])
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.8])
+def test_westergaard_is_within_the_bars(asperity, tmp_path, nodes, share):
+    height = 1e-6
+    full = np.pi * MODULUS / 2 * height / LENGTH
+    surface = f"shape = 'sinusoid', amplitude = {height}, wavelength = {LENGTH}"
+    domain = f"&domain length = {LENGTH}, intervals = {nodes} /"
+    with solve(asperity, tmp_path, surface, [share * full], "", domain, modulus=MODULUS) as file:
+        for name, exact in {
+            "contact_area_fraction": 2 / np.pi * np.arcsin(np.sqrt(share)),
+            "mean_separation": height * (1 - share * (1 - np.log(share))),
+            "p_max": 2 * full * np.sqrt(share),
+        }.items():
+            data = file["summary"][name]
+            assert abs(data[()] - exact) <= data.attrs["error_estimate"] < 0.3 * exact, name
+
+
+def test_a_given_separation_has_a_load_with_an_error(asperity, tmp_path):
+    sizes = "length_x = 2.4e-4, length_y = 2.4e-4, intervals_x = 48, intervals_y = 48"
+    radius, half_width = 0.005, 70e-6
+    surface, options = "shape = 'parabola'", {"problem": "dry_area", "key": "separation", "modulus": MODULUS}
+    bodies, domain = f", reduced_radius = {radius}", f"&domain {sizes} /"
+    with solve(asperity, tmp_path, surface, [half_width**2 / radius], bodies, domain, **options) as file:
+        load = file["sweep/load"]
+        exact = 2 / 3 * MODULUS * half_width**3 / radius
+        assert abs(load[0] - exact) <= load.attrs["error_estimate"][0] < 0.05 * exact
