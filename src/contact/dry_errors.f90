@@ -38,8 +38,8 @@ module dry_errors
    real(wp), parameter :: line_ratios(4) = [1.25_wp, 1.5_wp, 2.0_wp, 3.0_wp], area_ratios(3) = [2.0_wp, 3.0_wp, 4.0_wp]
    !> Fewest nodes a side, and fewest grids for an estimate.
    integer, parameter :: fewest_nodes = 8, fewest_grids = 2
-   !> Error measure to which they are solved at least.
-   real(wp), parameter :: companion_tolerance = 1.0e-5_wp
+   !> Error measure to which they are solved, of a line, whose figures are good to 1e-6, and of an area.
+   real(wp), parameter :: line_tolerance = 1.0e-7_wp, area_tolerance = 1.0e-5_wp
    !> Figures that are compared: mean separation, separation, datum, p_max, dp_max, dp_mean, elastic and dissipated energy, load.
    integer, parameter :: figures = 9
    !> p, and what the root mean square is multiplied by, of a line and of an area.
@@ -68,7 +68,7 @@ contains
       if (sweep%grid%ny == 1) ratios = line_ratios
       coarse = sweep
       coarse%settings%method = method_conjugate_gradient
-      coarse%settings%tolerance = max(sweep%settings%tolerance, companion_tolerance)
+      coarse%settings%tolerance = max(sweep%settings%tolerance, merge(line_tolerance, area_tolerance, sweep%grid%ny == 1))
       grids: do k = 1, size(ratios)
          call coarsen(coarse, coarser(sweep%grid%nx, ratios(k)), coarser(sweep%grid%ny, ratios(k)), error)
          if (allocated(error)) return
@@ -125,17 +125,19 @@ contains
       end if
    end subroutine solve_companion
 
-   !> About `nodes`/`ratio` (1 of a line's single one), as 64 to 128 times a power of two: such grids have good first guesses and
-   !> fast transforms.
+   !> About `nodes`/`ratio` (1 of a line's single one): odd where they are, which decides whether a node lies in the middle; else
+   !> even, 64 to 128 times a power of two: such grids have good first guesses and fast transforms.
    pure function coarser(nodes, ratio)
       integer, intent(in) :: nodes
       real(wp), intent(in) :: ratio
       integer :: coarser
       integer :: unit
 
-      coarser = 1
-      if (nodes == 1) return
-      unit = 1
+      if (mod(nodes, 2) == 1) then
+         coarser = 2*nint(0.5_wp*(nodes/ratio - 1.0_wp)) + 1
+         return
+      end if
+      unit = 2
       do while (nodes/ratio >= 128*unit)
          unit = 2*unit
       end do
