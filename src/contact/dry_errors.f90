@@ -44,8 +44,8 @@ module dry_errors
    integer, parameter :: figures = 9
    !> p, and what the root mean square is multiplied by, of a line and of an area.
    real(wp), parameter :: order = 1.5_wp
-   real(wp), parameter :: line_safety(figures) = [1.0_wp, 1.0_wp, 1.0_wp, 1.1_wp, 1.2_wp, 1.0_wp, 1.0_wp, 1.0_wp, 1.5_wp]
-   real(wp), parameter :: area_safety(figures) = [1.0_wp, 1.0_wp, 1.0_wp, 1.7_wp, 2.2_wp, 1.2_wp, 1.4_wp, 1.2_wp, 1.5_wp]
+   real(wp), parameter :: line_safety(figures) = [1.2_wp, 1.2_wp, 1.2_wp, 1.6_wp, 1.5_wp, 1.2_wp, 1.2_wp, 1.2_wp, 1.5_wp]
+   real(wp), parameter :: area_safety(figures) = [1.3_wp, 1.3_wp, 1.3_wp, 1.9_wp, 2.4_wp, 1.8_wp, 1.6_wp, 1.8_wp, 1.5_wp]
 
 contains
 
