@@ -45,7 +45,7 @@ module newton_line
       logical, allocatable :: is_cavitated(:)
       !> Sigma per H dP/dX of the lubricant; 0 for a Newtonian one.
       real(wp) :: sigma_scale = 0.0_wp
-      !> Whether steps are bent (`bend_step`): Newtonian lubricants, thesis's scheme.
+      !> Whether steps are bent (`bend_step`): Newtonian lubricants.
       logical, private :: is_bent = .false.
       !> Largest |r| of the nodes that are not cavitated, at the last linearisation.
       real(wp), private :: residual = 0.0_wp
@@ -83,7 +83,7 @@ contains
       newton%is_converged = .false.
       newton%sigma_scale = contact%fluid%sigma_scale
       ! a thinning oil flows before it is solid: bent steps ended nowhere at M 2000, L 25, tau_0 1 MPa
-      newton%is_bent = .not. (level%is_sharp .or. contact%fluid%is_eyring)
+      newton%is_bent = .not. contact%fluid%is_eyring
       previous_step = huge(1.0_wp)
       is_at_hand = .false.
       if (present(film_is_exact)) is_at_hand = film_is_exact

@@ -89,6 +89,9 @@ contains
             call fluid_face_slopes(contact%fluid, level%dx, level%pressure, level%film, jacobian%faces, slopes%rho, slopes%rho_p, &
                level%pressure_rest)
             level%face_mobility = jacobian%faces%e
+            ! Newton's method bends steps by the mobility of the nodes
+            if (.not. contact%fluid%is_eyring) call fluid_mobility_slopes(contact%fluid, level%dx, level%pressure, &
+               level%film, slopes)
          else
             call fluid_mobility_slopes(contact%fluid, level%dx, level%pressure, level%film, slopes, level%pressure_rest)
             level%mobility = slopes%e
