@@ -10,6 +10,7 @@ module run_case
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: domain_error, error_bars_t
    use errors, only: error_t, fail, input_error
+   use features, only: rough_surface_t
    use input_keys, only: lubricated
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
@@ -17,6 +18,7 @@ module run_case
    use line_contact, only: line_contact_t
    use line_state, only: all_finite, line_state_t
    use outlet_check, only: check_outlet
+   use passage_times, only: new_passage_times, passage_note, passage_times_t
    use pressure_spike, only: spike_law_t
    use progress_log, only: new_progress_log
    use resolution_choice, only: choose_resolution, settle_tolerance
@@ -132,6 +134,7 @@ contains
 
       seconds = 0.0_wp
       open = contact
+      watcher%writer%figures%times = new_passage_times(contact, case%time)
       case%solver%target = case%accuracy%target
       case%solver%wants_companions = case%accuracy%has_error_bars
       is_open = case%accuracy%target > 0.0_wp .and. .not. case%time%is_transient   ! the solver chooses the grid
@@ -149,6 +152,7 @@ contains
       call complete_time_step(case, contact)
       call tell_coarse_waves(case, contact, watcher, note)
       call tell_missed_target(case, contact, watcher, note)
+      call tell(case, watcher, passage_note(contact, watcher%writer%figures%times), note)
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
       watcher%space_scheme = case%solver%space_scheme
@@ -166,6 +170,7 @@ contains
       end if
       call check_outlet(case, open, contact, watcher, report, error)   ! error: the caller looks
       call fill_chosen(case, contact, report)
+      call fill_passage(case, contact, watcher%writer%figures%times)
       call complete_report(watcher, seconds, report)
    end subroutine solve
 
@@ -234,10 +239,24 @@ contains
                ' is foretold, '//to_text(case%accuracy%target, 2)//' was wanted'
          end if
       end associate
-      call watcher%log%say(case%file//': '//words)
-      if (allocated(note)) words = note//'; '//words
-      call move_alloc(words, note)
+      call tell(case, watcher, words, note)
    end subroutine tell_missed_target
+
+   !> Says `words`, if there are any, and puts them behind what `note` says already.
+   subroutine tell(case, watcher, words, note)
+      type(case_t), intent(in) :: case
+      type(run_observer_t), intent(inout) :: watcher
+      character(*), intent(in) :: words
+      character(:), allocatable, intent(inout) :: note
+
+      if (words == '') return
+      call watcher%log%say(case%file//': '//words)
+      if (allocated(note)) then
+         note = note//'; '//words
+      else
+         note = words
+      end if
+   end subroutine tell
 
    !> Writes the result.
    subroutine store(case, watcher, state, report, status)
@@ -256,7 +275,7 @@ contains
          call give_up(error, watcher%log, status)
          return
       end if
-      call watcher%log%close_case(watcher%writer%summary, report, watcher%writer%path)
+      call watcher%log%close_case(watcher%writer%summary, report, watcher%writer%path, watcher%writer%figures%times)
       status = merge(status_converged, status_not_converged, report%converged)
    end subroutine store
 
@@ -320,6 +339,37 @@ contains
       call set_effective(case, 'solver', 'relaxation', to_text(report%relaxation, all_digits), '-')
       call set_effective(case, 'solver', 'load_relaxation', to_text(report%load_relaxation, all_digits), '-')
    end subroutine fill_chosen
+
+   !> The same of the times that count, and of where the features began.
+   subroutine fill_passage(case, contact, times)
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(passage_times_t), intent(in) :: times
+      integer, parameter :: all_digits = 17
+
+      if (.not. case%time%is_transient) return
+      call set_effective(case, 'time', 'statistics_from', to_text(times%counts_from, all_digits), '-')
+      call fill_positions('surface_1', contact%surface_1)
+      call fill_positions('surface_2', contact%surface_2)
+
+   contains
+
+      !> The centres of the features of one surface.
+      subroutine fill_positions(group, surface)
+         character(*), intent(in) :: group
+         type(rough_surface_t), intent(in) :: surface
+         character(:), allocatable :: centres
+         integer :: i
+
+         if (size(surface%features) == 0) return
+         centres = to_text(surface%features(1)%position, all_digits)
+         do i = 2, size(surface%features)
+            centres = centres//', '//to_text(surface%features(i)%position, all_digits)
+         end do
+         call set_effective(case, group, 'position', centres, 'half-widths')
+      end subroutine fill_positions
+
+   end subroutine fill_passage
 
    !> A solution that is not made of numbers is not converged, whatever the solver says.
    subroutine refuse_nonsense(state, report)

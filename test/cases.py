@@ -14,7 +14,7 @@ STEADY = """&case title = 'Öl, smooth', problem = 'ehl_line' /
 
 TRANSIENT = (
     STEADY
-    + """&surface_2 shape = 'feature', amplitude = 0.2e-6, wavelength = 1e-4, position = -1.5 /
+    + """&surface_2 shape = 'feature', amplitude = 0.2e-6, wavelength = 1e-4, position = -2.1 /
 &time transient = .true., end_time = 1.0, time_step = 0.05 /
 """
 )

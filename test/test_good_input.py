@@ -48,17 +48,17 @@ FORMS = {
     "no_blanks": STEADY.replace(" = ", "="),
     "short_logical": TRANSIENT.replace(".true.", "T"),
     "word_logical": TRANSIENT.replace(".true.", ".TRUE."),
-    "array_with_commas": TRANSIENT.replace("0.2e-6", "1e-7, 2e-7").replace("= 1e-4", "= 2*1e-4").replace("-1.5", "-1.5 -2"),
+    "array_with_commas": TRANSIENT.replace("0.2e-6", "1e-7, 2e-7").replace("= 1e-4", "= 2*1e-4").replace("-2.1", "-2.0 -2"),
     "array_by_elements": TRANSIENT.replace("amplitude = 0.2e-6", "amplitude(2) = 1e-7, amplitude( 1 ) = 2e-7")
     .replace("= 1e-4", "= 2*1e-4")
-    .replace("-1.5", "-1.5 -2"),
+    .replace("-2.1", "-2.0 -2"),
     "array_tail": TRANSIENT.replace("amplitude = 0.2e-6", "amplitude = 1e-7 amplitude(2) = 2e-7, 3e-7")
     .replace("= 1e-4", "= 3*1e-4")
-    .replace("-1.5", "3*-1.5"),
+    .replace("-2.1", "3*-2.0"),
     "shapes_mixed": TRANSIENT.replace("'feature'", "'feature', 'sinusoid'")
     .replace("0.2e-6", "1e-7, 2e-7")
     .replace("= 1e-4", "= 2*1e-4")
-    .replace("-1.5", "2*-1.5"),
+    .replace("-2.1", "2*-2.0"),
     "one_field": TRANSIENT + "&output fields = 'pressure' profile_stride = 3 /\n",
     "still_rough_steady": STEADY.replace("speed_1 = 0.1", "speed_1 = 0")
     + "&surface_1 shape = 'sinusoid', amplitude = 1e-8, wavelength = 1e-4 /\n",

@@ -398,7 +398,10 @@ def test_a_target_out_of_reach_is_told(asperity, tmp_path):
         note, h_min = text(file["report/note"][()]), file["summary/h_min"]
         foretold = h_min.attrs["error_grid"] / h_min[()]
         assert file.attrs["converged"] == 1
+    note, passage = note.split("; ", 1)
     assert f"case.nml: {note}\n" in done.stderr
+    assert passage.startswith("a feature is still in the contact")
+    assert passage in " ".join(done.stderr.split())
     start = "the wanted accuracy is beyond the finest pilot run: of h_min a relative error of "
     end = " is foretold, 1.0E-07 was wanted"
     assert note.startswith(start)

@@ -9,8 +9,10 @@ module companions
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
-   use line_summary, only: keep_extremes, line_summary_t, summary_of
+   use line_summary, only: line_summary_t, summary_of
    use observer, only: lookout_t, observer_t
+   use passage_figures, only: passage_figures_t
+   use passage_times, only: new_passage_times
    use solver_settings, only: solver_settings_t, time_settings_t
    implicit none (type, external)
    private
@@ -20,13 +22,13 @@ module companions
    !> Companions that error bars come from have at least this many intervals.
    integer, parameter :: fewest_intervals = 32
 
-   !> Collects the figures of a run: of its state, or the extremes over its time steps.
+   !> Collects the figures of a run: of its state, or the extremes over the time steps that count.
    type, extends(lookout_t) :: collector_t
       type(line_summary_t) :: summary
-      logical :: is_empty = .true.
+      type(passage_figures_t) :: figures
       !> Coarser grids that a steady run has passed.
       type(error_bars_t) :: passed
-      !> Smallest film at each time step of the last transient (0:steps).
+      !> Smallest film at each time step of the last transient (0:steps); huge at times that do not count.
       real(wp), allocatable :: films(:)
    contains
       procedure :: on_step => collect_step
@@ -149,12 +151,12 @@ contains
       own_settings%target = 0.0_wp
       own_settings%wants_companions = .true.
       is_known = .false.
-      collector%is_empty = .true.
+      collector%figures = passage_figures_t(new_passage_times(own, time))
       collector%passed%has_half = .false.
       call solve_ehl_line(own, own_settings, time, collector, state, report, error)
       if (allocated(error)) return
       is_known = report%converged
-      if (is_known .and. .not. time%is_transient) collector%summary = summary_of(state)
+      if (is_known) collector%summary = collector%figures%extremes(summary_of(state))
    end subroutine run_companion
 
    !> Keeps what a steady run has passed.
@@ -165,7 +167,7 @@ contains
       self%passed = bars
    end subroutine collect_companions
 
-   !> Widens the extremes by one time step.
+   !> Adds the figures of one time step.
    subroutine collect_step(self, step, steps, state, report)
       class(collector_t), intent(inout) :: self
       integer, intent(in) :: step
@@ -178,13 +180,11 @@ contains
       end associate
       if (step == 0) then
          if (allocated(self%films)) deallocate (self%films)
-         allocate (self%films(0:steps), source=0.0_wp)
+         allocate (self%films(0:steps), source=huge(1.0_wp))
       end if
       summary = summary_of(state)
-      self%films(step) = summary%h_min%value
-      if (self%is_empty) self%summary = summary
-      call keep_extremes(self%summary, summary)
-      self%is_empty = .false.
+      if (self%figures%times%counts(state%time)) self%films(step) = summary%h_min%value
+      call self%figures%add(summary, state%time, step == steps)
       call self%look_outside()
    end subroutine collect_step
 

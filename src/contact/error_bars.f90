@@ -185,7 +185,7 @@ contains
 
       figure%error_domain = domain*abs(figure%value) + cut
       figure%error_iteration = iteration*abs(figure%value)
-      figure%error_estimate = figure%error_grid + figure%error_domain + figure%error_iteration
+      figure%error_estimate = figure%error_grid + figure%error_domain + figure%error_iteration + figure%error_start
    end subroutine add_up
 
    !> Grid and time step of a transient.

@@ -16,7 +16,7 @@ module line_summary
       real(wp) :: value
       !> T at which it was reached; 0 in steady state.
       real(wp) :: time
-      !> Estimated error of `value`: the sum of the three below; NaN = not estimated.
+      !> Estimated error of `value`: the sum of the four below; NaN = not estimated.
       real(wp) :: error_estimate
       !> Richardson's extrapolation of `value`, of x_cavitation the exit between the nodes; NaN = not known.
       real(wp) :: extrapolated
@@ -24,6 +24,8 @@ module line_summary
       real(wp) :: error_grid
       !> Because the domain ends, and because the iteration does; 0 = not estimated.
       real(wp) :: error_domain = 0.0_wp, error_iteration = 0.0_wp
+      !> Because a transient has begun: NaN = the start is in the figure.
+      real(wp) :: error_start = 0.0_wp
    end type figure_t
 
    !> Maxima of P; NaN: there is none.

@@ -234,6 +234,7 @@ contains
             feature%amplitude = amplitude%reals(i)
             feature%wavelength = wavelength%reals(i)
             feature%position = position%reals(min(i, size(position%reals)))
+            feature%is_placed = position%is_given
          end associate
       end do
    end subroutine fill_surface
@@ -256,6 +257,7 @@ contains
       case%time%end_time = values%real_value('time', 'end_time')
       case%time%time_step = values%real_value('time', 'time_step')
       case%time%scheme = values%word_value('time', 'scheme')
+      if (values%is_given('time', 'statistics_from')) case%time%statistics_from = values%real_value('time', 'statistics_from')
       associate (solver => case%solver)
          solver%method = values%word_value('solver', 'method')
          solver%smoother = values%word_value('solver', 'smoother')

@@ -192,6 +192,7 @@ contains
          call report_unused(values, 'time', 'end_time', 'with transient = .false.', findings)
          call report_unused(values, 'time', 'time_step', 'with transient = .false.', findings)
          call report_unused(values, 'time', 'scheme', 'with transient = .false.', findings)
+         call report_unused(values, 'time', 'statistics_from', 'with transient = .false.', findings)
       else if (.not. values%is_given('time', 'end_time')) then
          call report_missing(values, 'time', 'end_time', findings)
       else
@@ -201,7 +202,8 @@ contains
          values%line_of('domain', 'inlet'), 'domain', 'inlet', "found 'tail', expected 'auto' or 'zero' with transient = .true.")
    end subroutine check_time
 
-   !> Finds a time step longer than the transient, too many steps. A step that the program chooses is the grid spacing,
+   !> Finds a time step longer than the transient, figures that begin behind its end, too many steps. A step that the program
+   !> chooses is the grid spacing,
    !> here estimated from the narrowest domain.
    subroutine check_steps(values, findings)
       type(input_values_t), intent(in) :: values
@@ -211,6 +213,11 @@ contains
 
       if (.not. values%has_value('time', 'end_time')) return
       end_time = values%real_value('time', 'end_time')
+      if (values%has_value('time', 'statistics_from')) then
+         if (values%real_value('time', 'statistics_from') > end_time) call findings%add( &
+            values%line_of('time', 'statistics_from'), 'time', 'statistics_from', 'found '// &
+            to_text(values%real_value('time', 'statistics_from'))//', expected at most end_time = '//to_text(end_time)//' [-]')
+      end if
       intervals = values%slot('domain', 'intervals')
       if (values%has_value('time', 'time_step')) then
          time_step = values%real_value('time', 'time_step')

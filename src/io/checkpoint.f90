@@ -19,6 +19,7 @@ module checkpoint
    use line_summary, only: crests_t, figure_t, line_summary_t
    use march_state, only: march_state_t
    use operating_system, only: remove_file, rename_file, sync_file, sync_folder
+   use passage_figures, only: passage_figures_t
    use solver_settings, only: word_length
    use split_errors, only: forecast_figures, forecast_t
    use transient_store, only: part_t
@@ -28,7 +29,7 @@ module checkpoint
    public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 9
+   integer, parameter :: format_number = 10
    !> What to do about a checkpoint that cannot be used.
    character(*), parameter :: way_out = '; delete it, and the run starts at the beginning'
 
@@ -38,7 +39,7 @@ module checkpoint
       character(:), allocatable :: case
       type(march_state_t) :: march
       !> Extremes over the time steps so far.
-      type(line_summary_t) :: summary
+      type(passage_figures_t) :: figures
       !> Companions on coarser grids, which need not be run again.
       type(error_bars_t) :: bars
       !> The film over all time steps, where that is asked for.
@@ -70,8 +71,7 @@ contains
       call write_attribute(file, '/', 'checkpoint_format', format_number)
       call write_dataset(file, '/case', checkpoint%case, new_label('the values of the case', '1'))
       call write_part(file, checkpoint%part)
-      call write_dataset(file, '/summary', summary_numbers(checkpoint%summary), &
-         new_label('h_min, h_min_node, h_central, p_max, x_cavitation: value, time, error estimate, extrapolated', '1'))
+      call write_figures(file, checkpoint%figures)
       call write_dataset(file, '/intervals', int(checkpoint%intervals, int64), new_label('intervals', '1'))
       call write_dataset(file, '/time_step', checkpoint%time_step, new_label('time step; 0: dX', '1'))
       call write_dataset(file, '/space_scheme', trim(checkpoint%space_scheme), new_label('space scheme', '1'))
@@ -89,6 +89,31 @@ contains
       end if
       if (allocated(error)) is_done = remove_file(path//'.tmp')
    end subroutine write_checkpoint
+
+   !> Extremes over the times that count, and over those to compare with.
+   subroutine write_figures(file, figures)
+      type(hdf5_file_t), intent(inout) :: file
+      type(passage_figures_t), intent(in) :: figures
+      character(*), parameter :: words = 'h_min, h_min_node, h_central, p_max, x_cavitation: value, time, error, extrapolated'
+
+      call write_dataset(file, '/figures/known', [real(wp) :: merge(1, 0, figures%has_counted), &
+         merge(1, 0, figures%has_earlier)], new_label('whether there are figures that count, and earlier ones', '1'))
+      if (figures%has_counted) call write_dataset(file, '/figures/counted', summary_numbers(figures%counted), new_label(words, '1'))
+      if (figures%has_earlier) call write_dataset(file, '/figures/earlier', summary_numbers(figures%earlier), new_label(words, '1'))
+   end subroutine write_figures
+
+   !> The same; the times that count follow from the case.
+   subroutine read_figures(reader, figures)
+      type(hdf5_input_t), intent(inout) :: reader
+      type(passage_figures_t), intent(out) :: figures
+      real(wp) :: known(2)
+
+      known = reshape(reader%reals('/figures/known'), [2], pad=[0.0_wp])
+      figures%has_counted = known(1) > 0.0_wp
+      figures%has_earlier = known(2) > 0.0_wp
+      if (figures%has_counted) figures%counted = summary_from(reader%reals('/figures/counted'))
+      if (figures%has_earlier) figures%earlier = summary_from(reader%reals('/figures/earlier'))
+   end subroutine read_figures
 
    !> The companions on n/2 and n/4 intervals.
    subroutine write_bars(file, bars)
@@ -211,7 +236,7 @@ contains
       end if
       if (difference == '' .and. .not. allocated(reader%failure)) then
          call read_part(reader, checkpoint%part)
-         checkpoint%summary = summary_from(reader%reals('/summary'))
+         call read_figures(reader, checkpoint%figures)
          checkpoint%intervals = int(reader%integer_value('/intervals'))
          checkpoint%time_step = reader%real_value('/time_step')
          checkpoint%space_scheme = reader%text('/space_scheme')

@@ -136,7 +136,7 @@ module input_keys
       key_row_t('surface_1', 'wavelength', reals_kind, 'm', is_optional, '>= 1e-12, <= 1e3', '', '', &
       'wavelength Lambda of each element', every), &
       key_row_t('surface_1', 'position', reals_kind, 'half-widths', '0.0', '>= -1e6, <= 1e6', '', '', &
-      'centre xc of each element at time 0; of a profile: its centre, default where it is about to enter'), &
+      'centre xc of each element at time 0; default of moving features and profiles: about to enter'), &
       key_row_t('surface_1', 'entry_length', real_kind, 'half-widths', is_chosen, '>= 0, <= 1e4', '', '', &
       'everything rises over it behind a front that enters the domain; chosen: 1 for profiles, else 0'), &
       key_row_t('surface_2', 'shape', words_kind, '', "'smooth'", '', 'smooth feature sinusoid file synthetic', 'parabola', &
@@ -161,6 +161,8 @@ module input_keys
       'time step in T, cut so that whole steps reach end_time; chosen: dX or less'), &
       key_row_t('time', 'scheme', word_kind, '', "'bdf2'", '', 'backward_euler bdf2', '', &
       'time discretisation: second order, or first order (thesis)'), &
+      key_row_t('time', 'statistics_from', real_kind, '-', is_chosen, '>= 0, <= 1e6', '', '', &
+      'T from which extremes and film statistics count; chosen: when waves have entered and the start is forgotten'), &
       key_row_t('solver', 'method', word_kind, '', "'auto'", '', 'auto fas_block_jacobi block_jacobi newton_krylov newton_dense', &
       '', 'auto: Newton-Krylov, else other ways; newton_dense, the exact reference, and block_jacobi: up to 8192 intervals'), &
       key_row_t('solver', 'smoother', word_kind, '', "'auto'", '', 'auto block_jacobi gauss_seidel line hybrid', '', &

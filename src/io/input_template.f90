@@ -78,6 +78,7 @@ module input_template
       example_t('time', 'end_time', '2.181818', .false.), &
       example_t('time', 'time_step', '2.7e-3', .false.), &
       example_t('time', 'scheme', "'bdf2'", .false.), &
+      example_t('time', 'statistics_from', '0.0', .false.), &
       example_t('solver', 'tolerance', '1e-8', .false.), &
       example_t('solver', 'max_cycles', '100', .false.), &
       example_t('solver', 'levels', '5', .false.), &

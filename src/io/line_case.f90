@@ -6,6 +6,7 @@ module line_case
    use line_contact, only: line_contact_t
    use line_profiles, only: place_surface
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
+   use passage_times, only: place_features
    use solver_settings, only: solver_settings_t
    use scaling, only: scaling_t, new_scaling, new_moes_scaling, scaled_fluid
    use surface_scaling, only: scaled_surface
@@ -42,6 +43,7 @@ contains
          end if
          call place_surface(contact%surface_1, whole%domain%x_inlet, whole%domain%x_outlet)
          call place_surface(contact%surface_2, whole%domain%x_inlet, whole%domain%x_outlet)
+         if (case%time%is_transient) call place_features(contact)
       else
          allocate (contact%surface_1%features(0), contact%surface_2%features(0))
          contact%surface_1%speed = 1.0_wp

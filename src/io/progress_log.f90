@@ -11,6 +11,7 @@ module progress_log
    use line_summary, only: figure_t, line_summary_t, parabola_minimum
    use observer, only: observer_t
    use operating_system, only: is_terminal, standard_error_descriptor
+   use passage_times, only: passage_times_t
    use quantity_text, only: duration_text, number_text, prefixed_text, shortened, wrapped
    use scaling, only: scaling_t
    use wall_clock, only: wall_seconds
@@ -158,11 +159,12 @@ contains
    end function step_text
 
    !> The closing table: figures in SI and dimensionless, residuals, seconds, where the result is.
-   subroutine close_case(self, summary, report, path)
+   subroutine close_case(self, summary, report, path, times)
       class(progress_log_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
       character(*), intent(in) :: path
+      type(passage_times_t), intent(in) :: times
       character(:), allocatable :: outcome
 
       call self%clear()
@@ -177,15 +179,16 @@ contains
          outcome = outcome//', '//number_text(report%wall_seconds, 3)//' s'
       end if
       if (.not. report%converged .or. .not. self%is_quiet) call self%write_line(wrapped(outcome, columns))
-      if (.not. self%is_quiet) call self%write_table(summary, report, path)
+      if (.not. self%is_quiet) call self%write_table(summary, report, path, times)
    end subroutine close_case
 
    !> The closing table: figures in SI and dimensionless with their errors, residuals, the cost of the inlet, the file.
-   subroutine write_table(self, summary, report, path)
+   subroutine write_table(self, summary, report, path, times)
       class(progress_log_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
       character(*), intent(in) :: path
+      type(passage_times_t), intent(in) :: times
 
       if (summary%p_max%value > 0.0_wp) then   ! else no start was found: there is nothing to show
          call self%write_line('            SI              dimensionless')
@@ -197,6 +200,7 @@ contains
       end if
       if (report%inlet_error > telling_inlet_error) call self%write_line('  inlet     starves the film by '// &
                            number_text(100*report%inlet_error, 2)//' % (x_inlet further out cures it)')
+      if (times%counts_from > 0.0_wp) call self%write_line('  times     '//times_text(times))
       if (allocated(report%note)) call self%write_line('  '//wrapped('note      '//report%note, columns - 2))
       call self%write_line('  result    '//path)
 
@@ -225,6 +229,16 @@ contains
       end function figure_line
 
    end subroutine write_table
+
+   !> Which times count.
+   function times_text(times) result(words)
+      type(passage_times_t), intent(in) :: times
+      character(:), allocatable :: words
+
+      words = 'T '//number_text(times%counts_from, 4)//' to '//number_text(times%end_time, 4)//' count'
+      if (times%period > 0.0_wp) words = words//', periods of '//number_text(times%period, 4)
+      if (times%settled_from > 0.0_wp) words = words//'; the start is forgotten by T '//number_text(times%settled_from, 4)
+   end function times_text
 
    !> A line of its own, unless quiet.
    subroutine say(self, message)

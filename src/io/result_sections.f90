@@ -11,12 +11,13 @@ module result_sections
    use line_state, only: line_state_t
    use line_summary, only: figure_t, line_summary_t
    use moes, only: moes_m_sum_from_mean
+   use passage_times, only: passage_times_t
    use result_labels, only: field_label, field_names, field_values, quantity_label
    use scaling, only: scaling_t
    implicit none (type, external)
    private
 
-   public :: write_report, write_scaling, write_solution, write_summary
+   public :: write_report, write_scaling, write_solution, write_summary, write_times
 
 contains
 
@@ -79,8 +80,8 @@ contains
                          quantity_label('time of these fields, T = t u_s/(2 b)', 's', scaling%time, scaling))
    end subroutine write_solution
 
-   !> /summary: figures in SI; `is_transient`: extremes over all time steps, each with its time in `<name>_time`; `missing`: why
-   !> a figure whose estimate is NaN has none.
+   !> /summary: figures in SI; `is_transient`: extremes over the times that count, each with its time in `<name>_time`; `missing`:
+   !> why a figure whose estimate is NaN has none.
    subroutine write_summary(file, summary, scaling, is_transient, missing)
       class(hdf5_file_t), intent(inout) :: file
       type(line_summary_t), intent(in) :: summary
@@ -92,7 +93,8 @@ contains
       call file%create_group('/summary')
       call write_attribute(file, '/summary', 'about', 'values in their units; attribute dimensionless: the same as H, P, '// &
                            'X or T; error_estimate: estimated error, the sum of error_grid (grid and time step), '// &
-                           'error_domain (its length) and error_iteration; NaN = not estimated, no_estimate says why')
+                           'error_domain (its length), error_iteration and error_start (of a transient); NaN = not '// &
+                           'estimated, no_estimate says why')
       call write_figure('h_min', 'smallest film thickness, parabola through three nodes', summary%h_min, film_label())
       call write_figure('h_min_node', 'smallest film thickness of a node', summary%h_min_node, film_label())
       call write_figure('h_central', 'film thickness at X = 0, linear between nodes'//over_time('smallest'), &
@@ -136,6 +138,7 @@ contains
          scaled%error_grid = figure%error_grid*moes_unit
          scaled%error_domain = figure%error_domain*moes_unit
          scaled%error_iteration = figure%error_iteration*moes_unit
+         scaled%error_start = figure%error_start*moes_unit
       end function in_unit
 
       !> One figure; `scale` gives its unit.
@@ -165,6 +168,7 @@ contains
          call write_attribute(file, path, 'error_grid', figure%error_grid*si_scale)
          call write_attribute(file, path, 'error_domain', figure%error_domain*si_scale)
          call write_attribute(file, path, 'error_iteration', figure%error_iteration*si_scale)
+         call write_attribute(file, path, 'error_start', figure%error_start*si_scale)
          if (.not. ieee_is_finite(figure%error_estimate)) call write_attribute(file, path, 'no_estimate', missing)
       end subroutine write_errors
 
@@ -200,6 +204,16 @@ contains
       end subroutine write_time
 
    end subroutine write_summary
+
+   !> Attributes of /summary: which times of a transient count [T].
+   subroutine write_times(file, times)
+      class(hdf5_file_t), intent(inout) :: file
+      type(passage_times_t), intent(in) :: times
+
+      call write_attribute(file, '/summary', 'statistics_from', times%counts_from)
+      call write_attribute(file, '/summary', 'settled_from', times%settled_from)
+      if (times%period > 0.0_wp) call write_attribute(file, '/summary', 'period', times%period)
+   end subroutine write_times
 
    !> /report: how the solver went; the only place with wall times.
    subroutine write_report(file, report)

@@ -21,13 +21,14 @@ module result_writer
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
-   use line_summary, only: keep_extremes, line_summary_t, summary_of
+   use line_summary, only: line_summary_t, summary_of
    use observer, only: observer_t
    use file_identity, only: file_identity_t, kind_link, kind_other, look_at_file
    use operating_system, only: is_folder, lock_t, remove_file, rename_file, sync_file
    use output_names, only: folder_of, working_endings
+   use passage_figures, only: passage_figures_t
    use result_labels, only: field_names
-   use result_sections, only: write_report, write_scaling, write_solution, write_summary
+   use result_sections, only: write_report, write_scaling, write_solution, write_summary, write_times
    use scaling, only: scaling_t
    use statistics_section, only: write_statistics
    use text, only: to_text
@@ -48,7 +49,8 @@ module result_writer
       integer :: profile_stride = 1
       !> Profiles that are stored, names of `field_names`.
       character(len=field_name_length), allocatable :: fields(:)
-      !> Figures of all time steps, or of the solution if there are none.
+      !> Figures of the time steps so far; all of them, or those of a steady solution, when the result is finished.
+      type(passage_figures_t) :: figures
       type(line_summary_t) :: summary
       !> Companions that tell how far off the figures may be.
       type(error_bars_t) :: bars
@@ -113,14 +115,14 @@ contains
    end subroutine open_result
 
    !> Goes on with the result `path` of an interrupted run, with what was stored of it (`part`, profiles of `nx` nodes) and its
-   !> `summary`. Error: NAME.part is not what the checkpoint says.
-   subroutine reopen_result(writer, path, fields, part, nx, summary, error)
+   !> `figures`. Error: NAME.part is not what the checkpoint says.
+   subroutine reopen_result(writer, path, fields, part, nx, figures, error)
       type(result_writer_t), intent(out) :: writer
       character(*), intent(in) :: path
       character(*), intent(in) :: fields(:)
       type(part_t), intent(in) :: part
       integer, intent(in) :: nx
-      type(line_summary_t), intent(in) :: summary
+      type(passage_figures_t), intent(in) :: figures
       type(error_t), allocatable, intent(out) :: error
 
       call hold_name(writer, path, error)
@@ -138,7 +140,7 @@ contains
          return
       end if
       call writer%lock%allow_readers()
-      writer%summary = summary
+      writer%figures = figures
       writer%is_transient = .true.
       writer%has_checkpoint = .true.
    end subroutine reopen_result
@@ -287,15 +289,11 @@ contains
 
       if (allocated(self%statistics%thresholds)) then
          if (step == 0) call add_start(self%statistics, state)
-         if (step > 0) call add_time(self%statistics, state)
+         if (step > 0 .and. self%figures%times%counts(state%time)) call add_time(self%statistics, state)
       end if
       summary = summary_of(state)
-      if (.not. self%is_transient) then
-         call start_store(self, [steps, steps/self%profile_stride] + 1, size(state%x))
-         self%summary = summary
-      else
-         call keep_extremes(self%summary, summary)
-      end if
+      call self%figures%add(summary, state%time, step == steps)
+      if (.not. self%is_transient) call start_store(self, [steps, steps/self%profile_stride] + 1, size(state%x))
       if (.not. allocated(self%file%failure)) call self%store%append(state, summary, report, mod(step, self%profile_stride) == 0)
       call self%keep_failure()
       if (self%store%records() == 1) call publish_store(self)
@@ -373,11 +371,11 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: missing
 
       call set_patience(.true.)
-      if (.not. self%is_transient) then
-         self%summary = summary_of(state)
-      else if (.not. allocated(self%file%failure)) then
+      self%summary = self%figures%extremes(summary_of(state))
+      if (self%is_transient .and. .not. allocated(self%file%failure)) then
          call create_hdf5_file(self%file, self%path//'.tmp', error)   ! error: stays in the file
          call write_description(self)
          call self%store%copy_into(self%file, self%scaling)
@@ -385,7 +383,10 @@ contains
       end if
       if (report%converged) call apply_error_bars(self%bars, report, state%x(2) - state%x(1), self%summary)
       call write_solution(self%file, state, self%scaling)
-      call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing_estimate(self%bars, report))
+      missing = missing_estimate(self%bars, report)
+      if (report%converged .and. .not. self%figures%times%is_settled()) missing = 'the start is in the figures, see /report/note'
+      call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing)
+      if (self%is_transient) call write_times(self%file, self%figures%times)
       call write_statistics(self%file, self%statistics, self%scaling)
       call self%publish(report, error)
    end subroutine finish

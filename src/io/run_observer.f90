@@ -113,7 +113,7 @@ contains
       begin = wall_seconds()
       checkpoint%case = self%case
       checkpoint%march = history
-      checkpoint%summary = self%writer%summary
+      checkpoint%figures = self%writer%figures
       checkpoint%bars = self%writer%bars
       checkpoint%statistics = self%writer%statistics
       checkpoint%part = self%writer%part()

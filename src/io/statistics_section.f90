@@ -23,7 +23,7 @@ contains
       if (.not. statistics%times > 0.0_wp) return
       associate (s => statistics, film => scaling%film)
          call file%create_group('/statistics')
-         call write_attribute(file, '/statistics', 'about', 'over all time steps but T = 0; the contact is '// &
+         call write_attribute(file, '/statistics', 'about', 'over the times that count; the contact is '// &
                               'one half-width to either side of X = 0')
          call write_dataset(file, '/statistics/film_threshold', s%thresholds*film, new_label('stated films', 'm'))
          call write_dataset(file, '/statistics/time_below', s%times_below/s%times, &

@@ -26,6 +26,8 @@ module features
       real(wp) :: wavelength
       !> Centre at time 0.
       real(wp) :: position
+      !> `position` is known; else it is chosen where the surface is put into a contact.
+      logical :: is_placed = .true.
    end type feature_t
 
    !> A surface: the sum of its features; none (size 0 or not allocated) = smooth. In contact/ it is dimensionless: heights in

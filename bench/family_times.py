@@ -1,0 +1,116 @@
+"""Passages in time: what is stored of them, waves that fill the contact at T = 0, ridges that begin in it or are given no place."""
+
+from __future__ import annotations
+
+import random
+
+import namelists
+from families import Family, Member
+
+FIGURES = ("summary/h_min", "summary/h_central", "summary/p_max")
+FINE = {"intervals": 2048}
+NO_BARS = {"error_bars": False}
+SLIDES = (-1.0, -0.5, 0.0, 0.5, 1.0, 5 / 3, 1.9)
+
+
+class Contact:
+    """A steel contact at random and what is needed of it, lengths over its half-width."""
+
+    def __init__(self, source: random.Random, slide: float) -> None:
+        """Draws load, oil, and the height of a wave over the central film."""
+        self.m, l = 10 ** source.uniform(0.6, 2.1), source.uniform(4, 13)  # noqa: E741
+        stress = 10 ** source.uniform(6.6, 7.5) if source.random() < 0.5 else None
+        self.groups = namelists.steel(self.m, l, slide, stress)
+        bodies, load = self.groups["bodies"], self.groups["load"]["load_per_length"]
+        radius, modulus = bodies["reduced_radius"], bodies["reduced_modulus"]
+        self.half_width = (8 * load * radius / (3.141592653589793 * modulus)) ** 0.5
+        # Moes: film of the rigid and of the elastic piezoviscous contact; for the heights of the waves only
+        speed = namelists.OIL_VISCOSITY * (bodies["speed_1"] + bodies["speed_2"]) / (modulus * radius)
+        self.film = radius * speed**0.5 * min(2.45 / self.m, 1.05 * l**0.75 / self.m**0.125 / 2)
+        self.speed = 1 + slide / 2
+        self.inlet = -14.0 if self.m < 10 else -8.0 if self.m < 40 else -5.0
+
+    def wave(self, kind: str, height: float, length: float, position: float | None) -> dict[str, object]:
+        """The group of a surface: height over the film, length and place in half-widths."""
+        found = {"shape": kind, "amplitude": height * self.film, "wavelength": length * self.half_width}
+        return found | ({} if position is None else {"position": position})
+
+    def text(self, surfaces: dict[str, dict], time: dict[str, object], **others: dict) -> str:
+        """A namelist; the grid has at least 24 intervals in a wave of 0.5 half-widths."""
+        intervals = {"intervals": 1024 if self.m < 10 else 512}
+        return namelists.namelist(self.groups | surfaces | {"domain": intervals, "time": {"transient": True} | time} | others)
+
+    def truth(self, surfaces: dict[str, dict], time: dict[str, object]) -> str:
+        """The same on a fine grid and a long domain with a small step."""
+        domain = FINE | {"x_inlet": self.inlet, "x_outlet": 3.0 if self.m < 10 else 2.0}
+        step = {"time_step": 0.004 / max(abs(self.speed), 0.5)}
+        return self.text(surfaces, time | step, domain=domain, accuracy=NO_BARS)
+
+
+def strides(source: random.Random, count: int) -> list[Member]:
+    """A ridge passes; profiles are stored of few steps, of one field, or of nothing but the start."""
+    found = []
+    for i in range(count):
+        contact = Contact(source, source.choice(SLIDES))
+        ridge = contact.wave("feature", source.choice((1, -1)) * source.uniform(0.1, 0.5), source.uniform(0.5, 1.5), -5.0)
+        surfaces, time = {"surface_2": ridge}, {"end_time": 7.0 / contact.speed}
+        output = {"profile_stride": source.choice((3, 10, 50, 1000)), "fields": source.choice(("pressure", "film_thickness"))}
+        found.append(Member(f"{i:03d}", contact.text(surfaces, time, output=output), contact.truth(surfaces, time)))
+    return found
+
+
+def waves(source: random.Random, count: int) -> list[Member]:
+    """Sinusoids fill the contact from T = 0 on, on one surface or both; the truth is the periodic state, much later."""
+    found = []
+    for i in range(count):
+        contact = Contact(source, source.choice(SLIDES))
+        length = source.uniform(0.5, 1.5)
+        moving = contact.wave("sinusoid", source.uniform(0.05, 0.3), length, source.uniform(-1, 1))
+        surfaces, period = {"surface_2": moving}, length / contact.speed
+        if source.random() < 0.3:  # a wave on the other surface too, of the same period
+            other = 2 - contact.speed
+            surfaces["surface_1"] = contact.wave("sinusoid", source.uniform(0.05, 0.2), length * other / contact.speed, 0.0)
+        end = source.uniform(1.0, 12.0)
+        # whole periods later: the same phase at the end
+        later = {"end_time": end + period * max(2, round(10 / period)), "statistics_from": end + period * round(8 / period)}
+        found.append(Member(f"{i:03d}", contact.text(surfaces, {"end_time": end}), contact.truth(surfaces, later)))
+    return found
+
+
+def without_position(source: random.Random, count: int) -> list[Member]:
+    """Ridges and dents that are given no place; the truth begins far in front of the contact."""
+    found = []
+    for i in range(count):
+        contact = Contact(source, source.choice(SLIDES))
+        shape = ("feature", source.choice((1, -1)) * source.uniform(0.1, 0.5), source.uniform(0.5, 1.5))
+        end = source.uniform(1.0, 8.0) / contact.speed
+        whole = {"end_time": 9.0 / contact.speed}
+        case = contact.text({"surface_2": contact.wave(*shape, None)}, {"end_time": end})
+        found.append(Member(f"{i:03d}", case, contact.truth({"surface_2": contact.wave(*shape, -6.0)}, whole)))
+    return found
+
+
+def inside(source: random.Random, count: int) -> list[Member]:
+    """A ridge on a slow surface begins inside the contact; the truth is the same time of a passage from far in front."""
+    found = []
+    for i in range(count):
+        speed = source.uniform(0.25, 0.45)
+        contact = Contact(source, 2 * speed - 2)
+        shape = ("feature", source.choice((1, -1)) * source.uniform(0.1, 0.4), source.uniform(0.5, 1.2))
+        place = source.uniform(-1.2, 0.0)
+        end = max(6.0, (1.1 + 0.5 * shape[2] - place) / speed)
+        begin = source.choice((None, 5.0))
+        given = {} if begin is None else {"statistics_from": begin}
+        delay = (5.0 + place) / speed
+        later = {"end_time": end + delay, "statistics_from": (begin or 4.8) + delay}
+        case = contact.text({"surface_2": contact.wave(*shape, place)}, {"end_time": end} | given)
+        found.append(Member(f"{i:03d}", case, contact.truth({"surface_2": contact.wave(*shape, place - speed * delay)}, later)))
+    return found
+
+
+FAMILIES = [
+    Family("strides", "Passages of which little is stored", FIGURES, strides),
+    Family("periodic", "Waves that fill the contact at the start", FIGURES, waves),
+    Family("placed", "Features without a place", FIGURES, without_position),
+    Family("inside", "Features that begin inside the contact", FIGURES, inside),
+]

@@ -1,0 +1,109 @@
+!> What of rough surfaces is inside the contact, and where that begins for the film: in front of X = -1 - S/2 with S = sqrt(2 H_c).
+module entry_zone
+   use features, only: feature_ridge, feature_sinusoid, feature_t, rough_surface_t
+   use kinds, only: wp
+   use line_contact, only: film_estimate, line_contact_t
+   use profile, only: profile_length
+   implicit none (type, external)
+   private
+
+   public :: has_something_inside, has_waves, is_cut, is_moving, is_ridge, is_wave, last_passage, zone_of, zone_t
+
+   !> Half the length of a ridge, in wavelengths: there its height is 0.3 % of that of its centre.
+   real(wp), parameter, public :: half_ridge = 0.5_wp
+   !> The contact begins at X = -1 - c S.
+   real(wp), parameter :: border = 0.5_wp
+   !> A surface slower than this dX/dT is at rest.
+   real(wp), parameter :: slow = 1.0e-6_wp
+
+   !> Where the contact is, and how long the film takes through it.
+   type :: zone_t
+      !> S = sqrt(2 H_c), and the border of the contact, |X|.
+      real(wp) :: width, border
+      real(wp) :: transit
+   end type zone_t
+
+contains
+
+   !> Where the contact begins and ends for what enters it.
+   pure function zone_of(contact) result(zone)
+      type(line_contact_t), intent(in) :: contact
+      type(zone_t) :: zone
+
+      zone%width = sqrt(2*film_estimate(contact))
+      zone%border = 1 + border*zone%width
+      zone%transit = 2 + zone%width
+   end function zone_of
+
+   !> Whether a surface is rough all along, however far it moves.
+   pure function has_waves(surface)
+      type(rough_surface_t), intent(in) :: surface
+      logical :: has_waves
+
+      has_waves = .false.
+      if (allocated(surface%features)) has_waves = any(is_wave(surface%features))
+      if (allocated(surface%profile)) has_waves = has_waves .or. surface%profile%is_periodic
+   end function has_waves
+
+   !> Whether a ridge or a profile reaches into the contact at T = 0. A profile at rest is there to be inside.
+   pure function has_something_inside(surface, zone) result(is_inside)
+      type(rough_surface_t), intent(in) :: surface
+      type(zone_t), intent(in) :: zone
+      logical :: is_inside
+
+      is_inside = .false.
+      if (allocated(surface%features)) is_inside = any(is_ridge(surface%features) .and. &
+         abs(surface%features%position) - half_ridge*surface%features%wavelength < zone%border)
+      if (.not. allocated(surface%profile)) return
+      associate (profile => surface%profile)
+         is_inside = is_inside .or. (profile%start < zone%border .and. profile%start + profile_length(profile) > -zone%border)
+      end associate
+   end function has_something_inside
+
+   !> A sinusoid that is there.
+   pure elemental function is_wave(feature)
+      type(feature_t), intent(in) :: feature
+      logical :: is_wave
+
+      is_wave = feature%kind == feature_sinusoid .and. abs(feature%amplitude) > 0.0_wp
+   end function is_wave
+
+   !> A ridge or dent that is there, and where is known.
+   pure elemental function is_ridge(feature)
+      type(feature_t), intent(in) :: feature
+      logical :: is_ridge
+
+      is_ridge = feature%kind == feature_ridge .and. abs(feature%amplitude) > 0.0_wp .and. feature%is_placed
+   end function is_ridge
+
+   !> Whether a surface moves.
+   pure function is_moving(surface)
+      type(rough_surface_t), intent(in) :: surface
+      logical :: is_moving
+
+      is_moving = abs(surface%speed) > slow
+   end function is_moving
+
+   !> Whether a moving surface has a ridge inside the contact at T = 0.
+   pure function is_cut(surface, zone)
+      type(rough_surface_t), intent(in) :: surface
+      type(zone_t), intent(in) :: zone
+      logical :: is_cut
+
+      is_cut = is_moving(surface) .and. .not. surface%entry_length > 0.0_wp .and. has_something_inside(surface, zone)
+   end function is_cut
+
+   !> When the last ridge of a moving surface leaves the contact at its end, |X| = 1.
+   pure function last_passage(surface) result(time)
+      type(rough_surface_t), intent(in) :: surface
+      real(wp) :: time
+
+      time = 0.0_wp
+      if (.not. (allocated(surface%features) .and. is_moving(surface))) return
+      associate (f => surface%features)
+         time = maxval([time, pack(1 + half_ridge*f%wavelength - sign(1.0_wp, surface%speed)*f%position, is_ridge(f))/ &
+            abs(surface%speed)])
+      end associate
+   end function last_passage
+
+end module entry_zone

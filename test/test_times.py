@@ -1,0 +1,104 @@
+"""Which times of a transient count: periodic passages, features without a place, what starts inside the contact."""
+
+import h5py
+import numpy as np
+import pytest
+from cases import STEADY, contents, same_bits, text, write
+
+WAVE = "&surface_2 shape = 'sinusoid', amplitude = 3e-8, wavelength = 1e-4, position = 0.2 /\n"
+RIDGE = "&surface_2 shape = 'feature', amplitude = 2e-7, wavelength = 1e-4{} /\n"
+TIME = "&time transient = .true., end_time = {}, time_step = 0.01{} /\n"
+PERIOD = 1e-4 / 1.05797e-4 / (11 / 6)
+
+
+def run(asperity, folder, surface, end, others="", extra=""):
+    """The result of a passage through Case 1, and what is said."""
+    write(folder, "a.nml", STEADY + surface + TIME.format(end, others) + extra)
+    done = asperity("a.nml")
+    assert done.returncode == 0, done.stderr
+    return h5py.File(folder / "a.h5"), " ".join(done.stderr.split())
+
+
+def test_periodic_passage_reports_its_last_periods(asperity, tmp_path):
+    file, told = run(asperity, tmp_path, WAVE, 9.0)
+    with file:
+        attributes, series, h_min = file["summary"].attrs, file["transient"], file["summary/h_min"]
+        begin, period = attributes["statistics_from"], attributes["period"]
+        assert period == pytest.approx(PERIOD, rel=1e-5)
+        periods = (9.0 - begin) / period
+        assert periods == pytest.approx(round(periods), abs=1e-9)
+        assert attributes["settled_from"] < begin < 9.0
+        counted = series["time"][()] >= begin - 1e-9
+        earlier = (series["time"][()] >= 2 * begin - 9.0 - 1e-9) & (series["time"][()] <= begin + 1e-9)
+        values = series["h_min"][()]
+        assert h_min.attrs["dimensionless"] == values[counted].min()
+        scale = series["h_min"].attrs["si_scale"]
+        assert h_min.attrs["error_start"] == pytest.approx(abs(values[counted].min() - values[earlier].min()) * scale)
+        assert 0 < h_min.attrs["error_start"] < h_min.attrs["error_estimate"] < 0.2 * h_min[()]
+        assert "note" not in file["report"]
+        assert float(file["input/effective/time/statistics_from"][()]) == begin
+    assert " count, periods of " in told
+
+
+def test_an_end_too_early_is_told(asperity, tmp_path):
+    file, told = run(asperity, tmp_path, WAVE, 3.0)
+    with file:
+        note = text(file["report/note"][()])
+        assert np.isnan(file["summary/h_min"].attrs["error_estimate"])
+        assert text(file["summary/h_min"].attrs["no_estimate"]) == "the start is in the figures, see /report/note"
+    assert note in told
+    needed = float(note.split("end_time = ")[1].split()[0])
+    file, told = run(asperity, tmp_path, WAVE, needed)
+    with file:
+        assert "note" not in file["report"]
+        assert np.isfinite(file["summary/h_min"].attrs["error_estimate"])
+
+
+def test_a_ridge_without_a_place_begins_in_front(asperity, tmp_path):
+    """It meets the same film as one that begins far outside, and all of its passage counts."""
+    found = {}
+    for position, end in (("", 3.0), (", position = -3.5", 3.5)):
+        file, _ = run(asperity, tmp_path, RIDGE.format(position), end)
+        with file:
+            found[position] = [file[f"summary/{name}"][()] for name in ("h_min", "h_central", "p_max")]
+            place = float(file["input/effective/surface_2/position"][()])
+            assert file["summary"].attrs["statistics_from"] == 0
+            assert "note" not in file["report"]
+            assert place < -2.0
+    first, other = found.values()
+    assert first == pytest.approx(other, rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("position", "words"), [("0.3", "stands in the contact at T = 0"), ("-12.0", "still in the contact or in")]
+)
+def test_a_passage_that_is_not_whole_is_told(asperity, tmp_path, position, words):
+    file, told = run(asperity, tmp_path, RIDGE.format(f", position = {position}"), 6.0)
+    with file:
+        assert words in text(file["report/note"][()])
+    assert words in told
+
+
+def test_what_is_asked_for_counts(asperity, tmp_path):
+    """From the given time on; statistics of the film too, and after an interruption as well (test_resume.py)."""
+    file, _ = run(asperity, tmp_path, WAVE, 6.0, ", statistics_from = 5.0", "&output film_thresholds = 4e-7 /\n")
+    with file:
+        values = file["transient/h_min"][()][file["transient/time"][()] >= 5.0 - 1e-9]
+        assert file["summary/h_min"].attrs["dimensionless"] == values.min()
+        below = values * file["transient/h_min"].attrs["si_scale"] < 4e-7
+        assert file["statistics/time_below"][()] == pytest.approx([below.mean()])
+        assert "note" not in file["report"]
+    file, told = run(asperity, tmp_path, WAVE, 6.0, ", statistics_from = 0.0")
+    with file:
+        assert file["summary/h_min"].attrs["dimensionless"] == file["transient/h_min"][()].min()
+    assert "statistics_from lies in the artificial start" in told
+
+
+def test_output_keys_do_not_change_a_periodic_passage(asperity, tmp_path):
+    found = []
+    for keys in ("", "&output profile_stride = 50, checkpoint_interval = 0.0 /\n"):
+        file, _ = run(asperity, tmp_path, WAVE, 6.0, "", keys)
+        file.close()
+        found.append({path: value for path, value in contents(tmp_path / "a.h5").items() if path.startswith("summary")})
+    assert found[0].keys() == found[1].keys()
+    assert all(same_bits(found[0][path], found[1][path]) for path in found[0])
