@@ -72,7 +72,8 @@ class Passage:
 
     def namelist(self, intervals: int | None, step_over_dx: float | None = None, **others: dict) -> str:
         """Its text; the step is `step_over_dx` times 5.5/intervals, so that it does not depend on the domain that is chosen."""
-        time = {"transient": True, "end_time": self.end_time}
+        # From T = 0: the estimates are judged over the whole passage, the start included.
+        time = {"transient": True, "end_time": self.end_time, "statistics_from": 0.0}
         if step_over_dx is not None:
             time["time_step"] = step_over_dx * 5.5 / intervals
             time["end_time"] = max(2, round(self.end_time * 256 / 5.5 / 4)) * 4 * 5.5 / 256
