@@ -89,12 +89,13 @@ class Situation:
         return Situation(self.slip, self.load, self.l1, self.m1)
 
     def case(self, form: Form, fields: tuple[str, ...] = ("film_thickness",)) -> Case:
-        """The namelist of the run; profiles are stored every dX of T, which moves the maximum of (6.1) by at most 0.1 %."""
+        """The namelist of the run, whole steps long; profiles are stored every dX of T, which moves the maximum of (6.1) by at most 0.1 %."""
+        end_time = round(self.end_time / form.time_step) * form.time_step
         groups: dict[str, dict[str, object] | None] = {
             "bodies": {f"speed_{i}": MEAN_SPEED * self.speeds[i - 1] for i in (1, 2)},
             "load": {"load_per_length": self.load},
             "domain": {"intervals": form.intervals},
-            "time": {"end_time": self.end_time, "time_step": form.time_step, "scheme": form.scheme},
+            "time": {"end_time": end_time, "time_step": form.time_step, "scheme": form.scheme},
             "output": {"fields": list(fields), "profile_stride": max(1, int(form.steps_per_interval))},
         }
         features = ((self.l1, self.m1, START), (self.l2, self.m2, self.position_2))
