@@ -89,7 +89,10 @@ class Situation:
         return Situation(self.slip, self.load, self.l1, self.m1)
 
     def case(self, form: Form, fields: tuple[str, ...] = ("film_thickness",)) -> Case:
-        """The namelist of the run, whole steps long; profiles are stored every dX of T, which moves the maximum of (6.1) by at most 0.1 %."""
+        """The namelist of the run, whole steps long.
+
+        Profiles are stored every dX of T, which moves the maximum of (6.1) by at most 0.1 %.
+        """
         end_time = round(self.end_time / form.time_step) * form.time_step
         groups: dict[str, dict[str, object] | None] = {
             "bodies": {f"speed_{i}": MEAN_SPEED * self.speeds[i - 1] for i in (1, 2)},

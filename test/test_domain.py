@@ -72,7 +72,7 @@ def test_outlet_in_time_is_watched_at_every_step(asperity, tmp_path):
     ridge = TRANSIENT.replace("time_step = 0.05", "time_step = 0.02").replace("position = -1.5", "position = -0.5")
     cut, note, _, _ = solve(asperity, tmp_path, ridge.replace("x_outlet = 1.5", "x_outlet = 1.05"))
     whole, no_note, _, _ = solve(asperity, tmp_path, ridge.replace("x_outlet = 1.5", "x_outlet = 6.1").replace("256", "512"))
-    assert note.startswith("the film is still under pressure at the outlet X = 1.05")
+    assert "the film is still under pressure at the outlet X = 1.05" in note
     assert no_note is None
     for name in FIGURES:
         assert abs(cut[name][0] - whole[name][0]) < cut[name][1]
