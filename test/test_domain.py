@@ -73,7 +73,7 @@ def test_outlet_in_time_is_watched_at_every_step(asperity, tmp_path):
     cut, note, _, _ = solve(asperity, tmp_path, ridge.replace("x_outlet = 1.5", "x_outlet = 1.05"))
     whole, no_note, _, _ = solve(asperity, tmp_path, ridge.replace("x_outlet = 1.5", "x_outlet = 6.1").replace("256", "512"))
     assert "the film is still under pressure at the outlet X = 1.05" in note
-    assert no_note is None
+    assert "outlet" not in no_note
     for name in FIGURES:
         assert abs(cut[name][0] - whole[name][0]) < cut[name][1]
 
