@@ -67,7 +67,7 @@ contains
       character(:), allocatable :: fault
 
       fault = ''
-      if (bytes > available_memory()) fault = 'found a grid that needs about '//megabytes(bytes)//' of memory, expected at '// &
+      if (bytes > available_memory()) fault = 'found a grid that needs at least '//megabytes(bytes)//' of memory, expected at '// &
          'most '//megabytes(available_memory())//', the memory of this machine or its limit (ulimit -v)'
    end function memory_fault
 

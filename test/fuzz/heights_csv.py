@@ -60,4 +60,6 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
     text = ends.join([header, *(before + comma.join(row) for row in rows)]) + ends
     (folder / "z.csv").write_bytes(text.encode("utf-8"))
     case = source.choice(["line", "oil"])
-    return judged(solved(program, folder, case, "z.csv"), folder, "z.csv", is_good=kind == "good")
+    return judged(
+        solved(program, folder, case, "z.csv"), folder, "z.csv", is_good=None if header == "x," else kind == "good"
+    )  # a column without a name has its numbers
