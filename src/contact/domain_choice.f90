@@ -1,7 +1,7 @@
 !> Domain and grid from the regime, where the user leaves them open.
 !>
 !> The film ruptures before the outlet X = max(1.5, 1 + S/2), S = sqrt(2 H_c): at 0.9 of the way from X = 1 to it at most, where the
-!> bodies are rigid (400 contacts, M 0.01-2000, L 0-40, half of them with Eyring's law).
+!> bodies are rigid (200 contacts, M 0.01-2000, L 0-40, half of them with Eyring's law).
 !>
 !> With S = sqrt(2 H_c) and H_c from the Moes fit, an inlet at X = -(1 + c S) with P = 0, c^2 = 9.5^2 + 42^2 r^3, r = rigid film
 !> over fit, leaves h_min starved by about 1e-3 (against twice the domain, M 0.01-1000, L 0-30: 0.05-1.27e-3 in 71 runs, most
