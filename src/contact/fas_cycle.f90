@@ -10,7 +10,7 @@ module fas_cycle
    use line_contact, only: line_contact_t
    use line_hierarchy, only: count_work, line_hierarchy_t, smoother_block_jacobi, smoother_gauss_seidel, &
       smoother_hybrid, smoother_line
-   use line_level, only: film_of, line_level_t, load_defect, update_film
+   use line_level, only: film_of, line_level_t, load_defect, thinnest_film, update_film
    use newton_line, only: solve_newton
    use reynolds_line, only: evaluate_reynolds, reynolds_diagonals
    use smoothers, only: block_jacobi_sweep, gauss_seidel_sweep, line_sweep
@@ -202,7 +202,7 @@ contains
          share = 0.5_wp*share
       end do
       fine%pressure = max(fine%pressure + share*fine%work, 0.0_wp)
-      fine%film = fine%film + share*fine%correction
+      fine%film = max(fine%film + share*fine%correction, smallest_film_share*fine%film, thinnest_film)
    end subroutine prolong
 
 end module fas_cycle

@@ -11,6 +11,10 @@ module line_level
 
    public :: line_level_t, new_level, set_plain_problem, start_from_pressure, update_film, film_of, has_close_exit, load_defect
 
+   !> No sweep takes a film below this [b^2/R]: a film that is halved a thousand times must not reach 0, where its mobility is no
+   !> number; its cube is one still.
+   real(wp), parameter, public :: thinnest_film = 1.0e-100_wp
+
    !> A uniform grid of n intervals on [x_inlet, x_outlet]; arrays are (0:n) unless stated.
    type :: line_level_t
       !> Intervals.
@@ -125,7 +129,7 @@ contains
 
       call level%convolution%apply(level%pressure, level%deflection)
       level%products = level%products + 1
-      level%film = max(level%rhs_film + rigid_displacement - level%deflection, 0.5_wp*level%film)
+      level%film = max(level%rhs_film + rigid_displacement - level%deflection, 0.5_wp*level%film, thinnest_film)
    end subroutine update_film
 
    !> Force balance (2.60) by the trapezoidal rule (P = 0 at both ends, or what an inlet tail carries is not in rhs_load):

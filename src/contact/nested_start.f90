@@ -212,8 +212,9 @@ contains
       end do
    end subroutine place_exit
 
-   !> Hertz pressure, or for a thick film a bump of the width S = sqrt(2 H_c) of the pressure build-up, scaled to the load;
-   !> H0 so that H(0) is the Moes film times `start_film` of the way.
+   !> Hertz pressure, or for a thick film a bump of the width S = sqrt(2 H_c) of the pressure build-up, scaled to the load,
+   !> all of it on the node next to X = 0 where no node lies under the bump; H0 so that H(0) is the Moes film times `start_film` of
+   !> the way.
    subroutine bump_start(hierarchy, contact, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -233,10 +234,11 @@ contains
          if (level%has_tail) level%rhs_load = 0.5_wp*pi
          level%pressure(0) = 0.0_wp
          level%pressure(level%n) = 0.0_wp
+         centre = minloc(abs(level%x(1:level%n - 1)), 1)
+         if (.not. any(level%pressure > 0.0_wp)) level%pressure(centre) = 1.0_wp
          level%pressure = level%pressure*0.5_wp*pi/(level%dx*sum(level%pressure))
          hierarchy%rigid_displacement = 0.0_wp
          call start_from_pressure(level, level%pressure, 0.0_wp)
-         centre = minloc(abs(level%x), 1) - 1
          hierarchy%rigid_displacement = hierarchy%relaxation%start_film*film - level%film(centre)
          level%film = level%film + hierarchy%rigid_displacement
       end associate

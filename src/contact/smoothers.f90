@@ -4,7 +4,7 @@
 !> A smoother knows one level only; the film equation, the force balance and the cycle are elsewhere.
 module smoothers
    use kinds, only: wp
-   use line_level, only: has_close_exit, line_level_t
+   use line_level, only: has_close_exit, line_level_t, thinnest_film
    implicit none (type, external)
    private
 
@@ -31,8 +31,9 @@ contains
 
       n = level%n
       associate (p => level%pressure, h => level%film)
-         do concurrent (i=0:n:n)
-            h(i) = h(i) + relaxation*(level%rhs_film(i) - (h(i) - rigid_displacement + level%deflection(i)))
+         do i = 0, n, n
+            film_residual = level%rhs_film(i) - (h(i) - rigid_displacement + level%deflection(i))
+            h(i) = max(h(i) + relaxation*film_residual, 0.5_wp*h(i), thinnest_film)
          end do
          do i = 1, n - 1
             film_residual = level%rhs_film(i) - (h(i) - rigid_displacement + level%deflection(i))
@@ -40,7 +41,7 @@ contains
                /level%diagonal(i)
             change = max(full_change, -p(i))
             p(i) = p(i) + change
-            h(i) = max(h(i) + relaxation*film_residual - kernel_diagonal*change, 0.5_wp*h(i))
+            h(i) = max(h(i) + relaxation*film_residual - kernel_diagonal*change, 0.5_wp*h(i), thinnest_film)
          end do
       end associate
    end subroutine block_jacobi_sweep
@@ -85,7 +86,7 @@ contains
             if (i == exit_node) flow = flow - level%exit_conductance*(p(i) - level%pressure_start(i))
             change = max(relaxation*(level%rhs_reynolds(i) - flow)/level%diagonal(i), -p(i))
             p(i) = p(i) + change
-            h(i) = max(h(i) - kernel_diagonal*change, 0.5_wp*h(i))
+            h(i) = max(h(i) - kernel_diagonal*change, 0.5_wp*h(i), thinnest_film)
          end do
       end associate
    end subroutine downstream_pass
