@@ -54,6 +54,7 @@ contains
       end if
       write (buffer, form) value
       string = trim(adjustl(buffer))
+      if (string(len(string):) == '.') string = string(:len(string) - 1)
    end function real_to_text
 
    !> True if the exponent of `value` has three digits.
