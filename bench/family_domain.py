@@ -18,6 +18,7 @@ DOMAIN = "error_domain"
 NO_BARS = {"error_bars": False}
 FARTHEST = 1000.0
 NEWTONIAN = (("barus", "constant"), ("roelands", "dowson_higginson"), ("constant", "constant"))
+OILS = (("barus", "constant"), ("roelands", "dowson_higginson"), ("barus", "dowson_higginson"), ("roelands", "constant"))
 
 
 def log_uniform(source: random.Random, low: float, high: float) -> float:
@@ -90,6 +91,26 @@ def light_eyring(source: random.Random, count: int) -> list[Member]:
     return found
 
 
+def extreme(source: random.Random, count: int) -> list[Member]:
+    """Domain and grid left open where all is extreme: M 0.01 to 5000, L to 60, slide-to-roll to 20; half of them with Eyring's
+    law.
+    """
+    found = []
+    for i in range(count):
+        m, l = log_uniform(source, 0.01, 5000), source.uniform(2, 60)  # noqa: E741
+        is_eyring = i % 2 == 1
+        slide, stress = log_uniform(source, 0.1, 20), log_uniform(source, 0.5e6, 20e6)
+        groups = namelists.steel(m, l, slide, stress if is_eyring else None)
+        law, density = source.choice(OILS)
+        groups["lubricant"] |= {"viscosity_law": law, "density_law": density}
+        if law == "barus":
+            del groups["lubricant"]["roelands_p0"]
+        s = width(m, l)
+        truth = {"inlet": "tail", "x_inlet": max(-(1 + 16 * s), -900.0), "x_outlet": 1 + max(0.75 * s, 1.0), "intervals": 2**17}
+        found.append(member(f"{i:03d} M {m:.3g} L {l:.3g}", groups, {}, truth))
+    return found
+
+
 def given_inlets(source: random.Random, count: int, inlet: str) -> list[Member]:
     """A given inlet from inside the pressure build-up to far out; the truth at the same spacing, eight times as long."""
     found = []
@@ -122,6 +143,7 @@ FAMILIES = [
     Family("outlet", "Given outlets, from far ahead of film rupture to far behind it", FILMS, given_outlets, 30, DOMAIN),
     Family("open", "Domain and grid chosen by the program", FILMS, chosen, 40),
     Family("open_light", "The same, light loads and low Eyring stress", FILMS, light_eyring, 24),
+    Family("extreme", "The same where load, oil, sliding and stress are extreme", ("summary/h_min",), extreme, 24),
     Family("zero_inlet", "Given inlets without pressure, mostly Eyring", FILMS, zero_inlets, 40, DOMAIN),
     Family("tail_inlet", "Given inlets with a tail in front, mostly Eyring", FILMS, tail_inlets, 40, DOMAIN),
 ]
