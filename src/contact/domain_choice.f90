@@ -132,7 +132,7 @@ contains
       load_effect = rigid_share**2
       load_effect = load_effect + max(1 - load_effect, 0.0_wp)*thinning_by_sliding(contact)
       ratio = default_inlet_error/tolerance
-      reach = sqrt((9.5_wp*ratio**0.4_wp)**2 + 42.0_wp**2*rigid_share*load_effect*ratio)
+      reach = sqrt((9.5_wp*ratio**0.4_wp)**2 + 42.0_wp**2*(rigid_share*load_effect)*ratio)
    end function inlet_reach
 
    !> 1 - 1/S^2 where the pressure builds up: 0 where sliding does not thin the oil (Newton's law), up to 1.
