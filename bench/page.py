@@ -63,7 +63,8 @@ discretisation error. Numbers at the points are intervals. In the steady panels 
 h_min and of h at X = 0; in time it is the largest error in P over all nodes and times. On grids that are no finer than its coarsest
 level a cycle is nothing but its exact solution: there the curves of FAS are those of dense Newton. `auto, extrapolated` is the
 Richardson value that `/summary` holds beside every figure, at the time of the run with error bars; `auto, target given` lets the
-program choose the grid (`&accuracy target`), at the time of the choice and the solution.
+program choose the grid (`&accuracy target`), at the time of the choice and the solution. `auto, sharp scheme` has
+`&solver space_scheme = 'sharp'`, without error bars; the reference of the steady panels has it too.
 
 ```text
 {chart}
