@@ -39,7 +39,7 @@ contains
 
       wave = min(finest_wave(contact%surface_1), finest_wave(contact%surface_2))
       nodes = huge(1.0_wp)
-      if (wave < nodes) nodes = wave/spacing(contact)
+      if (wave < nodes) nodes = wave/node_spacing(contact)
    end function nodes_in_wave
 
    !> Time steps in which the finest moving wave passes a place; huge if there is none, or no step is known yet.
@@ -88,7 +88,7 @@ contains
       steps = steps_in_wave(contact, time)
       if (nodes < least) then
          words = 'the finest wave of the surfaces has '//to_text(nodes, 3)//' nodes, an estimate needs '//to_text(nint(least))
-      else if (steps < seen_steps .and. time%time_step > long_step*spacing(contact)) then
+      else if (steps < seen_steps .and. time%time_step > long_step*node_spacing(contact)) then
          words = 'the finest moving wave passes in '//to_text(steps, 3)//' time steps, an estimate needs '// &
             to_text(nint(seen_steps))//', or steps of dX'
       end if
@@ -109,11 +109,11 @@ contains
    end function intervals_at_least
 
    !> dX of a complete domain.
-   pure function spacing(contact)
+   pure function node_spacing(contact) result(spacing)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: spacing
 
       spacing = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
-   end function spacing
+   end function node_spacing
 
 end module wave_resolution
