@@ -178,7 +178,7 @@ contains
    function has_hdf5_signature(path) result(answer)
       character(*), intent(in) :: path
       logical :: answer
-      character(len=*), parameter :: signature = achar(137)//'HDF'//achar(13)//achar(10)//achar(26)//achar(10)
+      character(len=*), parameter :: signature = char(137)//'HDF'//achar(13)//achar(10)//achar(26)//achar(10)
       character(len=len(signature)) :: beginning
       integer :: unit, status
 

@@ -65,7 +65,7 @@ module running_series
       !> Places in the file of the first number and of the number of records, for `take_up` [bytes].
       procedure :: places
       !> Checksum of the counted records.
-      procedure :: digits
+      procedure :: digits => series_digits
       !> Writes a record behind the counted ones.
       procedure :: put
       !> Counts the record that was put.
@@ -167,12 +167,12 @@ contains
    end function places
 
    !> 16 hexadecimal digits.
-   pure function digits(self)
+   pure function series_digits(self) result(digits)
       class(running_series_t), intent(in) :: self
       character(len=16) :: digits
 
       digits = self%sums%digits()
-   end function digits
+   end function series_digits
 
    !> Counts the first `records` records, whose checksum is made again.
    subroutine read_back(series, file, records)
