@@ -201,6 +201,10 @@ def percent(value: float) -> str:
 def found_families(names: list[str]) -> list[Family]:
     """Those of all modules family_*.py, or of the named modules."""
     modules = sorted(path.stem for path in Path(__file__).parent.glob("family_*.py"))
+    known = [name.removeprefix("family_") for name in modules]
+    unknown = sorted(set(names) - set(known))
+    if unknown:
+        sys.exit(f"families.py: no module family_{unknown[0]}.py; there are {', '.join(known)}")
     wanted = [name for name in modules if not names or name.removeprefix("family_") in names]
     return [family for name in wanted for family in importlib.import_module(name).FAMILIES]
 
