@@ -64,6 +64,7 @@ contains
       real(wp) :: ceiling, start, height, crest
 
       ceiling = 0.0_wp
+      if (law%lambda <= 0.0_wp) return
       if (ieee_is_finite(crests%spike)) then
          if (flow_length(crests%spike, crests%spike_film) >= dx) return
          height = final_height(law, crests%spike, crests%spike_film, dx)
