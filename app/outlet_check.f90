@@ -1,5 +1,6 @@
 !> The outlet of a result: whether it cuts the film off, by how much that changes the figures, and a note on it.
 module outlet_check
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_record, only: case_t
    use companions, only: run_longer
    use domain_choice, only: choose_domain
@@ -39,7 +40,9 @@ contains
          if (allocated(error)) return
          change = outlet_error(bars)
       end associate
-      if (change <= telling_change) return
+      if (ieee_is_finite(change)) then
+         if (change <= telling_change) return
+      end if
       note = outlet_note(open, contact%domain%x_outlet, change)
       call watcher%log%say(case%file//': '//note)
       if (allocated(report%note)) note = report%note//'; '//note
@@ -54,7 +57,7 @@ contains
       type(line_contact_t) :: own
 
       note = 'the film is still under pressure at the outlet X = '//to_text(x_outlet, 4)
-      if (change > 0.0_wp) then
+      if (ieee_is_finite(change)) then
          note = note//', which changes its figures by up to '//to_text(100*change, 2)//' %'
       else
          note = note//', and what that changes is not known'

@@ -127,12 +127,13 @@ contains
 
       error = 0.0_wp
       if (.not. bars%is_cut) return
+      error = ieee_value(1.0_wp, ieee_quiet_nan)
+      if (.not. (bars%has_half .and. bars%has_longer)) return
       associate (half => bars%half, longer => bars%longer)
          error = max(cut_error(bars, half%h_min, longer%h_min)/half%h_min%value, &
             cut_error(bars, half%h_central, longer%h_central)/half%h_central%value, &
             cut_error(bars, half%p_max, longer%p_max)/half%p_max%value)
       end associate
-      if (.not. bars%has_longer) error = ieee_value(1.0_wp, ieee_quiet_nan)
    end function outlet_error
 
    !> Error of a figure because the outlet cuts the film off, from its values on n/2 intervals with that outlet and with one farther

@@ -1,5 +1,6 @@
 !> Heights in an HDF5 file: a dataset of one or two dimensions and the spacing of its nodes, read a stretch at a time.
 module hdf5_heights
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
@@ -99,7 +100,9 @@ contains
       end do
       source%si_scale = reader%number_of(set_id, 'si_scale', 1.0_wp)
       call reader%refuse('si_scale', scale_fault(source%si_scale))
-      where (spacing < 0.0_wp) spacing = 0.0_wp
+      do i = 1, 2
+         if (.not. is_stated(spacing(i))) spacing(i) = 0.0_wp
+      end do
    end subroutine look_at_dataset
 
    !> A failure: the attribute `name` is there and no spacing.
@@ -108,9 +111,17 @@ contains
       character(*), intent(in) :: name
       real(wp), intent(in) :: spacing
 
-      if (spacing <= no_spacing .and. spacing >= no_spacing) return
-      call reader%refuse(name, spacing_fault(spacing))
+      if (is_stated(spacing)) call reader%refuse(name, spacing_fault(spacing))
    end subroutine refuse_spacing
+
+   !> Whether a spacing is that of an attribute, a number or not.
+   pure function is_stated(spacing)
+      real(wp), intent(in) :: spacing
+      logical :: is_stated
+
+      is_stated = .not. ieee_is_finite(spacing)
+      if (.not. is_stated) is_stated = spacing > no_spacing
+   end function is_stated
 
    !> Heights from number `first` on; of an area all of them. Error: they cannot be read.
    subroutine get(self, first, z, error)

@@ -26,7 +26,7 @@ contains
       real(wp), intent(in) :: z
       logical :: is_height
 
-      is_height = abs(z) <= largest_height .and. (abs(z) >= tiny(z) .or. .not. abs(z) > 0.0_wp)
+      is_height = lies_within(abs(z), tiny(z), largest_height) .or. lies_within(z, 0.0_wp, 0.0_wp)
    end function is_height
 
    !> Whether `x` [m] can be a position.
@@ -34,8 +34,17 @@ contains
       real(wp), intent(in) :: x
       logical :: is_position
 
-      is_position = abs(x) <= largest_position
+      is_position = lies_within(abs(x), 0.0_wp, largest_position)
    end function is_position
+
+   !> Whether a value is finite and in [lowest, highest]; NaN is compared with nothing, which would be a trap.
+   pure elemental function lies_within(value, lowest, highest)
+      real(wp), intent(in) :: value, lowest, highest
+      logical :: lies_within
+
+      lies_within = .false.
+      if (ieee_is_finite(value)) lies_within = value >= lowest .and. value <= highest
+   end function lies_within
 
    !> "found ..., expected ..." for what is no height [m].
    pure function height_fault(z) result(fault)
@@ -65,7 +74,7 @@ contains
       character(:), allocatable :: fault
 
       fault = ''
-      if (.not. (spacing >= least_spacing .and. spacing <= largest_spacing)) fault = 'found a spacing of '//shown(spacing)// &
+      if (.not. lies_within(spacing, least_spacing, largest_spacing)) fault = 'found a spacing of '//shown(spacing)// &
          ' m, expected '//to_text(least_spacing, 2)//' to '//to_text(nint(largest_spacing))//' m'
    end function spacing_fault
 
@@ -75,7 +84,7 @@ contains
       character(:), allocatable :: fault
 
       fault = ''
-      if (.not. (abs(scale) >= least_scale .and. abs(scale) <= largest_scale)) fault = 'found '//shown(scale)//', expected '// &
+      if (.not. lies_within(abs(scale), least_scale, largest_scale)) fault = 'found '//shown(scale)//', expected '// &
          to_text(least_scale, 2)//' to '//to_text(largest_scale, 2)//', metres in one unit of the dataset'
    end function scale_fault
 
