@@ -1,6 +1,7 @@
 !> Numbers and words as text for messages and tables.
 module text
    use, intrinsic :: iso_fortran_env, only: int64
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
    implicit none (type, external)
    private
@@ -45,7 +46,9 @@ contains
 
       shown = 6
       if (present(digits)) shown = min(max(digits, 1), 17)
-      if (abs(value) >= 1.0e-3_wp .and. abs(value) < 1.0e6_wp) then
+      if (.not. ieee_is_finite(value)) then
+         form = '(ss,f40.0)'
+      else if (abs(value) >= 1.0e-3_wp .and. abs(value) < 1.0e6_wp) then
          decimals = max(shown - 1 - floor(log10(abs(value))), 0)
          form = '(ss,f40.' // integer_to_text(decimals) // ')'
       else
