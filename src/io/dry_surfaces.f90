@@ -61,7 +61,7 @@ contains
          else if (heights%grid(i) <= 0) then
             call report_missing(values, 'domain', trim(counts(i)), findings)
          end if
-         call find_length(values, trim(lengths(i)), heights%grid(i) > 0, dry%lengths(i), findings)
+         call find_length(values, trim(lengths(i)), dry%lengths(i), findings, heights%file)
       end do
       dry%grid%nx = nodes(1)
       dry%grid%ny = nodes(2)
@@ -69,21 +69,21 @@ contains
       if (findings%count == 0 .and. nodes(2) > 1) dry%grid%aspect = dry%lengths(2)/dry%lengths(1)
    end subroutine find_grid
 
-   !> The `length` of one direction, that of the file (if there `is_file`) or 0 before. Findings: neither is known; they contradict
+   !> The `length` of one direction, that of the `file` of heights (if there is one) or 0 before. Findings: neither is known; they contradict
    !> each other.
-   subroutine find_length(values, key, is_file, length, findings)
+   subroutine find_length(values, key, length, findings, file)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: key
-      logical, intent(in) :: is_file
       real(wp), intent(inout) :: length
       type(findings_t), intent(inout) :: findings
+      character(*), intent(in), optional :: file
       type(value_t) :: slot
 
       slot = values%slot('domain', key)
       if (.not. slot%is_given) then
          if (length > 0.0_wp) return
-         if (is_file) then
-            call report_missing(values, 'domain', key, findings, ': the file of heights has no attribute spacing, or spacing_'// &
+         if (present(file)) then
+            call report_missing(values, 'domain', key, findings, ': '//file//' has no attribute spacing, or spacing_'// &
                trim(merge('y', 'x', key == 'length_y')))
          else
             call report_missing(values, 'domain', key, findings)

@@ -25,6 +25,8 @@ module height_file
       integer :: grid(2) = 0
       !> Spacing of the nodes [m]; 0: the file does not tell.
       real(wp) :: spacing(2) = 0.0_wp
+      !> Path of the file; not allocated: there is none.
+      character(:), allocatable :: file
    end type heights_t
 
 contains
@@ -45,6 +47,7 @@ contains
          return
       end if
       heights%grid = int(grid)
+      heights%file = file
       allocate (heights%z(source%nodes))
       call source%get(0_int64, heights%z, error)
       if (.not. allocated(error)) call look_at_heights(file, 0_int64, heights%z, error)

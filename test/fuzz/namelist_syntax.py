@@ -29,18 +29,16 @@ GROUPS = {
 
 def real(value: float, source: random.Random) -> str:
     """One real number, exactly, in one of its forms."""
-    text = source.choice(
-        [repr(value), f"{value:.17e}", f"{value:+.17E}", f"{value:.17e}".replace("e", "d"), f"{value:.17E}".replace("E", "D")]
-    )
+    text = source.choice([repr(value), f"{value:.17e}", f"{value:+.17E}"])
+    text = text.replace("e", "d").replace("E", "D") if source.random() < 0.4 else text
     return text.replace("e+", "+").replace("E-", "-") if source.random() < 0.1 else text
 
 
 def word(value: object, source: random.Random) -> str:
     """One value in one of its forms."""
     if isinstance(value, bool):
-        return source.choice(
-            [".true.", ".TRUE.", "T", "t", ".t", ".t.", "true"] if value else [".false.", ".False.", "F", "f", ".f", "false"]
-        )
+        letter = "t" if value else "f"
+        return source.choice([letter, letter.upper(), f".{letter}", f".{letter}.", f".{value}.", str(value)])
     if isinstance(value, int):
         return source.choice([str(value), f"+{value}", f"00{value}"])
     if isinstance(value, float):
@@ -90,10 +88,8 @@ def plain() -> str:
     source = random.Random(0)
     lines = []
     for name, entries in GROUPS.items():
-        rows = [
-            f"   {key} = {', '.join(map(repr, value)) if isinstance(value, list) else word(value, source)}"
-            for key, value in entries.items()
-        ]
+        words = {key: map(repr, value) if isinstance(value, list) else [word(value, source)] for key, value in entries.items()}
+        rows = [f"   {key} = {', '.join(items)}" for key, items in words.items()]
         lines += [f"&{name}", *rows, "/"]
     return "\n".join(lines) + "\n"
 
@@ -101,11 +97,14 @@ def plain() -> str:
 def effective(path: Path) -> dict[str, object]:
     """The values of the input that a result states."""
     found = {}
+
+    def note(name: str, data: object) -> None:
+        if isinstance(data, h5py.Dataset):
+            found[name] = data.asstr()[()] if h5py.check_string_dtype(data.dtype) else data[()].tolist()
+
     with h5py.File(path) as file:
-        file["input/effective"].visititems(
-            lambda name, data: found.update({name: data[()]}) if isinstance(data, h5py.Dataset) else None
-        )
-    return {name: value if isinstance(value, bytes) else value.tolist() for name, value in found.items()}
+        file["input/effective"].visititems(note)
+    return found
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
