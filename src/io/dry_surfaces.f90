@@ -69,8 +69,8 @@ contains
       if (findings%count == 0 .and. nodes(2) > 1) dry%grid%aspect = dry%lengths(2)/dry%lengths(1)
    end subroutine find_grid
 
-   !> The `length` of one direction, that of the `file` of heights (if there is one) or 0 before. Findings: neither is known; they contradict
-   !> each other.
+   !> The `length` of one direction, that of the `file` of heights (if there is one) or 0
+   !> before. Findings: neither is known; they contradict each other.
    subroutine find_length(values, key, length, findings, file)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: key
