@@ -7,8 +7,7 @@ module run_case
    use command_line, only: command_t
    use companions, only: run_companions
    use domain_choice, only: choose_domain, inlet_error
-   use ehl_line_solver, only: solve_ehl_line
-   use error_bars, only: domain_error, error_bars_t
+   use error_bars, only: domain_error, error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
    use features, only: rough_surface_t
    use input_keys, only: lubricated
@@ -28,6 +27,7 @@ module run_case
    use scaling, only: scaling_t
    use step_choice, only: choose_time_step
    use solver_settings, only: most_intervals_of
+   use steady_target, only: solve_contact
    use system_limits, only: memory_fault
    use text, only: to_text
    use wall_clock, only: wall_seconds
@@ -128,7 +128,7 @@ contains
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: note
-      type(line_contact_t) :: open
+      type(line_contact_t) :: open, whole
       real(wp) :: seconds
       logical :: is_open
 
@@ -149,14 +149,17 @@ contains
          call compare_grids(case, contact, watcher, seconds, error)
          if (allocated(error) .or. watcher%wants_stop) return
       end if
-      call complete_time_step(case, contact)
+      whole = contact
+      call choose_domain(whole, case%solver%target)
+      call choose_time_step(whole, case%time)
+      if (watcher%has_companions) watcher%writer%bars = new_error_bars(whole, case%time)
       call tell_coarse_waves(case, contact, watcher, note)
       call tell_missed_target(case, contact, watcher, note)
       call tell(case, watcher, passage_note(contact, watcher%writer%figures%times), note)
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
       watcher%space_scheme = case%solver%space_scheme
-      call solve_ehl_line(contact, case%solver, case%time, watcher, state, report, error)
+      call solve_contact(contact, case%solver, case%time, watcher, state, report, error)
       if (allocated(error)) return
       report%nodes_per_wave = nodes_in_wave(contact)
       report%steps_per_wave = steps_in_wave(contact, case%time)
@@ -173,17 +176,6 @@ contains
       call fill_passage(case, contact, watcher%writer%figures%times)
       call complete_report(watcher, seconds, report)
    end subroutine solve
-
-   !> The time step that the solver will take.
-   pure subroutine complete_time_step(case, contact)
-      type(case_t), intent(inout) :: case
-      type(line_contact_t), intent(in) :: contact
-      type(line_contact_t) :: whole
-
-      whole = contact
-      call choose_domain(whole)
-      call choose_time_step(whole, case%time)
-   end subroutine complete_time_step
 
    !> What the solver does not know: a film breakdown in SI, the time of companions of their own and of output.
    subroutine complete_report(watcher, seconds, report)

@@ -6,9 +6,8 @@ module bench_measure
    use case_input, only: read_case
    use case_record, only: case_t
    use domain_choice, only: choose_domain
-   use ehl_line_solver, only: solve_ehl_line
    use ehl_line_steady, only: solve_steady
-   use error_bars, only: apply_error_bars, error_bars_t
+   use error_bars, only: apply_error_bars, error_bars_t, new_error_bars, take_coarser
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
@@ -18,6 +17,7 @@ module bench_measure
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem
    use line_state, only: line_state_t
    use solver_settings, only: solver_settings_t, time_settings_t
+   use steady_target, only: solve_contact
    use resolution_choice, only: choose_resolution
    use scaling, only: scaling_t
    use wall_clock, only: wall_seconds
@@ -119,7 +119,7 @@ contains
          call choose_resolution(bars, contact, settings, time, watcher, error)
          if (allocated(error)) return
       end if
-      call solve_ehl_line(contact, settings, time, watcher, state, report, error)
+      call solve_contact(contact, settings, time, watcher, state, report, error)
       if (allocated(error)) return
       times = [report%phase_seconds(phase_setup), report%phase_seconds(phase_steady), report%phase_seconds(phase_transient), &
          wall_seconds() - start]
@@ -127,7 +127,11 @@ contains
       if (.not. case%time%is_transient) then
          call record_steady(watcher, state)
          watcher%residual = report%residual
-         if (report%converged) call apply_error_bars(watcher%bars, report, state%x(2) - state%x(1), watcher%summary)
+         if (report%converged) then
+            bars = new_error_bars(contact, time)
+            call take_coarser(bars, watcher%coarser)
+            call apply_error_bars(bars, report, state%x(2) - state%x(1), watcher%summary)
+         end if
       end if
       outcome%contact%domain = contact%domain
       outcome%report = report

@@ -1,6 +1,5 @@
 !> An observer that keeps the pressure of all time steps, the extremes over them, and an eye on the clock.
 module bench_recorder
-   use error_bars, only: error_bars_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
@@ -23,13 +22,13 @@ module bench_recorder
       real(wp) :: residual = 0.0_wp
       type(line_summary_t) :: summary
       !> Coarser grids that a steady solution has passed.
-      type(error_bars_t) :: bars
+      type(line_summary_t), allocatable :: coarser(:)
       !> P of all stored times (nx, 0:steps); only the steady solution: (nx, 0:0).
       real(wp), allocatable :: pressure(:, :)
    contains
       procedure :: on_cycle => watch_clock
       procedure :: on_step => keep_step
-      procedure :: keep_companions
+      procedure :: keep_coarser
    end type recorder_t
 
 contains
@@ -88,12 +87,12 @@ contains
    end subroutine watch_clock
 
    !> Keeps the figures of coarser grids.
-   subroutine keep_companions(self, bars)
+   subroutine keep_coarser(self, coarser)
       class(recorder_t), intent(inout) :: self
-      type(error_bars_t), intent(in) :: bars
+      type(line_summary_t), intent(in) :: coarser(:)
 
-      self%bars = bars
-   end subroutine keep_companions
+      self%coarser = coarser
+   end subroutine keep_coarser
 
    !> Keeps a time step.
    subroutine keep_step(self, step, steps, state, report)

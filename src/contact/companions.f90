@@ -27,12 +27,12 @@ module companions
       type(line_summary_t) :: summary
       type(passage_figures_t) :: figures
       !> Coarser grids that a steady run has passed.
-      type(error_bars_t) :: passed
+      type(line_summary_t), allocatable :: passed(:)
       !> Smallest film at each time step of the last transient (0:steps); huge at times that do not count.
       real(wp), allocatable :: films(:)
    contains
       procedure :: on_step => collect_step
-      procedure :: keep_companions => collect_companions
+      procedure :: keep_coarser => collect_coarser
    end type collector_t
 
 contains
@@ -62,9 +62,9 @@ contains
       call run_coarser(contact, settings, companion_time, 2, collector, bars%has_half, error)
       if (allocated(error)) return
       bars%half = collector%summary
-      if (collector%passed%has_half) then
+      if (size(collector%passed) > 0) then
          bars%has_quarter = .true.
-         bars%quarter = collector%passed%half
+         bars%quarter = collector%passed(1)
       else
          call run_coarser(contact, settings, companion_time, 4, collector, bars%has_quarter, error)   ! error: the caller looks
          bars%quarter = collector%summary
@@ -152,7 +152,7 @@ contains
       own_settings%wants_companions = .true.
       is_known = .false.
       collector%figures = passage_figures_t(new_passage_times(own, time))
-      collector%passed%has_half = .false.
+      collector%passed = [line_summary_t ::]
       call solve_ehl_line(own, own_settings, time, collector, state, report, error)
       if (allocated(error)) return
       is_known = report%converged
@@ -160,12 +160,12 @@ contains
    end subroutine run_companion
 
    !> Keeps what a steady run has passed.
-   subroutine collect_companions(self, bars)
+   subroutine collect_coarser(self, coarser)
       class(collector_t), intent(inout) :: self
-      type(error_bars_t), intent(in) :: bars
+      type(line_summary_t), intent(in) :: coarser(:)
 
-      self%passed = bars
-   end subroutine collect_companions
+      self%passed = coarser
+   end subroutine collect_coarser
 
    !> Adds the figures of one time step.
    subroutine collect_step(self, step, steps, state, report)

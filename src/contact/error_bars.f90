@@ -21,7 +21,7 @@ module error_bars
    private
 
    public :: error_bars_t, new_error_bars, apply_error_bars, domain_error, estimated_error, error_from_levels, observed_order
-   public :: missing_estimate, outlet_error
+   public :: missing_estimate, outlet_error, take_coarser
 
    !> An estimate is widened by this factor: the observed order is uncertain.
    real(wp), parameter :: safety = 1.5_wp
@@ -63,6 +63,19 @@ module error_bars
    end type error_bars_t
 
 contains
+
+   !> The solutions on n/2, n/4 and n/8 intervals, as many as there are.
+   pure subroutine take_coarser(bars, coarser)
+      type(error_bars_t), intent(inout) :: bars
+      type(line_summary_t), intent(in) :: coarser(:)
+
+      bars%has_half = size(coarser) >= 1
+      bars%has_quarter = size(coarser) >= 2
+      bars%has_eighth = size(coarser) >= 3
+      if (bars%has_half) bars%half = coarser(1)
+      if (bars%has_quarter) bars%quarter = coarser(2)
+      if (bars%has_eighth) bars%eighth = coarser(3)
+   end subroutine take_coarser
 
    !> Estimated relative error of h_min of `summary` on its grid; huge without companions.
    pure function estimated_error(bars, summary) result(error)

@@ -1,9 +1,9 @@
 !> How a solver tells its progress and hands over time steps without knowing who listens.
 module observer
-   use error_bars, only: error_bars_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
+   use line_summary, only: line_summary_t
    use march_state, only: march_state_t
    implicit none (type, external)
    private
@@ -23,8 +23,8 @@ module observer
       procedure(on_step_interface), deferred :: on_step
       !> After a time step for which `wants_state` is set.
       procedure :: keep_state => ignore_state
-      !> After a steady solution: the figures of the coarser grids that it has passed.
-      procedure :: keep_companions => ignore_companions
+      !> After a steady solution: the summaries of the coarser grids that it has passed, of n/2 intervals, n/4 ...
+      procedure :: keep_coarser => ignore_coarser
       !> Looks whether there is a reason to stop that the solver's own calls would not bring up.
       procedure :: look_outside => ignore_outside
    end type observer_t
@@ -93,14 +93,14 @@ contains
       self%wants_state = .false.
    end subroutine ignore_state
 
-   !> Needs no companions.
-   subroutine ignore_companions(self, bars)
+   !> Keeps no summaries.
+   subroutine ignore_coarser(self, coarser)
       class(observer_t), intent(inout) :: self
-      type(error_bars_t), intent(in) :: bars
+      type(line_summary_t), intent(in) :: coarser(:)
 
-      associate (unused_self => self, unused_bars => bars)
+      associate (unused_self => self, unused_coarser => coarser)
       end associate
-   end subroutine ignore_companions
+   end subroutine ignore_coarser
 
    !> There is no outside.
    subroutine ignore_outside(self)

@@ -4,12 +4,13 @@
 module run_observer
    use breakdown_text, only: breakdown_sentence
    use checkpoint, only: checkpoint_t, write_checkpoint
-   use error_bars, only: error_bars_t
+   use error_bars, only: take_coarser
    use errors, only: error_t, fail, output_error
    use interruption, only: is_interrupted, set_patience
    use iteration_report, only: phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: line_state_t
+   use line_summary, only: line_summary_t
    use march_state, only: march_state_t
    use observer, only: observer_t
    use progress_log, only: progress_log_t
@@ -54,7 +55,7 @@ module run_observer
       procedure :: on_cycle
       procedure :: on_step
       procedure :: keep_state
-      procedure :: keep_companions
+      procedure :: keep_coarser
       procedure :: look_outside
       !> The run begins.
       procedure :: start_clock
@@ -146,14 +147,14 @@ contains
    end subroutine keep_state
 
    !> Coarser grids that the solution has passed: they need not be run any more.
-   subroutine keep_companions(self, bars)
+   subroutine keep_coarser(self, coarser)
       class(run_observer_t), intent(inout) :: self
-      type(error_bars_t), intent(in) :: bars
+      type(line_summary_t), intent(in) :: coarser(:)
 
-      if (.not. (self%has_companions .and. bars%has_quarter)) return
-      self%writer%bars = bars
+      if (.not. self%has_companions .or. size(coarser) < 2) return
+      call take_coarser(self%writer%bars, coarser)
       self%has_companions = .false.
-   end subroutine keep_companions
+   end subroutine keep_coarser
 
    !> Whether the run is interrupted.
    subroutine look_outside(self)

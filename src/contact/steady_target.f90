@@ -1,43 +1,100 @@
 !> The grid of a steady contact for a wanted accuracy of h_min: exact solutions on level after level, each the start of the next
 !> and a companion of its error estimate, until the estimate is small enough. Nothing is solved twice.
-module grid_choice
-   use domain_choice, only: choose_domain
+module steady_target
+   use coarser_solutions, only: coarser_summaries, level_summary
+   use domain_choice, only: choose_domain, inlet_error, lengthen_outlet
+   use ehl_line_solver, only: begin_solution, end_solution, solve_ehl_line, take_steady_state, tell_steady_solution, &
+      wants_longer_outlet
    use ehl_line_steady, only: solve_steady
-   use error_bars, only: error_bars_t, estimated_error
+   use error_bars, only: domain_error, error_bars_t, estimated_error, new_error_bars, take_coarser
    use errors, only: error_t
-   use iteration_report, only: report_t
+   use iteration_report, only: phase_setup, phase_steady, report_t
    use kinds, only: wp
    use line_contact, only: intervals_for_waves, line_contact_t
    use line_hierarchy, only: add_level, line_hierarchy_t, most_intervals, new_growing_hierarchy, new_hierarchy, &
       pose_steady_problem, relaxation_t
-   use line_level, only: line_level_t
-   use line_summary, only: line_summary_t, summary_of_fields
+   use line_state, only: line_state_t
+   use line_summary, only: line_summary_t
    use nested_start, only: bump_start, companion_tolerance, most_firsts, refine, solve_level
    use observer, only: is_stopped, observer_t
    use solver_choice, only: adopt, steady_attempts
-   use solver_settings, only: most_intervals_of, solver_settings_t
+   use solver_settings, only: domain_t, most_intervals_of, solver_settings_t, time_settings_t
+   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: gather_companions, solve_to_accuracy
+   public :: solve_contact
 
 contains
 
+   !> Solves one contact as `solve_ehl_line` does; a steady one with `settings%target` on a grid that is chosen for that accuracy of
+   !> h_min, and so is its inlet, unless it is given: then the accuracy is that on the given domain.
+   subroutine solve_contact(contact, settings, time, watcher, state, report, error)
+      type(line_contact_t), intent(inout) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      type(time_settings_t), intent(in) :: time
+      class(observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(out) :: state
+      type(report_t), intent(out) :: report
+      type(error_t), allocatable, intent(out) :: error
+
+      if (settings%target > 0.0_wp .and. .not. time%is_transient) then
+         call solve_to_target(contact, settings, watcher, state, report, error)   ! error: the caller looks
+      else
+         call solve_ehl_line(contact, settings, time, watcher, state, report, error)   ! error: the caller looks
+      end if
+   end subroutine solve_contact
+
+   !> The steady contact on a grid for the wanted accuracy. An inlet of the program takes a part of it.
+   recursive subroutine solve_to_target(contact, settings, watcher, state, report, error)
+      type(line_contact_t), intent(inout) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      class(observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(out) :: state
+      type(report_t), intent(out) :: report
+      type(error_t), allocatable, intent(out) :: error
+      type(line_hierarchy_t) :: hierarchy
+      type(solver_settings_t) :: rest
+      type(time_settings_t) :: at_rest
+      type(domain_t) :: open
+      real(wp) :: start
+
+      start = wall_seconds()
+      open = contact%domain
+      call begin_solution(contact, settings, at_rest, report, error)
+      if (allocated(error)) return
+      rest = settings
+      if (.not. open%has_inlet) rest%target = max(settings%target - domain_error(inlet_error(contact)), 0.0_wp)
+      call solve_to_accuracy(hierarchy, contact, rest, watcher, report, error)
+      if (allocated(error)) return
+      call take_steady_state(hierarchy, contact, state, report)
+      report%phase_seconds(phase_setup) = hierarchy%setup_seconds
+      report%phase_seconds(phase_steady) = report%phase_seconds(phase_steady) + wall_seconds() - start - hierarchy%setup_seconds
+      if (wants_longer_outlet(contact%domain, report)) then
+         call lengthen_outlet(contact%domain, open)
+         call solve_to_target(contact, settings, watcher, state, report, error)
+         return
+      end if
+      if (report%converged) call tell_steady_solution(hierarchy, settings, watcher, state, report)
+      call end_solution(hierarchy, contact, state, report)
+      report%wall_seconds = report%wall_seconds + wall_seconds() - start
+   end subroutine solve_to_target
+
    !> Solves the steady contact on the coarsest grid of 2^k intervals whose estimated relative error of h_min is below
    !> `settings%target`, or on the finest that there is; `contact%domain%intervals` becomes its number.
-   !> `bars` are the companions of the answer.
-   subroutine solve_to_accuracy(hierarchy, contact, settings, watcher, bars, report, error)
+   subroutine solve_to_accuracy(hierarchy, contact, settings, watcher, report, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
       class(observer_t), intent(inout) :: watcher
-      type(error_bars_t), intent(inout) :: bars
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
+      type(error_bars_t) :: bars
       type(relaxation_t), allocatable :: ways(:)
       logical :: is_sound
       integer :: i
 
+      bars = new_error_bars(contact, time_settings_t())
       allocate (ways, source=steady_attempts(contact, solver_settings_t(method='newton_krylov')))
       hierarchy%is_sharp = settings%space_scheme == 'sharp'
       do i = 1, size(ways)
@@ -93,9 +150,9 @@ contains
          end if
          call solve_level(hierarchy, contact, k, min(companion_tolerance, target), is_sound, watcher)
          if (is_sound) then
-            call gather_companions(hierarchy, bars)
+            call take_coarser(bars, coarser_summaries(hierarchy))
             if (hierarchy%levels(k)%n >= intervals_for_waves(contact) .and. hierarchy%levels(k)%is_companion .and. &
-                estimated_error(bars, summary_on(hierarchy%levels(k))) <= target) return
+                estimated_error(bars, level_summary(hierarchy%levels(k))) <= target) return
             if (k == size(hierarchy%levels)) return
          else
             first = k + 1
@@ -131,7 +188,7 @@ contains
          if (watcher%wants_stop) return
          if (2*contact%domain%intervals > min(most_intervals, most_intervals_of(settings%method))) return
          if (report%converged) then
-            summary = summary_on(hierarchy%levels(hierarchy%finest))
+            summary = level_summary(hierarchy%levels(hierarchy%finest))
             if (contact%domain%intervals >= intervals_for_waves(contact) .and. &
                 estimated_error(bars, summary) <= settings%target) return
             bars%has_eighth = bars%has_quarter
@@ -145,39 +202,4 @@ contains
       end do
    end subroutine double_grid
 
-   !> The figures of the three levels below the finest, where these are solved well enough and no cycle has changed them since.
-   pure subroutine gather_companions(hierarchy, bars)
-      type(line_hierarchy_t), intent(in) :: hierarchy
-      type(error_bars_t), intent(inout) :: bars
-
-      bars%has_half = hierarchy%coarsest == hierarchy%finest
-      call gather(1, bars%has_half, bars%half)
-      bars%has_quarter = bars%has_half
-      call gather(2, bars%has_quarter, bars%quarter)
-      bars%has_eighth = bars%has_quarter
-      call gather(3, bars%has_eighth, bars%eighth)
-
-   contains
-
-      !> Those of the level so far `below`, where the ones above it are known.
-      pure subroutine gather(below, is_known, summary)
-         integer, intent(in) :: below
-         logical, intent(inout) :: is_known
-         type(line_summary_t), intent(inout) :: summary
-
-         is_known = is_known .and. hierarchy%finest > below
-         if (is_known) is_known = hierarchy%levels(hierarchy%finest - below)%is_companion
-         if (is_known) summary = summary_on(hierarchy%levels(hierarchy%finest - below))
-      end subroutine gather
-
-   end subroutine gather_companions
-
-   !> The figures of the solution on a level.
-   pure function summary_on(level) result(summary)
-      type(line_level_t), intent(in) :: level
-      type(line_summary_t) :: summary
-
-      summary = summary_of_fields(level%x, level%pressure, level%film, 0.0_wp)
-   end function summary_on
-
-end module grid_choice
+end module steady_target
