@@ -1,6 +1,7 @@
 !> Repeats cycles until the residuals of the original problem are below their bounds, or says why they are not.
 module cycle_control
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use cycle_limits, only: cycle_limits_t
    use fas_cycle, only: cycle_from, is_newton_alone
    use inlet_tail, only: close_inlet
    use iteration_report, only: report_t
@@ -14,17 +15,7 @@ module cycle_control
    implicit none (type, external)
    private
 
-   public :: cycle_limits_t, iterate, effective_tolerance
-
-   !> When to stop.
-   type :: cycle_limits_t
-      !> Bound on the residuals (theory page, residuals and convergence).
-      real(wp) :: tolerance = 1.0e-8_wp
-      !> Cycles at most.
-      integer :: max_cycles = 60
-      !> Stagnation: the smallest residual has not fallen by a third within this many cycles.
-      integer :: patience = 12
-   end type cycle_limits_t
+   public :: iterate, effective_tolerance
 
    !> The bound on the Reynolds residual is at least this many times its round-off floor.
    real(wp), parameter :: floor_factor = 5.0_wp

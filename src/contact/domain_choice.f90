@@ -17,7 +17,8 @@
 !> L 0-40, with Eyring's law too, c 1.75-9, the same nodes on the longest domain) h_min was off by up to t in 91 % and 2 t in 98 %.
 module domain_choice
    use kinds, only: wp
-   use line_contact, only: closing_slope, film_estimate, is_smooth, line_contact_t, newtonian_film
+   use expected_film, only: film_estimate, newtonian_film
+   use line_contact, only: closing_slope, is_smooth, line_contact_t
    use moes, only: rigid_film
    use solver_settings, only: domain_t
    use wave_resolution, only: intervals_at_least, nodes_in_wave, wanted_nodes

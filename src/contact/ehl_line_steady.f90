@@ -1,24 +1,26 @@
 !> The steady lubricated line contact: start, cycles, and the next way when one does not converge.
 module ehl_line_steady
-   use cycle_control, only: cycle_limits_t, iterate
+   use cycle_control, only: iterate
+   use cycle_limits, only: cycle_limits_t
    use domain_choice, only: intervals_for_film
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: film_estimate, line_contact_t
-   use line_hierarchy, only: line_hierarchy_t, method_block_jacobi, method_fas, method_newton_dense, method_newton_krylov, &
+   use expected_film, only: film_estimate
+   use line_contact, only: line_contact_t
+   use line_hierarchy, only: line_hierarchy_t, method_fas, method_newton_krylov, &
       new_hierarchy, pose_coarser_levels, pose_steady_problem, relaxation_t, roughness_at
    use line_level, only: line_level_t
    use nested_start, only: full_multigrid_start, hertz_start
    use observer, only: lookout_t, observer_t
    use pseudo_time, only: follow_time
-   use solver_choice, only: adopt, note_choice, steady_attempts
+   use solver_choice, only: adopt, limits_of, note_choice, steady_attempts
    use solver_settings, only: solver_settings_t
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: blame_grid, blame_surfaces, solve_steady, limits_of
+   public :: blame_grid, blame_surfaces, solve_steady
 
    !> Methods whose failure is looked into on finer grids whatever the fit of film and grid says: others have borders of their own.
    character(len=*), parameter :: blaming_methods(2) = [character(len=13) :: 'auto', 'newton_krylov']
@@ -171,28 +173,5 @@ contains
       call solve_steady(hierarchy, contact, settings, lookout, report)
       is_solved = report%converged
    end subroutine try_grid
-
-   !> Cycle limits: what the settings say, else by method. Plain Block-Jacobi counts blocks of sweeps and needs many; the
-   !> residual of a Newton iteration may rise for long while a spike grows.
-   pure function limits_of(settings, tolerance, method) result(limits)
-      type(solver_settings_t), intent(in) :: settings
-      real(wp), intent(in) :: tolerance
-      integer, intent(in) :: method
-      type(cycle_limits_t) :: limits
-
-      limits%tolerance = tolerance
-      if (settings%tolerance > 0.0_wp) limits%tolerance = settings%tolerance
-      select case (method)
-      case (method_block_jacobi)
-         limits%max_cycles = 2000
-         limits%patience = 40
-      case (method_newton_krylov, method_newton_dense)
-         limits%max_cycles = 120
-         limits%patience = 40
-      case default
-         continue
-      end select
-      if (settings%max_cycles > 0) limits%max_cycles = settings%max_cycles
-   end function limits_of
 
 end module ehl_line_steady

@@ -8,8 +8,8 @@
 !>
 !> At T = 0 pressure and H0 are those of the smooth steady contact; the surfaces enter the old film without a new solve.
 module ehl_line_transient
-   use cycle_control, only: cycle_limits_t, iterate
-   use ehl_line_steady, only: limits_of
+   use cycle_control, only: iterate
+   use cycle_limits, only: cycle_limits_t
    use errors, only: error_t
    use film_breakdown, only: look_for_breakdown
    use iteration_report, only: report_t
@@ -21,7 +21,7 @@ module ehl_line_transient
    use march_history, only: extrapolate, foretelling, remember
    use march_state, only: march_state_t
    use observer, only: observer_t
-   use solver_choice, only: adopt, note_choice, time_step_attempts
+   use solver_choice, only: adopt, limits_of, note_choice, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t, word_length
    use state_output, only: fill_state
    use step_choice, only: count_steps

@@ -2,7 +2,8 @@
 module entry_zone
    use features, only: feature_ridge, feature_sinusoid, feature_t, rough_surface_t
    use kinds, only: wp
-   use line_contact, only: film_estimate, line_contact_t
+   use expected_film, only: film_estimate
+   use line_contact, only: line_contact_t
    use profile, only: profile_length
    implicit none (type, external)
    private

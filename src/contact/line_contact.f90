@@ -3,17 +3,14 @@ module line_contact
    use constants, only: pi
    use kinds, only: wp
    use lubricant, only: fluid_t
-   use moes, only: central_film
    use errors, only: error_t
    use features, only: rough_surface_t
    use profile, only: load_window
    use solver_settings, only: domain_t
-   use thinned_film, only: thinned_central_film
    implicit none (type, external)
    private
 
-   public :: closing_slope, film_estimate, finest_wave, intervals_for_waves, is_smooth, line_contact_t, move_profiles
-   public :: newtonian_film, shortest_passage
+   public :: closing_slope, finest_wave, intervals_for_waves, is_smooth, line_contact_t, move_profiles, shortest_passage
 
    !> Intervals in the finest wave (feature, sinusoid, profile) below which companions on n/4 may not see it.
    integer, parameter, public :: fewest_in_wave = 16
@@ -37,23 +34,6 @@ module line_contact
    end type line_contact_t
 
 contains
-
-   !> Central film H_c [b^2/R] of the smooth contact by the Moes fit, less for a thinning lubricant: for the choice of grids and
-   !> starts only.
-   pure function film_estimate(contact) result(film)
-      type(line_contact_t), intent(in) :: contact
-      real(wp) :: film
-
-      film = thinned_central_film(contact%fluid, contact%lambda, newtonian_film(contact))
-   end function film_estimate
-
-   !> The same of a Newtonian lubricant: for the choice of the domain.
-   pure function newtonian_film(contact) result(film)
-      type(line_contact_t), intent(in) :: contact
-      real(wp) :: film
-
-      film = central_film(contact%moes_m_sum, contact%moes_l_sum)
-   end function newtonian_film
 
    !> Intervals from which three grids, n, n/2 and n/4, all see every wave of the surfaces; 1 if they are smooth. Domain complete.
    pure function intervals_for_waves(contact) result(intervals)

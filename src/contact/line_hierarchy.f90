@@ -3,7 +3,8 @@ module line_hierarchy
    use errors, only: error_t
    use features, only: surface_height
    use kinds, only: wp
-   use line_contact, only: film_estimate, line_contact_t
+   use expected_film, only: film_estimate
+   use line_contact, only: line_contact_t
    use line_level, only: line_level_t, new_level, set_plain_problem
    use newton_line, only: newton_t
    use transfer, only: inject

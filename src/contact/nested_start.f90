@@ -4,7 +4,8 @@ module nested_start
    use constants, only: pi
    use fas_cycle, only: cycle_from
    use kinds, only: wp
-   use line_contact, only: film_estimate, line_contact_t
+   use expected_film, only: film_estimate
+   use line_contact, only: line_contact_t
    use line_hierarchy, only: coarsest_for_film, count_work, line_hierarchy_t
    use line_level, only: film_of, line_level_t, start_from_pressure
    use line_summary, only: exit_between_nodes

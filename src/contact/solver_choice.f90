@@ -1,6 +1,6 @@
 !> From the words of the settings to the way the cycle relaxes, and what is tried next when it does not converge.
 module solver_choice
-   use cycle_control, only: cycle_limits_t
+   use cycle_limits, only: cycle_limits_t
    use dense_jacobian, only: dense_jacobian_t
    use domain_choice, only: intervals_for_film
    use iteration_report, only: report_t
@@ -14,7 +14,7 @@ module solver_choice
    implicit none (type, external)
    private
 
-   public :: steady_attempts, time_step_attempts, adopt, method_name, note_choice
+   public :: steady_attempts, time_step_attempts, adopt, limits_of, method_name, note_choice
 
    !> A contact that sliding does not thin is heavy above one of these (sum velocity): full steps of any smoother then overshoot
    !> at the spike or in the inlet.
@@ -313,6 +313,29 @@ contains
          choice%coarse_sweeps = settings%coarse_sweeps
       end if
    end subroutine override
+
+   !> Cycle limits: what the settings say, else by method. Plain Block-Jacobi counts blocks of sweeps and needs many; the
+   !> residual of a Newton iteration may rise for long while a spike grows.
+   pure function limits_of(settings, tolerance, method) result(limits)
+      type(solver_settings_t), intent(in) :: settings
+      real(wp), intent(in) :: tolerance
+      integer, intent(in) :: method
+      type(cycle_limits_t) :: limits
+
+      limits%tolerance = tolerance
+      if (settings%tolerance > 0.0_wp) limits%tolerance = settings%tolerance
+      select case (method)
+      case (method_block_jacobi)
+         limits%max_cycles = 2000
+         limits%patience = 40
+      case (method_newton_krylov, method_newton_dense)
+         limits%max_cycles = 120
+         limits%patience = 40
+      case default
+         continue
+      end select
+      if (settings%max_cycles > 0) limits%max_cycles = settings%max_cycles
+   end function limits_of
 
    !> Writes into the report what a way uses.
    pure subroutine note_choice(report, choice, limits)

@@ -19,7 +19,7 @@ module case_input
    use namelist_text, only: namelist_text_t, split_namelist
    use scaling, only: scaling_t, new_scaling
    use text, only: to_text
-   use viscosity, only: complete_roelands
+   use roelands_relation, only: complete_roelands
    use wave_validation, only: check_waves
    implicit none (type, external)
    private

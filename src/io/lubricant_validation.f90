@@ -6,7 +6,7 @@ module lubricant_validation
    use kinds, only: wp
    use text, only: to_text
    use validation_messages, only: report_missing, report_unused
-   use viscosity, only: complete_roelands, roelands_alpha, roelands_log_shift
+   use roelands_relation, only: complete_roelands, roelands_alpha, roelands_log_shift
    implicit none (type, external)
    private
 
