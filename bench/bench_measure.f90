@@ -5,6 +5,7 @@ module bench_measure
    use bench_recorder, only: largest_difference, record_steady, recorder_t, start_recorder
    use case_input, only: read_case
    use case_record, only: case_t
+   use companions, only: run_farther
    use domain_choice, only: choose_domain
    use ehl_line_steady, only: solve_steady
    use error_bars, only: apply_error_bars, error_bars_t, new_error_bars, take_coarser
@@ -130,6 +131,8 @@ contains
          if (report%converged) then
             bars = new_error_bars(contact, time)
             call take_coarser(bars, watcher%coarser)
+            if (job%has_bars) call run_farther(bars, contact, settings, watcher, error)
+            if (allocated(error)) return
             call apply_error_bars(bars, report, state%x(2) - state%x(1), watcher%summary)
          end if
       end if

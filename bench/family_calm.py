@@ -7,8 +7,9 @@ import random
 import namelists
 from families import Family, Member
 
-# Intervals and inlet of the truth: fine and far enough for all of them.
-FINE = {"intervals": 2**15, "inlet": "zero"}
+FIGURES = ("summary/h_min", "summary/h_central", "summary/p_max")
+# Intervals and inlet of the truth: fine and, with the tail, far enough for all of them.
+FINE = {"intervals": 2**15, "inlet": "tail"}
 
 
 def smooth(source: random.Random, count: int) -> list[Member]:
@@ -22,4 +23,4 @@ def smooth(source: random.Random, count: int) -> list[Member]:
     return found
 
 
-FAMILIES = [Family("calm", "Smooth contacts, chosen domain and grid", ("summary/h_min", "summary/h_central"), smooth)]
+FAMILIES = [Family("calm", "Smooth contacts, chosen domain and grid", FIGURES, smooth)]

@@ -2,24 +2,29 @@
 
 Smooth contacts with Barus' and Roelands' law, incompressible and not, and light Eyring oils. The truth has dX so small that a
 spike which ends is resolved or nearly so, and an inlet several times as
-far out as the program puts one. Passages of features and waves are compared with eight times the intervals and steps on the same
-domain: what is judged is `error_grid`.
+far out as the program puts one. Passages of features and waves begin in front of the contact and are compared with eight times the
+intervals and steps on the same domain: what is judged is `error_grid`.
 """
 
 from __future__ import annotations
 
 import math
 import random
+from dataclasses import dataclass
 
 import namelists
 from families import Family, Member
-from passages import passages
+from passages import KINDS, MEAN_SPEED, OILS
 
 P_MAX = ("summary/p_max",)
 NO_BARS = {"error_bars": False}
 LAWS = tuple({"viscosity_law": v, "density_law": d} for v in ("barus", "roelands") for d in ("constant", "dowson_higginson"))
 # Intervals of the truth: spikes, of which loads above M = 1 are in danger, need many, light contacts a long domain.
 FINE, LIGHT = 2**16, 2**15
+# H_c of Case 1; slide-to-roll ratios at which the second surface, or both, go through the contact in a short time.
+CASE_1_H = 0.469
+SLIDES = (-1.0, -0.3, 0.0, 0.3, 1.0, 5 / 3, 1.9, 2.5, 4.0)
+SLIDES_BOTH = (-1.0, -0.3, 0.0, 0.3, 1.0)
 # Inlet in units of sqrt(2 H_c) in front of X = -1, and the farthest that the program takes.
 REACH, FARTHEST = 40, 1000.0
 
@@ -65,14 +70,95 @@ def given(source: random.Random, count: int) -> list[Member]:
     return found
 
 
+@dataclass(frozen=True)
+class Whole:
+    """A passage of Case 1 at another load, slide and oil, from in front of the contact until all has gone through."""
+
+    kind: str
+    load: float
+    slide: float
+    oil: str
+    height: float
+    nodes: float
+    intervals: int
+    scheme: str
+    seed: int
+
+    @property
+    def width(self) -> float:
+        """S = sqrt(2 H_c), about."""
+        return math.sqrt(2 * CASE_1_H * self.load**-1.1)
+
+    @property
+    def domain(self) -> dict:
+        """Ends that cut no film off."""
+        return {"x_inlet": -max(4.0, 1 + 3.5 * self.width), "x_outlet": 1.5 + 0.5 * self.width}
+
+    @property
+    def dx(self) -> float:
+        """Spacing of the given grid, and time step."""
+        return (self.domain["x_outlet"] - self.domain["x_inlet"]) / self.intervals
+
+    def speed(self, surface: int) -> float:
+        """Over the mean."""
+        return 1 + (self.slide / 2 if surface == 2 else -self.slide / 2)
+
+    @property
+    def wave(self) -> float:
+        """Wavelength over b."""
+        return self.nodes * self.dx
+
+    def place(self, surface: int) -> float:
+        """Where a feature is in front of the contact."""
+        return -math.copysign(1 + self.width + 0.5 * self.wave, self.speed(surface))
+
+    @property
+    def end_time(self) -> float:
+        """When all features have left, or waves and roughness have entered and settled."""
+        if self.kind in ("waviness", "roughness"):
+            return 2 * (2 + self.width) + (4 * self.wave + 4 + self.width) / self.speed(2)
+        slowest = self.speed(2) if self.kind != "overtaking" else min(self.speed(1), self.speed(2))
+        return (3 + self.width + 2 * self.wave) / slowest
+
+    def surfaces(self) -> dict[str, dict]:
+        """The groups of both surfaces."""
+        half_width = namelists.CASE_1_HALF_WIDTH * self.load**0.5
+        height, wave = self.height * namelists.CASE_1_FILM, self.wave * half_width
+        if self.kind == "waviness":
+            return {"surface_2": {"shape": "sinusoid", "amplitude": 0.5 * height, "wavelength": wave}}
+        if self.kind == "roughness":
+            waves = {"wavelength_long": 4 * wave, "wavelength_rolloff": 2 * wave, "wavelength_short": wave}
+            rough = {"shape": "synthetic", "rms_height": 0.3 * height, "seed": self.seed, "hurst": 0.8}
+            return {"surface_2": rough | waves}
+        sign = -1 if self.kind == "dent" else 1
+        places = [self.place(2)] + ([self.place(2) - 0.8] if self.kind == "ridges" else [])
+        count = len(places)
+        both = {"surface_2": {"amplitude": [sign * height] * count, "wavelength": [wave] * count, "position": places}}
+        if self.kind == "overtaking":
+            both["surface_1"] = {"amplitude": -0.7 * height, "wavelength": wave, "position": self.place(1)}
+        return {name: {"shape": "feature"} | keys for name, keys in both.items()}
+
+    def namelist(self, finer: int, **others: dict) -> str:
+        """Its text, with so many times the intervals and steps."""
+        time = {"transient": True, "end_time": self.end_time, "time_step": self.dx / finer, "scheme": self.scheme}
+        stress = OILS[self.oil]
+        oil = {"rheology": "newtonian", "eyring_stress": None} if stress is None else {"eyring_stress": stress}
+        speeds = {f"speed_{i}": MEAN_SPEED * self.speed(i) for i in (1, 2)}
+        groups = {"bodies": speeds, "load": {"load_per_length": 1e5 * self.load}, "lubricant": oil} | self.surfaces()
+        domain = self.domain | {"intervals": finer * self.intervals}
+        return namelists.case_1(None, None, **(groups | {"domain": domain, "time": time} | others))
+
+
 def in_time(source: random.Random, count: int) -> list[Member]:
-    """Passages with both schemes, given grid and step."""
+    """Whole passages with both schemes, on given grids with dT = dX that resolve every wave."""
     found = []
-    for i, case in enumerate(passages(count, source.randint(100, 10**6))):
-        n = (128, 256)[i % 2]
-        scheme = ("bdf2", "backward_euler")[i // 2 % 2]
-        truth = case.namelist(8 * n, 1, accuracy=NO_BARS)
-        found.append(Member(f"{i:03d}_{n}_{scheme}_{case.name}", case.namelist(n, 1, time={"scheme": scheme}), truth))
+    for i in range(count):
+        kind, load, oil = KINDS[i % len(KINDS)], 10 ** source.uniform(-0.6, 0.6), source.choice(tuple(OILS))
+        slide = source.choice(SLIDES_BOTH if kind == "overtaking" else SLIDES)
+        height, nodes = source.uniform(0.1, 0.6), 2 ** source.uniform(5.05, 7)
+        case = Whole(kind, load, slide, oil, height, nodes, (256, 512)[i // 2 % 2], ("bdf2", "backward_euler")[i % 2], i)
+        truth = case.namelist(8, accuracy=NO_BARS)
+        found.append(Member(f"{i:03d}_{case.intervals}_{case.scheme}_{kind}", case.namelist(1), truth))
     return found
 
 

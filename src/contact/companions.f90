@@ -17,7 +17,7 @@ module companions
    implicit none (type, external)
    private
 
-   public :: collector_t, run_companion, run_companions, run_longer
+   public :: collector_t, run_companion, run_companions, run_farther, run_longer
 
    !> Companions that error bars come from have at least this many intervals.
    integer, parameter :: fewest_intervals = 32
@@ -102,6 +102,41 @@ contains
          if (bars%has_longer) return
       end do
    end subroutine run_longer
+
+   !> What the tail in front of the inlet of a steady `contact` leaves out: the case on a quarter of its intervals (half of them,
+   !> where that finds no solution), and at the same spacing on a domain twice as long.
+   subroutine run_farther(bars, contact, settings, watcher, error)
+      type(error_bars_t), intent(inout) :: bars
+      type(line_contact_t), intent(in) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(collector_t) :: collector
+      type(line_contact_t) :: longer
+      type(solver_settings_t) :: exact
+      type(time_settings_t) :: steady
+      integer :: factor
+
+      if (contact%domain%inlet /= 'tail') return
+      collector%watcher => watcher
+      exact = settings
+      exact%tolerance = 0.0_wp
+      longer = contact
+      longer%domain%x_inlet = 2*contact%domain%x_inlet - contact%domain%x_outlet
+      longer%domain%intervals = 2*contact%domain%intervals
+      associate (inlet => bars%inlet)
+         do factor = 4, 2, -2
+            call run_coarser(contact, exact, steady, factor, collector, inlet%is_known, error)
+            if (allocated(error)) return
+            if (.not. inlet%is_known) cycle
+            inlet%near = collector%summary
+            call run_coarser(longer, exact, steady, factor, collector, inlet%is_known, error)
+            if (allocated(error)) return
+            inlet%far = collector%summary
+            if (inlet%is_known) return
+         end do
+      end associate
+   end subroutine run_farther
 
    !> The case on `factor` times fewer intervals with a time step as much larger; its figures are those of `collector`.
    subroutine run_coarser(contact, settings, time, factor, collector, is_known, error)

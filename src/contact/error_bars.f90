@@ -7,6 +7,7 @@
 !> In a transient any observed order is (module transient_errors).
 module error_bars
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use inlet_change, only: change_by_inlet, inlet_change_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -58,6 +59,8 @@ module error_bars
       !> Whether the outlet cuts the film off, and figures on n/2 intervals with one that does not, at the same spacing.
       logical :: is_cut = .false., has_longer = .false.
       type(line_summary_t) :: longer
+      !> What an inlet with a tail changes, in place of the rule of the inlet.
+      type(inlet_change_t) :: inlet
       !> Of a transient whose resolution was chosen, in place of companions.
       type(forecast_t) :: forecast
    end type error_bars_t
@@ -98,7 +101,7 @@ contains
       type(report_t), intent(in) :: report
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
-      real(wp) :: iteration, share
+      real(wp) :: iteration, domain(4)
 
       if (bars%forecast%is_known) then
          call apply_forecast(bars%forecast, exit_jitter*dx, pressure_safety/safety, summary)
@@ -110,18 +113,33 @@ contains
       end if
       iteration = max(report%residual, report%load_error)
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
-      ! a starved film is thinner everywhere by the same share; pressure and exit follow as far as it is thick [b^2/R]
-      share = report%inlet_error*min(1.0_wp, summary%h_central%value)
+      domain = inlet_shares(bars, report%inlet_error, summary)
       associate (half => bars%half, longer => bars%longer)
-         call add_up(summary%h_min, domain_error(report%inlet_error), iteration, cut_error(bars, half%h_min, longer%h_min))
-         call add_up(summary%h_min_node, domain_error(report%inlet_error), iteration, &
-            cut_error(bars, half%h_min_node, longer%h_min_node))
-         call add_up(summary%h_central, domain_error(report%inlet_error), iteration, &
-            cut_error(bars, half%h_central, longer%h_central))
-         call add_up(summary%p_max, bars%starving*share, iteration, cut_error(bars, half%p_max, longer%p_max))
-         call add_up(summary%x_cavitation, share, iteration, cut_error(bars, half%x_cavitation, longer%x_cavitation))
+         call add_up(summary%h_min, domain(1), iteration, cut_error(bars, half%h_min, longer%h_min))
+         call add_up(summary%h_min_node, domain(1), iteration, cut_error(bars, half%h_min_node, longer%h_min_node))
+         call add_up(summary%h_central, domain(2), iteration, cut_error(bars, half%h_central, longer%h_central))
+         call add_up(summary%p_max, domain(3), iteration, cut_error(bars, half%p_max, longer%p_max))
+         call add_up(summary%x_cavitation, domain(4), iteration, cut_error(bars, half%x_cavitation, longer%x_cavitation))
       end associate
    end subroutine apply_error_bars
+
+   !> Relative errors of h_min, h_central, p_max and x_cavitation because of the inlet: from its companions, else by its rule,
+   !> which says that it starves the film by the share `starving`.
+   pure function inlet_shares(bars, starving, summary) result(shares)
+      type(error_bars_t), intent(in) :: bars
+      real(wp), intent(in) :: starving
+      type(line_summary_t), intent(in) :: summary
+      real(wp) :: shares(4)
+
+      if (bars%inlet%is_known) then
+         shares = change_by_inlet(bars%inlet)
+         shares(4) = shares(4)/max(abs(summary%x_cavitation%value), tiny(1.0_wp))
+         return
+      end if
+      shares(:2) = domain_error(starving)
+      ! a starved film is thinner everywhere by the same share; pressure and exit follow as far as it is thick [b^2/R]
+      shares(3:) = [bars%starving, 1.0_wp]*starving*min(1.0_wp, summary%h_central%value)
+   end function inlet_shares
 
    !> Whether the surfaces have waves that companions do not see; a forecast has seen them.
    pure function has_unseen_waves(bars)
