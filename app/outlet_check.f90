@@ -1,10 +1,11 @@
-!> The outlet of a result: whether it cuts the film off, by how much that changes the figures, and a note on it.
+!> The ends of the domain of a result: what a tail in front of the inlet leaves out; whether the outlet cuts the film off, by how
+!> much that changes the figures, and a note on it.
 module outlet_check
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_record, only: case_t
-   use companions, only: run_longer
+   use companions, only: run_farther, run_longer
    use domain_choice, only: choose_domain
-   use error_bars, only: outlet_error
+   use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -14,12 +15,30 @@ module outlet_check
    implicit none (type, external)
    private
 
-   public :: check_outlet
+   public :: check_ends
 
    !> A relative change of the figures by the outlet above which the program says so.
    real(wp), parameter :: telling_change = 1.0e-3_wp
 
 contains
+
+   !> Both ends of the domain of the solved `contact`; `open`: the contact as it was posed. Error: memory or a library failed.
+   subroutine check_ends(case, open, contact, watcher, report, error)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: open, contact
+      type(run_observer_t), intent(inout) :: watcher
+      type(report_t), intent(inout) :: report
+      type(error_t), allocatable, intent(out) :: error
+      type(error_bars_t) :: bars
+
+      if (case%accuracy%has_error_bars .and. report%converged) then
+         bars = watcher%writer%bars
+         call run_farther(bars, contact, case%solver, watcher, error)
+         if (allocated(error)) return
+         watcher%writer%bars = bars
+      end if
+      call check_outlet(case, open, contact, watcher, report, error)   ! error: the caller looks
+   end subroutine check_ends
 
    !> Where the film of the solved `contact` is still under pressure at the last node before the outlet, finds what that changes if
    !> there are error bars, for their part of the domain, and adds a note to the report unless it is little. `open`: the contact as

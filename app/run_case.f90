@@ -5,7 +5,7 @@ module run_case
    use case_outcome, only: give_up, status_converged, status_interrupted, status_not_converged, status_not_written
    use case_record, only: case_t, result_path, set_effective
    use command_line, only: command_t
-   use companions, only: run_companions, run_farther
+   use companions, only: run_companions
    use domain_choice, only: choose_domain, inlet_error
    use error_bars, only: domain_error, error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
@@ -16,7 +16,7 @@ module run_case
    use line_case, only: build_line_contact, scaled_solver
    use line_contact, only: line_contact_t
    use line_state, only: all_finite, line_state_t
-   use outlet_check, only: check_outlet
+   use outlet_check, only: check_ends
    use passage_times, only: new_passage_times, passage_note, passage_times_t
    use pressure_spike, only: spike_law_t
    use progress_log, only: new_progress_log
@@ -171,12 +171,7 @@ contains
          if (allocated(error)) return
          report%converged = .not. watcher%wants_stop
       end if
-      if (case%accuracy%has_error_bars .and. report%converged) then
-         call compare_inlets(case, contact, watcher, seconds, error)
-         if (allocated(error)) return
-         report%converged = .not. watcher%wants_stop
-      end if
-      call check_outlet(case, open, contact, watcher, report, error)   ! error: the caller looks
+      call check_ends(case, open, contact, watcher, report, error)   ! error: the caller looks
       call fill_chosen(case, contact, report)
       call fill_passage(case, contact, watcher%writer%figures%times)
       call complete_report(watcher, seconds, report)
@@ -312,23 +307,6 @@ contains
       watcher%writer%bars = bars
       seconds = wall_seconds() - start
    end subroutine compare_grids
-
-   !> What a tail in front of the inlet leaves out; adds to the `seconds` of error bars.
-   subroutine compare_inlets(case, contact, watcher, seconds, error)
-      type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
-      type(run_observer_t), intent(inout) :: watcher
-      real(wp), intent(inout) :: seconds
-      type(error_t), allocatable, intent(out) :: error
-      type(error_bars_t) :: bars
-      real(wp) :: start
-
-      start = wall_seconds()
-      bars = watcher%writer%bars
-      call run_farther(bars, contact, case%solver, watcher, error)   ! error: the caller looks
-      watcher%writer%bars = bars
-      seconds = seconds + wall_seconds() - start
-   end subroutine compare_inlets
 
    !> What the program has chosen in place of the user goes into the list of effective values; 0: not used by the method.
    subroutine fill_chosen(case, contact, report)

@@ -3,8 +3,8 @@
 !>
 !> What the tail leaves out (module inlet_tail) falls with the fourth power of its distance, so that the longer domain is as good as
 !> endless, and the change is that on the answer's own grid (40 contacts, M 0.1-30, L 0-40, mostly Eyring: on a quarter of the
-!> intervals 0.8 to 1.1 times it, but where it passes through zero). Of a pressure spike, which jumps with the place of the nodes, nothing
-!> is compared: the largest pressure is that beside it.
+!> intervals 0.8 to 1.1 times it, but where it passes through zero). Of a pressure spike, which jumps with the place of the
+!> nodes, nothing is compared: the largest pressure is that beside it.
 module inlet_change
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
