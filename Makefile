@@ -17,13 +17,16 @@ WERROR ?= 0
 COMMON := -std=f2018 -g -fbacktrace -fmax-errors=20 -Wall -Wextra -Wno-maybe-uninitialized -Wno-function-elimination -Wno-do-subscript $(if $(filter 1,$(WERROR)),-Werror)
 RELEASE := $(COMMON) -fopenmp -O3 -funroll-loops -fno-semantic-interposition $(if $(filter 1,$(NATIVE)),-march=native)
 DEBUG := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fcheck=all,no-array-temps -finit-real=snan -finit-integer=-99999999 -ffpe-trap=invalid,zero,overflow
+# Without OpenMP, as the checked build. Not `null`: gfortran loads the address of an optional argument that is absent; a null pointer
+# that is used for more than that ends in a report of the other sanitizer.
+SANITIZE := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize=null
 
 BENCH := bench/bench_jobs.f90 bench/bench_recorder.f90 bench/bench_measure.f90 bench/asperity_bench.f90
 DEMO_CASES := input/case3_demo.nml input/case1.nml input/dry_profile.nml input/dry_area.nml
 DEMO := results/demo
 
 .DEFAULT_GOAL := help
-.PHONY: help build debug test test-debug unit unit-debug fuzz lint demo figures bench bench-program chart orders accuracy accuracy-time stability docs clean prepare generate
+.PHONY: help build debug test test-debug unit unit-debug sanitize fuzz lint demo figures bench bench-program chart orders accuracy accuracy-time stability docs clean prepare generate
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
@@ -36,6 +39,13 @@ debug: prepare ## the checked program, build/bin/asperity-debug (bounds, NaN ini
 	@tools/fpm_build.sh --flag "$(DEBUG)"
 	@fpm install --flag "$(DEBUG)" --prefix build/debug > build/install.log
 	@mkdir -p build/bin && cp build/debug/bin/asperity build/bin/asperity-debug
+
+sanitize: prepare generate ## build/bin/asperity-sanitize (addresses, undefined behaviour, leaks); unit tests and 200 random cases with it
+	@tools/fpm_build.sh --tests --flag "$(SANITIZE)"
+	@fpm install --flag "$(SANITIZE)" --prefix build/sanitize > build/install.log
+	@mkdir -p build/bin && cp build/sanitize/bin/asperity build/bin/asperity-sanitize
+	tools/sanitized.sh fpm test --flag "$(SANITIZE)" -- $(ARGS)
+	ASPERITY=build/bin/asperity-sanitize tools/sanitized.sh $(PYTHON) test/fuzz/run.py valid_cases --cases 200
 
 test: build generate ## all tests: unit tests, then end-to-end tests of build/bin/asperity
 	@tools/fpm_build.sh --tests --flag "$(RELEASE)"

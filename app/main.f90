@@ -12,7 +12,7 @@ program asperity
    use read_cases, only: read_all_cases
    use run_case, only: run_one_case
    use standard_output, only: print_text, settle_standard_streams
-   use system_limits, only: check_stack
+   use system_limits, only: check_stack, settle_memory
    implicit none (type, external)
 
    !> Exit status of bad input, usage or file.
@@ -25,6 +25,7 @@ program asperity
    status = 0
    call settle_standard_streams()
    call check_stack(error)
+   if (.not. allocated(error)) call settle_memory(error)
    if (.not. allocated(error)) call read_command_line(command, error)
    if (.not. allocated(error)) call obey(command, status, error)
    if (allocated(error)) then

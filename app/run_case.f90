@@ -26,7 +26,7 @@ module run_case
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
    use step_choice, only: choose_time_step
-   use solver_settings, only: most_intervals_of
+   use solver_settings, only: most_intervals_of, most_refined_intervals, time_settings_t
    use steady_target, only: solve_contact
    use system_limits, only: memory_fault
    use text, only: to_text
@@ -101,9 +101,10 @@ contains
       end if
    end subroutine run_one_case
 
-   !> Error: the grid that the program will choose is too fine for the method, or for the memory.
+   !> Settles how many intervals there is memory for. Error: the grid that the program will choose is too fine for the method, or
+   !> for the memory.
    subroutine check_grid(case, contact, error)
-      type(case_t), intent(in) :: case
+      type(case_t), intent(inout) :: case
       type(line_contact_t), intent(in) :: contact
       type(error_t), allocatable, intent(out) :: error
       type(line_contact_t) :: whole
@@ -112,11 +113,37 @@ contains
       whole = contact
       call choose_domain(whole)
       associate (intervals => whole%domain%intervals, method => case%solver%method)
-         fault = memory_fault(lubricated_memory(intervals, method == 'newton_dense'))
+         fault = fault_of(intervals)
          if (intervals > most_intervals_of(method)) fault = 'found '//to_text(intervals)//' intervals, which the program '// &
             'chooses, expected at most '//to_text(most_intervals_of(method))//" with method = '"//trim(method)//"'"
       end associate
       if (fault /= '') call fail(error, input_error, case%file//': &domain intervals: '//fault)
+      associate (most => case%solver%most_intervals)
+         most = most_refined_intervals
+         do while (most > whole%domain%intervals .and. fault_of(most) /= '')
+            most = most/2
+         end do
+      end associate
+
+   contains
+
+      !> What is wrong with the memory that a grid needs.
+      function fault_of(intervals) result(fault)
+         integer, intent(in) :: intervals
+         character(:), allocatable :: fault
+         type(line_contact_t) :: own
+         type(time_settings_t) :: time
+         real(wp) :: steps
+
+         own = whole
+         own%domain%intervals = intervals
+         time = case%time
+         call choose_time_step(own, time)
+         steps = 0.0_wp
+         if (time%is_transient) steps = time%end_time/time%time_step
+         fault = memory_fault('a grid', lubricated_memory(intervals, steps, case%solver%method == 'newton_dense'))
+      end function fault_of
+
    end subroutine check_grid
 
    !> The case itself, and companions on coarser grids: behind it, where they need not choose its grid.

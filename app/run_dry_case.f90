@@ -2,6 +2,7 @@
 module run_dry_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
+   use case_memory, only: dry_memory
    use case_outcome, only: give_up, status_converged, status_not_converged
    use case_record, only: case_t, result_path
    use dry_case, only: dry_case_t
@@ -10,7 +11,7 @@ module run_dry_case
    use dry_scaling, only: new_dry_scaling
    use dry_solution, only: dry_solution_t
    use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
-   use errors, only: error_t
+   use errors, only: error_t, fail, input_error
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
    use input_keys, only: dry_area
@@ -20,7 +21,7 @@ module run_dry_case
    use progress_log, only: new_progress_log, progress_log_t
    use quantity_text, only: number_text, wrapped
    use result_writer, only: open_result, result_writer_t
-   use system_limits, only: processors
+   use system_limits, only: memory_fault, memory_t, processors, thread_memory
    use text, only: to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
@@ -50,13 +51,14 @@ contains
       type(error_t), allocatable :: error
 
       log = new_progress_log(is_quiet)
-      call open_result(writer, result_path(case, output_dir), error)
+      if (case%problem == dry_area) case%dry%grid%threads = min(threads, processors())
+      call check_memory(case, error)
+      if (.not. allocated(error)) call open_result(writer, result_path(case, output_dir), error)
       if (allocated(error)) then
          call give_up(error, log, status)
          return
       end if
       call writer%describe(trim(case%problem), case%title, case%namelist)
-      if (case%problem == dry_area) case%dry%grid%threads = min(threads, processors())
       call solve_with_errors(case%dry, outcome, errors, error)
       if (allocated(error)) then
          call writer%discard()
@@ -82,6 +84,22 @@ contains
       call tell(log, case%file(index(case%file, '/', back=.true.) + 1:), outcome%rows, errors, outcome%solution, writer%path)
       status = merge(status_converged, status_not_converged, outcome%solution%report%converged)
    end subroutine solve_and_write
+
+   !> Error (input_error): there is not enough memory for the grid and the threads.
+   subroutine check_memory(case, error)
+      type(case_t), intent(in) :: case
+      type(error_t), allocatable, intent(out) :: error
+      type(memory_t) :: need
+      character(:), allocatable :: fault
+
+      associate (grid => case%dry%grid)
+         need = dry_memory([grid%nx, grid%ny], case%dry%is_periodic)
+         need%reserved = need%reserved + thread_memory(grid%threads)
+         fault = memory_fault('a grid', need)
+         if (fault /= '' .and. grid%threads > 1) fault = fault//', with '//to_text(grid%threads)//' threads'
+      end associate
+      if (fault /= '') call fail(error, input_error, case%file//': '//fault)
+   end subroutine check_memory
 
    !> The sweep, and the estimated `errors` of its figures (none: not wanted). Errors as in `solve_dry_sweep`.
    subroutine solve_with_errors(dry, outcome, errors, error)

@@ -13,7 +13,7 @@ module companions
    use observer, only: lookout_t, observer_t
    use passage_figures, only: passage_figures_t
    use passage_times, only: new_passage_times
-   use solver_settings, only: solver_settings_t, time_settings_t
+   use solver_settings, only: most_chosen, solver_settings_t, time_settings_t
    implicit none (type, external)
    private
 
@@ -93,6 +93,7 @@ contains
             domain%x_outlet = 2*domain%x_outlet - domain%x_inlet
             if (domain%x_outlet > farthest) return
             domain%intervals = 2*domain%intervals
+            if (domain%intervals/2 > most_chosen(settings)) return
             call run_coarser(longer, settings, time, 2, collector, bars%has_longer, error)
             if (allocated(error) .or. .not. bars%has_longer) return
             bars%longer = collector%summary

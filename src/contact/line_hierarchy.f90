@@ -80,8 +80,6 @@ module line_hierarchy
 
    !> Bounds of the coarsest grid of the cycles (intervals).
    integer, parameter :: smallest_coarsest = 64, largest_coarsest = 512
-   !> No growing hierarchy has more intervals.
-   integer, parameter, public :: most_intervals = 2**20
    !> No grid has fewer intervals.
    integer, parameter :: smallest_grid = 8
 
@@ -130,16 +128,20 @@ contains
       end do
    end subroutine new_hierarchy
 
-   !> A hierarchy of the coarsest level alone, to which `add_level` adds finer ones.
-   subroutine new_growing_hierarchy(hierarchy, contact, error)
+   !> A hierarchy of the coarsest level alone, to which `add_level` adds finer ones of up to `most` intervals.
+   subroutine new_growing_hierarchy(hierarchy, contact, most, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: most
       type(error_t), allocatable, intent(out) :: error
       integer :: first
 
-      first = min(coarsest_for_film(contact), most_intervals)
+      first = coarsest_for_film(contact)
+      do while (first > most .and. first > smallest_grid)
+         first = first/2
+      end do
       if (allocated(hierarchy%levels)) deallocate (hierarchy%levels)
-      allocate (hierarchy%levels(1 + doublings(first, most_intervals)))
+      allocate (hierarchy%levels(1 + int(log(real(max(most, first), wp)/first)/log(2.0_wp) + 1.0e-9_wp)))
       call new_level(hierarchy%levels(1), contact, first, error)   ! error: the caller looks
       hierarchy%top = 1
       hierarchy%finest = 1

@@ -20,13 +20,14 @@ module resolution_choice
    use companions, only: collector_t, run_companion
    use domain_choice, only: choose_domain, inlet_error
    use error_bars, only: domain_error, error_bars_t, new_error_bars
-   use errors, only: error_t
+   use errors, only: error_t, fail, input_error
    use kinds, only: wp
    use line_contact, only: fewest_in_wave, intervals_for_waves, line_contact_t, shortest_passage
-   use line_hierarchy, only: coarsest_for_film, most_intervals
+   use line_hierarchy, only: coarsest_for_film
    use observer, only: observer_t
-   use solver_settings, only: solver_settings_t, time_settings_t
+   use solver_settings, only: most_chosen, solver_settings_t, time_settings_t
    use split_errors, only: doubts_at, error_at, figure_values, forecast_figures, new_split_error, shift_at, split_error_t
+   use text, only: to_text
    implicit none (type, external)
    private
 
@@ -74,6 +75,8 @@ module resolution_choice
       real(wp), allocatable :: films(:)
       !> Passages of the finest wave, one after the other, that the whole time would hold.
       real(wp) :: passages = 0.0_wp
+      !> Most intervals of a pilot and of the run.
+      integer :: most = 0
       !> Pilots since the last that has refined space, the time step; below 0: none has yet.
       integer :: age(2) = -1
    end type pilots_t
@@ -112,7 +115,7 @@ contains
       if (is_open) settings%space_scheme = 'sharp'
       pilot_settings = settings
       call settle_tolerance(settings)
-      if (pilot_settings%tolerance <= 0.0_wp) pilot_settings%tolerance = looser*settings%tolerance
+      pilot_settings%tolerance = merge(pilot_settings%tolerance, looser*settings%tolerance, pilot_settings%tolerance > 0.0_wp)
       target = settings%target
       if (.not. contact%domain%has_inlet) then
          call choose_domain(contact, settings%target)
@@ -123,38 +126,40 @@ contains
       pilot_time = time
       collector%watcher => watcher
       pilots = new_pilots(contact, time)
+      pilots%most = most_chosen(settings)
+      call check_first(pilots, settings%method, error)
+      if (allocated(error)) return
       limit = most_work*pilots%intervals*pilots%steps
       direction = nothing
       is_chosen = .false.
       do
          pilot%domain%intervals = merge(2, 1, direction == space)*pilots%intervals
          pilot_time%time_step = time%end_time/(merge(2, 1, direction == time_step)*pilots%steps)
-         call run_companion(pilot, pilot_settings, pilot_time, collector, has_solution, error)
+         call run_companion(pilot, pilot_settings, pilot_time, collector, has_solution, error)   ! error: below
+         if (is_open) call try_thesis(pilots, direction)
          if (allocated(error) .or. watcher%wants_stop) return
-         if (.not. has_solution .and. is_open) then
-            call try_thesis(pilots, direction)
-            if (allocated(error) .or. watcher%wants_stop) return
-         end if
          if (has_solution) then
             call take_pilot(pilots, direction, figure_values(collector%summary), collector%films)
          else
+            if (2*pilots%intervals > pilots%most) exit
             ! all anew
-            pilots = pilots_t(2*pilots%intervals, 2*pilots%steps, passages=pilots%passages)
+            pilots = pilots_t(2*pilots%intervals, 2*pilots%steps, passages=pilots%passages, most=pilots%most)
          end if
          direction = next_direction(pilots, has_solution, time%scheme)
          call choose(bars, contact, time, pilots, target, is_chosen)
          if (is_chosen) return
-         if (2*pilots%intervals > most_intervals .or. 2.0_wp*pilots%intervals*pilots%steps > limit) exit
+         if (2*pilots%intervals > pilots%most .or. 2.0_wp*pilots%intervals*pilots%steps > limit) exit
       end do
       call take(bars, contact, time, pilots, pilots%intervals, pilots%steps)
 
    contains
 
-      !> The pilot again with the thesis's scheme. If that finds a solution all goes on with it, anew from here.
+      !> A pilot without a solution again with the thesis's scheme. If that finds a solution all goes on with it, anew from here.
       subroutine try_thesis(pilots, direction)
          type(pilots_t), intent(inout) :: pilots
          integer, intent(inout) :: direction
 
+         if (has_solution .or. allocated(error) .or. watcher%wants_stop) return
          pilot_settings%space_scheme = 'thesis'
          call run_companion(pilot, pilot_settings, pilot_time, collector, has_solution, error)   ! error: the caller looks
          if (.not. has_solution) then
@@ -163,11 +168,23 @@ contains
          end if
          is_open = .false.
          settings%space_scheme = 'thesis'
-         pilots = pilots_t(pilot%domain%intervals, nint(time%end_time/pilot_time%time_step), passages=pilots%passages)
+         pilots = pilots_t(pilot%domain%intervals, nint(time%end_time/pilot_time%time_step), &
+            passages=pilots%passages, most=pilots%most)
          direction = nothing
       end subroutine try_thesis
 
    end subroutine choose_resolution
+
+   !> Error (input_error): the coarsest pilot has more intervals than there may be.
+   pure subroutine check_first(pilots, method, error)
+      type(pilots_t), intent(in) :: pilots
+      character(*), intent(in) :: method
+      type(error_t), allocatable, intent(out) :: error
+
+      if (pilots%intervals > pilots%most) call fail(error, input_error, '&domain intervals: found a contact whose coarsest '// &
+         'pilot run has '//to_text(pilots%intervals)//', expected at most '//to_text(pilots%most)//" with method = '"// &
+         trim(method)//"' and this memory")
+   end subroutine check_first
 
    !> Whether the methods of the settings solve the sharp space scheme.
    pure function takes_sharp(settings)
@@ -352,7 +369,7 @@ contains
          ! as many intervals as the pilot to four times as many
          n = pilots%intervals/4*families(1 + modulo(family, size(families)))*2**(family/size(families))
          dx_ratio = real(pilots%intervals, wp)/n
-         if (fewest_in_wave*n < nodes_in_wave*intervals_for_waves(contact) .or. n > most_intervals .or. &
+         if (fewest_in_wave*n < nodes_in_wave*intervals_for_waves(contact) .or. n > pilots%most .or. &
              dx_ratio*reach(space) < 1.0_wp) cycle families_of_grids
          steps_of_grid: do i = 0, most_parts
             ! whole numbers of steps

@@ -7,11 +7,13 @@ module solver_settings
    implicit none (type, external)
    private
 
-   public :: domain_t, most_intervals_of, solver_settings_t, time_settings_t
+   public :: domain_t, most_chosen, most_intervals_of, solver_settings_t, time_settings_t
 
    !> Most intervals with method = 'newton_dense', a matrix of 0.5 GB and about a minute a step, and with 'block_jacobi', which
    !> converges on no more than some hundred and notices that it does not after 40 blocks of 200 sweeps at least.
    integer, parameter :: most_small_intervals = 8192
+   !> No grid that the program refines until it is good enough has more intervals.
+   integer, parameter, public :: most_refined_intervals = 2**20
 
    !> Length of the words below.
    integer, parameter, public :: word_length = 24
@@ -63,6 +65,8 @@ module solver_settings
       real(wp) :: target = 0.0_wp
       !> The grids of n/2 and n/4 intervals on the way to a steady solution are solved well enough for error bars.
       logical :: wants_companions = .false.
+      !> Most intervals that there is memory for.
+      integer :: most_intervals = huge(1)
       !> After a failure: finer grids are tried, to learn whether the grid is the reason.
       logical :: explains_failure = .true.
       !> First guess: 'fmg' (full multigrid) or 'hertz' (Hertz pressure on the finest grid).
@@ -99,5 +103,13 @@ contains
       most = huge(most)
       if (method == 'newton_dense' .or. method == 'block_jacobi') most = most_small_intervals
    end function most_intervals_of
+
+   !> Most intervals that the program chooses by itself, refines to, or tries.
+   pure function most_chosen(settings) result(most)
+      type(solver_settings_t), intent(in) :: settings
+      integer :: most
+
+      most = min(most_refined_intervals, most_intervals_of(settings%method), settings%most_intervals)
+   end function most_chosen
 
 end module solver_settings

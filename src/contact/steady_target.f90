@@ -11,14 +11,14 @@ module steady_target
    use iteration_report, only: phase_setup, phase_steady, report_t
    use kinds, only: wp
    use line_contact, only: intervals_for_waves, line_contact_t
-   use line_hierarchy, only: add_level, line_hierarchy_t, most_intervals, new_growing_hierarchy, new_hierarchy, &
+   use line_hierarchy, only: add_level, line_hierarchy_t, new_growing_hierarchy, new_hierarchy, &
       pose_steady_problem, relaxation_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use nested_start, only: bump_start, companion_tolerance, most_firsts, refine, solve_level
    use observer, only: is_stopped, observer_t
    use solver_choice, only: adopt, steady_attempts
-   use solver_settings, only: domain_t, most_intervals_of, solver_settings_t, time_settings_t
+   use solver_settings, only: domain_t, most_chosen, solver_settings_t, time_settings_t
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -99,7 +99,7 @@ contains
       hierarchy%is_sharp = settings%space_scheme == 'sharp'
       do i = 1, size(ways)
          if (ways(i)%first_stress > 1.0_wp) cycle
-         call new_growing_hierarchy(hierarchy, contact, error)
+         call new_growing_hierarchy(hierarchy, contact, most_chosen(settings), error)
          if (allocated(error)) return
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
          call adopt(hierarchy, ways(i))
@@ -186,7 +186,7 @@ contains
          hierarchy%levels(hierarchy%finest)%is_sharp = hierarchy%is_sharp
          call solve_steady(hierarchy, contact, settings, watcher, report)
          if (watcher%wants_stop) return
-         if (2*contact%domain%intervals > min(most_intervals, most_intervals_of(settings%method))) return
+         if (2*contact%domain%intervals > most_chosen(settings)) return
          if (report%converged) then
             summary = level_summary(hierarchy%levels(hierarchy%finest))
             if (contact%domain%intervals >= intervals_for_waves(contact) .and. &

@@ -1,42 +1,58 @@
-!> The memory that a case needs at least, known before any of it is allocated: what is refused could not have run. A case that is
-!> not refused may still need more. The numbers lie below those of runs: of 22 cases of random size, by each method, the bound was
-!> 0.39 to 0.86 of the peak of the process.
+!> The memory that a case needs at most, known before any of it is allocated, so that none of its allocations fails.
+!>
+!> The numbers are the highest measured on the peaks of processes of every size and method.
 module case_memory
    use kinds, only: wp
+   use system_limits, only: memory_t, of_program
    implicit none (type, external)
    private
 
-   public :: dry_memory, lubricated_memory
+   public :: dry_memory, file_memory, lubricated_memory
 
    !> Largest number of nodes of an area: the padded transforms of an open one count four times as many in 32 bits.
    integer, parameter, public :: most_nodes = 536870911
 
-   !> Bytes a node of dry lines and areas, periodic and open; bytes an interval of lubricated lines.
-   real(wp), parameter :: of_line(2) = [140.0_wp, 160.0_wp], of_area(2) = [110.0_wp, 150.0_wp], of_interval = 450.0_wp
+   !> Bytes a node of dry lines and areas, periodic and open; bytes an interval of lubricated lines, steady and in time; bytes a
+   !> time step, most of them the history of residuals; bytes a node of a file of heights.
+   real(wp), parameter :: of_line(2) = [430.0_wp, 460.0_wp], of_area(2) = [330.0_wp, 460.0_wp], &
+      of_interval(2) = [1000.0_wp, 1400.0_wp], of_step = 1000.0_wp, of_height = 100.0_wp
    !> Bytes a number of a dense matrix.
-   real(wp), parameter :: of_number = 8.0_wp
+   real(wp), parameter :: of_number = 8.3_wp
+   !> Bytes that OpenBLAS takes for its thread, of which it uses few.
+   real(wp), parameter :: of_blas = 136.0e6_wp
 
 contains
 
-   !> Of a dry case with nodes(1) times nodes(2) nodes [bytes].
-   pure function dry_memory(nodes, is_periodic) result(bytes)
+   !> Of a dry case with nodes(1) times nodes(2) nodes.
+   pure function dry_memory(nodes, is_periodic) result(need)
       integer, intent(in) :: nodes(2)
       logical, intent(in) :: is_periodic
-      real(wp) :: bytes
+      type(memory_t) :: need
       integer :: kind
 
       kind = merge(1, 2, is_periodic)
-      bytes = product(real(nodes, wp))*merge(of_line(kind), of_area(kind), nodes(2) == 1)
+      need%used = of_program + product(real(nodes, wp))*merge(of_line(kind), of_area(kind), nodes(2) == 1)
+      need%reserved = need%used
    end function dry_memory
 
-   !> Of a lubricated case; `is_dense`: with a full matrix [bytes].
-   pure function lubricated_memory(intervals, is_dense) result(bytes)
+   !> Of a lubricated case with `steps` time steps (0: steady); `is_dense`: with a full matrix.
+   pure function lubricated_memory(intervals, steps, is_dense) result(need)
       integer, intent(in) :: intervals
+      real(wp), intent(in) :: steps
       logical, intent(in) :: is_dense
-      real(wp) :: bytes
+      type(memory_t) :: need
 
-      bytes = of_interval*intervals
-      if (is_dense) bytes = bytes + of_number*real(intervals, wp)**2
+      need%used = of_program + merge(of_interval(2), of_interval(1), steps > 0.0_wp)*intervals + of_step*steps
+      if (is_dense) need%used = need%used + of_number*real(intervals, wp)**2
+      need%reserved = need%used + of_blas
    end function lubricated_memory
+
+   !> Of the heights of a file of so many nodes, all held at once.
+   pure function file_memory(nodes) result(need)
+      real(wp), intent(in) :: nodes
+      type(memory_t) :: need
+
+      need = memory_t(of_program + of_height*nodes, of_program + of_height*nodes)
+   end function file_memory
 
 end module case_memory

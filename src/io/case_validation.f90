@@ -275,7 +275,7 @@ contains
       type(findings_t), intent(inout) :: findings
       character(:), allocatable :: fault
 
-      fault = memory_fault(lubricated_memory(intervals%integer, method == 'newton_dense'))
+      fault = memory_fault('a grid', lubricated_memory(intervals%integer, 0.0_wp, method == 'newton_dense'))
       if (intervals%integer > most_intervals_of(method)) fault = 'found ' // to_text(intervals%integer) // ', expected at most ' &
          // to_text(most_intervals_of(method)) // " with method = '" // method // "'"
       if (fault /= '') call findings%add(intervals%line, 'domain', 'intervals', fault)

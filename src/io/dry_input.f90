@@ -67,7 +67,7 @@ contains
 
       key = trim(merge('intervals  ', 'intervals_x', values%problem == 'dry_line'))
       nodes = int(dry%grid%nx, int64)*dry%grid%ny
-      fault = memory_fault(dry_memory([dry%grid%nx, dry%grid%ny], dry%is_periodic))
+      fault = memory_fault('a grid', dry_memory([dry%grid%nx, dry%grid%ny], dry%is_periodic))
       if (nodes > most_nodes) fault = 'found ' // to_text(nodes) // ' nodes, expected at most ' // to_text(most_nodes)
       if (fault /= '') call findings%add(values%line_of('domain', key), 'domain', key, fault)
    end subroutine check_size

@@ -1,6 +1,7 @@
 !> Measured heights from a file: CSV with a header line, or HDF5.
 module height_file
    use, intrinsic :: iso_fortran_env, only: int64
+   use case_memory, only: file_memory
    use checksum, only: checksum_t
    use csv_heights, only: csv_heights_t, open_csv_heights
    use errors, only: error_t, fail, input_error
@@ -8,6 +9,7 @@ module height_file
    use height_limits, only: height_fault, is_height, range_fault
    use height_source, only: height_source_t
    use kinds, only: wp
+   use system_limits, only: memory_fault
    use text, only: to_lower, to_text
    implicit none (type, external)
    private
@@ -37,6 +39,7 @@ contains
       type(heights_t), intent(out) :: heights
       type(error_t), allocatable, intent(out) :: error
       class(height_source_t), allocatable :: source
+      character(:), allocatable :: fault
       integer(int64) :: grid(2)
 
       call open_source(file, dataset, source, grid, heights%spacing, error)
@@ -44,6 +47,11 @@ contains
       if (source%nodes > huge(heights%grid)) then
          call fail(error, input_error, file//': found '//to_text(source%nodes)//' nodes, expected at most '// &
             to_text(huge(heights%grid)))
+         return
+      end if
+      fault = memory_fault('a surface', file_memory(real(source%nodes, wp)))
+      if (fault /= '') then
+         call fail(error, input_error, file//': '//fault)
          return
       end if
       heights%grid = int(grid)

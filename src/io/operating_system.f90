@@ -1,12 +1,13 @@
 !> The few services of the operating system that Fortran lacks, through the C library (POSIX).
 module operating_system
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr, &
+      c_size_t
    use file_identity, only: is_same_file, look_at_file, look_at_open_file
    implicit none (type, external)
    private
 
-   public :: closed, is_folder, is_terminal, lock_t, opened, remove_file, rename_file, set_environment, sync_file, &
-      sync_folder
+   public :: closed, is_folder, is_terminal, lock_t, opened, remove_file, rename_file, set_environment, start_again, &
+      sync_file, sync_folder
 
    !> File descriptor of standard error.
    integer, parameter, public :: standard_error_descriptor = 2
@@ -121,6 +122,25 @@ module operating_system
          integer(c_int), value :: overwrite
          integer(c_int) :: status
       end function c_setenv
+
+      !> readlink(2): what a link points to, without a zero at its end; its length, -1 if there is none.
+      function c_readlink(path, buffer, bytes) bind(c, name='readlink') result(length)
+         import :: c_char, c_size_t
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         character(kind=c_char), intent(out) :: buffer(*)
+         integer(c_size_t), value :: bytes
+         integer(c_size_t) :: length
+      end function c_readlink
+
+      !> execv(3): another program in place of this one; comes back only if there is none.
+      function c_execv(path, arguments) bind(c, name='execv') result(status)
+         import :: c_char, c_int, c_ptr
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         type(c_ptr), intent(in) :: arguments(*)
+         integer(c_int) :: status
+      end function c_execv
    end interface
 
 contains
@@ -238,6 +258,36 @@ contains
 
       status = c_setenv(name//c_null_char, value//c_null_char, 1_c_int)
    end subroutine set_environment
+
+   !> The same program once more in place of this one, with the same arguments, and with the environment as it is now. Comes back if
+   !> that does not work.
+   subroutine start_again()
+      character(len=4096, kind=c_char) :: path
+      character(len=:, kind=c_char), allocatable, target :: words
+      type(c_ptr), allocatable :: arguments(:)
+      integer :: i, length, longest
+      integer(c_int) :: status
+
+      length = int(c_readlink('/proc/self/exe'//c_null_char, path, len(path, kind=c_size_t) - 1_c_size_t))
+      if (length <= 0) return
+      path(length + 1:length + 1) = c_null_char
+      longest = 0
+      do i = 0, command_argument_count()
+         call get_command_argument(i, length=length)
+         longest = max(longest, length)
+      end do
+      allocate (character(len=(longest + 1)*(command_argument_count() + 1), kind=c_char) :: words)
+      allocate (arguments(0:command_argument_count() + 1))
+      do i = 0, command_argument_count()
+         associate (word => words((longest + 1)*i + 1:(longest + 1)*(i + 1)))
+            call get_command_argument(i, value=word, length=length)
+            word(length + 1:length + 1) = c_null_char
+            arguments(i) = c_loc(word)
+         end associate
+      end do
+      arguments(command_argument_count() + 1) = c_null_ptr
+      status = c_execv(path, arguments)
+   end subroutine start_again
 
    !> Whether a file descriptor is a terminal.
    function is_terminal(descriptor) result(answer)

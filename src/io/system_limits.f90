@@ -1,22 +1,38 @@
 !> What this machine and the limits of this process leave to a case (Linux): memory, stack, processors.
 module system_limits
    use, intrinsic :: iso_c_binding, only: c_int, c_long
+   use, intrinsic :: iso_fortran_env, only: int64
+   use control_group, only: group_memory
    use errors, only: error_t, fail, input_error
    use kinds, only: wp
+   use number_text, only: read_integer
+   use operating_system, only: set_environment, start_again
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: available_memory, check_stack, memory_fault, processors
+   public :: check_stack, memory_fault, processors, settle_memory, thread_memory
+
+   !> Memory that is written to, and address space that is taken, used or not [bytes].
+   type, public :: memory_t
+      real(wp) :: used = 0.0_wp, reserved = 0.0_wp
+   end type memory_t
+
+   !> What the program itself takes, and its libraries for it, without a grid [bytes].
+   real(wp), parameter, public :: of_program = 16.0e6_wp
 
    !> struct rlimit: what counts, and up to where that may be raised; below 0: unlimited.
    type, bind(c) :: limit_t
       integer(c_long) :: present_value = 0_c_long, largest = 0_c_long
    end type limit_t
 
-   !> RLIMIT_STACK, RLIMIT_AS; _SC_PAGESIZE, _SC_NPROCESSORS_ONLN, _SC_PHYS_PAGES.
-   integer(c_int), parameter :: limit_stack = 3_c_int, limit_memory = 9_c_int
+   !> RLIMIT_DATA, RLIMIT_STACK, RLIMIT_AS; _SC_PAGESIZE, _SC_NPROCESSORS_ONLN, _SC_PHYS_PAGES.
+   integer(c_int), parameter :: limit_data = 2_c_int, limit_stack = 3_c_int, limit_memory = 9_c_int
    integer(c_int), parameter :: page_size = 30_c_int, online_processors = 84_c_int, pages = 85_c_int
+   !> M_ARENA_MAX of mallopt(3).
+   integer(c_int), parameter :: most_arenas = -8_c_int
+   !> Stack of a thread where that of the process is unlimited [bytes].
+   real(wp), parameter :: usual_stack = 2097152.0_wp
    !> Stack that the program needs [bytes].
    integer(c_long), parameter :: least_stack = 1048576_c_long
 
@@ -39,6 +55,15 @@ module system_limits
          integer(c_int) :: status
       end function c_setrlimit
 
+      !> mallopt(3) of the GNU C library.
+      function c_mallopt(parameter, value) bind(c, name='mallopt') result(status)
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: parameter
+         integer(c_int), value :: value
+         integer(c_int) :: status
+      end function c_mallopt
+
       !> sysconf(3).
       function c_sysconf(name) bind(c, name='sysconf') result(value)
          import :: c_int, c_long
@@ -50,26 +75,110 @@ module system_limits
 
 contains
 
-   !> Physical memory, or the limit of the address space where that is less [bytes].
-   function available_memory() result(bytes)
-      real(wp) :: bytes
-      type(limit_t) :: limit
-
-      bytes = real(c_sysconf(pages), wp)*real(c_sysconf(page_size), wp)
-      if (.not. bytes > 0.0_wp) bytes = huge(bytes)
-      if (c_getrlimit(limit_memory, limit) /= 0_c_int) return
-      if (limit%present_value >= 0_c_long) bytes = min(bytes, real(limit%present_value, wp))
-   end function available_memory
-
-   !> "found ..., expected ..." for a case that needs more `bytes` than there are; empty if there are enough.
-   function memory_fault(bytes) result(fault)
-      real(wp), intent(in) :: bytes
+   !> "found ..., expected ..." for something, `what`, that needs more memory than there is; empty if there is enough. Physical
+   !> memory, that of the control group, address space, data: each has its limit.
+   function memory_fault(what, need) result(fault)
+      character(*), intent(in) :: what
+      type(memory_t), intent(in) :: need
       character(:), allocatable :: fault
 
       fault = ''
-      if (bytes > available_memory()) fault = 'found a grid that needs at least '//megabytes(bytes)//' of memory, expected at '// &
-         'most '//megabytes(available_memory())//', the memory of this machine or its limit (ulimit -v)'
+      call compare(need%used, real(c_sysconf(pages), wp)*real(c_sysconf(page_size), wp), 'the memory of this machine')
+      call compare(need%used, group_memory(''), 'the limit of its control group')
+      call compare(need%reserved, limit_of(limit_data), 'the limit of data (ulimit -d)')
+      call compare(need%reserved, limit_of(limit_memory) - library_memory(), &
+         'what the limit of the address space (ulimit -v) leaves beside the libraries')
+
+   contains
+
+      !> The first limit that is too low is told.
+      subroutine compare(bytes, most, name)
+         real(wp), intent(in) :: bytes, most
+         character(*), intent(in) :: name
+
+         if (fault == '' .and. bytes > most) fault = 'found '//what//' that needs up to '//megabytes(bytes)// &
+            ' of memory, expected at most '//megabytes(max(most, 0.0_wp))//', '//name
+      end subroutine compare
+
    end function memory_fault
+
+   !> The value of a limit [bytes]; huge: none.
+   function limit_of(resource) result(bytes)
+      integer(c_int), intent(in) :: resource
+      real(wp) :: bytes
+      type(limit_t) :: limit
+
+      bytes = huge(bytes)
+      if (c_getrlimit(resource, limit) /= 0_c_int) return
+      if (limit%present_value >= 0_c_long) bytes = real(limit%present_value, wp)
+   end function limit_of
+
+   !> Address space of the program and its libraries, without what they have allocated [bytes]; 0: not known.
+   function library_memory() result(bytes)
+      real(wp) :: bytes
+      character(len=200) :: line
+      integer :: status, unit
+      integer(int64) :: numbers(6)
+
+      bytes = 0.0_wp
+      open (newunit=unit, file='/proc/self/statm', action='read', status='old', iostat=status)
+      if (status /= 0) return
+      ! pages: all, resident, shared, code, 0, data and stack
+      read (unit, '(a)', iostat=status) line
+      if (status == 0) call split_integers(line, numbers, status)
+      if (status == 0) bytes = real(numbers(1) - numbers(6), wp)*real(c_sysconf(page_size), wp)
+      close (unit, iostat=status)
+   end function library_memory
+
+   !> Reads integers with blanks between them; `status` is not 0 if there are fewer.
+   pure subroutine split_integers(line, numbers, status)
+      character(*), intent(in) :: line
+      integer(int64), intent(out) :: numbers(:)
+      integer, intent(out) :: status
+      logical :: good
+      integer :: blank, i, start
+
+      numbers = 0
+      status = 1
+      start = 1
+      do i = 1, size(numbers)
+         blank = start + index(line(start:)//' ', ' ') - 1
+         call read_integer(line(start:blank - 1), numbers(i), good)
+         if (.not. good) return
+         start = min(blank + 1, len(line))
+      end do
+      status = 0
+   end subroutine split_integers
+
+   !> Sees to it that libraries can live with a limit of address space or data, if there is one. OpenBLAS takes 134 MB a thread when
+   !> it is loaded and waits for ever where it gets none: the program starts again with one thread of it. The C library takes 64 MB
+   !> of address space a thread: one pool does for all. Error (input_error): not even the program has room.
+   subroutine settle_memory(error)
+      type(error_t), allocatable, intent(out) :: error
+      character(len=8) :: threads
+      character(:), allocatable :: fault
+      integer(c_int) :: status
+
+      if (min(limit_of(limit_data), limit_of(limit_memory)) >= huge(1.0_wp)) return
+      call get_environment_variable('OPENBLAS_NUM_THREADS', threads)
+      if (threads /= '1') then
+         call set_environment('OPENBLAS_NUM_THREADS', '1')
+         call start_again()
+      end if
+      status = c_mallopt(most_arenas, 1_c_int)
+      fault = memory_fault('a program', memory_t(0.0_wp, of_program))
+      if (fault /= '') call fail(error, input_error, fault)
+   end subroutine settle_memory
+
+   !> Address space that `threads` threads of the program take beside that of the first [bytes].
+   function thread_memory(threads) result(bytes)
+      integer, intent(in) :: threads
+      real(wp) :: bytes
+
+      bytes = limit_of(limit_stack)
+      if (bytes >= huge(bytes)) bytes = usual_stack
+      bytes = (threads - 1)*bytes
+   end function thread_memory
 
    !> Bytes in words.
    function megabytes(bytes) result(words)
