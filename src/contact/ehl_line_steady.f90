@@ -17,6 +17,7 @@ module ehl_line_steady
    use solver_choice, only: adopt, limits_of, note_choice, steady_attempts
    use solver_settings, only: solver_settings_t
    use text, only: to_text
+   use rheology, only: thins
    implicit none (type, external)
    private
 
@@ -120,7 +121,7 @@ contains
       lookout%watcher => watcher
       finer = contact
       finer%domain%intervals = max(fitted, 2*given)
-      if (contact%fluid%is_eyring) finer%domain%intervals = 2*given
+      if (thins(contact%fluid)) finer%domain%intervals = 2*given
       last = min(largest_blame, settings%most_intervals, most_refinement*max(fitted, given))
       is_solved = .false.
       do while (finer%domain%intervals <= last)

@@ -11,11 +11,11 @@
 !> domain and the compression there are left out, and what the tail deforms.
 module inlet_tail
    use constants, only: pi
-   use eyring, only: slip_factor
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t
    use lubricant, only: fluid_t, viscosity_constant
+   use rheology, only: ln_slip_with_slope, thins
    implicit none (type, external)
    private
 
@@ -60,7 +60,7 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
       real(wp), intent(out) :: pressure, load
-      real(wp) :: flow, first_film, centre, share, x, h, gain, reduced, sigma
+      real(wp) :: flow, first_film, centre, share, x, h, gain, reduced, drive
       integer :: i
 
       flow = flow_at_peak(contact, level)
@@ -72,14 +72,14 @@ contains
          share = level%dx*share/pi
          ! of the smooth surfaces
          first_film = level%film(0) - level%rhs_film(0) + 0.5_wp*x_a**2
-         sigma = 0.0_wp
+         drive = 0.0_wp
          gain = 0.0_wp
          do i = 1, points
             x = x_a*points/(i - 0.5_wp)
             h = first_film + 0.5_wp*(x**2 - x_a**2) - share*log((centre - x)/(centre - x_a))
             reduced = pressure + 0.5_wp*gain
             gain = contact%lambda*max(h - flow, 0.0_wp)/h**3
-            if (contact%fluid%is_eyring) call divide_by_slip(contact%fluid, h, reduced, gain, sigma)
+            if (thins(contact%fluid)) call divide_by_slip(contact%fluid, h, reduced, gain, drive)
             gain = -x**2/(points*x_a)*gain
             pressure = pressure + gain
             load = load + gain*(x_a - x)
@@ -93,38 +93,37 @@ contains
       end associate
    end subroutine tail_of
 
-   !> Divides the slope `drive` = S dQ/dX > 0 of the reduced pressure, where the film is `h` and that pressure `reduced`, by S:
+   !> Divides the slope `gain` = S dQ/dX > 0 of the reduced pressure, where the film is `h` and that pressure `reduced`, by S:
    !>
-   !>     Sigma S(Sigma, B) = mu Sigma_scale h drive ,     mu = 1/(1 - alpha_bar Q) ,   ln B = ln B_scale + ln mu - ln h
+   !>     D S(D, h, mu) = mu h gain ,     mu = 1/(1 - alpha_bar Q)
    !>
-   !> by Newton's method in ln Sigma, within bounds that shrink: the left side rises from 0, S >= 1. `sigma` is the root
-   !> of the point before (0: none), and becomes that of this one.
-   pure subroutine divide_by_slip(fluid, h, reduced, drive, sigma)
+   !> by Newton's method in the logarithm of the drive D = h dP/dX, within bounds that shrink: the left side rises from 0, S >= 1.
+   !> `drive` is the root of the point before (0: none), and becomes that of this one.
+   pure subroutine divide_by_slip(fluid, h, reduced, gain, drive)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: h, reduced
-      real(wp), intent(inout) :: drive, sigma
-      real(wp) :: ln_mu, ln_b, ln_drive, y, bounds(2), excess, ln_s, slope, slope_b
+      real(wp), intent(inout) :: gain, drive
+      real(wp) :: ln_mu, ln_gain, y, bounds(2), excess, ln_s, by_drive
       integer :: i
 
-      if (drive <= 0.0_wp) return
+      if (gain <= 0.0_wp) return
       ln_mu = 0.0_wp
       if (fluid%viscosity_law /= viscosity_constant) ln_mu = -log(1 - min(fluid%alpha_bar*reduced, largest_reduced))
-      ln_b = fluid%ln_b_scale + ln_mu - log(h)
-      ln_drive = ln_mu + log(fluid%sigma_scale*h*drive)
-      bounds = [ln_drive - largest_ln_slip, ln_drive]
-      y = ln_drive
-      if (sigma > 0.0_wp) y = log(sigma)
+      ln_gain = ln_mu + log(h*gain)
+      bounds = [ln_gain - largest_ln_slip, ln_gain]
+      y = ln_gain
+      if (drive > 0.0_wp) y = log(drive)
       do i = 1, most_steps
          if (y <= bounds(1) .or. y >= bounds(2)) y = 0.5_wp*(bounds(1) + bounds(2))
-         sigma = exp(y)
-         call slip_factor(sigma, ln_b, ln_s, slope, slope_b)
-         excess = y + ln_s - ln_drive
+         drive = exp(y)
+         call ln_slip_with_slope(fluid, drive, h, ln_mu, ln_s, by_drive)
+         excess = y + ln_s - ln_gain
          bounds(merge(2, 1, excess > 0.0_wp)) = y
-         y = y - excess/(1 + sigma*slope)
+         y = y - excess/(1 + drive*by_drive)
          if (abs(excess) < slip_tolerance) exit
       end do
-      drive = drive*exp(y - ln_drive)
-      sigma = exp(y)
+      gain = gain*exp(y - ln_gain)
+      drive = exp(y)
    end subroutine divide_by_slip
 
    !> The flow rho H - e/lambda dP/dX at the face behind the largest pressure, as the space scheme has it: there it is known best

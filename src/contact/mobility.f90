@@ -4,15 +4,14 @@
 !> Nodes are treated in blocks that stay in cache; each loop calls no procedure but the laws' own array loops.
 module mobility
    use kinds, only: wp
-   use lubricant, only: fluid_density, fluid_density_value, fluid_ln_viscosity, fluid_t, fluid_viscosity
-   use eyring, only: slip_factors, slip_values
+   use lubricant, only: fluid_density, fluid_density_value, fluid_ln_viscosity, fluid_t, &
+      fluid_viscosity
+   use rheology, only: block_size => slip_block, evaluate_slip, evaluate_slip_slopes, slip_t, thins
    implicit none (type, external)
    private
 
    public :: fluid_mobility, mobility_slopes_t, fluid_mobility_slopes
 
-   !> Nodes in a block.
-   integer, parameter :: block_size = 128
    !> Bound of ln(S/mu): a wild iterate (|Sigma| beyond 500 at low pressure) must not overflow. No solution comes near it.
    real(wp), parameter, public :: largest_exponent = 500.0_wp
 
@@ -34,7 +33,8 @@ contains
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       real(wp), intent(out), contiguous :: e(0:), rho(0:)
       real(wp), intent(in), contiguous, optional :: rest(0:)
-      real(wp), dimension(block_size) :: ln_mu, ln_b, scale, sigma, growth, factor
+      real(wp), dimension(block_size) :: ln_mu, drive, inverse_film
+      type(slip_t) :: slip
       integer :: first, last, m
 
       do first = 0, ubound(p, 1), block_size
@@ -42,41 +42,38 @@ contains
          m = last - first + 1
          call fluid_ln_viscosity(fluid, p(first:last), ln_mu(:m))
          call fluid_density_value(fluid, p(first:last), rho(first:last))
-         if (fluid%is_eyring) then
-            call slip_arguments(fluid%sigma_scale/dx, p, h, first, sigma(:m), scale(:m), rest)
-            ln_b(:m) = fluid%ln_b_scale + ln_mu(:m)
-            call slip_values(sigma(:m), ln_b(:m), scale(:m), growth(:m), factor(:m))
-            e(first:last) = rho(first:last)*h(first:last)**3*factor(:m)*exp(min(growth(:m) - ln_mu(:m), largest_exponent))
-         else
-            e(first:last) = rho(first:last)*h(first:last)**3*exp(-ln_mu(:m))
+         if (thins(fluid)) then
+            call drive_at_nodes(dx, p, h, first, drive(:m), inverse_film(:m), rest)
+            call evaluate_slip(fluid, drive(:m), inverse_film(:m), ln_mu(:m), slip)
          end if
+         e(first:last) = rho(first:last)*h(first:last)**3*slip%factor(:m)*exp(min(slip%growth(:m) - ln_mu(:m), largest_exponent))
       end do
    end subroutine fluid_mobility
 
-   !> Sigma = `sigma_scale` dX H dP/dX of the slip factor at the nodes from `first` on, and the factor 1/H of its B.
-   pure subroutine slip_arguments(sigma_scale, p, h, first, sigma, inverse_film, rest)
-      real(wp), intent(in) :: sigma_scale
+   !> H dP/dX at the nodes from `first` on by central differences, 0 at both ends, and 1/H.
+   pure subroutine drive_at_nodes(dx, p, h, first, drive, inverse_film, rest)
+      real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       integer, intent(in) :: first
-      real(wp), intent(out), contiguous :: sigma(:), inverse_film(:)
+      real(wp), intent(out), contiguous :: drive(:), inverse_film(:)
       real(wp), intent(in), contiguous, optional :: rest(0:)
       real(wp) :: factor
       integer :: i, n
 
       n = ubound(p, 1)
-      factor = 0.5_wp*sigma_scale
-      do i = max(first, 1), min(first + size(sigma) - 1, n - 1)
-         sigma(i - first + 1) = factor*h(i)*(p(i + 1) - p(i - 1))
+      factor = 0.5_wp/dx
+      do i = max(first, 1), min(first + size(drive) - 1, n - 1)
+         drive(i - first + 1) = factor*h(i)*(p(i + 1) - p(i - 1))
       end do
       if (present(rest)) then
-         do i = max(first, 1), min(first + size(sigma) - 1, n - 1)
-            sigma(i - first + 1) = sigma(i - first + 1) + factor*h(i)*(rest(i + 1) - rest(i - 1))
+         do i = max(first, 1), min(first + size(drive) - 1, n - 1)
+            drive(i - first + 1) = drive(i - first + 1) + factor*h(i)*(rest(i + 1) - rest(i - 1))
          end do
       end if
-      if (first == 0) sigma(1) = 0.0_wp
-      if (first + size(sigma) - 1 == n) sigma(n - first + 1) = 0.0_wp
-      inverse_film = 1.0_wp/h(first:first + size(sigma) - 1)
-   end subroutine slip_arguments
+      if (first == 0) drive(1) = 0.0_wp
+      if (first + size(drive) - 1 == n) drive(n - first + 1) = 0.0_wp
+      inverse_film = 1.0_wp/h(first:first + size(drive) - 1)
+   end subroutine drive_at_nodes
 
    !> Mobility, density and derivatives for the Jacobian; p >= 0, h > 0, and the rest of p where it is kept (0:n).
    pure subroutine fluid_mobility_slopes(fluid, dx, p, h, slopes, rest)
@@ -85,7 +82,8 @@ contains
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       type(mobility_slopes_t), intent(inout) :: slopes
       real(wp), intent(in), contiguous, optional :: rest(0:)
-      real(wp), dimension(block_size) :: ln_mu, mu_p, ln_b, scale, sigma, growth, factor, s_sigma, s_b
+      real(wp), dimension(block_size) :: ln_mu, mu_p, drive, inverse_film
+      type(slip_t) :: slip
       integer :: first, last, m, n
 
       n = ubound(p, 1)
@@ -94,21 +92,15 @@ contains
          m = last - first + 1
          call fluid_viscosity(fluid, p(first:last), ln_mu(:m), mu_p(:m))
          call fluid_density(fluid, p(first:last), slopes%rho(first:last), slopes%rho_p(first:last))
-         growth(:m) = 0.0_wp
-         factor(:m) = 1.0_wp
-         s_sigma(:m) = 0.0_wp
-         s_b(:m) = 0.0_wp
-         sigma(:m) = 0.0_wp
-         if (fluid%is_eyring) then
-            call slip_arguments(fluid%sigma_scale/dx, p, h, first, sigma(:m), scale(:m), rest)
-            ln_b(:m) = fluid%ln_b_scale + ln_mu(:m)
-            call slip_factors(sigma(:m), ln_b(:m), scale(:m), growth(:m), factor(:m), s_sigma(:m), s_b(:m))
+         if (thins(fluid)) then
+            call drive_at_nodes(dx, p, h, first, drive(:m), inverse_film(:m), rest)
+            call evaluate_slip_slopes(fluid, drive(:m), inverse_film(:m), ln_mu(:m), slip)
          end if
          associate (e => slopes%e(first:last), rho => slopes%rho(first:last), film => h(first:last))
-            e = rho*film**3*factor(:m)*exp(min(growth(:m) - ln_mu(:m), largest_exponent))
-            slopes%e_p(first:last) = e*(slopes%rho_p(first:last)/rho + (s_b(:m) - 1)*mu_p(:m))
-            slopes%e_h(first:last) = e*(3 + s_sigma(:m)*sigma(:m) - s_b(:m))/film
-            slopes%e_slope(first:last) = e*s_sigma(:m)*film*fluid%sigma_scale
+            e = rho*film**3*slip%factor(:m)*exp(min(slip%growth(:m) - ln_mu(:m), largest_exponent))
+            slopes%e_p(first:last) = e*(slopes%rho_p(first:last)/rho + (slip%by_ln_mu(:m) - 1)*mu_p(:m))
+            slopes%e_h(first:last) = e*(3 + slip%by_ln_film(:m))/film
+            slopes%e_slope(first:last) = e*slip%by_drive(:m)*film
          end associate
       end do
       slopes%e_slope(0) = 0.0_wp

@@ -14,6 +14,7 @@ module nested_start
    use pseudo_time, only: follow_time
    use stress_continuation, only: eased_contact, follow_stress
    use transfer, only: prolong_cubic
+   use rheology, only: thins, wall_stress
    implicit none (type, external)
    private
 
@@ -170,7 +171,8 @@ contains
    !> Pressure of level k from level k - 1 by cubic interpolation, film from the pressure.
    !>
    !> A zigzag of the coarse pressure is invisible to its central slopes but not to those of the fine grid, where the
-   !> slip factor would start at exp(100): an Eyring pressure is smoothed until no Sigma is larger than `largest_sigma`.
+   !> slip factor would start at exp(100): the pressure of a fluid that thins is smoothed until
+   !> no wall stress is larger than `largest_sigma`.
    subroutine refine(hierarchy, contact, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -184,9 +186,9 @@ contains
          if (level%has_tail) level%rhs_load = hierarchy%levels(k - 1)%rhs_load - 0.5_wp*level%dx*level%pressure(0)
          do pass = 0, most_smoothings
             call film_of(level, hierarchy%rigid_displacement, level%film)
-            if (.not. contact%fluid%is_eyring) exit
-            if (contact%fluid%sigma_scale*maxval(abs(level%film(1:level%n - 1)*(level%pressure(2:) &
-               - level%pressure(:level%n - 2)))) < 2*level%dx*largest_sigma) exit
+            if (.not. thins(contact%fluid)) exit
+            if (wall_stress(contact%fluid, maxval(abs(level%film(1:level%n - 1)*(level%pressure(2:) &
+               - level%pressure(:level%n - 2)))))/(2*level%dx) < largest_sigma) exit
             level%pressure(1:level%n - 1) = 0.25_wp*(level%pressure(:level%n - 2) + 2*level%pressure(1:level%n - 1) &
                + level%pressure(2:))
          end do

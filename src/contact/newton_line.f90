@@ -12,6 +12,7 @@ module newton_line
    use observer, only: is_stopped, observer_t
    use reynolds_jacobian, only: evaluate_jacobian, new_jacobian, reynolds_jacobian_t
    use two_sum, only: rest_of_sum
+   use rheology, only: thins, wall_stress
    implicit none (type, external)
    private
 
@@ -43,8 +44,8 @@ module newton_line
       type(reynolds_jacobian_t) :: jacobian
       real(wp), allocatable :: step(:), trial(:), film_trial(:)
       logical, allocatable :: is_cavitated(:)
-      !> Sigma per H dP/dX of the lubricant; 0 for a Newtonian one.
-      real(wp) :: sigma_scale = 0.0_wp
+      !> Wall stress per H dP/dX of the lubricant; 0 for a Newtonian one.
+      real(wp) :: stress_scale = 0.0_wp
       !> Whether steps are bent (`bend_step`): Newtonian lubricants.
       logical, private :: is_bent = .false.
       !> Largest |r| of the nodes that are not cavitated, at the last linearisation.
@@ -81,9 +82,9 @@ contains
 
       call allocate_work(newton, level%n)
       newton%is_converged = .false.
-      newton%sigma_scale = contact%fluid%sigma_scale
+      newton%stress_scale = wall_stress(contact%fluid, 1.0_wp)
       ! a thinning oil flows before it is solid: bent steps ended nowhere at M 2000, L 25, tau_0 1 MPa
-      newton%is_bent = .not. contact%fluid%is_eyring
+      newton%is_bent = .not. thins(contact%fluid)
       previous_step = huge(1.0_wp)
       is_at_hand = .false.
       if (present(film_is_exact)) is_at_hand = film_is_exact
@@ -260,7 +261,7 @@ contains
             largest = max(largest, abs(level%film(i)*(newton%step(i + 1) - newton%step(i - 1))))
          end do
       end if
-      largest = 0.5_wp*newton%sigma_scale/level%dx*largest
+      largest = 0.5_wp*newton%stress_scale/level%dx*largest
    end function slip_step
 
 end module newton_line

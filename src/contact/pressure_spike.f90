@@ -23,6 +23,7 @@ module pressure_spike
    use kinds, only: wp
    use line_summary, only: crests_t
    use lubricant, only: fluid_density, fluid_ln_viscosity, fluid_t
+   use rheology, only: ln_slip, thins, wall_stress
    implicit none (type, external)
    private
 
@@ -133,27 +134,26 @@ contains
       call fluid_ln_viscosity(law%fluid, [pressure], ln_mu)
       call fluid_density(law%fluid, [pressure], rho, drho)
       lengths(1) = exp(0.5_wp*(3*log(film) - ln_mu(1) - log(law%lambda)))
-      if (law%fluid%is_eyring) lengths(1) = thinned_length(law%fluid, pressure, film, ln_mu(1), lengths(1))
+      if (thins(law%fluid)) lengths(1) = thinned_length(law%fluid, pressure, film, ln_mu(1), lengths(1))
       lengths(2) = film*drho(1)/rho(1)
    end function smoothing_lengths
 
-   !> l_flow of an Eyring oil from that of its viscosity alone, `thick`: with S of the top or, if that is larger, of the slope
+   !> l_flow of an oil that thins from that of its viscosity alone, `thick`: with S of the top or, if that is larger, of the slope
    !> P/l_flow of the flank, by bisection.
    pure function thinned_length(fluid, pressure, film, ln_mu, thick) result(length)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: pressure, film, ln_mu, thick
       real(wp) :: length, lower, upper, middle, fall
-      real(wp) :: ln_b(2), ln_s(2)
+      real(wp) :: ln_s(2)
       integer :: i
 
-      fall = fluid%sigma_scale*film*pressure
-      ln_b = fluid%ln_b_scale + ln_mu - log(film)
-      call ln_slip_factors([0.0_wp, 0.0_wp], ln_b, ln_s)
+      fall = film*pressure
+      ln_s(1) = ln_slip(fluid, 0.0_wp, film, ln_mu)
       lower = log(thick) + 0.5_wp*ln_s(1)
-      upper = max(lower + 1.0_wp, log(fall))
+      upper = max(lower + 1.0_wp, log(wall_stress(fluid, fall)))
       do i = 1, bisections
          middle = 0.5_wp*(lower + upper)
-         call ln_slip_factors([0.0_wp, fall*exp(-middle)], ln_b, ln_s)
+         ln_s(2) = ln_slip(fluid, fall*exp(-middle), film, ln_mu)
          if (middle < log(thick) + 0.5_wp*maxval(ln_s)) then
             lower = middle
          else

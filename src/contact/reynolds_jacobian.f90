@@ -8,6 +8,7 @@ module reynolds_jacobian
    use line_level, only: has_close_exit, line_level_t
    use mobility, only: fluid_mobility_slopes, mobility_slopes_t
    use reynolds_line, only: apply_reynolds, third_order_share, third_order_slope, wedge_weights
+   use rheology, only: thins
    implicit none (type, external)
    private
 
@@ -90,7 +91,7 @@ contains
                level%pressure_rest)
             level%face_mobility = jacobian%faces%e
             ! Newton's method bends steps by the mobility of the nodes
-            if (.not. contact%fluid%is_eyring) call fluid_mobility_slopes(contact%fluid, level%dx, level%pressure, &
+            if (.not. thins(contact%fluid)) call fluid_mobility_slopes(contact%fluid, level%dx, level%pressure, &
                level%film, slopes)
          else
             call fluid_mobility_slopes(contact%fluid, level%dx, level%pressure, level%film, slopes, level%pressure_rest)

@@ -6,11 +6,13 @@ module solver_choice
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: line_hierarchy_t, method_block_jacobi, method_fas, method_newton_dense, method_newton_krylov, &
-      relaxation_t, smoother_block_jacobi, smoother_gauss_seidel, smoother_hybrid, smoother_line
+   use line_hierarchy, only: line_hierarchy_t, method_block_jacobi, method_fas, &
+      method_newton_dense, method_newton_krylov, relaxation_t, smoother_block_jacobi, &
+      smoother_gauss_seidel, smoother_hybrid, smoother_line
    use semiseparable_jacobian, only: semiseparable_jacobian_t
    use solver_settings, only: solver_settings_t
    use text, only: to_text
+   use rheology, only: slide_to_roll, thins
    implicit none (type, external)
    private
 
@@ -66,13 +68,13 @@ contains
 
    !> Whether sliding thins the oil: an Eyring oil without sliding is as stiff as a Newtonian one. (Case 1, Gauss-Seidel and line:
    !> full steps fail on 1024 intervals up to a slide-to-roll ratio of 0.1, steps relaxed as for Newtonian contacts do not; from
-   !> 0.3 on both do it.) The ratio is 6 B H/(lambda mu Sigma/(H dP/dX)).
+   !> 0.3 on both do it.)
    pure function is_thinned(contact)
       type(line_contact_t), intent(in) :: contact
       logical :: is_thinned
 
-      is_thinned = contact%fluid%is_eyring
-      if (is_thinned) is_thinned = 6*exp(contact%fluid%ln_b_scale) >= thinning_slide*contact%lambda*contact%fluid%sigma_scale
+      is_thinned = thins(contact%fluid)
+      if (is_thinned) is_thinned = slide_to_roll(contact%fluid, contact%lambda) >= thinning_slide
    end function is_thinned
 
    !> A way that shares nothing with Newton's method above the coarsest level: the cycle with its better smoother.
@@ -99,7 +101,7 @@ contains
       in_time = newton_krylov(films(1))
       in_time%follows_time = .true.
       attempts = [newton_krylov(films(1)), newton_krylov(films(2))]
-      if (contact%fluid%is_eyring) attempts = [attempts, newton_krylov(films(1), high_stress)]
+      if (thins(contact%fluid)) attempts = [attempts, newton_krylov(films(1), high_stress)]
       attempts = [attempts, in_time]
    end function newton_starts
 
@@ -111,7 +113,7 @@ contains
       real(wp) :: films(2)
 
       films = [2.0_wp, 1.0_wp]
-      if (contact%fluid%is_eyring .and. contact%moes_l_sum > thinning_l) films = [1.0_wp, 2.0_wp]
+      if (thins(contact%fluid) .and. contact%moes_l_sum > thinning_l) films = [1.0_wp, 2.0_wp]
    end function start_films
 
    !> Newton-Krylov from a start film, and from a higher Eyring stress.

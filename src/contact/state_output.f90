@@ -1,12 +1,12 @@
 !> From a level of the solver to the fields that are handed out.
 module state_output
-   use eyring, only: ln_slip_factors
    use features, only: surface_height
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t
    use line_state, only: line_state_t
    use lubricant, only: fluid_density_value, fluid_ln_viscosity
+   use rheology, only: ln_slip
    implicit none (type, external)
    private
 
@@ -37,21 +37,17 @@ contains
    pure subroutine fill_properties(contact, state)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(inout) :: state
-      real(wp), allocatable :: sigma(:), ln_mu(:), ln_s(:)
+      real(wp), allocatable :: drive(:), ln_mu(:)
       integer :: n
 
       n = size(state%x)
-      allocate (sigma(n), ln_mu(n), ln_s(n), source=0.0_wp)
+      allocate (drive(n), ln_mu(n), source=0.0_wp)
       call fluid_ln_viscosity(contact%fluid, state%pressure, ln_mu)
       state%density = ln_mu
       call fluid_density_value(contact%fluid, state%pressure, state%density)
       state%viscosity = exp(min(ln_mu, largest_exponent))
-      if (contact%fluid%is_eyring) then
-         sigma(2:n - 1) = contact%fluid%sigma_scale*state%film_thickness(2:n - 1) &
-            *(state%pressure(3:) - state%pressure(:n - 2))/(state%x(3:) - state%x(:n - 2))
-         call ln_slip_factors(sigma, contact%fluid%ln_b_scale + ln_mu - log(state%film_thickness), ln_s)
-      end if
-      state%slip_factor = exp(min(ln_s, largest_exponent))
+      drive(2:n - 1) = state%film_thickness(2:n - 1)*(state%pressure(3:) - state%pressure(:n - 2))/(state%x(3:) - state%x(:n - 2))
+      state%slip_factor = exp(min(ln_slip(contact%fluid, drive, state%film_thickness, ln_mu), largest_exponent))
    end subroutine fill_properties
 
 end module state_output

@@ -8,6 +8,7 @@ module stress_continuation
    use line_hierarchy, only: count_work, line_hierarchy_t
    use newton_line, only: solve_newton
    use observer, only: is_stopped, observer_t
+   use rheology, only: eased_fluid
    implicit none (type, external)
    private
 
@@ -28,8 +29,7 @@ contains
       type(line_contact_t) :: eased
 
       eased = contact
-      eased%fluid%sigma_scale = contact%fluid%sigma_scale/factor
-      eased%fluid%ln_b_scale = contact%fluid%ln_b_scale - log(factor)
+      eased%fluid = eased_fluid(contact%fluid, factor)
    end function eased_contact
 
    !> Solves level k, from its present pressure, at the stress higher by `factor` and on to its own. The ratio of two stresses

@@ -14,7 +14,8 @@ module case_input
    use key_range, only: is_in_range
    use kinds, only: wp
    use line_profiles, only: add_profile
-   use lubricant, only: viscosity_constant, viscosity_barus, viscosity_roelands, density_constant, density_dowson_higginson
+   use lubricant, only: density_constant, density_dowson_higginson, rheology_eyring, &
+      rheology_newtonian, viscosity_barus, viscosity_constant, viscosity_roelands
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
    use namelist_text, only: namelist_text_t, split_namelist
    use scaling, only: scaling_t, new_scaling
@@ -170,7 +171,7 @@ contains
          oil%roelands_p0 = values%real_value('lubricant', 'roelands_p0')
          oil%roelands_z = values%real_value('lubricant', 'roelands_z')
          oil%eyring_stress = values%real_value('lubricant', 'eyring_stress')
-         oil%is_eyring = values%word_value('lubricant', 'rheology') == 'eyring'
+         oil%rheology = merge(rheology_eyring, rheology_newtonian, values%word_value('lubricant', 'rheology') == 'eyring')
          oil%density_law = density_constant
          if (values%word_value('lubricant', 'density_law') == 'dowson_higginson') oil%density_law = density_dowson_higginson
          select case (values%word_value('lubricant', 'viscosity_law'))

@@ -4,6 +4,7 @@
 !> |Sigma| = 722.5, hence the logarithm.
 module eyring
    use kinds, only: wp
+   use sinh_series, only: ds, s, series_limit
    implicit none (type, external)
    private
 
@@ -11,10 +12,6 @@ module eyring
 
    !> A value of ln B that stands for B = 0 (equal surface speeds): far below any ln B that can change S [-].
    real(wp), parameter, public :: ln_b_of_no_sliding = -1.0e4_wp
-
-   !> Up to this |Sigma| the power series are used [-]. Nine terms are cut off below 1e-17 there, and the closed form
-   !> above it loses no digit by cancellation (at 0.5 it would lose one).
-   real(wp), parameter, public :: series_limit = 1.0_wp
 
    !> Larger |Sigma| and |ln B| count as this large, so that no power of them overflows [-].
    real(wp), parameter :: largest_argument = 1.0e60_wp
@@ -31,17 +28,9 @@ module eyring
                           1.0_wp/172972800.0_wp, 1.0_wp/31135104000.0_wp, 1.0_wp/7410154752000.0_wp, &
                           1.0_wp/2252687044608000.0_wp]
 
-   !> Taylor coefficients of sinh(x)/x = sum s_m x^(2m), s_m = 1/(2m + 1)!, m = 0 ... 8.
-   real(wp), parameter :: s(0:8) = [ &
-                          1.0_wp, 1.0_wp/6.0_wp, 1.0_wp/120.0_wp, 1.0_wp/5040.0_wp, 1.0_wp/362880.0_wp, &
-                          1.0_wp/39916800.0_wp, 1.0_wp/6227020800.0_wp, 1.0_wp/1307674368000.0_wp, &
-                          1.0_wp/355687428096000.0_wp]
-
-   !> Coefficients of the derivatives of both by x, divided by x: 2 m c_m and 2 m s_m, m = 1 ... 8, and a zero.
+   !> Coefficients of its derivative by x, divided by x: 2 m c_m, m = 1 ... 8, and a zero.
    real(wp), parameter :: dc(0:8) = 2.0_wp*[c(1), 2.0_wp*c(2), 3.0_wp*c(3), 4.0_wp*c(4), 5.0_wp*c(5), 6.0_wp*c(6), &
                                             7.0_wp*c(7), 8.0_wp*c(8), 0.0_wp]
-   real(wp), parameter :: ds(0:8) = 2.0_wp*[s(1), 2.0_wp*s(2), 3.0_wp*s(3), 4.0_wp*s(4), 5.0_wp*s(5), 6.0_wp*s(6), &
-                                            7.0_wp*s(7), 8.0_wp*s(8), 0.0_wp]
 
    !> What the derivatives need again of a block: exp(-2|Sigma|), shear and ratio without their powers of |Sigma|, and t^2.
    type :: parts_t

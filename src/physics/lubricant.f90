@@ -12,6 +12,8 @@ module lubricant
    integer, parameter, public :: viscosity_constant = 0, viscosity_barus = 1, viscosity_roelands = 2
    !> Density laws: rho = rho_0; Dowson and Higginson (module density).
    integer, parameter, public :: density_constant = 0, density_dowson_higginson = 1
+   !> Rheologies: mu whatever the shear; Eyring (module eyring).
+   integer, parameter, public :: rheology_newtonian = 0, rheology_eyring = 1
 
    !> The lubricant as the user describes it.
    type, public :: lubricant_t
@@ -27,8 +29,8 @@ module lubricant
       real(wp) :: roelands_z
       !> One of `density_constant`, `density_dowson_higginson`.
       integer :: density_law
-      !> True for the Reynolds-Eyring equation, false for a Newtonian lubricant.
-      logical :: is_eyring
+      !> One of `rheology_newtonian`, `rheology_eyring`.
+      integer :: rheology
       !> tau_0 [Pa] > 0; Eyring.
       real(wp) :: eyring_stress
    end type lubricant_t
@@ -45,8 +47,8 @@ module lubricant
       real(wp) :: z
       !> C1/p_h [-] > 0; Dowson and Higginson.
       real(wp) :: c1
-      !> True if the slip factor of module eyring applies.
-      logical :: is_eyring
+      !> As in `lubricant_t`; what follows from it is in module rheology.
+      integer :: rheology
       !> Sigma = sigma_scale H dP/dX: b p_h/(2 R tau_0) [-], from (2.12) and (2.51).
       real(wp) :: sigma_scale
       !> ln B = ln_b_scale + ln(mu/mu_0) - ln H: ln( mu_0 |u2 - u1| R/(tau_0 b^2) ) [-], from (2.14) and (2.51).

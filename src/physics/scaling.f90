@@ -5,10 +5,10 @@ module scaling
    use eyring, only: ln_b_of_no_sliding
    use hertz, only: line_half_width, line_peak_pressure
    use kinds, only: wp
-   use lubricant, only: lubricant_t, fluid_t, viscosity_constant, viscosity_roelands, density_constant, &
-                        density_dowson_higginson
-   use moes, only: moes_m_sum_from_mean, moes_m_sum_from_lambda, moes_m_mean_from_sum, lambda_from_moes_sum, &
-                   alpha_bar_from_moes, moes_l_from_alpha_bar
+   use lubricant, only: density_constant, density_dowson_higginson, fluid_t, lubricant_t, &
+      rheology_eyring, rheology_newtonian, viscosity_constant, viscosity_roelands
+   use moes, only: moes_m_sum_from_mean, moes_m_sum_from_lambda, moes_m_mean_from_sum, &
+      lambda_from_moes_sum, alpha_bar_from_moes, moes_l_from_alpha_bar
    implicit none (type, external)
    private
 
@@ -128,10 +128,11 @@ contains
       end if
       fluid%c1 = 1.0_wp
       if (fluid%density_law == density_dowson_higginson) fluid%c1 = dowson_higginson_c1/scaling%hertz_pressure
-      fluid%is_eyring = lubricant%is_eyring .and. scaling%is_dimensional
+      fluid%rheology = rheology_newtonian
+      if (scaling%is_dimensional) fluid%rheology = lubricant%rheology
       fluid%sigma_scale = 0.0_wp
       fluid%ln_b_scale = ln_b_of_no_sliding
-      if (fluid%is_eyring) then
+      if (fluid%rheology == rheology_eyring) then
          fluid%sigma_scale = scaling%half_width*scaling%hertz_pressure &
                              /(2.0_wp*scaling%reduced_radius*lubricant%eyring_stress)
          sliding = scaling%viscosity*abs(bodies%speed_2 - bodies%speed_1)/(lubricant%eyring_stress*scaling%film)

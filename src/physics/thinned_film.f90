@@ -17,9 +17,9 @@
 !> the mean square of ln H, in 98 % by -0.38 to 0.63, at most by 0.97; where the film is thick and yet thinned by much, which is
 !> rare, by up to 2.3.
 module thinned_film
-   use eyring, only: ln_slip_factor
    use kinds, only: wp
    use lubricant, only: fluid_ln_viscosity, fluid_t
+   use rheology, only: ln_slip, thins
    implicit none (type, external)
    private
 
@@ -42,7 +42,7 @@ contains
       real(wp) :: resistance
 
       film = newtonian
-      if (.not. fluid%is_eyring) return
+      if (.not. thins(fluid)) return
       resistance = inlet_film(fluid, lambda, .true.)**(-power) - inlet_film(fluid, lambda, .false.)**(-power)
       film = (newtonian**(-power) + max(resistance, 0.0_wp))**(-1/power)
    end function thinned_central_film
@@ -81,8 +81,7 @@ contains
       pressure = pressure_share*exp(min(ln_film/3, -ln_film/2))
       call fluid_ln_viscosity(fluid, [pressure], ln_mu)
       excess = 2*ln_film + ln_slope - ln_mu(1) - log(flow_share*lambda)
-      if (is_thinning) excess = excess + ln_slip_factor(fluid%sigma_scale*exp(ln_film + ln_slope), &
-         fluid%ln_b_scale + ln_mu(1) - ln_film)
+      if (is_thinning) excess = excess + ln_slip(fluid, exp(ln_film + ln_slope), exp(ln_film), ln_mu(1))
    end function excess_flow
 
 end module thinned_film

@@ -1,0 +1,122 @@
+!> How the lubricant thins under shear: the slip factor S of the flow between the surfaces, by the rheology of the fluid.
+!>
+!> The flow that H dP/dX drives is S >= 1 times that of the viscosity mu alone; S = 1 for a Newtonian lubricant. A solver asks
+!> whether the fluid thins (`thins`), for S, and how large the stress is beside the stress scale of the fluid (`wall_stress`).
+module rheology
+   use eyring, only: ln_slip_factor, slip_factor, slip_factors, slip_values
+   use kinds, only: wp
+   use lubricant, only: fluid_t, rheology_eyring, rheology_newtonian
+   implicit none (type, external)
+   private
+
+   public :: eased_fluid, evaluate_slip, evaluate_slip_slopes, ln_slip, ln_slip_with_slope, &
+      slide_to_roll, slip_t, thins, wall_stress
+
+   !> Places evaluated at a time, at most.
+   integer, parameter, public :: slip_block = 128
+
+   !> S = exp(growth) factor at up to `slip_block` places, and the derivatives of ln S by the drive H dP/dX, by ln(mu/mu_0), and
+   !> by ln H where dP/dX stays.
+   type :: slip_t
+      real(wp), dimension(slip_block) :: growth = 0.0_wp, factor = 1.0_wp, by_drive = 0.0_wp, by_ln_mu = 0.0_wp, by_ln_film = 0.0_wp
+   end type slip_t
+
+contains
+
+   !> Whether shear thins the fluid: else S = 1 and the drive does not matter.
+   pure elemental function thins(fluid)
+      type(fluid_t), intent(in) :: fluid
+      logical :: thins
+
+      thins = fluid%rheology /= rheology_newtonian
+   end function thins
+
+   !> Shear stress at the walls, h/2 |dp/dx|, over the stress scale of the fluid [-], with the sign of the `drive` H dP/dX: Sigma of
+   !> module eyring; 0 where nothing thins.
+   pure elemental function wall_stress(fluid, drive) result(stress)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: drive
+      real(wp) :: stress
+
+      stress = 0.0_wp
+      if (thins(fluid)) stress = fluid%sigma_scale*drive
+   end function wall_stress
+
+   !> S at m <= `slip_block` places with the `drive` H dP/dX, 1/H and ln(mu/mu_0); derivatives are left as they are.
+   pure subroutine evaluate_slip(fluid, drive, inverse_film, ln_mu, slip)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in), contiguous :: drive(:), inverse_film(:), ln_mu(:)
+      type(slip_t), intent(inout) :: slip
+      real(wp), dimension(slip_block) :: sigma, ln_b
+      integer :: m
+
+      if (fluid%rheology /= rheology_eyring) return
+      m = size(drive)
+      sigma(:m) = fluid%sigma_scale*drive
+      ln_b(:m) = fluid%ln_b_scale + ln_mu
+      call slip_values(sigma(:m), ln_b(:m), inverse_film, slip%growth(:m), slip%factor(:m))
+   end subroutine evaluate_slip
+
+   !> `evaluate_slip` with the derivatives.
+   pure subroutine evaluate_slip_slopes(fluid, drive, inverse_film, ln_mu, slip)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in), contiguous :: drive(:), inverse_film(:), ln_mu(:)
+      type(slip_t), intent(inout) :: slip
+      real(wp), dimension(slip_block) :: sigma, ln_b, by_sigma
+      integer :: m
+
+      if (fluid%rheology /= rheology_eyring) return
+      m = size(drive)
+      sigma(:m) = fluid%sigma_scale*drive
+      ln_b(:m) = fluid%ln_b_scale + ln_mu
+      call slip_factors(sigma(:m), ln_b(:m), inverse_film, slip%growth(:m), slip%factor(:m), by_sigma(:m), slip%by_ln_mu(:m))
+      slip%by_drive(:m) = by_sigma(:m)*fluid%sigma_scale
+      slip%by_ln_film(:m) = by_sigma(:m)*sigma(:m) - slip%by_ln_mu(:m)
+   end subroutine evaluate_slip_slopes
+
+   !> ln S at one place, with the `drive` H dP/dX, the `film` H and ln(mu/mu_0).
+   pure elemental function ln_slip(fluid, drive, film, ln_mu) result(ln_s)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: drive, film, ln_mu
+      real(wp) :: ln_s
+
+      ln_s = 0.0_wp
+      if (fluid%rheology == rheology_eyring) ln_s = ln_slip_factor(fluid%sigma_scale*drive, fluid%ln_b_scale + ln_mu - log(film))
+   end function ln_slip
+
+   !> `ln_slip` with its derivative by the drive.
+   pure elemental subroutine ln_slip_with_slope(fluid, drive, film, ln_mu, ln_s, by_drive)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: drive, film, ln_mu
+      real(wp), intent(out) :: ln_s, by_drive
+      real(wp) :: by_ln_b
+
+      ln_s = 0.0_wp
+      by_drive = 0.0_wp
+      if (fluid%rheology /= rheology_eyring) return
+      call slip_factor(fluid%sigma_scale*drive, fluid%ln_b_scale + ln_mu - log(film), ln_s, by_drive, by_ln_b)
+      by_drive = by_drive*fluid%sigma_scale
+   end subroutine ln_slip_with_slope
+
+   !> The same fluid with a stress scale higher by `factor` >= 1: it thins less.
+   pure function eased_fluid(fluid, factor) result(eased)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: factor
+      type(fluid_t) :: eased
+
+      eased = fluid
+      eased%sigma_scale = fluid%sigma_scale/factor
+      eased%ln_b_scale = fluid%ln_b_scale - log(factor)
+   end function eased_fluid
+
+   !> Slide-to-roll ratio |u2 - u1|/((u1 + u2)/2) of a contact with the speed parameter `lambda` whose fluid thins:
+   !> 6 B H/(lambda mu Sigma/(H dP/dX)).
+   pure function slide_to_roll(fluid, lambda) result(ratio)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: lambda
+      real(wp) :: ratio
+
+      ratio = 6*exp(fluid%ln_b_scale)/(lambda*fluid%sigma_scale)
+   end function slide_to_roll
+
+end module rheology
