@@ -8,6 +8,8 @@ program asperity
    use input_manual, only: keys_markdown, keys_text
    use input_template, only: template_text
    use interruption, only: is_interrupted, listen_to_signals
+   use life_sign, only: watch_silence
+   use operating_system, only: is_terminal, standard_error_descriptor
    use progress_log, only: new_progress_log, progress_log_t
    use read_cases, only: read_all_cases
    use run_case, only: run_one_case
@@ -57,6 +59,7 @@ contains
          call print_text(keys_markdown(), error)
       case default
          call listen_to_signals()
+         if (.not. command%is_quiet) call watch_silence(is_terminal(standard_error_descriptor))
          call read_all_cases(command%files, command%output_dir, cases, error)
          if (allocated(error)) return
          if (command%action == 'check') then

@@ -4,6 +4,7 @@ module read_cases
    use case_record, only: case_t
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
+   use life_sign, only: begin_activity, begin_subject
    use output_names, only: output_findings
    use text_file, only: read_text_file
    implicit none (type, external)
@@ -44,6 +45,8 @@ contains
       type(error_t), allocatable :: error
 
       found = ''
+      call begin_subject(file)
+      call begin_activity('reading the case')
       call read_text_file(file, content, error)
       if (allocated(error)) then
          found = error%message

@@ -13,6 +13,7 @@ module run_case
    use input_keys, only: lubricated
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
+   use life_sign, only: begin_activity, begin_subject
    use line_case, only: build_line_contact, scaled_solver
    use line_contact, only: line_contact_t
    use line_state, only: all_finite, line_state_t
@@ -57,6 +58,8 @@ contains
       logical :: is_complete, is_converged
 
       watcher%log = new_progress_log(command%is_quiet)
+      call begin_subject(case%file)
+      call begin_activity('looking at earlier results')
       path = result_path(case, command%output_dir)
       if (command%is_resume) then
          call find_complete_result(path, case, is_complete, is_converged, error)

@@ -18,6 +18,7 @@ module run_dry_case
    use interruption, only: set_patience
    use iteration_report, only: phase_error_bars, phase_steady
    use kinds, only: wp
+   use life_sign, only: begin_activity
    use progress_log, only: new_progress_log, progress_log_t
    use quantity_text, only: number_text, wrapped
    use result_writer, only: open_result, result_writer_t
@@ -69,6 +70,7 @@ contains
       if (allocated(case%dry%note)) outcome%solution%report%note = case%dry%note
       writer%inputs = case%effective
       call set_patience(.true.)
+      call begin_activity('writing the result')
       call write_dry_result(writer%file, case%dry, outcome%rows, errors, outcome%fields, error)
       if (allocated(error)) then
          call writer%discard()
@@ -112,12 +114,14 @@ contains
 
       allocate (errors(0))
       start = wall_seconds()
+      call begin_activity('solving')
       sweep = dry_sweep_t(dry%grid, dry%height, new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus), dry%loads, &
          dry%settings)
       call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, sweep%settings, outcome, error)
       if (allocated(error)) return
       associate (report => outcome%solution%report)
          report%phase_seconds(phase_steady) = wall_seconds() - start
+         call begin_activity('error bars on coarser grids')
          if (dry%has_error_bars) call estimate_dry_errors(sweep, outcome%rows, errors, error)
          if (allocated(error)) return
          report%wall_seconds = wall_seconds() - start

@@ -3,7 +3,6 @@
 import os
 import signal
 import subprocess
-import time
 from pathlib import Path
 
 import h5py
@@ -18,7 +17,6 @@ DRY = """&case problem = 'dry_area' /
 &surface_1 shape = 'synthetic', seed = 3, hurst = 0.8, rms_height = 1e-6, wavelength_long = 1e-3, wavelength_short = 4e-6 /
 &domain length_x = 1e-3, length_y = 1e-3, intervals_x = 1024, intervals_y = 1024 /
 """
-DENSE = STEADY.replace("intervals = 256", "intervals = 8192") + "&solver method = 'newton_dense' /\n"
 SIGNALS = [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU]
 # The program takes 0.7 s at most; the rest is for a busy machine.
 SECONDS = 10
@@ -48,18 +46,6 @@ def test_a_dry_case_ends_within_a_second(program, tmp_path, number):
     assert (status, message) == (4, "asperity: interrupted without a checkpoint, nothing is kept of dry.h5\n")
     assert seconds < 1.5
     assert names(tmp_path) == ["dry.nml", "later.nml"]
-
-
-def test_a_factorisation_ends_within_a_second(program, tmp_path):
-    """A dense matrix of 8192 rows is taken apart by a library that looks at nothing."""
-    write(tmp_path, "dense.nml", DENSE)
-    with begin(program, tmp_path, "dense.nml") as running:
-        wait_for(tmp_path / "dense.h5.part", running)
-        time.sleep(2)
-        status, message, seconds = end(running, signal.SIGTERM)
-    assert (status, message) == (4, "asperity: interrupted without a checkpoint, nothing is kept of dense.h5\n")
-    assert seconds < 1.5
-    assert names(tmp_path) == ["dense.nml"]
 
 
 @pytest.mark.parametrize("number", SIGNALS[2:])

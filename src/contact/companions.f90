@@ -33,6 +33,7 @@ module companions
    contains
       procedure :: on_step => collect_step
       procedure :: keep_coarser => collect_coarser
+      procedure :: on_stage => tell_companion
    end type collector_t
 
 contains
@@ -202,6 +203,14 @@ contains
 
       self%passed = coarser
    end subroutine collect_coarser
+
+   !> Not the run itself.
+   recursive subroutine tell_companion(self, words)
+      class(collector_t), intent(inout) :: self
+      character(*), intent(in) :: words
+
+      call self%watcher%on_stage('companion, '//words)
+   end subroutine tell_companion
 
    !> Adds the figures of one time step.
    subroutine collect_step(self, step, steps, state, report)

@@ -57,6 +57,7 @@ contains
          call adopt(hierarchy, attempts(i))
          limits = limits_of(settings, default_tolerance, attempts(i)%method)
          call note_choice(report, attempts(i), limits)
+         call watcher%on_stage('steady on '//to_text(contact%domain%intervals)//' intervals by '//report%method)
          if (has_start .and. attempts(i)%method == method_newton_krylov) then
             has_start = .false.
             is_sound = .true.

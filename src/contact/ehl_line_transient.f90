@@ -76,6 +76,7 @@ contains
          plan%length = time_step
          plan%scheme = time%scheme
          steps = count_steps(time)
+         call watcher%on_stage('time steps on '//to_text(level%n)//' intervals')
          if (allocated(time%resume_from)) then
             history = time%resume_from
             call take_up(history, level, hierarchy%rigid_displacement)

@@ -25,6 +25,8 @@ module observer
       procedure :: keep_state => ignore_state
       !> After a steady solution: the summaries of the coarser grids that it has passed, of n/2 intervals, n/4 ...
       procedure :: keep_coarser => ignore_coarser
+      !> What is done from now on, in a few words for somebody who waits.
+      procedure :: on_stage => ignore_stage
       !> Looks whether there is a reason to stop that the solver's own calls would not bring up.
       procedure :: look_outside => ignore_outside
    end type observer_t
@@ -42,6 +44,7 @@ module observer
    contains
       procedure :: on_cycle => look_at_cycle
       procedure :: on_step => look_at_step
+      procedure :: on_stage => tell_watcher
       procedure :: look_outside => look_through
    end type lookout_t
 
@@ -102,6 +105,15 @@ contains
       end associate
    end subroutine ignore_coarser
 
+   !> Tells nobody.
+   subroutine ignore_stage(self, words)
+      class(observer_t), intent(inout) :: self
+      character(*), intent(in) :: words
+
+      associate (unused_self => self, unused_words => words)
+      end associate
+   end subroutine ignore_stage
+
    !> There is no outside.
    subroutine ignore_outside(self)
       class(observer_t), intent(inout) :: self
@@ -157,6 +169,14 @@ contains
       end associate
       call self%look_outside()
    end subroutine look_at_step
+
+   !> Whoever waits for the other run waits for this one.
+   recursive subroutine tell_watcher(self, words)
+      class(lookout_t), intent(inout) :: self
+      character(*), intent(in) :: words
+
+      call self%watcher%on_stage(words)
+   end subroutine tell_watcher
 
    !> Does what the watcher does.
    recursive subroutine look_through(self)

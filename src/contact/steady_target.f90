@@ -19,6 +19,7 @@ module steady_target
    use observer, only: is_stopped, observer_t
    use solver_choice, only: adopt, steady_attempts
    use solver_settings, only: domain_t, most_chosen, solver_settings_t, time_settings_t
+   use text, only: to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -148,6 +149,7 @@ contains
          else
             call refine(hierarchy, contact, k)
          end if
+         call watcher%on_stage('steady on '//to_text(hierarchy%levels(k)%n)//' intervals')
          call solve_level(hierarchy, contact, k, min(companion_tolerance, target), is_sound, watcher)
          if (is_sound) then
             call take_coarser(bars, coarser_summaries(hierarchy))

@@ -10,6 +10,7 @@ module dry_surfaces
    use height_file, only: heights_t, read_heights
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
+   use life_sign, only: begin_activity
    use synthesis_keys, only: read_synthesis, synthetic_keys
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text
@@ -231,6 +232,7 @@ contains
             // 'the domain, ' // to_text(dry%lengths(i)) // ' m')
          return
       end do
+      call begin_activity('making the surface')
       if (any(heights%grid /= [dry%grid%nx, dry%grid%ny])) then
          if (.not. dry%is_periodic) then
             call findings%add(line, group, 'file', 'found ' // to_text(heights%grid(1)) // ' x ' // to_text(heights%grid(2)) &
@@ -262,6 +264,7 @@ contains
       end if
       call read_synthesis(values, group, maxval(dry%lengths), 2.0_wp*dry%lengths(1)/dry%grid%nx, wanted, findings)
       if (findings%count > 0) return
+      call begin_activity('making the surface')
       call synthetic_heights(wanted, [dry%grid%nx, dry%grid%ny], dry%lengths(1), max(dry%lengths(2), tiny(1.0_wp)), z, error)
       if (allocated(error)) call findings%add(values%line_of(group, 'shape'), group, 'shape', error%message)
    end subroutine add_synthetic

@@ -9,6 +9,7 @@ module height_file
    use height_limits, only: height_fault, is_height, range_fault
    use height_source, only: height_source_t
    use kinds, only: wp
+   use life_sign, only: begin_activity
    use system_limits, only: memory_fault
    use text, only: to_lower, to_text
    implicit none (type, external)
@@ -115,6 +116,7 @@ contains
 
       grid = 1
       spacing = 0.0_wp
+      call begin_activity('reading '//file(index(file, '/', back=.true.) + 1:))
       ending = to_lower(file(index(file, '.', back=.true.) + 1:))
       if (ending == 'h5' .or. ending == 'hdf5') then
          allocate (set)

@@ -10,8 +10,8 @@
 !> could reach anything else. It only calls what POSIX allows there (write, unlink, setitimer, signal, _exit), and allocates
 !> nothing.
 module interruption
-   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, c_long, c_null_char, c_ptr, c_null_ptr, &
-      c_size_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, c_long, c_null_char, c_null_ptr, c_size_t
+   use signal_calls, only: c_exit, c_setitimer, c_signal, c_unlink, c_write, one_second, standard_error
    implicit none (type, external)
    private
 
@@ -26,8 +26,8 @@ module interruption
    !> ITIMER_REAL; time within which the program looks at the note if it looks at all, time that a time step or the writing of a
    !> result gets, time for the last words themselves [us].
    integer(c_int), parameter :: wall_timer = 0_c_int
-   integer(c_long), parameter :: soon = 700000_c_long, patience = 20000000_c_long, one_second = 1000000_c_long
-   integer(c_int), parameter :: standard_error = 2_c_int, status_interrupted = 4_c_int
+   integer(c_long), parameter :: soon = 700000_c_long, patience = 20000000_c_long
+   integer(c_int), parameter :: status_interrupted = 4_c_int
    !> Longest words, longest file name, and files to remove.
    integer, parameter :: longest_words = 9000, longest_name = 4200, most_files = 4
    character(*), parameter :: usual_words = 'asperity: interrupted'
@@ -47,52 +47,6 @@ module interruption
    end type last_words_t
    type(last_words_t) :: sets(2)
    integer, volatile :: current = 0
-
-   interface
-      !> signal(2): sets what a signal does.
-      function c_signal(number, action) bind(c, name='signal') result(previous)
-         import :: c_funptr, c_int
-         implicit none (type, external)
-         integer(c_int), value :: number
-         type(c_funptr), value :: action
-         type(c_funptr) :: previous
-      end function c_signal
-
-      !> setitimer(2): `setting` is struct itimerval, the interval and the time until the first signal, seconds and microseconds.
-      function c_setitimer(timer, setting, old) bind(c, name='setitimer') result(status)
-         import :: c_int, c_long, c_ptr
-         implicit none (type, external)
-         integer(c_int), value :: timer
-         integer(c_long), intent(in) :: setting(4)
-         type(c_ptr), value :: old
-         integer(c_int) :: status
-      end function c_setitimer
-
-      !> write(2).
-      function c_write(descriptor, text, bytes) bind(c, name='write') result(written)
-         import :: c_char, c_int, c_size_t
-         implicit none (type, external)
-         integer(c_int), value :: descriptor
-         character(kind=c_char), intent(in) :: text(*)
-         integer(c_size_t), value :: bytes
-         integer(c_size_t) :: written
-      end function c_write
-
-      !> unlink(2).
-      function c_unlink(path) bind(c, name='unlink') result(status)
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int) :: status
-      end function c_unlink
-
-      !> _exit(2): ends the process, nothing is flushed.
-      subroutine c_exit(status) bind(c, name='_exit')
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int), value :: status
-      end subroutine c_exit
-   end interface
 
 contains
 

@@ -7,6 +7,7 @@ module progress_log
    use, intrinsic :: iso_fortran_env, only: error_unit, int64
    use iteration_report, only: report_t
    use kinds, only: wp
+   use life_sign, only: begin_activity, begin_line, columns_of_sign, end_line
    use line_state, only: line_state_t
    use line_summary, only: figure_t, line_summary_t, parabola_minimum
    use observer, only: observer_t
@@ -26,8 +27,8 @@ module progress_log
    integer, parameter :: name_columns = 20
    !> Time between two updates on a terminal [s].
    real(wp), parameter :: update_seconds = 0.1_wp
-   !> Longest silence in a log during time steps [s].
-   real(wp), parameter :: log_seconds = 60.0_wp
+   !> Longest silence in a log during cycles and time steps [s].
+   real(wp), parameter :: log_seconds = 4.0_wp
 
    !> A starved inlet is told from this share of the film on.
    real(wp), parameter :: telling_inlet_error = 5.0e-3_wp
@@ -52,6 +53,7 @@ module progress_log
    contains
       procedure :: on_cycle
       procedure :: on_step
+      procedure :: on_stage
       !> A new case begins.
       procedure :: start_case
       !> A case is done: its table.
@@ -87,7 +89,7 @@ contains
       self%first_step = -1
    end subroutine start_case
 
-   !> In a log cycles 1, 2, 4, 8, ...; on a terminal each, but not more than ten a second.
+   !> In a log cycles 1, 2, 4, 8, ..., and after a long silence; on a terminal each, but not more than ten a second.
    subroutine on_cycle(self, cycle, residual, load_error)
       class(progress_log_t), intent(inout) :: self
       integer, intent(in) :: cycle
@@ -96,14 +98,14 @@ contains
       logical :: is_due
 
       if (self%is_quiet) return
-      is_due = popcnt(cycle) == 1
+      is_due = popcnt(cycle) == 1 .or. wall_seconds() - self%last_line >= log_seconds
       if (self%is_updating) is_due = cycle == 1 .or. wall_seconds() - self%last_line >= update_seconds
       if (.not. is_due) return
       call self%update('cycle '//number_text(real(cycle, wp), 9)//'  residual '//number_text(residual, 3)// &
                        '  load error '//number_text(load_error, 3))
    end subroutine on_cycle
 
-   !> In a log every tenth of the way, or after a minute; on a terminal each step, but not more than ten a second.
+   !> In a log every tenth of the way, and after a long silence; on a terminal each step, but not more than ten a second.
    subroutine on_step(self, step, steps, state, report)
       class(progress_log_t), intent(inout) :: self
       integer, intent(in) :: step
@@ -126,6 +128,16 @@ contains
       if (self%is_updating) is_due = silence >= update_seconds
       if (is_due) call self%update(step_text(self, step, steps, state, report))
    end subroutine on_step
+
+   !> Told where it takes long.
+   subroutine on_stage(self, words)
+      class(progress_log_t), intent(inout) :: self
+      character(*), intent(in) :: words
+
+      associate (unused => self)
+      end associate
+      call begin_activity(words)
+   end subroutine on_stage
 
    !> Tenths of the way after `step` of `steps`.
    pure function tenths(step, steps) result(n)
@@ -270,8 +282,11 @@ contains
       self%last_line = wall_seconds()
       if (self%is_updating) then
          full = full(:min(len(full), columns - 1))
+         call begin_line()
+         self%shown = max(self%shown, columns_of_sign())
          write (self%unit, '(3a)', advance='no', iostat=status) achar(13), full, repeat(' ', max(self%shown - len(full), 0))
          flush (self%unit, iostat=status)
+         call end_line()
          self%shown = len(full)
       else
          call self%write_line(full)
@@ -283,9 +298,11 @@ contains
       class(progress_log_t), intent(inout) :: self
       integer :: status
 
-      if (self%shown == 0) return
-      write (self%unit, '(3a)', advance='no', iostat=status) achar(13), repeat(' ', self%shown), achar(13)
+      call begin_line()
+      self%shown = max(self%shown, columns_of_sign())
+      if (self%shown > 0) write (self%unit, '(3a)', advance='no', iostat=status) achar(13), repeat(' ', self%shown), achar(13)
       self%shown = 0
+      call end_line()
    end subroutine clear
 
    !> Writes one or more whole lines.
@@ -294,8 +311,10 @@ contains
       character(*), intent(in) :: line
       integer :: status
 
+      call begin_line()
       write (self%unit, '(a)', iostat=status) line
       flush (self%unit, iostat=status)
+      call end_line()
    end subroutine write_line
 
 end module progress_log

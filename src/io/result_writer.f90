@@ -20,6 +20,7 @@ module result_writer
    use interruption, only: forget_last_words, ignore_file_size_signal, lay_down_last_words, set_patience
    use iteration_report, only: report_t
    use kinds, only: wp
+   use life_sign, only: begin_activity
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
    use observer, only: observer_t
@@ -58,6 +59,8 @@ module result_writer
       type(film_statistics_t) :: statistics
       !> NAME.part holds what a checkpoint needs: it stays when the run fails.
       logical :: has_checkpoint = .false.
+      !> Time step of that checkpoint.
+      integer, private :: kept_step = -1
       !> /input/effective, every value as it is used, default or not: stored as numbers if it has a unit ('-': a pure number) and
       !> reads as such, else as text.
       type(effective_t), allocatable :: inputs(:)
@@ -94,7 +97,7 @@ module result_writer
       procedure :: interruption_text
       !> Gives the file up; nothing of it stays, but NAME.part if there is a checkpoint.
       procedure :: discard
-      procedure, private :: remove_checkpoint, keep_failure
+      procedure, private :: remove_checkpoint, keep_failure, is_kept
    end type result_writer_t
 
 contains
@@ -183,12 +186,13 @@ contains
 
    !> Lays down this text, and which files go with it.
    subroutine expect_interruption(self, step)
-      class(result_writer_t), intent(in) :: self
+      class(result_writer_t), intent(inout) :: self
       integer, intent(in) :: step
       character(len=9), parameter :: endings(3) = [character(len=9) :: '.part', '.tmp', '.ckpt.tmp']
       character(len=len(self%path) + len(endings)) :: names(size(endings))
       integer :: first
 
+      self%kept_step = step
       first = merge(2, 1, self%has_checkpoint)   ! a checkpoint needs NAME.part
       names = self%path//endings
       call lay_down_last_words(program_name//': '//self%interruption_text(step), names(first:))
@@ -354,6 +358,14 @@ contains
       has_failed = allocated(self%file%failure)
    end function has_failed
 
+   !> Whether the checkpoint holds all time steps: the result can then be put together again.
+   pure function is_kept(self)
+      class(result_writer_t), intent(in) :: self
+      logical :: is_kept
+
+      is_kept = self%has_checkpoint .and. self%kept_step == self%store%records() - 1
+   end function is_kept
+
    !> Waits until NAME.part is on the disk; true if that worked.
    function sync(self) result(is_done)
       class(result_writer_t), intent(inout) :: self
@@ -373,7 +385,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: missing
 
-      call set_patience(.true.)
+      call set_patience(.not. self%is_kept())
+      call begin_activity('writing the result')
       self%summary = self%figures%extremes(summary_of(state))
       if (self%is_transient .and. .not. allocated(self%file%failure)) then
          call create_hdf5_file(self%file, self%path//'.tmp', error)   ! error: stays in the file
@@ -400,7 +413,7 @@ contains
       character(:), allocatable :: reason
       integer :: i
 
-      call set_patience(.true.)
+      call set_patience(.not. self%is_kept())
       do i = 1, size(self%inputs)
          call write_input(self%file, self%inputs(i), self%scaling)
       end do
@@ -438,6 +451,7 @@ contains
       if (allocated(error)) return
       is_done = .true.
       if (writer%has_checkpoint) is_done = sync_file(temporary)
+      call set_patience(.true.)   ! the checkpoint goes
       if (is_done) is_done = rename_file(temporary, writer%path)
       if (.not. is_done) call fail(error, output_error, 'cannot rename '//temporary//' to '//writer%path)
    end subroutine give_name

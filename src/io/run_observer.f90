@@ -23,7 +23,7 @@ module run_observer
 
    public :: run_observer_t
 
-   !> A run of this wall time [s] gets a checkpoint before the companions.
+   !> A run of this wall time [s] gets a checkpoint behind its last step, before companions and result.
    real(wp), parameter :: long_run = 5.0_wp
 
    !> Hands everything on to `writer` and `log`; stops the solver if nothing can be written any more or the run is interrupted.
@@ -54,6 +54,7 @@ module run_observer
    contains
       procedure :: on_cycle
       procedure :: on_step
+      procedure :: on_stage
       procedure :: keep_state
       procedure :: keep_coarser
       procedure :: look_outside
@@ -98,11 +99,19 @@ contains
          breakdown_sentence(report%breakdown, self%film_floor, self%scaling))
       self%wants_stop = self%writer%wants_stop .or. is_interrupted()
       self%wants_state = is_interrupted() .or. begin - self%last_checkpoint >= self%checkpoint_interval
-      if (step == steps) self%wants_state = self%has_companions .and. (self%wants_state .or. begin - self%start > long_run)
+      if (step == steps) self%wants_state = self%wants_state .or. begin - self%start > long_run
       self%wants_state = self%wants_state .and. .not. self%writer%wants_stop
       call set_patience(self%wants_state .or. step < steps)
       self%output_seconds = self%output_seconds + wall_seconds() - begin
    end subroutine on_step
+
+   !> Told by the log.
+   subroutine on_stage(self, words)
+      class(run_observer_t), intent(inout) :: self
+      character(*), intent(in) :: words
+
+      call self%log%on_stage(words)
+   end subroutine on_stage
 
    !> Writes a checkpoint. One that cannot be written is told and does not stop the run: the last one is still there.
    subroutine keep_state(self, history)

@@ -9,6 +9,7 @@ module transient_store
    use hdf5_series, only: create_series, series_t
    use iteration_report, only: report_t
    use kinds, only: wp
+   use life_sign, only: begin_activity
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use positional_file, only: open_positional_file, positional_file_t
@@ -206,6 +207,7 @@ contains
 
       do i = 1, size(self%series)
          associate (series => self%series(i))
+            call begin_activity('writing the result, '//self%names(i))
             call create_series(copy, file, series%path, series%row_length, series_label(trim(self%names(i)), scaling))
             most = max(block_numbers/max(series%row_length, 1), 1)
             do first = 1, series%records, most

@@ -1,0 +1,173 @@
+!> A line where the program would be silent for long: what it is doing, and for how many seconds.
+!>
+!> Solvers tell their cycles and steps, but reading, planning of transforms, factorising, compressing and the like are calls of
+!> libraries, or loops that tell nobody. So a timer counts the processor time since the last line, and its signal handler writes
+!> the next one: the words that were laid down last.
+!>
+!> The variables outlive a call for the reason that is given in `interruption`, and the handler does no more than that one:
+!> it calls time, write and setitimer, and allocates nothing.
+module life_sign
+   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_long, c_null_ptr, c_size_t
+   use quantity_text, only: shortened
+   use signal_calls, only: c_setitimer, c_signal, c_time, c_write, one_second, standard_error
+   implicit none (type, external)
+   private
+
+   public :: begin_activity, begin_line, begin_subject, columns_of_sign, end_line, watch_silence
+
+   !> ITIMER_PROF, processor time of all threads, and its signal, with the number of Linux.
+   integer(c_int), parameter :: processor_timer = 2_c_int, signal_timer = 27_c_int
+   !> Silence that is broken [us of processor time]. Many threads spend it fast: at most one line a second.
+   integer(c_long), parameter :: longest_silence = 4000000_c_long
+   !> Longest subject and words, so that the line fits on a terminal.
+   integer, parameter :: longest_subject = 20, longest_words = 48, longest_line = longest_subject + longest_words + 11
+   character(kind=c_char), parameter :: carriage_return = achar(13), blank = ' ', line_end = new_line('a')
+
+   logical, volatile :: is_watching = .false., is_updating = .false.
+   !> The rest of the program is writing a line: none may come in between.
+   logical, volatile :: is_writing = .false.
+   !> What is being worked on, and what is done with it; both twice: one is valid while the other one is written.
+   type :: activity_t
+      integer :: length = 0
+      character(kind=c_char, len=longest_line) :: words = ''
+      integer(c_long) :: start = 0_c_long
+   end type activity_t
+   type(activity_t) :: activities(2)
+   integer, volatile :: current = 1
+   character(len=longest_subject) :: subject = ''
+   !> Clock at the last line [s].
+   integer(c_long), volatile :: last_line = 0_c_long
+   !> Columns of the updating line that the handler has left on a terminal.
+   integer, volatile :: columns = 0
+
+contains
+
+   !> From now on no silence is long. `updates`: on a terminal, where a sign is no line of its own.
+   subroutine watch_silence(updates)
+      logical, intent(in) :: updates
+      type(c_funptr) :: previous
+
+      is_updating = updates
+      is_watching = .true.
+      previous = c_signal(signal_timer, c_funloc(give_sign))
+      call end_line()
+   end subroutine watch_silence
+
+   !> What is being worked on from now on: the file of a case.
+   subroutine begin_subject(file)
+      character(*), intent(in) :: file
+
+      subject = shortened(file(index(file, '/', back=.true.) + 1:), longest_subject)
+   end subroutine begin_subject
+
+   !> What is done from now on, as words behind "case.nml: ".
+   subroutine begin_activity(words)
+      character(*), intent(in) :: words
+      integer :: next
+
+      next = 3 - current
+      associate (activity => activities(next), present => activities(current))
+         activity%words = words
+         if (len_trim(subject) > 0) activity%words = trim(subject)//': '//words
+         activity%length = len_trim(activity%words)
+         if (activity%length > longest_line - 9) activity%length = longest_line - 9
+         if (activity%words == present%words) return
+         activity%start = c_time(c_null_ptr)
+      end associate
+      current = next
+   end subroutine begin_activity
+
+   !> A line is about to be written by others.
+   subroutine begin_line()
+      is_writing = .true.
+   end subroutine begin_line
+
+   !> It is written: the silence begins again.
+   subroutine end_line()
+      columns = 0
+      last_line = c_time(c_null_ptr)
+      if (is_watching) call set_timer(longest_silence)
+      is_writing = .false.
+   end subroutine end_line
+
+   !> Columns of a terminal that a sign has filled since the last line.
+   function columns_of_sign() result(count)
+      integer :: count
+
+      count = columns
+   end function columns_of_sign
+
+   !> The handler of the timer. Words that nobody takes are the last ones.
+   subroutine give_sign(number) bind(c)
+      integer(c_int), value :: number
+      character(kind=c_char) :: line(longest_line + 2)
+      integer(c_long) :: now
+      integer :: length
+
+      associate (unused => number)
+      end associate
+      if (.not. is_watching) return
+      now = c_time(c_null_ptr)
+      if (is_writing .or. now == last_line) then
+         call set_timer(one_second)
+         return
+      end if
+      call compose(activities(current), now, line, length)
+      is_watching = c_write(standard_error, line, int(length, c_size_t)) == length
+      last_line = now
+      if (is_updating) columns = length - 1
+      if (is_watching) call set_timer(longest_silence)
+   end subroutine give_sign
+
+   !> The line of an activity: on a terminal in place of the last one, which it covers.
+   subroutine compose(activity, now, line, length)
+      type(activity_t), intent(in) :: activity
+      integer(c_long), intent(in) :: now
+      character(kind=c_char), intent(out) :: line(:)
+      integer, intent(out) :: length
+      integer(c_long) :: rest
+      integer :: digits, i
+
+      length = 0
+      if (is_updating) call put(carriage_return)
+      do i = 1, activity%length
+         call put(activity%words(i:i))
+      end do
+      call put(',')
+      call put(blank)
+      rest = min(max(now - activity%start, 1_c_long), 999999_c_long)
+      digits = 1
+      do while (rest >= 10_c_long**digits)
+         digits = digits + 1
+      end do
+      do i = digits - 1, 0, -1
+         call put(achar(iachar('0') + int(modulo(rest/10_c_long**i, 10_c_long))))
+      end do
+      call put(blank)
+      call put('s')
+      if (.not. is_updating) call put(line_end)
+      do while (is_updating .and. length < longest_line + 1)
+         call put(blank)
+      end do
+
+   contains
+
+      !> One character more.
+      subroutine put(symbol)
+         character(kind=c_char), intent(in) :: symbol
+
+         length = length + 1
+         line(length) = symbol
+      end subroutine put
+
+   end subroutine compose
+
+   !> The signal after `time` of processor time [us].
+   subroutine set_timer(time)
+      integer(c_long), intent(in) :: time
+      integer(c_int) :: status
+
+      status = c_setitimer(processor_timer, [0_c_long, 0_c_long, time/one_second, modulo(time, one_second)], c_null_ptr)
+   end subroutine set_timer
+
+end module life_sign
