@@ -18,7 +18,7 @@ DRY = """&case problem = 'dry_area' /
 &domain length_x = 1e-3, length_y = 1e-3, intervals_x = 1024, intervals_y = 1024 /
 """
 SIGNALS = [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU]
-# The program takes 0.7 s at most; the rest is for a busy machine.
+# The program takes 0.5 s at most; the rest is for a busy machine.
 SECONDS = 10
 
 

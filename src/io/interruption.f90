@@ -26,7 +26,7 @@ module interruption
    !> ITIMER_REAL; time within which the program looks at the note if it looks at all, time that a time step or the writing of a
    !> result gets, time for the last words themselves [us].
    integer(c_int), parameter :: wall_timer = 0_c_int
-   integer(c_long), parameter :: soon = 700000_c_long, patience = 20000000_c_long
+   integer(c_long), parameter :: soon = 500000_c_long, patience = 20000000_c_long
    integer(c_int), parameter :: status_interrupted = 4_c_int
    !> Longest words, longest file name, and files to remove.
    integer, parameter :: longest_words = 9000, longest_name = 4200, most_files = 4
