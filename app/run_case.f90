@@ -182,7 +182,7 @@ contains
       whole = contact
       call choose_domain(whole, case%solver%target)
       call choose_time_step(whole, case%time)
-      if (watcher%has_companions) watcher%writer%bars = new_error_bars(whole, case%time)
+      if (watcher%has_companions) watcher%writer%bars = new_error_bars(whole, case%time, case%solver%space_scheme)
       call tell_coarse_waves(case, contact, watcher, note)
       call tell_missed_target(case, contact, watcher, note)
       call tell(case, watcher, passage_note(contact, watcher%writer%figures%times), note)

@@ -129,7 +129,7 @@ contains
          call record_steady(watcher, state)
          watcher%residual = report%residual
          if (report%converged) then
-            bars = new_error_bars(contact, time)
+            bars = new_error_bars(contact, time, settings%space_scheme)
             call take_coarser(bars, watcher%coarser)
             if (job%has_bars) call run_farther(bars, contact, settings, watcher, error)
             if (allocated(error)) return

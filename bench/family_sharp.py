@@ -47,6 +47,6 @@ def wide(source: random.Random, count: int) -> list[Member]:
 
 
 FAMILIES = [
-    Family("sharp_spikes", "Spikes by the sharp scheme, given grids", (*FILMS, "summary/p_max"), spiked),
+    Family("sharp_spikes", "Spikes by the sharp scheme, given grids", (*FILMS, "summary/p_max"), spiked, estimate="error_grid"),
     Family("wide", "Heavy, fast and sliding contacts, chosen domain and grid", FILMS, wide),
 ]

@@ -51,7 +51,7 @@ contains
       type(time_settings_t) :: companion_time
       logical :: is_known
 
-      bars = new_error_bars(contact, time)
+      bars = new_error_bars(contact, time, settings%space_scheme)
       collector%watcher => watcher
       companion_time = time
       companion_time%scheme = 'bdf2'

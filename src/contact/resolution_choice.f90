@@ -110,7 +110,7 @@ contains
       integer :: direction
       logical :: has_solution, is_chosen, is_open
 
-      bars = new_error_bars(contact, time)
+      bars = new_error_bars(contact, time, settings%space_scheme)
       is_open = settings%space_scheme == 'auto' .and. takes_sharp(settings)
       if (is_open) settings%space_scheme = 'sharp'
       pilot_settings = settings

@@ -95,7 +95,7 @@ contains
       logical :: is_sound
       integer :: i
 
-      bars = new_error_bars(contact, time_settings_t())
+      bars = new_error_bars(contact, time_settings_t(), settings%space_scheme)
       allocate (ways, source=steady_attempts(contact, solver_settings_t(method='newton_krylov')))
       hierarchy%is_sharp = settings%space_scheme == 'sharp'
       do i = 1, size(ways)
