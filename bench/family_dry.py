@@ -45,14 +45,16 @@ def sizes(lines: int, nodes: int, length: float = LENGTH, more: str = "") -> str
     return ", ".join(f"length{name} = {length!r}, intervals{name} = {nodes}" for name in names) + more
 
 
-def count_of(source: random.Random, lines: int) -> int:
-    """Nodes a side, even or odd."""
+def count_of(source: random.Random, lines: int, *, many: bool = False) -> int:
+    """Nodes a side, even or odd; `many`: so many that the errors come from coarser grids."""
+    if many:
+        return round(2 ** (source.uniform(17.1, 17.45) if lines == 1 else source.uniform(7.1, 8.3)))
     return round(2 ** (source.uniform(5.5, 11) if lines == 1 else source.uniform(5, 7)))
 
 
 def finer(lines: int, nodes: int) -> int:
     """How much finer the grid of the truth is."""
-    return 8 if lines == 1 or nodes <= 64 else 4
+    return 8 if nodes <= (2048, 64)[lines - 1] else 4
 
 
 def hertz_pressure(lines: int, half_width: float, radius: float) -> float:
@@ -142,13 +144,13 @@ def nodes_per_wave(source: random.Random, nodes: int) -> float:
     return max(2.0, min(2 ** source.uniform(1, 6), nodes / 6))
 
 
-def rough(lines: int, hardness: bool):
+def rough(lines: int, hardness: bool, *, many: bool = False):
     """Periodic rough surfaces with 2 to 64 nodes in the finest wave, from first contact to most of the area."""
 
     def draw(source: random.Random, count: int) -> list[Member]:
         found = []
         for i in range(count):
-            nodes = count_of(source, lines)
+            nodes = count_of(source, lines, many=many)
             z = 1e-6 * heights(series(source, lines, nodes, nodes_per_wave(source, nodes)), nodes)
             slope = math.sqrt(sum(((np.roll(z, -1, a) - z) ** 2).mean() for a in range(lines))) / (LENGTH / nodes)
             pressure = MODULUS / 2 * slope * 10 ** source.uniform(-2.3, -0.3)
@@ -166,13 +168,13 @@ def rough(lines: int, hardness: bool):
     return draw
 
 
-def rough_body(lines: int):
+def rough_body(lines: int, *, many: bool = False):
     """A rough parabola on an open domain, elastic or yielding."""
 
     def draw(source: random.Random, count: int) -> list[Member]:
         found = []
         for i in range(count):
-            nodes = count_of(source, lines)
+            nodes = count_of(source, lines, many=many)
             spectrum = 1e-6 * series(source, lines, nodes, nodes_per_wave(source, nodes))
             half_width = source.uniform(0.3, 0.7) * LENGTH / 2
             radius = half_width**2 / (2e-6 * 10 ** source.uniform(0.5, 1.7))
@@ -235,6 +237,10 @@ FAMILIES = [
     Family("dry_plastic_line", "Rough profiles that yield", PLASTIC, rough(1, hardness=True)),
     Family("dry_plastic_area", "Rough areas that yield", PLASTIC, rough(2, hardness=True)),
     Family("dry_plastic_ball", "A ball that yields", PLASTIC, hertz(2, hardness=True)),
+    Family("dry_many_line", "Rough profiles of 140 to 180 thousand nodes", FIGURES, rough(1, hardness=False, many=True), 12),
+    Family("dry_many_area", "Rough areas of 137 to 315 nodes a side", FIGURES, rough(2, hardness=False, many=True), 12),
+    Family("dry_many_open_area", "Rough balls, as many", FIGURES, rough_body(2, many=True), 12),
+    Family("dry_many_plastic_area", "Rough areas that yield, as many", PLASTIC, rough(2, hardness=True, many=True), 12),
     Family("dry_too_small", "Open domains inside the contact", ("summary/p_max",), too_small),
     Family("dry_boxed", "Parabolas in a box", ("summary/p_max",), boxed),
 ]

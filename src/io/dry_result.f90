@@ -144,10 +144,10 @@ contains
          character(:), allocatable :: missing
 
          known = ieee_value(0.0_wp, ieee_quiet_nan)
-         missing = 'no coarser grids are compared'
+         missing = 'no other grids are compared'
          if (size(estimates) > 0) then
             known = estimates
-            missing = 'no solution, or too few coarser grids with one'
+            missing = 'no solution, or too few other grids with one'
          end if
          call write_column(name, values, long_name, units)
          call write_attribute(file, '/sweep/' // name, 'error_estimate', known)
