@@ -3,6 +3,7 @@ module nested_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use constants, only: pi
    use fas_cycle, only: cycle_from
+   use hertz, only: line_pressure
    use kinds, only: wp
    use expected_film, only: film_estimate
    use line_contact, only: line_contact_t
@@ -231,7 +232,7 @@ contains
          if (film > thick_film) then
             level%pressure = merge(1/(1 + ((level%x + 0.5_wp*width)/width)**2)**2, 0.0_wp, level%x < width)
          else
-            level%pressure = sqrt(max(1 - level%x**2, 0.0_wp))
+            level%pressure = line_pressure(level%x)
          end if
          level%has_tail = contact%domain%inlet == 'tail'
          if (level%has_tail) level%rhs_load = 0.5_wp*pi

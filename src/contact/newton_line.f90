@@ -2,7 +2,7 @@
 !>
 !> Unknowns are P(1..n-1) and H0, the film follows exactly from P; complementarity P >= 0, r <= 0 by an active set:
 !> a node is cavitated where P + r/D <= 0 (r the residual of (2.65), D > 0 the elastic diagonal). How the linear system is
-!> solved is the affair of a `linear_solver_t`: by LAPACK, or in O(n log n).
+!> solved is decided by the `linear_solver_t`: by LAPACK, or in O(n log n).
 module newton_line
    use inlet_tail, only: close_inlet
    use kinds, only: wp
@@ -83,7 +83,7 @@ contains
       call allocate_work(newton, level%n)
       newton%is_converged = .false.
       newton%stress_scale = wall_stress(contact%fluid, 1.0_wp)
-      ! a thinning oil flows before it is solid: bent steps ended nowhere at M 2000, L 25, tau_0 1 MPa
+      ! bent steps do not converge for thinning oils under heavy load (docs/decisions.md)
       newton%is_bent = .not. thins(contact%fluid)
       previous_step = huge(1.0_wp)
       is_at_hand = .false.

@@ -178,7 +178,7 @@ contains
       call self%watcher%on_stage(words)
    end subroutine tell_watcher
 
-   !> Does what the watcher does.
+   !> Asks the watcher whether to stop.
    recursive subroutine look_through(self)
       class(lookout_t), intent(inout) :: self
 

@@ -61,7 +61,7 @@ contains
          attempts = [attempts(1), attempts]
          attempts(2:)%thesis_first = .true.
       end if
-      ! who bounds the cycles wants no motion of many steps before them
+      ! with a given limit of cycles there is no time stepping to a start, which takes many
       if (settings%max_cycles > 0) attempts = pack(attempts, .not. attempts%follows_time)
       call override(settings, attempts)
    end function steady_attempts

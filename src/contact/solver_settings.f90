@@ -54,7 +54,7 @@ module solver_settings
 
    !> The method of solution and its numbers.
    type :: solver_settings_t
-      !> 'auto', 'fas_block_jacobi', 'block_jacobi' (one level) or 'newton_dense'.
+      !> 'auto', 'newton_krylov', 'newton_dense', 'fas_block_jacobi' or 'block_jacobi' (one level).
       character(len=word_length) :: method = 'auto'
       !> 'auto', 'block_jacobi', 'gauss_seidel', 'line' or 'hybrid'.
       character(len=word_length) :: smoother = 'auto'

@@ -238,7 +238,7 @@ contains
       status = c_close(descriptor)
    end function sync_file
 
-   !> Waits until the names in the folder of `path` are on the disk; folders that cannot do that are let be.
+   !> Waits until the names in the folder of `path` are on the disk; file systems that cannot do that are left as they are.
    subroutine sync_folder(path)
       character(*), intent(in) :: path
       logical :: is_done

@@ -8,7 +8,7 @@ module fftw
    implicit none (type, external)
    private
 
-   public :: fftw_alloc_real, fftw_alloc_complex, fftw_free, fftw_alignment_of, fftw_plan_dft_r2c, fftw_plan_dft_c2r, &
+   public :: fftw_alloc_real, fftw_alloc_complex, fftw_free, fftw_plan_dft_r2c, fftw_plan_dft_c2r, &
       fftw_execute_dft_r2c, fftw_execute_dft_c2r, fftw_destroy_plan, fftw_plan_dft_r2c_1d, fftw_plan_dft_c2r_1d, &
       fftw_plan_dft_1d, fftw_execute_dft, &
       fftwf_alloc_real, fftwf_alloc_complex, fftwf_free, fftwf_plan_dft_r2c_1d, fftwf_plan_dft_c2r_1d, fftwf_plan_dft_1d, &
@@ -16,8 +16,6 @@ module fftw
 
    !> Plan by rule, not by timing: a repeated run gives the same bits.
    integer(c_int), parameter, public :: fftw_estimate = 64_c_int
-   !> Plan by timing several candidates.
-   integer(c_int), parameter, public :: fftw_measure = 0_c_int
    !> Signs of the exponent of complex transforms.
    integer(c_int), parameter, public :: fftw_forward = -1_c_int, fftw_backward = 1_c_int
 
@@ -41,13 +39,6 @@ module fftw
          implicit none (type, external)
          type(c_ptr), value :: memory
       end subroutine fftw_free
-
-      function fftw_alignment_of(values) bind(c, name='fftw_alignment_of') result(offset)
-         import :: c_int, c_double
-         implicit none (type, external)
-         real(c_double), intent(in) :: values(*)
-         integer(c_int) :: offset
-      end function fftw_alignment_of
 
       function fftw_plan_dft_r2c_1d(n, in, out, flags) bind(c, name='fftw_plan_dft_r2c_1d') result(plan)
          import :: c_double, c_double_complex, c_int, c_ptr

@@ -2,7 +2,7 @@
 module lubricant
    use density, only: dowson_higginson_densities, dowson_higginson_density_values
    use kinds, only: wp
-   use viscosity, only: roelands_viscosities, roelands_ln_viscosities
+   use viscosity, only: barus_ln_viscosities, barus_viscosities, roelands_ln_viscosities, roelands_viscosities
    implicit none (type, external)
    private
 
@@ -67,8 +67,7 @@ contains
       case (viscosity_roelands)
          call roelands_viscosities(p, fluid%alpha_bar, fluid%p0, fluid%z, ln_mu, dln_mu)
       case (viscosity_barus)
-         ln_mu = fluid%alpha_bar*p
-         dln_mu = fluid%alpha_bar
+         call barus_viscosities(p, fluid%alpha_bar, ln_mu, dln_mu)
       case default
          ln_mu = 0.0_wp
          dln_mu = 0.0_wp
@@ -85,7 +84,7 @@ contains
       case (viscosity_roelands)
          call roelands_ln_viscosities(p, fluid%alpha_bar, fluid%p0, fluid%z, ln_mu)
       case (viscosity_barus)
-         ln_mu = fluid%alpha_bar*p
+         call barus_ln_viscosities(p, fluid%alpha_bar, ln_mu)
       case default
          ln_mu = 0.0_wp
       end select

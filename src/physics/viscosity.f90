@@ -7,8 +7,8 @@ module viscosity
    implicit none (type, external)
    private
 
-   public :: roelands_viscosity, barus_viscosity
-   public :: roelands_viscosities, roelands_ln_viscosities
+   public :: barus_ln_viscosities, barus_viscosities
+   public :: roelands_ln_viscosities, roelands_viscosities, roelands_viscosity
 
 contains
 
@@ -23,16 +23,26 @@ contains
       call roelands(p, alpha, p0, z, ln_mu, dln_mu)
    end subroutine roelands_viscosity
 
-   !> Barus' law:  ln(mu/mu_0) = alpha p; C. Barus, Am. J. Sci. 45, 1893, 87; the limit z = 1 of (2.26).
+   !> Barus' law on arrays (n):  ln(mu/mu_0) = alpha p; C. Barus, Am. J. Sci. 45, 1893, 87; the limit z = 1 of (2.26).
    !>
    !> `p` >= 0; `alpha` >= 0; realistic below about 0.3 GPa. Results as in `roelands_viscosity`.
-   pure elemental subroutine barus_viscosity(p, alpha, ln_mu, dln_mu)
-      real(wp), intent(in) :: p, alpha
-      real(wp), intent(out) :: ln_mu, dln_mu
+   pure subroutine barus_viscosities(p, alpha, ln_mu, dln_mu)
+      real(wp), intent(in), contiguous :: p(:)
+      real(wp), intent(in) :: alpha
+      real(wp), intent(out), contiguous :: ln_mu(:), dln_mu(:)
+
+      call barus_ln_viscosities(p, alpha, ln_mu)
+      dln_mu = alpha
+   end subroutine barus_viscosities
+
+   !> The value of `barus_viscosities` without the derivative.
+   pure subroutine barus_ln_viscosities(p, alpha, ln_mu)
+      real(wp), intent(in), contiguous :: p(:)
+      real(wp), intent(in) :: alpha
+      real(wp), intent(out), contiguous :: ln_mu(:)
 
       ln_mu = alpha*p
-      dln_mu = alpha
-   end subroutine barus_viscosity
+   end subroutine barus_ln_viscosities
 
    !> `roelands_viscosity` on arrays (n) in one loop that the compiler vectorises.
    pure subroutine roelands_viscosities(p, alpha, p0, z, ln_mu, dln_mu)
