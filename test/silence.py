@@ -5,6 +5,8 @@ import subprocess
 from pathlib import Path
 
 TICKS = os.sysconf("SC_CLK_TCK")
+# Processor time of several threads is no measure of waiting.
+ONE_THREAD = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
 
 
 def processor_seconds(pid):
@@ -16,10 +18,12 @@ def processor_seconds(pid):
     return sum(map(int, fields[11:13])) / TICKS
 
 
-def listen(command, folder):
-    """Runs a command; its status, and pairs of a line of standard error and the processor time when it came [s], the end last."""
+def listen(command, folder, prepare=None):
+    """Runs a command, after a call in its process: its status, and lines of standard error with the processor time when they came
+    [s], the end last."""
     heard = []
-    with subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as running:
+    pipes = {"stderr": subprocess.PIPE, "stdout": subprocess.DEVNULL}
+    with subprocess.Popen(command, cwd=folder, env=ONE_THREAD, preexec_fn=prepare, **pipes) as running:  # noqa: PLW1509  one thread
         for line in running.stderr:
             heard.append((line.decode("utf-8", "replace").rstrip("\n"), processor_seconds(running.pid)))
         _, status, usage = os.wait4(running.pid, 0)

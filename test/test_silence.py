@@ -10,7 +10,7 @@ import subprocess
 import h5py
 import pytest
 from cases import STEADY, TRANSIENT, write
-from silence import processor_seconds
+from silence import ONE_THREAD, processor_seconds
 from test_resume import names
 
 # Most processor time without a line, and from a signal to the end [s].
@@ -37,9 +37,9 @@ FIELDS = (
 )
 
 
-def write_heights(folder):
-    """A table that takes seconds to read; its rows are equal but for the position."""
-    (folder / "rough.csv").write_text("x,z\n" + "".join(f"{i}e-7,1.5e-8\n" for i in range(ROWS)), encoding="ascii")
+def write_heights(folder, rows):
+    """A table that takes a second for each million of rows to read; they are equal but for the position."""
+    (folder / "rough.csv").write_text("x,z\n" + "".join(f"{i}e-7,1.5e-8\n" for i in range(rows)), encoding="ascii")
 
 
 def pieces(reader):
@@ -74,11 +74,10 @@ def test_no_long_silence(program, tmp_path, case, is_terminal, words, last, kept
     """Listens until the sign of what takes long has come (writing a result: the last step), and then asks the program to end."""
     write(tmp_path, "case.nml", case)
     if case == HEIGHTS:
-        write_heights(tmp_path)
+        write_heights(tmp_path, ROWS)
     before, asked, message = 0.0, None, ""
     reader, writer = channel(is_terminal)
-    env = os.environ | {"OPENBLAS_NUM_THREADS": "1"}  # processor time of several threads is no measure of waiting
-    with subprocess.Popen([program, "case.nml"], cwd=tmp_path, stderr=writer, env=env) as running:
+    with subprocess.Popen([program, "case.nml"], cwd=tmp_path, stderr=writer, env=ONE_THREAD) as running:
         os.close(writer)
         for piece in pieces(reader):
             message = piece.decode()
