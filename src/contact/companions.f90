@@ -152,6 +152,7 @@ contains
       type(line_contact_t) :: coarse
       type(time_settings_t) :: coarse_time
 
+      collector%passed = [line_summary_t ::]
       coarse = contact
       call choose_domain(coarse)
       coarse%domain%intervals = coarse%domain%intervals/factor

@@ -1,6 +1,7 @@
 !> The memory that a case needs at most, known before any of it is allocated, so that none of its allocations fails.
 !>
-!> The numbers are the highest measured on the peaks of processes of every size and method.
+!> The numbers are the highest measured on the peaks of processes of every size and method. Of 58 other, random cases none took more
+!> than its bound, and where they took more than 40 MB the bound was 1.06 to 1.7 times that.
 module case_memory
    use kinds, only: wp
    use system_limits, only: memory_t, of_program

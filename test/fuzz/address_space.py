@@ -47,7 +47,7 @@ MOVING = """&time transient = .true., end_time = {end} /
 def dry(source: random.Random, folder: Path) -> str:
     """A line or an area; heights from a formula, synthetic or from a file that is larger or smaller than the grid."""
     is_line = source.random() < 0.4
-    most = 1e6 if is_line else 1500
+    most = 2e5 if is_line else 1500
     x, y = (int(valid_cases.logarithmic(source, 16, most)) for _ in range(2))
     shape = source.choice(["file", "synthetic", "sinusoid"])
     surface = {
@@ -97,7 +97,7 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
     env.pop("OPENBLAS_NUM_THREADS", None)
     if source.random() < 0.2:
         env["OPENBLAS_NUM_THREADS"] = source.choice(["1", "4"])
-    run = call(program, folder, "case.nml", *arguments, env=env, limits=limits)
+    run = call(program, folder, "case.nml", *arguments, env=env, limits={resource.RLIMIT_CPU: valid_cases.LIMIT} | limits)
     if run.status in (127, 130, -2) and any(words in run.err for words in BEFORE):
         return None
     if run.trouble():
