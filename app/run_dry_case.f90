@@ -2,29 +2,26 @@
 module run_dry_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
-   use case_memory, only: dry_memory
+   use case_effective, only: list_dry
    use case_outcome, only: give_up, status_converged, status_not_converged
    use case_record, only: case_t, result_path
    use dry_case, only: dry_case_t
-   use dry_errors, only: dry_sweep_t, estimate_dry_errors
    use dry_result, only: write_dry_result
-   use dry_scaling, only: new_dry_scaling
    use dry_solution, only: dry_solution_t
-   use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
+   use dry_sweep, only: dry_outcome_t, dry_row_t
+   use dry_target, only: grid_memory, solve_to_target
    use errors, only: error_t, fail, input_error
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
    use input_keys, only: dry_area
    use interruption, only: set_patience
-   use iteration_report, only: phase_error_bars, phase_steady
    use kinds, only: wp
    use life_sign, only: begin_activity
    use progress_log, only: new_progress_log, progress_log_t
    use quantity_text, only: number_text, wrapped
    use result_writer, only: open_result, result_writer_t
-   use system_limits, only: memory_fault, memory_t, processors, thread_memory
+   use system_limits, only: memory_fault, processors
    use text, only: to_text
-   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
@@ -50,6 +47,7 @@ contains
       type(dry_outcome_t) :: outcome
       type(dry_row_t), allocatable :: errors(:)
       type(error_t), allocatable :: error
+      character(:), allocatable :: name
 
       log = new_progress_log(is_quiet)
       if (case%problem == dry_area) case%dry%grid%threads = min(threads, processors())
@@ -60,7 +58,7 @@ contains
          return
       end if
       call writer%describe(trim(case%problem), case%title, case%namelist)
-      call solve_with_errors(case%dry, outcome, errors, error)
+      call solve_to_target(case%dry, outcome, errors, error)
       if (allocated(error)) then
          call writer%discard()
          call give_up(error, log, status)
@@ -68,6 +66,7 @@ contains
       end if
       call judge_sweep(outcome%rows, outcome%solution)
       if (allocated(case%dry%note)) outcome%solution%report%note = case%dry%note
+      call list_dry(case)
       writer%inputs = case%effective
       call set_patience(.true.)
       call begin_activity('writing the result')
@@ -83,7 +82,10 @@ contains
          call give_up(error, log, status)
          return
       end if
-      call tell(log, case%file(index(case%file, '/', back=.true.) + 1:), outcome%rows, errors, outcome%solution, writer%path)
+      name = case%file(index(case%file, '/', back=.true.) + 1:)
+      if (case%dry%target > 0.0_wp) call log%say(name // ': solved on ' // nodes_text(case%dry) // ' nodes for an error of ' &
+         // number_text(100.0_wp*case%dry%target, 2) // ' % of the contact area')
+      call tell(log, name, outcome%rows, errors, outcome%solution, writer%path)
       status = merge(status_converged, status_not_converged, outcome%solution%report%converged)
    end subroutine solve_and_write
 
@@ -91,43 +93,23 @@ contains
    subroutine check_memory(case, error)
       type(case_t), intent(in) :: case
       type(error_t), allocatable, intent(out) :: error
-      type(memory_t) :: need
       character(:), allocatable :: fault
 
       associate (grid => case%dry%grid)
-         need = dry_memory([grid%nx, grid%ny], case%dry%is_periodic)
-         need%reserved = need%reserved + thread_memory(grid%threads)
-         fault = memory_fault('a grid', need)
+         fault = memory_fault('a grid', grid_memory(case%dry, [grid%nx, grid%ny]))
          if (fault /= '' .and. grid%threads > 1) fault = fault//', with '//to_text(grid%threads)//' threads'
       end associate
       if (fault /= '') call fail(error, input_error, case%file//': '//fault)
    end subroutine check_memory
 
-   !> The sweep, and the estimated `errors` of its figures (none: not wanted). Errors as in `solve_dry_sweep`.
-   subroutine solve_with_errors(dry, outcome, errors, error)
+   !> The number of nodes, of an area nx x ny.
+   pure function nodes_text(dry) result(words)
       type(dry_case_t), intent(in) :: dry
-      type(dry_outcome_t), intent(out) :: outcome
-      type(dry_row_t), allocatable, intent(out) :: errors(:)
-      type(error_t), allocatable, intent(out) :: error
-      type(dry_sweep_t) :: sweep
-      real(wp) :: start
+      character(:), allocatable :: words
 
-      allocate (errors(0))
-      start = wall_seconds()
-      call begin_activity('solving')
-      sweep = dry_sweep_t(dry%grid, dry%height, new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus), dry%loads, &
-         dry%settings)
-      call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, sweep%settings, outcome, error)
-      if (allocated(error)) return
-      associate (report => outcome%solution%report)
-         report%phase_seconds(phase_steady) = wall_seconds() - start
-         call begin_activity('error bars on coarser grids')
-         if (dry%has_error_bars) call estimate_dry_errors(sweep, outcome%rows, errors, error)
-         if (allocated(error)) return
-         report%wall_seconds = wall_seconds() - start
-         report%phase_seconds(phase_error_bars) = report%wall_seconds - report%phase_seconds(phase_steady)
-      end associate
-   end subroutine solve_with_errors
+      words = to_text(dry%grid%nx)
+      if (dry%grid%ny > 1) words = words // ' x ' // to_text(dry%grid%ny)
+   end function nodes_text
 
    !> What the solution took: /report/cpu_..., /report/transforms.
    subroutine write_costs(file, outcome)

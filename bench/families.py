@@ -55,7 +55,8 @@ class Member:
     """A case as the user writes it, and the namelist whose answer counts as true.
 
     `exact` holds quantities that are known in closed form [SI], by path; with all of them there `truth` may be empty. `files` are
-    written beside the namelist, by name.
+    written beside the namelist, by name. With a `target`, a relative error that the namelist asks for, that is judged in place of
+    the estimate.
     """
 
     name: str
@@ -63,6 +64,7 @@ class Member:
     truth: str = ""
     exact: dict[str, float] = field(default_factory=dict)
     files: dict[str, str | bytes] = field(default_factory=dict)
+    target: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -148,6 +150,7 @@ def judge(family: Family, member: Member) -> list[Row]:
     rows = []
     for path in family.quantities:
         value, estimate = found.values[path]
+        estimate = member.target * abs(value) or estimate
         verdict = JUDGED
         if found.note:
             verdict = NOTED

@@ -10,7 +10,7 @@ module case_effective
    implicit none (type, external)
    private
 
-   public :: list_effective
+   public :: list_dry, list_effective
 
    !> Significant digits that give back the same real number.
    integer, parameter :: all_digits = 17
@@ -105,6 +105,26 @@ contains
          call set_effective(case, 'lubricant', 'roelands_z', to_text(oil%roelands_z, all_digits), '-')
       end associate
    end subroutine list_derived
+
+   !> What follows from the given values of a dry case, or was chosen.
+   subroutine list_dry(case)
+      type(case_t), intent(inout) :: case
+
+      associate (dry => case%dry)
+         call set_effective(case, 'bodies', 'reduced_modulus', to_text(dry%reduced_modulus, all_digits), 'Pa')
+         call set_effective(case, 'domain', 'periodic', trim(merge('.true. ', '.false.', dry%is_periodic)), '')
+         if (.not. dry%is_periodic) call set_effective(case, 'domain', 'kernel', 'element', '')
+         if (dry%grid%ny == 1) then
+            call set_effective(case, 'domain', 'length', to_text(dry%lengths(1), all_digits), 'm')
+            call set_effective(case, 'domain', 'intervals', to_text(dry%grid%nx), '-')
+         else
+            call set_effective(case, 'domain', 'length_x', to_text(dry%lengths(1), all_digits), 'm')
+            call set_effective(case, 'domain', 'length_y', to_text(dry%lengths(2), all_digits), 'm')
+            call set_effective(case, 'domain', 'intervals_x', to_text(dry%grid%nx), '-')
+            call set_effective(case, 'domain', 'intervals_y', to_text(dry%grid%ny), '-')
+         end if
+      end associate
+   end subroutine list_dry
 
    !> A value as text, several separated by commas; reals with 17 digits.
    function value_text(row, slot) result(string)

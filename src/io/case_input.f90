@@ -1,8 +1,8 @@
 !> From the text of a namelist to a case: reading, checking, filling the record.
 module case_input
    use bodies, only: reduced_radius, reduced_modulus
-   use case_effective, only: list_effective
-   use case_record, only: case_t, set_effective
+   use case_effective, only: list_dry, list_effective
+   use case_record, only: case_t
    use case_validation, only: check_case, validate
    use dry_input, only: fill_dry_case
    use errors, only: error_t
@@ -83,7 +83,6 @@ contains
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case
       type(findings_t), intent(inout) :: findings
-      integer, parameter :: all_digits = 17
 
       call check_case(values, findings)
       if (findings%count > 0) return
@@ -92,20 +91,7 @@ contains
       call fill_case(values, case)
       case%has_moes = .false.
       call list_effective(values, case)
-      associate (dry => case%dry)
-         call set_effective(case, 'bodies', 'reduced_modulus', to_text(dry%reduced_modulus, all_digits), 'Pa')
-         call set_effective(case, 'domain', 'periodic', trim(merge('.true. ', '.false.', dry%is_periodic)), '')
-         if (.not. dry%is_periodic) call set_effective(case, 'domain', 'kernel', 'element', '')
-         if (dry%grid%ny == 1) then
-            call set_effective(case, 'domain', 'length', to_text(dry%lengths(1), all_digits), 'm')
-            call set_effective(case, 'domain', 'intervals', to_text(dry%grid%nx), '-')
-         else
-            call set_effective(case, 'domain', 'length_x', to_text(dry%lengths(1), all_digits), 'm')
-            call set_effective(case, 'domain', 'length_y', to_text(dry%lengths(2), all_digits), 'm')
-            call set_effective(case, 'domain', 'intervals_x', to_text(dry%grid%nx), '-')
-            call set_effective(case, 'domain', 'intervals_y', to_text(dry%grid%ny), '-')
-         end if
-      end associate
+      call list_dry(case)
    end subroutine read_dry_case
 
    !> &case, &output and &accuracy.

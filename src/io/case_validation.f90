@@ -16,7 +16,7 @@ module case_validation
    implicit none (type, external)
    private
 
-   public :: check_case, validate
+   public :: check_accuracy, check_case, validate
 
    !> Most time steps of a transient.
    real(wp), parameter :: most_steps = 1.0e8_wp
@@ -326,10 +326,15 @@ contains
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
       type(value_t) :: error_bars
+      character(len=11), parameter :: chosen(2, 4) = reshape([character(len=11) :: 'domain', 'intervals', 'domain', 'intervals_x', &
+         'domain', 'intervals_y', 'time', 'time_step'], [2, 4])
+      integer :: i
 
       if (.not. values%is_given('accuracy', 'target')) return
-      call report_unused(values, 'domain', 'intervals', 'with &accuracy target, which chooses it', findings)
-      call report_unused(values, 'time', 'time_step', 'with &accuracy target, which chooses it', findings)
+      keys: do i = 1, size(chosen, 2)
+         if (find_key(trim(chosen(1, i)), trim(chosen(2, i)), trim(values%problem)) == 0) cycle keys
+         call report_unused(values, trim(chosen(1, i)), trim(chosen(2, i)), 'with &accuracy target, which chooses it', findings)
+      end do keys
       error_bars = values%slot('accuracy', 'error_bars')
       if (error_bars%has_value .and. .not. error_bars%logical) call findings%add(error_bars%line, 'accuracy', 'error_bars', &
          'found .false., expected .true. with &accuracy target')

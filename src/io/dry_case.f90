@@ -3,11 +3,23 @@ module dry_case
    use dry_problem, only: dry_grid_t
    use dry_solution, only: dry_settings_t
    use dry_sweep, only: dry_loads_t
+   use input_values, only: input_values_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: dry_case_t
+   public :: dry_case_t, dry_recipe_t
+
+   !> What the heights are made of, on any grid.
+   type :: dry_recipe_t
+      type(input_values_t) :: values
+      !> Folder of the namelist, with its slash.
+      character(:), allocatable :: folder
+      !> R of a parabola [m]; 0: there is none.
+      real(wp) :: radius = 0.0_wp
+      !> The first grid, on which synthetic heights are made; finer ones have the same Fourier series.
+      integer :: nodes(2) = 0
+   end type dry_recipe_t
 
    !> Made by `fill_dry_case` of module dry_input.
    type :: dry_case_t
@@ -17,12 +29,15 @@ module dry_case
       logical :: is_periodic
       !> Composite height z_1 + z_2 (nx*ny) [m].
       real(wp), allocatable :: height(:)
+      type(dry_recipe_t) :: recipe
       !> E' [Pa].
       real(wp) :: reduced_modulus
       type(dry_loads_t) :: loads
       type(dry_settings_t) :: settings
       !> Errors are estimated.
       logical :: has_error_bars
+      !> Relative error of the contact area for which the grid is chosen; 0: it is given.
+      real(wp) :: target = 0.0_wp
       !> What the reader of the result should know about it; not allocated: nothing.
       character(:), allocatable :: note
    end type dry_case_t

@@ -12,11 +12,12 @@ module dry_checks
    implicit none (type, external)
    private
 
-   public :: check_parabola, check_waves, has_shape, is_periodic
+   public :: add_note, check_parabola, check_waves, finest_wave, has_shape, is_periodic
 
    character(len=9), parameter :: groups(2) = ['surface_1', 'surface_2']
    !> Nodes in the finest wave below which the program says so; fewer than the second show another wave.
-   real(wp), parameter :: fewest_nodes = 8.0_wp, least_nodes = 2.0_wp
+   real(wp), parameter, public :: fewest_nodes = 8.0_wp
+   real(wp), parameter :: least_nodes = 2.0_wp
    !> Share of a node that rounding may take.
    real(wp), parameter :: rounding = 1.0e-6_wp
    !> Images of a parabola on either side that are summed.
@@ -158,12 +159,8 @@ contains
          if (has_shape(values, groups(i), 'synthetic')) key = 'wavelength_short'
          spacing = dry%lengths(1)/dry%grid%nx
          if (key == 'wavelength_short' .and. dry%grid%ny > 1) spacing = max(spacing, dry%lengths(2)/dry%grid%ny)
-         wave = huge(1.0_wp)
-         if (values%is_given(groups(i), key)) then
-            wave = shortest(values, groups(i), key)
-         else if (key == 'wavelength_short') then
-            wave = least_nodes*spacing
-         end if
+         wave = finest_wave(values, groups(i))
+         if (key == 'wavelength_short' .and. .not. values%is_given(groups(i), key)) wave = least_nodes*spacing
          if (wave < (least_nodes - rounding)*spacing) call findings%add(values%line_of(groups(i), key), groups(i), key, 'found ' &
             // to_text(wave) // ' m, expected at least two nodes a wave, ' // to_text(2.0_wp*spacing, 3) // ' m, or more intervals')
          if (wave < huge(1.0_wp)) finest = min(finest, wave/spacing)
@@ -172,17 +169,17 @@ contains
          // to_text(finest, 2) // ' nodes, of ' // to_text(nint(fewest_nodes)) // ' that are needed for its contact area')
    end subroutine check_waves
 
-   !> The shortest of the waves of a key [m].
-   pure function shortest(values, group, key) result(wave)
+   !> The shortest wave that the keys of a surface give [m]; huge: none.
+   pure function finest_wave(values, group) result(wave)
       type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group, key
+      character(*), intent(in) :: group
       real(wp) :: wave
       type(value_t) :: slot
 
-      slot = values%slot(group, key)
       wave = huge(1.0_wp)
-      if (slot%has_value) wave = minval(slot%reals)
-   end function shortest
+      slot = values%slot(group, trim(merge('wavelength_short', 'wavelength      ', has_shape(values, group, 'synthetic'))))
+      if (slot%is_given .and. slot%has_value) wave = minval(slot%reals)
+   end function finest_wave
 
    !> Adds a sentence to the notes.
    pure subroutine add_note(dry, sentence)

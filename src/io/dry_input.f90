@@ -3,12 +3,14 @@ module dry_input
    use, intrinsic :: iso_fortran_env, only: int64
    use bodies, only: reduced_modulus, reduced_radius
    use case_memory, only: dry_memory, most_nodes
-   use dry_case, only: dry_case_t
+   use case_validation, only: check_accuracy
+   use dry_case, only: dry_case_t, dry_recipe_t
    use dry_checks, only: check_parabola, check_waves, has_shape
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
    use dry_scaling, only: contact_modulus
    use dry_solution, only: method_conjugate_gradient, method_steepest_descent
-   use dry_surfaces, only: add_surface, find_grid
+   use dry_grids, only: find_grid
+   use dry_heights, only: make_heights
    use findings, only: findings_t
    use hertz, only: line_load_from_pressure, point_load_from_pressure
    use input_keys, only: group_rows, has_word
@@ -31,30 +33,23 @@ contains
       character(*), intent(in) :: folder
       type(dry_case_t), intent(out) :: dry
       type(findings_t), intent(inout) :: findings
-      real(wp) :: radius
-      integer :: status
 
       call check_needed_groups(values, findings)
       call check_bodies(values, findings)
       call check_one_load(values, findings)
+      call check_accuracy(values, findings)
       if (findings%count > 0) return
       dry%reduced_modulus = modulus_of(values)
-      radius = radius_of(values)
+      dry%recipe = dry_recipe_t(values, folder, radius_of(values))
       call find_grid(values, folder, dry, findings)
       if (findings%count == 0) call check_waves(values, dry, findings)
       if (findings%count == 0) call check_size(values, dry, findings)
       if (findings%count > 0) return
-      allocate (dry%height(dry%grid%nx*dry%grid%ny), source=0.0_wp, stat=status)
-      if (status /= 0) then
-         call findings%add(values%line_of('domain', ''), 'domain', '', 'found no memory for the heights of the grid')
-         return
-      end if
-      call add_surface(values, 'surface_1', folder, radius, dry, findings)
-      call add_surface(values, 'surface_2', folder, radius, dry, findings)
+      call make_heights(dry, findings)
       if (findings%count > 0) return
-      call fill_loads(values, radius, dry, findings)
+      call fill_loads(values, dry%recipe%radius, dry, findings)
       call fill_solver(values, dry, findings)
-      if (findings%count == 0) call check_parabola(values, radius, dry, findings)
+      if (findings%count == 0) call check_parabola(values, dry%recipe%radius, dry, findings)
    end subroutine fill_dry_case
 
    !> Findings: more nodes than can be counted, or than there is memory for.
@@ -264,6 +259,7 @@ contains
       dry%settings%max_cycles = slot%integer
       slot = values%slot('accuracy', 'error_bars')
       dry%has_error_bars = slot%logical
+      if (values%is_given('accuracy', 'target')) dry%target = values%real_value('accuracy', 'target')
    end subroutine fill_solver
 
 end module dry_input

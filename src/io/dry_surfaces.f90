@@ -1,12 +1,11 @@
-!> Grid and composite heights of a dry case from &domain and the two surfaces.
+!> Composite heights of a dry case from the two surfaces.
 module dry_surfaces
    use analytic_heights, only: feature_heights, node_positions, parabola_heights
    use dry_case, only: dry_case_t
-   use dry_checks, only: is_periodic
    use errors, only: error_t
    use features, only: feature_ridge, feature_sinusoid, feature_t
    use findings, only: findings_t
-   use fourier_resampling, only: resample_heights
+   use fourier_resampling, only: resample_centres, resample_heights
    use height_file, only: heights_t, read_heights
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
@@ -18,7 +17,7 @@ module dry_surfaces
    implicit none (type, external)
    private
 
-   public :: add_surface, find_grid
+   public :: add_surface, load_first_file, same_length
 
    !> Relative difference of two lengths that are the same.
    real(wp), parameter :: same_length = 1.0e-3_wp
@@ -27,75 +26,6 @@ module dry_surfaces
    character(len=20), parameter :: feature_keys(*) = [character(len=20) :: 'amplitude', 'wavelength', 'position']
 
 contains
-
-   !> Nodes and lengths, from &domain or from the file of a surface. Findings: missing or contradictory sizes; the file.
-   subroutine find_grid(values, folder, dry, findings)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: folder
-      type(dry_case_t), intent(inout) :: dry
-      type(findings_t), intent(inout) :: findings
-      character(len=12) :: counts(2), lengths(2)
-      type(heights_t) :: heights
-      type(value_t) :: slot
-      integer :: i, nodes(2)
-
-      dry%is_periodic = is_periodic(values)
-      counts = ['intervals_x ', 'intervals_y ']
-      lengths = ['length_x    ', 'length_y    ']
-      nodes = [1, 1]
-      dry%lengths = 0.0_wp
-      if (values%problem == 'dry_line') then
-         counts(1) = 'intervals'
-         lengths(1) = 'length'
-      end if
-      call load_first_file(values, folder, heights, findings)
-      if (findings%count > 0) return
-      do i = 1, merge(1, 2, values%problem == 'dry_line')
-         slot = values%slot('domain', trim(counts(i)))
-         if (heights%grid(i) > 0) nodes(i) = heights%grid(i)
-         dry%lengths(i) = nodes(i)*heights%spacing(i)
-         if (slot%is_given .and. heights%grid(i) > 0 .and. slot%integer /= nodes(i) .and. .not. dry%is_periodic) then
-            call findings%add(slot%line, 'domain', trim(counts(i)), 'found ' // to_text(slot%integer) // ', expected the ' &
-               // to_text(nodes(i)) // ' nodes of the file: without a period its heights have no Fourier series to resample')
-         else if (slot%is_given) then
-            nodes(i) = slot%integer
-         else if (heights%grid(i) <= 0) then
-            call report_missing(values, 'domain', trim(counts(i)), findings)
-         end if
-         call find_length(values, trim(lengths(i)), dry%lengths(i), findings, heights%file)
-      end do
-      dry%grid%nx = nodes(1)
-      dry%grid%ny = nodes(2)
-      dry%grid%aspect = 1.0_wp
-      if (findings%count == 0 .and. nodes(2) > 1) dry%grid%aspect = dry%lengths(2)/dry%lengths(1)
-   end subroutine find_grid
-
-   !> The `length` of one direction, that of the `file` of heights (if there is one) or 0
-   !> before. Findings: neither is known; they contradict each other.
-   subroutine find_length(values, key, length, findings, file)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: key
-      real(wp), intent(inout) :: length
-      type(findings_t), intent(inout) :: findings
-      character(*), intent(in), optional :: file
-      type(value_t) :: slot
-
-      slot = values%slot('domain', key)
-      if (.not. slot%is_given) then
-         if (length > 0.0_wp) return
-         if (present(file)) then
-            call report_missing(values, 'domain', key, findings, ': '//file//' has no attribute spacing, or spacing_'// &
-               trim(merge('y', 'x', key == 'length_y')))
-         else
-            call report_missing(values, 'domain', key, findings)
-         end if
-      else if (length <= 0.0_wp) then
-         length = slot%reals(1)
-      else if (abs(slot%reals(1) - length) > same_length*length) then
-         call findings%add(slot%line, 'domain', key, 'found ' // to_text(slot%reals(1)) // ' m, expected ' // to_text(length) &
-            // ' m, nodes times spacing of the file')
-      end if
-   end subroutine find_length
 
    !> The heights of the first surface that is a file; nothing if none is.
    subroutine load_first_file(values, folder, heights, findings)
@@ -248,7 +178,8 @@ contains
       z = heights%z
    end subroutine add_file
 
-   !> Heights with a wanted spectrum. Findings: an open domain; wavelengths out of order; what the synthesis finds.
+   !> Heights with a wanted spectrum, those of the first grid resampled. Findings: wavelengths out of order; what the synthesis
+   !> finds.
    subroutine add_synthetic(values, group, dry, z, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
@@ -262,10 +193,19 @@ contains
          call report_missing(values, group, 'rms_height', findings)
          return
       end if
-      call read_synthesis(values, group, maxval(dry%lengths), 2.0_wp*dry%lengths(1)/dry%grid%nx, wanted, findings)
-      if (findings%count > 0) return
-      call begin_activity('making the surface')
-      call synthetic_heights(wanted, [dry%grid%nx, dry%grid%ny], dry%lengths(1), max(dry%lengths(2), tiny(1.0_wp)), z, error)
+      associate (first => dry%recipe%nodes, nodes => [dry%grid%nx, dry%grid%ny])
+         call read_synthesis(values, group, maxval(dry%lengths), 2.0_wp*dry%lengths(1)/first(1), wanted, findings)
+         if (findings%count > 0) return
+         call begin_activity('making the surface')
+         call synthetic_heights(wanted, first, dry%lengths(1), max(dry%lengths(2), tiny(1.0_wp)), z, error)
+         if (.not. allocated(error) .and. any(nodes /= first)) then
+            if (dry%is_periodic) then
+               call resample_heights(first, nodes, z, error)
+            else
+               call resample_centres(first, nodes, z, error)
+            end if
+         end if
+      end associate
       if (allocated(error)) call findings%add(values%line_of(group, 'shape'), group, 'shape', error%message)
    end subroutine add_synthetic
 

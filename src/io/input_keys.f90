@@ -200,7 +200,7 @@ module input_keys
       key_row_t('output', 'film_thresholds', reals_kind, 'm', is_optional, '> 0, <= 1', '', '', &
       'films for /statistics: how often and on how much of the contact the film is thinner (transient)'), &
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, '>= 1e-7, <= 0.1', '', '', &
-      'relative error of h_min for which intervals and time step are chosen'), &
+      'relative error of h_min, in dry cases of the contact area, for which intervals and time step are chosen', every), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', '', '', '', &
       'compares with fewer intervals, for error estimates', every)]
 

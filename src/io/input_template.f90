@@ -132,7 +132,8 @@ module input_template
       example_t('domain', 'length_x', '4e-4', .true.), &
       example_t('domain', 'length_y', '4e-4', .true.), &
       example_t('domain', 'intervals_x', '256', .true.), &
-      example_t('domain', 'intervals_y', '256', .true.)]
+      example_t('domain', 'intervals_y', '256', .true.), &
+      example_t('accuracy', 'target', '0.02', .false.)]
 
    character(*), parameter :: nl = new_line('a')
    !> Column of the units.

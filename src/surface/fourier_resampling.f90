@@ -1,16 +1,18 @@
 !> Periodic heights on another number of nodes: the same Fourier series, as far as both grids can carry it.
 module fourier_resampling
+   use constants, only: pi
    use errors, only: error_t
    use grid_transform, only: transform_back, transform_field
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: resample_heights
+   public :: resample_centres, resample_heights
 
 contains
 
-   !> Takes the periodic heights `z` (nx*ny) from the grid `old` = nx, ny to the grid `new`, of the same lengths.
+   !> Takes the periodic heights `z` (nx*ny) from the grid `old` = nx, ny to the grid `new`, of the same lengths; both have a node
+   !> at 0.
    !>
    !> More nodes interpolate: where the grids share a node its height stays. Fewer nodes drop the harmonics from half their
    !> number on. The highest harmonic of an even number of old nodes is taken for a cosine, half of it at +n/2 and half at -n/2.
@@ -19,8 +21,27 @@ contains
       integer, intent(in) :: old(2), new(2)
       real(wp), allocatable, intent(inout) :: z(:)
       type(error_t), allocatable, intent(out) :: error
+
+      call resample(old, new, [0.0_wp, 0.0_wp], z, error)   ! error: the caller looks
+   end subroutine resample_heights
+
+   !> The same for nodes at the centres of cells: the first one lies half a spacing from 0. Fails (internal_error) if FFTW does.
+   subroutine resample_centres(old, new, z, error)
+      integer, intent(in) :: old(2), new(2)
+      real(wp), allocatable, intent(inout) :: z(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      call resample(old, new, 0.5_wp/new - 0.5_wp/old, z, error)   ! error: the caller looks
+   end subroutine resample_centres
+
+   !> Both: the first new node lies `shift` periods in x and y behind the first old one.
+   subroutine resample(old, new, shift, z, error)
+      integer, intent(in) :: old(2), new(2)
+      real(wp), intent(in) :: shift(2)
+      real(wp), allocatable, intent(inout) :: z(:)
+      type(error_t), allocatable, intent(out) :: error
       complex(wp), allocatable :: coarse(:, :), spectrum(:, :)
-      real(wp) :: nodes, share_x, share_y
+      real(wp) :: angle, nodes, share_x, share_y
       integer :: k, l
 
       call transform_field(old, z, coarse, error)
@@ -33,10 +54,12 @@ contains
             share_x = share_of(k, old(1), new(1))
             spectrum(k, l) = (0.0_wp, 0.0_wp)
             if (share_x*share_y > 0.0_wp) spectrum(k, l) = share_x*share_y/nodes*coarse(k, modulo(signed(l, new(2)), old(2)))
+            angle = 2.0_wp*pi*(k*shift(1) + signed(l, new(2))*shift(2))
+            if (abs(angle) > 0.0_wp) spectrum(k, l) = spectrum(k, l)*cmplx(cos(angle), sin(angle), wp)
          end do
       end do
       call transform_back(new, spectrum, z, error)
-   end subroutine resample_heights
+   end subroutine resample
 
    !> How much of the old harmonic `k` goes to the new one.
    pure function share_of(k, old, new) result(share)

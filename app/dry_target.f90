@@ -1,0 +1,150 @@
+!> A dry case on the grid that it gives, or from grid to grid until the contact area is known as well as wanted.
+module dry_target
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use case_memory, only: dry_memory
+   use dry_case, only: dry_case_t
+   use dry_checks, only: add_note
+   use dry_errors, only: dry_sweep_t, estimate_dry_errors
+   use dry_heights, only: is_refinable, refine_heights
+   use dry_resolution, only: area_doubt, dry_rung_t, finer_nodes, is_met
+   use dry_scaling, only: new_dry_scaling
+   use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
+   use errors, only: error_t, input_error
+   use iteration_report, only: phase_error_bars, phase_steady
+   use kinds, only: wp
+   use life_sign, only: begin_activity
+   use system_limits, only: memory_fault, memory_t, thread_memory
+   use text, only: to_text
+   use wall_clock, only: wall_seconds
+   implicit none (type, external)
+   private
+
+   public :: grid_memory, solve_to_target
+
+   !> Most nodes of a line and of an area that are chosen.
+   integer, parameter :: most_chosen(2) = [2**20, 2**24]
+   !> Times that are summed.
+   integer, parameter :: times = 6
+
+contains
+
+   !> Solves all loads of `dry` and estimates the `errors` of the figures (none: not wanted). With a target of the contact area the
+   !> grid becomes the first one on which the estimate stays below it, or the finest that there may be, with a note. Times are those
+   !> of all grids. Errors as in `solve_dry_sweep` and `refine_heights`.
+   subroutine solve_to_target(dry, outcome, errors, error)
+      type(dry_case_t), intent(inout) :: dry
+      type(dry_outcome_t), intent(out) :: outcome
+      type(dry_row_t), allocatable, intent(out) :: errors(:)
+      type(error_t), allocatable, intent(out) :: error
+      type(dry_rung_t), allocatable :: rungs(:)
+      type(dry_rung_t) :: rung
+      real(wp) :: spent(times)
+      integer :: most, nodes(2)
+
+      allocate (rungs(0))
+      most = 0
+      if (is_refinable(dry)) most = most_nodes(dry)
+      spent = 0.0_wp
+      do
+         rung = dry_rung_t([dry%grid%nx, dry%grid%ny], ieee_value(1.0_wp, ieee_quiet_nan))
+         call solve_grid(dry, outcome, errors, error)
+         if (allocated(error)) then
+            ! At that separation nothing may touch on a coarse grid.
+            if (.not. dry%target > 0.0_wp .or. error%kind /= input_error) return
+         else
+            if (size(errors) > 0) rung%doubt = area_doubt(outcome%rows, errors)
+         end if
+         call add_times(outcome, spent)
+         if (.not. dry%target > 0.0_wp) return
+         if (is_met(rung, dry%target)) return
+         rungs = [rungs, rung]
+         nodes = finer_nodes(rungs, dry%target, most)
+         if (nodes(1) == 0) exit
+         call refine_heights(dry, nodes, error)
+         if (allocated(error)) return
+      end do
+      if (.not. allocated(error)) call tell_unmet(dry, rung%doubt, most)
+   end subroutine solve_to_target
+
+   !> The sweep on the grid of `dry`, and the estimated `errors` of its figures (none: not wanted). Errors as in `solve_dry_sweep`.
+   subroutine solve_grid(dry, outcome, errors, error)
+      type(dry_case_t), intent(in) :: dry
+      type(dry_outcome_t), intent(out) :: outcome
+      type(dry_row_t), allocatable, intent(out) :: errors(:)
+      type(error_t), allocatable, intent(out) :: error
+      type(dry_sweep_t) :: sweep
+      real(wp) :: start
+
+      allocate (errors(0))
+      start = wall_seconds()
+      call begin_activity('solving')
+      sweep = dry_sweep_t(dry%grid, dry%height, new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus), dry%loads, &
+         dry%settings)
+      call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, sweep%settings, outcome, error)
+      if (allocated(error)) return
+      associate (report => outcome%solution%report)
+         report%phase_seconds(phase_steady) = wall_seconds() - start
+         call begin_activity('error bars on other grids')
+         if (dry%has_error_bars) call estimate_dry_errors(sweep, outcome%rows, errors, error)
+         if (allocated(error)) return
+         report%wall_seconds = wall_seconds() - start
+         report%phase_seconds(phase_error_bars) = report%wall_seconds - report%phase_seconds(phase_steady)
+      end associate
+   end subroutine solve_grid
+
+   !> Adds the times of one grid to those `spent` before; both are the sums then.
+   pure subroutine add_times(outcome, spent)
+      type(dry_outcome_t), intent(inout) :: outcome
+      real(wp), intent(inout) :: spent(times)
+
+      associate (report => outcome%solution%report)
+         spent = spent + [outcome%cpu_prepare, outcome%cpu_solve, outcome%wall_solve, report%wall_seconds, &
+                          report%phase_seconds(phase_steady), report%phase_seconds(phase_error_bars)]
+         outcome%cpu_prepare = spent(1)
+         outcome%cpu_solve = spent(2)
+         outcome%wall_solve = spent(3)
+         report%wall_seconds = spent(4)
+         report%phase_seconds(phase_steady) = spent(5)
+         report%phase_seconds(phase_error_bars) = spent(6)
+      end associate
+   end subroutine add_times
+
+   !> Most nodes that a grid for the target may have.
+   function most_nodes(dry) result(most)
+      type(dry_case_t), intent(in) :: dry
+      integer :: most
+      real(wp), parameter :: smaller = 0.9_wp
+
+      most = most_chosen(merge(1, 2, dry%grid%ny == 1))
+      do while (memory_fault('a grid', grid_memory(dry, [most/min(2, dry%grid%ny), min(2, dry%grid%ny)])) /= '')
+         most = int(smaller*most)
+         if (most <= dry%grid%nx) exit
+      end do
+   end function most_nodes
+
+   !> The memory that the case needs at most on so many nodes, for its threads too.
+   function grid_memory(dry, nodes) result(need)
+      type(dry_case_t), intent(in) :: dry
+      integer, intent(in) :: nodes(2)
+      type(memory_t) :: need
+
+      need = dry_memory(nodes, dry%is_periodic)
+      need%reserved = need%reserved + thread_memory(dry%grid%threads)
+   end function grid_memory
+
+   !> Notes that the target is not met by an estimated error of `doubt` (NaN: no solution, which is told elsewhere), and why.
+   subroutine tell_unmet(dry, doubt, most)
+      type(dry_case_t), intent(inout) :: dry
+      real(wp), intent(in) :: doubt
+      integer, intent(in) :: most
+      character(:), allocatable :: reason
+
+      if (.not. doubt > dry%target) return
+      reason = 'grids of more than '//to_text(most)//' nodes are not chosen'
+      if (most < most_chosen(merge(1, 2, dry%grid%ny == 1))) reason = reason//' with this memory'
+      if (most == 0) reason = 'without a period the heights of a file stay on their own nodes'
+      call add_note(dry, 'the wanted accuracy is not met: of the contact area a relative error of '//to_text(doubt, 2)// &
+         ' is estimated, '//to_text(dry%target, 2)//' was wanted, and '//reason)
+   end subroutine tell_unmet
+
+end module dry_target

@@ -1,0 +1,131 @@
+!> The grid of a dry contact for a wanted accuracy of its contact area: what the grids before tell about the next one.
+!>
+!> Where a grid sees the waves of the surface the estimated error of the area falls like dx, or with the order that the last two
+!> grids show; the next grid is the one that is foretold to do.
+module dry_resolution
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use dry_sweep, only: dry_row_t
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: area_doubt, dry_rung_t, even_nodes, finer_nodes, is_met
+
+   !> A grid that was solved.
+   type :: dry_rung_t
+      !> Nodes in x and y (1 of a line).
+      integer :: nodes(2) = 0
+      !> Largest estimated relative error of the contact area of all loads; NaN: not known.
+      real(wp) :: doubt = 0.0_wp
+   end type dry_rung_t
+
+   !> How much finer the next grid is at most, of a line and of an area, and without a solution.
+   real(wp), parameter :: farthest(2) = [4.0_wp, 2.0_wp], doubling = 2.0_wp
+   !> Bounds of the order with which the estimate falls; of a first grid 1.
+   real(wp), parameter :: orders(2) = [0.7_wp, 1.3_wp]
+   !> The next grid is foretold to stay below the target by this factor.
+   real(wp), parameter :: margin = 0.97_wp
+   !> Nodes that are chosen are these times a power of two: even, with fast transforms and coarse grids for a start.
+   integer, parameter :: sizes(*) = [8, 9, 10, 12, 14, 15], first_unit = 2
+
+contains
+
+   !> Largest relative error of the contact area in `rows`, from its estimated `errors`; NaN where one is not known.
+   pure function area_doubt(rows, errors) result(doubt)
+      type(dry_row_t), intent(in) :: rows(:), errors(:)
+      real(wp) :: doubt
+      integer :: i
+
+      doubt = 0.0_wp
+      do i = 1, size(rows)
+         if (ieee_is_finite(errors(i)%contact_area_fraction)) then
+            doubt = max(doubt, errors(i)%contact_area_fraction/rows(i)%contact_area_fraction)
+         else
+            doubt = ieee_value(1.0_wp, ieee_quiet_nan)
+            return
+         end if
+      end do
+   end function area_doubt
+
+   !> True if a solution keeps the `target`.
+   pure function is_met(rung, target)
+      type(dry_rung_t), intent(in) :: rung
+      real(wp), intent(in) :: target
+      logical :: is_met
+
+      is_met = .false.
+      if (ieee_is_finite(rung%doubt)) is_met = rung%doubt <= target
+   end function is_met
+
+   !> Nodes of the grid after `rungs`, at least one, which do not keep the `target`; 0 if there is none of up to `most` nodes, or
+   !> if the last two grids have no solution.
+   pure function finer_nodes(rungs, target, most) result(nodes)
+      type(dry_rung_t), intent(in) :: rungs(:)
+      real(wp), intent(in) :: target
+      integer, intent(in) :: most
+      integer :: nodes(2)
+      real(wp) :: factor, first(2), largest
+      integer :: directions
+
+      nodes = 0
+      associate (last => rungs(size(rungs)))
+         directions = merge(1, 2, last%nodes(2) == 1)
+         if (without_solution(rungs) > 1) return
+         factor = doubling
+         if (ieee_is_finite(last%doubt)) factor = min((last%doubt/(margin*target))**(1.0_wp/observed_order(rungs)), &
+            farthest(directions))
+         ! Both directions keep the ratio of the first grid.
+         first = rungs(1)%nodes
+         factor = factor*(product(last%nodes/first))**(1.0_wp/directions)
+         largest = (most/product(first))**(1.0_wp/directions)
+         nodes(:directions) = even_nodes(factor*first(:directions), largest*first(:directions))
+         nodes(directions + 1:) = 1
+         if (product(real(nodes, wp)) <= product(real(last%nodes, wp))) nodes = 0
+      end associate
+   end function finer_nodes
+
+   !> Number of grids without a solution at the end of `rungs`.
+   pure function without_solution(rungs) result(number)
+      type(dry_rung_t), intent(in) :: rungs(:)
+      integer :: number
+
+      number = 0
+      do while (number < size(rungs))
+         if (ieee_is_finite(rungs(size(rungs) - number)%doubt)) return
+         number = number + 1
+      end do
+   end function without_solution
+
+   !> The fewest nodes in one direction that are not below `least`, or the most that are not above `most`; 0: none.
+   pure elemental function even_nodes(least, most) result(nodes)
+      real(wp), intent(in) :: least, most
+      integer :: nodes
+      integer :: i, unit
+
+      nodes = 0
+      unit = first_unit
+      do
+         do i = 1, size(sizes)
+            if (sizes(i)*unit > most) return
+            nodes = sizes(i)*unit
+            if (nodes >= least) return
+         end do
+         unit = 2*unit
+      end do
+   end function even_nodes
+
+   !> The order with which the estimate fell from the grid before the last to the last one.
+   pure function observed_order(rungs) result(order)
+      type(dry_rung_t), intent(in) :: rungs(:)
+      real(wp) :: order
+      integer :: n
+
+      order = 1.0_wp
+      n = size(rungs)
+      if (n < 2) return
+      if (.not. ieee_is_finite(rungs(n - 1)%doubt)) return
+      order = log(rungs(n - 1)%doubt/rungs(n)%doubt)/log(real(rungs(n)%nodes(1), wp)/rungs(n - 1)%nodes(1))
+      order = min(max(order, orders(1)), orders(2))
+   end function observed_order
+
+end module dry_resolution
