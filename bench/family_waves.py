@@ -94,7 +94,8 @@ def moving_wave(source: random.Random) -> Wave:
     speed = source.uniform(0.4, 1.9)
     groups, half_width, film = contact(source, speed)
     kind, length = source.choice(("ridge", "dent", "sinusoid")), 10 ** source.uniform(-0.7, -0.1)
-    return Wave(groups, half_width, film, 1, speed, kind, length, source.uniform(0.1, 0.6), -1.3 - length)
+    front = -1 - math.sqrt(2 * film * STEEL_RADIUS) / half_width  # X = -1 - sqrt(2 H_c): where the film is made
+    return Wave(groups, half_width, film, 1, speed, kind, length, source.uniform(0.1, 0.6), front - length)
 
 
 def true_at_rest(wave: Wave) -> str:
