@@ -10,7 +10,7 @@ module fas_cycle
    use line_contact, only: line_contact_t
    use line_hierarchy, only: count_work, line_hierarchy_t, smoother_block_jacobi, smoother_gauss_seidel, &
       smoother_hybrid, smoother_line
-   use line_level, only: film_of, line_level_t, load_defect, thinnest_film, update_film
+   use line_level, only: film_of, largest_pressure, line_level_t, load_defect, thinnest_film, update_film
    use newton_line, only: solve_newton
    use reynolds_line, only: evaluate_reynolds, reynolds_diagonals
    use smoothers, only: block_jacobi_sweep, gauss_seidel_sweep, line_sweep
@@ -74,6 +74,7 @@ contains
       real(wp) :: kernel_diagonal
 
       associate (level => hierarchy%levels(k), choice => hierarchy%relaxation)
+         if (maxval(level%pressure) >= largest_pressure) return
          kernel_diagonal = min(level%kernel(0), -choice%kernel_bound*level%dx)
          if (choice%film_is_recomputed) then
             call update_film(level, hierarchy%rigid_displacement)
@@ -100,6 +101,7 @@ contains
       integer :: i, k
 
       k = hierarchy%coarsest
+      if (maxval(hierarchy%levels(k)%pressure) >= largest_pressure) return
       if (hierarchy%relaxation%coarse_sweeps <= 0) then
          call solve_newton(hierarchy%newton, contact, hierarchy%levels(k), hierarchy%rigid_displacement, &
             coarse_tolerance, hierarchy%relaxation%coarse_steps, goal=hierarchy%goal, film_is_exact=is_newton_alone(hierarchy))

@@ -13,7 +13,10 @@ module line_level
 
    !> No sweep takes a film below this [b^2/R]: a film that is halved a thousand times must not reach 0, where its mobility is no
    !> number; its cube is one still.
-   real(wp), parameter, public :: thinnest_film = 1.0e-100_wp
+   real(wp), parameter, public :: thinnest_film = 1.0e-30_wp
+   !> No sweep takes a pressure above this, in Hertz's, and none begins there: an iterate that is lost stays a number until its
+   !> residual ends it.
+   real(wp), parameter, public :: largest_pressure = 1.0e6_wp
 
    !> A uniform grid of n intervals on [x_inlet, x_outlet]; arrays are (0:n) unless stated.
    type :: line_level_t

@@ -4,7 +4,7 @@
 !> A smoother knows one level only; the film equation, the force balance and the cycle are elsewhere.
 module smoothers
    use kinds, only: wp
-   use line_level, only: has_close_exit, line_level_t, thinnest_film
+   use line_level, only: has_close_exit, largest_pressure, line_level_t, thinnest_film
    implicit none (type, external)
    private
 
@@ -39,8 +39,8 @@ contains
             film_residual = level%rhs_film(i) - (h(i) - rigid_displacement + level%deflection(i))
             full_change = relaxation*(level%rhs_reynolds(i) - level%operator(i) - level%film_diagonal(i)*film_residual) &
                /level%diagonal(i)
-            change = max(full_change, -p(i))
-            p(i) = p(i) + change
+            change = min(max(full_change, -p(i)), largest_pressure)
+            p(i) = min(p(i) + change, largest_pressure)
             h(i) = max(h(i) + relaxation*film_residual - kernel_diagonal*change, 0.5_wp*h(i), thinnest_film)
          end do
       end associate
@@ -84,8 +84,8 @@ contains
             end if
             flow = downstream*(p(i + 1) - p(i)) - upstream*(p(i) - p(i - 1)) - flow - squeeze*rho(i)*h(i)
             if (i == exit_node) flow = flow - level%exit_conductance*(p(i) - level%pressure_start(i))
-            change = max(relaxation*(level%rhs_reynolds(i) - flow)/level%diagonal(i), -p(i))
-            p(i) = p(i) + change
+            change = min(max(relaxation*(level%rhs_reynolds(i) - flow)/level%diagonal(i), -p(i)), largest_pressure)
+            p(i) = min(p(i) + change, largest_pressure)
             h(i) = max(h(i) - kernel_diagonal*change, 0.5_wp*h(i), thinnest_film)
          end do
       end associate
