@@ -159,7 +159,7 @@ contains
       integer, intent(in) :: cycle
       logical :: is_lost
 
-      is_lost = cycle - course%near_cycle >= lost_cycles .and. course%last > course%lost
+      is_lost = cycle - course%near_cycle >= lost_cycles .and. course%last >= course%lost
    end function is_lost
 
    !> What leaves the residual where it is.
