@@ -195,7 +195,7 @@ contains
          call find_length(problem, p, is_clipped, work, length)
          do k = 1, n
             work%d(k) = length*work%q(k)
-            p(node(k)) = p(node(k)) + work%d(k)
+            p(node(k)) = min(max(p(node(k)) + work%d(k), 0.0_wp), problem%hardness)   ! but for rounding it is within
             work%kd(k) = length*work%kd(k)
          end do
       end associate
