@@ -310,12 +310,12 @@ contains
       status = status_interrupted
       if (allocated(watcher%failure)) status = status_not_written
       words = watcher%writer%interruption_text(watcher%checkpoint_step)
+      call watcher%log%say_error(words)   ! first: the time to do so is short
       if (watcher%writer%has_checkpoint) then
          call watcher%writer%suspend()
       else
          call watcher%writer%discard()
       end if
-      call watcher%log%say_error(words)
    end subroutine suspend
 
    !> Companions on coarser grids; with a target, intervals and time step too.

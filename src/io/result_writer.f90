@@ -111,10 +111,10 @@ contains
 
       call hold_name(writer, path, error)
       if (allocated(error)) return
+      call writer%expect_interruption(0)
       call writer%remove_checkpoint()
       call create_hdf5_file(writer%file, path//'.part', error)
       if (allocated(error)) call give_back(writer, is_complete=.false.)
-      if (.not. allocated(error)) call writer%expect_interruption(0)
    end subroutine open_result
 
    !> Goes on with the result `path` of an interrupted run, with what was stored of it (`part`, profiles of `nx` nodes) and its
