@@ -1,6 +1,6 @@
 !> A dry case on the grid that it gives, or from grid to grid until the contact area is known as well as wanted.
 module dry_target
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use case_memory, only: dry_memory
    use dry_case, only: dry_case_t
    use dry_checks, only: add_note
@@ -139,7 +139,8 @@ contains
       integer, intent(in) :: most
       character(:), allocatable :: reason
 
-      if (.not. doubt > dry%target) return
+      if (.not. ieee_is_finite(doubt)) return
+      if (doubt <= dry%target) return
       reason = 'grids of more than '//to_text(most)//' nodes are not chosen'
       if (most < most_chosen(merge(1, 2, dry%grid%ny == 1))) reason = reason//' with this memory'
       if (most == 0) reason = 'without a period the heights of a file stay on their own nodes'
