@@ -127,7 +127,8 @@ contains
       integer :: group, i
 
       text = '# Input: the namelist' // nl // nl &
-         // '<!-- Made from the key table by `asperity --keys-markdown > docs/input.md`: change src/io/input_keys.f90. -->' // nl &
+         // '<!-- Made from the key table by `asperity --keys-markdown > docs/input.md`: ' &
+         // 'change src/input/input_keys.f90. -->' // nl &
          // nl // introduction()
       do group = 1, size(group_rows)
          if (group_rows(group)%needed == 'later') cycle
