@@ -9,7 +9,8 @@
 module dry_conjugate_gradient
    use active_set, only: active_set_t, new_active_set
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open
-   use dry_solution, only: dry_settings_t, dry_solution_t, end_of_iteration, take_survey
+   use dry_settings, only: dry_settings_t
+   use dry_solution, only: dry_solution_t, end_of_iteration, take_survey
    use errors, only: error_t
    use kinds, only: wp
    use load_projection, only: shift_into_bounds

@@ -9,8 +9,8 @@ module dry_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use dry_problem, only: dry_grid_t, kernel_open
    use dry_scaling, only: dry_scaling_t
-   use dry_solution, only: dry_settings_t, method_conjugate_gradient
-   use dry_sweep, only: dry_loads_t, dry_outcome_t, dry_row_t, solve_dry_sweep
+   use dry_settings, only: dry_loads_t, dry_settings_t, method_conjugate_gradient
+   use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
    use errors, only: error_t, input_error
    use fourier_resampling, only: resample_heights
    use kinds, only: wp

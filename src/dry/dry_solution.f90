@@ -1,4 +1,4 @@
-!> How a dry contact is to be solved, and its solution for one load.
+!> The solution of a dry contact for one load.
 module dry_solution
    use active_set, only: active_set_t
    use iteration_report, only: report_t
@@ -7,21 +7,7 @@ module dry_solution
    implicit none (type, external)
    private
 
-   public :: dry_settings_t, dry_solution_t, end_of_iteration, take_survey
-
-   !> Methods.
-   integer, parameter, public :: method_conjugate_gradient = 1, method_steepest_descent = 2
-
-   !> How to solve.
-   type :: dry_settings_t
-      integer :: method = method_conjugate_gradient
-      !> Bound on the error measure.
-      real(wp) :: tolerance = 1.0e-8_wp
-      !> Most iterations.
-      integer :: max_cycles = 10000
-      !> True: a guess is wanted; single precision does.
-      logical :: is_rough = .false.
-   end type dry_settings_t
+   public :: dry_solution_t, end_of_iteration, take_survey
 
    !> Pressure and gaps for one load, dimensionless, fields (nx*ny).
    type :: dry_solution_t

@@ -2,8 +2,10 @@
 module dry_start
    use dry_conjugate_gradient, only: iterate_conjugate_gradient
    use constants, only: pi
-   use dry_problem, only: dry_grid_t, dry_problem_t, kernel_band_limited, kernel_element, kernel_open, new_dry_problem
-   use dry_solution, only: dry_settings_t, dry_solution_t
+   use dry_problem, only: dry_grid_t, dry_problem_t, kernel_band_limited, kernel_element, &
+      kernel_open, new_dry_problem
+   use dry_settings, only: dry_settings_t
+   use dry_solution, only: dry_solution_t
    use errors, only: error_t
    use kinds, only: wp
    use load_projection, only: shift_into_bounds

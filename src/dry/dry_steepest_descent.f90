@@ -5,7 +5,8 @@
 module dry_steepest_descent
    use active_set, only: active_set_t, new_active_set
    use dry_problem, only: dry_problem_t
-   use dry_solution, only: dry_settings_t, dry_solution_t, end_of_iteration, take_survey
+   use dry_settings, only: dry_settings_t
+   use dry_solution, only: dry_solution_t, end_of_iteration, take_survey
    use kinds, only: wp
    use load_projection, only: shift_into_bounds
    implicit none (type, external)

@@ -5,7 +5,8 @@ module dry_sweep
    use dry_contact_solver, only: dry_solver_t
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open, new_dry_problem
    use dry_scaling, only: dry_scaling_t
-   use dry_solution, only: dry_settings_t, dry_solution_t
+   use dry_settings, only: dry_loads_t, dry_settings_t
+   use dry_solution, only: dry_solution_t
    use errors, only: error_t
    use kinds, only: wp
    use load_search, only: solve_for_datum
@@ -14,19 +15,7 @@ module dry_sweep
    implicit none (type, external)
    private
 
-   public :: dry_fields_t, dry_loads_t, dry_outcome_t, dry_row_t, solve_dry_sweep
-
-   !> What presses and what yields, SI.
-   type :: dry_loads_t
-      !> Mean pressures, in the order in which they act [Pa].
-      real(wp), allocatable :: mean_pressure(:)
-      !> Instead of them: separations as in `dry_row_t` [m].
-      real(wp), allocatable :: separation(:)
-      !> Hardness [Pa]; huge: elastic.
-      real(wp) :: hardness
-      !> True: each load finds the surface that the one before left; else the virgin one.
-      logical :: has_history = .false.
-   end type dry_loads_t
+   public :: dry_fields_t, dry_outcome_t, dry_row_t, solve_dry_sweep
 
    !> Figures of one load, SI; loads and energies of a line per metre of its length.
    type :: dry_row_t

@@ -1,9 +1,8 @@
 !> A dry contact as it will be solved: grid, heights, loads, in SI.
 module dry_case
    use dry_problem, only: dry_grid_t
-   use dry_solution, only: dry_settings_t
-   use dry_sweep, only: dry_loads_t
    use input_values, only: input_values_t
+   use dry_settings, only: dry_loads_t, dry_settings_t
    use kinds, only: wp
    implicit none (type, external)
    private

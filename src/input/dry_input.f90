@@ -8,13 +8,13 @@ module dry_input
    use dry_checks, only: check_parabola, check_waves, has_shape
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
    use dry_scaling, only: contact_modulus
-   use dry_solution, only: method_conjugate_gradient, method_steepest_descent
    use dry_grids, only: find_grid
    use dry_heights, only: make_heights
    use findings, only: findings_t
    use hertz, only: line_load_from_pressure, point_load_from_pressure
    use input_keys, only: group_rows, has_word
    use input_values, only: input_values_t, value_t
+   use dry_settings, only: method_conjugate_gradient, method_steepest_descent
    use kinds, only: wp
    use system_limits, only: memory_fault
    use text, only: to_text

@@ -1,0 +1,35 @@
+!> What presses on a dry contact, and how it is to be solved. Plain records without behaviour.
+module dry_settings
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: dry_loads_t, dry_settings_t
+
+   !> Methods.
+   integer, parameter, public :: method_conjugate_gradient = 1, method_steepest_descent = 2
+
+   !> How to solve.
+   type :: dry_settings_t
+      integer :: method = method_conjugate_gradient
+      !> Bound on the error measure.
+      real(wp) :: tolerance = 1.0e-8_wp
+      !> Most iterations.
+      integer :: max_cycles = 10000
+      !> True: a guess is wanted; single precision does.
+      logical :: is_rough = .false.
+   end type dry_settings_t
+
+   !> What presses and what yields, SI.
+   type :: dry_loads_t
+      !> Mean pressures, in the order in which they act [Pa].
+      real(wp), allocatable :: mean_pressure(:)
+      !> Instead of them: separations as in `dry_row_t` [m].
+      real(wp), allocatable :: separation(:)
+      !> Hardness [Pa]; huge: elastic.
+      real(wp) :: hardness
+      !> True: each load finds the surface that the one before left; else the virgin one.
+      logical :: has_history = .false.
+   end type dry_loads_t
+
+end module dry_settings
