@@ -7,8 +7,10 @@ module case_outcome
 
    public :: give_up
 
-   !> Exit status of one case: converged and written; failed inside; not converged, but written; not written; interrupted.
-   integer, parameter, public :: status_converged = 0, status_failed = 1, status_not_converged = 2, status_not_written = 3, &
+   !> Exit status of one case: converged and written; failed inside; not converged, but written; not
+   !> written; interrupted.
+   integer, parameter, public :: status_converged = 0, status_failed = 1, &
+      status_not_converged = 2, status_not_written = 3, &
       status_interrupted = 4
 
 contains

@@ -28,7 +28,8 @@ module command_line
       logical :: is_resume = .false.
    end type command_t
 
-   character(len=16), parameter :: options(*) = [character(len=16) :: '--output', '--threads', '--check', '--resume', &
+   character(len=16), parameter :: options(*) = [character(len=16) :: '--output', '--threads', &
+      '--check', '--resume', &
       '--quiet', '--template', '--keys', '--version', '--help']
    !> Most threads that can be asked for.
    integer, parameter :: most_threads = 9999
@@ -36,7 +37,8 @@ module command_line
 
 contains
 
-   !> Reads the arguments of the process. Errors (input_error): unknown or incomplete options, no case.
+   !> Reads the arguments of the process. Errors (input_error): unknown or incomplete options, no
+   !> case.
    subroutine read_command_line(command, error)
       type(command_t), intent(out) :: command
       type(error_t), allocatable, intent(out) :: error
@@ -68,7 +70,8 @@ contains
          if (allocated(error)) return
          i = i + 1
       end do
-      if ((command%action == 'run' .or. command%action == 'check') .and. size(command%files) == 0) then
+      if ((command%action == 'run' .or. command%action == 'check') &
+         .and. size(command%files) == 0) then
          call fail(error, input_error, 'found no namelist file, expected at least one' // see_help)
       end if
    end subroutine read_command_line
@@ -92,7 +95,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (command%action /= 'run' .and. command%action /= action) then
-         call fail(error, input_error, 'found --' // command%action // ' and --' // action // ', expected one of them')
+         call fail(error, input_error, 'found --' // command%action // ' and '// &
+            '--' // action // ', expected one of them')
          return
       end if
       command%action = action
@@ -118,14 +122,16 @@ contains
          if (good .and. threads >= 1 .and. threads <= most_threads) then
             command%threads = int(threads)
          else
-            call fail(error, input_error, 'found --threads ' // value // ', expected a number of threads, 1 to 9999')
+            call fail(error, input_error, 'found --threads ' // value // ', expected a number '// &
+               'of threads, 1 to 9999')
          end if
       case default
          call set_action(command, 'template', error)
          if (allocated(error)) return
          command%problem = value
          if (has_word(every, value)) return
-         call fail(error, input_error, 'found --template ' // value // ', expected ehl_line, dry_line or dry_area')
+         call fail(error, input_error, 'found --template ' // value // ', expected ehl_line, '// &
+            'dry_line or dry_area')
       end select
    end subroutine read_option_value
 
@@ -152,26 +158,39 @@ contains
       character(:), allocatable :: text
       character(*), parameter :: nl = new_line('a')
 
-      text = 'asperity - contacts between rough surfaces: lubricated (elastohydrodynamic) lines, dry profiles and areas' // nl &
+      text = 'asperity - contacts between rough surfaces: lubricated (elastohydrodynamic) '// &
+         'lines, dry profiles and areas' // nl &
          // nl &
          // 'Usage:' // nl &
-         // '  asperity CASE.nml [CASE2.nml ...] [--output DIR] [--threads N] [--check] [--resume] [--quiet]' // nl &
-         // '  asperity --template PROBLEM      write a commented, complete namelist: ehl_line, dry_line or dry_area' // nl &
-         // '  asperity --keys                  every group and key: unit, default, range, meaning' // nl &
+         // '  asperity CASE.nml [CASE2.nml ...] [--output DIR] [--threads N] [--check] '// &
+            '[--resume] [--quiet]' // nl &
+         // '  asperity --template PROBLEM      write a commented, complete namelist: '// &
+            'ehl_line, dry_line or dry_area' // nl &
+         // '  asperity --keys                  every group and key: unit, default, range, '// &
+            'meaning' // nl &
          // '  asperity --version | --help' // nl // nl &
          // 'Options:' // nl &
-         // '  --output DIR   folder of the results; without it the current folder (or the output of the case)' // nl &
+         // '  --output DIR   folder of the results; without it the current folder (or the '// &
+            'output of the case)' // nl &
          // '  --check        read and check the namelists, compute nothing' // nl &
          // '  --quiet        no progress; errors only' // nl &
-         // '  --threads N    threads of areal problems (default 1), at most as many as processors; a line needs one' // nl &
-         // '  --resume       go on where an interrupted run of the same cases left off' // nl // nl &
+         // '  --threads N    threads of areal problems (default 1), at most as many as '// &
+            'processors; a line needs one' // nl &
+         // '  --resume       go on where an interrupted run of the same cases left off' // nl &
+            // nl &
          // 'Examples:' // nl &
-         // '  asperity --template ehl_line > case.nml && asperity case.nml        first run, writes case.h5' // nl &
-         // '  asperity --check case.nml                                          what is wrong with my input?' // nl &
-         // '  asperity load*.nml --output results --quiet                        several cases, one after another' // nl &
-         // '  ls *.nml | xargs -P 8 -n 1 asperity --quiet                        side by side on 8 cores' // nl // nl &
-         // 'Exit status: 0 every case converged and was written; 1 bad input, usage or file; 2 a case did not converge' // nl &
-         // '(written, marked, with the reason); 3 a result could not be written; 4 interrupted by a signal, checkpoint' // nl &
+         // '  asperity --template ehl_line > case.nml && asperity case.nml        first run, '// &
+            'writes case.h5' // nl &
+         // '  asperity --check case.nml                                          what is '// &
+            'wrong with my input?' // nl &
+         // '  asperity load*.nml --output results --quiet                        several '// &
+            'cases, one after another' // nl &
+         // '  ls *.nml | xargs -P 8 -n 1 asperity --quiet                        side by '// &
+            'side on 8 cores' // nl // nl &
+         // 'Exit status: 0 every case converged and was written; 1 bad input, usage or file; '// &
+            '2 a case did not converge' // nl &
+         // '(written, marked, with the reason); 3 a result could not be written; 4 '// &
+            'interrupted by a signal, checkpoint' // nl &
          // 'written. Results go to files, progress and errors to standard error.' // nl
    end function help_text
 

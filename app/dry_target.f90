@@ -1,4 +1,5 @@
-!> A dry case on the grid that it gives, or from grid to grid until the contact area is known as well as wanted.
+!> A dry case on the grid that it gives, or from grid to grid until the contact area is known as
+!> well as wanted.
 module dry_target
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use case_memory, only: dry_memory
@@ -28,9 +29,10 @@ module dry_target
 
 contains
 
-   !> Solves all loads of `dry` and estimates the `errors` of the figures (none: not wanted). With a target of the contact area the
-   !> grid becomes the first one on which the estimate stays below it, or the finest that there may be, with a note. Times are those
-   !> of all grids. Errors as in `solve_dry_sweep` and `refine_heights`.
+   !> Solves all loads of `dry` and estimates the `errors` of the figures (none: not wanted). With a
+   !> target of the contact area the grid becomes the first one on which the estimate stays below
+   !> it, or the finest that there may be, with a note. Times are those of all grids. Errors as in
+   !> `solve_dry_sweep` and `refine_heights`.
    subroutine solve_to_target(dry, outcome, errors, error)
       type(dry_case_t), intent(inout) :: dry
       type(dry_outcome_t), intent(out) :: outcome
@@ -66,7 +68,8 @@ contains
       if (.not. allocated(error)) call tell_unmet(dry, rung%doubt, most)
    end subroutine solve_to_target
 
-   !> The sweep on the grid of `dry`, and the estimated `errors` of its figures (none: not wanted). Errors as in `solve_dry_sweep`.
+   !> The sweep on the grid of `dry`, and the estimated `errors` of its figures (none: not wanted).
+   !> Errors as in `solve_dry_sweep`.
    subroutine solve_grid(dry, outcome, errors, error)
       type(dry_case_t), intent(in) :: dry
       type(dry_outcome_t), intent(out) :: outcome
@@ -78,9 +81,11 @@ contains
       allocate (errors(0))
       start = wall_seconds()
       call begin_activity('solving')
-      sweep = dry_sweep_t(dry%grid, dry%height, new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus), dry%loads, &
+      sweep = dry_sweep_t(dry%grid, dry%height, new_dry_scaling(dry%height, dry%lengths(1), &
+         dry%reduced_modulus), dry%loads, &
          dry%settings)
-      call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, sweep%settings, outcome, error)
+      call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, sweep%settings, &
+         outcome, error)
       if (allocated(error)) return
       associate (report => outcome%solution%report)
          report%phase_seconds(phase_steady) = wall_seconds() - start
@@ -88,7 +93,8 @@ contains
          if (dry%has_error_bars) call estimate_dry_errors(sweep, outcome%rows, errors, error)
          if (allocated(error)) return
          report%wall_seconds = wall_seconds() - start
-         report%phase_seconds(phase_error_bars) = report%wall_seconds - report%phase_seconds(phase_steady)
+         report%phase_seconds(phase_error_bars) = report%wall_seconds &
+            - report%phase_seconds(phase_steady)
       end associate
    end subroutine solve_grid
 
@@ -98,8 +104,10 @@ contains
       real(wp), intent(inout) :: spent(times)
 
       associate (report => outcome%solution%report)
-         spent = spent + [outcome%cpu_prepare, outcome%cpu_solve, outcome%wall_solve, report%wall_seconds, &
-                          report%phase_seconds(phase_steady), report%phase_seconds(phase_error_bars)]
+         spent = spent + [outcome%cpu_prepare, outcome%cpu_solve, outcome%wall_solve, &
+            report%wall_seconds, &
+                          report%phase_seconds(phase_steady), &
+                             report%phase_seconds(phase_error_bars)]
          outcome%cpu_prepare = spent(1)
          outcome%cpu_solve = spent(2)
          outcome%wall_solve = spent(3)
@@ -116,7 +124,8 @@ contains
       real(wp), parameter :: smaller = 0.9_wp
 
       most = most_chosen(merge(1, 2, dry%grid%ny == 1))
-      do while (memory_fault('a grid', grid_memory(dry, [most/min(2, dry%grid%ny), min(2, dry%grid%ny)])) /= '')
+      do while (memory_fault('a grid', &
+         grid_memory(dry, [most/min(2, dry%grid%ny), min(2, dry%grid%ny)])) /= '')
          most = int(smaller*most)
          if (most <= dry%grid%nx) exit
       end do
@@ -132,7 +141,8 @@ contains
       need%reserved = need%reserved + thread_memory(dry%grid%threads)
    end function grid_memory
 
-   !> Notes that the target is not met by an estimated error of `doubt` (NaN: no solution, which is told elsewhere), and why.
+   !> Notes that the target is not met by an estimated error of `doubt` (NaN: no solution, which is
+   !> told elsewhere), and why.
    subroutine tell_unmet(dry, doubt, most)
       type(dry_case_t), intent(inout) :: dry
       real(wp), intent(in) :: doubt
@@ -144,7 +154,8 @@ contains
       reason = 'grids of more than '//to_text(most)//' nodes are not chosen'
       if (most < most_chosen(merge(1, 2, dry%grid%ny == 1))) reason = reason//' with this memory'
       if (most == 0) reason = 'without a period the heights of a file stay on their own nodes'
-      call add_note(dry, 'the wanted accuracy is not met: of the contact area a relative error of '//to_text(doubt, 2)// &
+      call add_note(dry, 'the wanted accuracy is not met: of the contact area a relative '// &
+         'error of '//to_text(doubt, 2)// &
          ' is estimated, '//to_text(dry%target, 2)//' was wanted, and '//reason)
    end subroutine tell_unmet
 

@@ -50,7 +50,8 @@ contains
       case ('help')
          call print_text(help_text(), error)
       case ('version')
-         call print_text(program_name // ' ' // program_version // ' (commit ' // git_commit() // ')' // new_line('a'), error)
+         call print_text(program_name // ' ' // program_version // ' (commit ' // git_commit() &
+            // ')' // new_line('a'), error)
       case ('template')
          call print_text(template_text(command%problem), error)
       case ('keys')
@@ -82,7 +83,8 @@ contains
       end do
    end function no_findings
 
-   !> Runs one case after another; `status` becomes the largest of theirs. After an interruption none begins any more.
+   !> Runs one case after another; `status` becomes the largest of theirs. After an interruption
+   !> none begins any more.
    subroutine run_cases(cases, command, status)
       type(case_t), intent(inout) :: cases(:)
       type(command_t), intent(in) :: command
@@ -94,7 +96,8 @@ contains
       do i = 1, size(cases)
          if (is_interrupted()) then
             log = new_progress_log(command%is_quiet)
-            if (this_status /= status_interrupted) call log%say_error('interrupted before ' // cases(i)%file)
+            if (this_status /= status_interrupted) call log%say_error('interrupted before ' &
+               // cases(i)%file)
             status = status_interrupted
             return
          end if

@@ -1,5 +1,5 @@
-!> The ends of the domain of a result: what a tail in front of the inlet leaves out; whether the outlet cuts the film off, by how
-!> much that changes the figures, and a note on it.
+!> The ends of the domain of a result: what a tail in front of the inlet leaves out; whether the
+!> outlet cuts the film off, by how much that changes the figures, and a note on it.
 module outlet_check
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_record, only: case_t
@@ -22,7 +22,8 @@ module outlet_check
 
 contains
 
-   !> Both ends of the domain of the solved `contact`; `open`: the contact as it was posed. Error: memory or a library failed.
+   !> Both ends of the domain of the solved `contact`; `open`: the contact as it was posed. Error:
+   !> memory or a library failed.
    subroutine check_ends(case, open, contact, watcher, report, error)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: open, contact
@@ -40,9 +41,10 @@ contains
       call check_outlet(case, open, contact, watcher, report, error)   ! error: the caller looks
    end subroutine check_ends
 
-   !> Where the film of the solved `contact` is still under pressure at the last node before the outlet, finds what that changes if
-   !> there are error bars, for their part of the domain, and adds a note to the report unless it is little. `open`: the contact as
-   !> it was posed. Error: memory or a library failed.
+   !> Where the film of the solved `contact` is still under pressure at the last node before the
+   !> outlet, finds what that changes if there are error bars, for their part of the domain, and
+   !> adds a note to the report unless it is little. `open`: the contact as it was posed. Error:
+   !> memory or a library failed.
    subroutine check_outlet(case, open, contact, watcher, report, error)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: open, contact
@@ -55,7 +57,8 @@ contains
       if (.not. (report%converged .and. report%outlet_pressure > 0.0_wp)) return
       associate (bars => watcher%writer%bars)
          bars%is_cut = .true.
-         if (case%accuracy%has_error_bars) call run_longer(bars, contact, case%solver, case%time, watcher, error)
+         if (case%accuracy%has_error_bars) call run_longer(bars, contact, case%solver, case%time, &
+            watcher, error)
          if (allocated(error)) return
          change = outlet_error(bars)
       end associate
@@ -68,7 +71,8 @@ contains
       call move_alloc(note, report%note)
    end subroutine check_outlet
 
-   !> What is wrong with the outlet, and what cures it; `change`: of the figures, NaN if it is not known.
+   !> What is wrong with the outlet, and what cures it; `change`: of the figures, NaN if it is not
+   !> known.
    pure function outlet_note(open, x_outlet, change) result(note)
       type(line_contact_t), intent(in) :: open
       real(wp), intent(in) :: x_outlet, change

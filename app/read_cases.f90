@@ -14,8 +14,8 @@ module read_cases
 
 contains
 
-   !> Reads `files` into `cases`. Error (input_error): the findings of all files, or results that cannot have
-   !> their names.
+   !> Reads `files` into `cases`. Error (input_error): the findings of all files, or results that
+   !> cannot have their names.
    subroutine read_all_cases(files, output_dir, cases, error)
       character(*), intent(in) :: files(:)
       character(*), intent(in) :: output_dir

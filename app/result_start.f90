@@ -9,7 +9,8 @@ module result_start
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
    use kinds, only: wp
-   use result_writer, only: field_name_length, give_back, hold_name, open_result, reopen_result, result_writer_t
+   use result_writer, only: field_name_length, give_back, hold_name, open_result, reopen_result, &
+      result_writer_t
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
    use text, only: to_text
@@ -21,8 +22,9 @@ module result_start
 
 contains
 
-   !> Opens the result `path` of `case`; with `is_resume` at the last checkpoint, if there is one. `case%time%resume_from` then
-   !> says where the run goes on. Errors: the result cannot be written; the checkpoint is of no use.
+   !> Opens the result `path` of `case`; with `is_resume` at the last checkpoint, if there is one.
+   !> `case%time%resume_from` then says where the run goes on. Errors: the result cannot be written;
+   !> the checkpoint is of no use.
    subroutine start_result(case, path, is_resume, scaling, watcher, error)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: path
@@ -38,12 +40,14 @@ contains
       if (is_resume .and. has_checkpoint) then
          call go_on(case, path, watcher, error)
       else
-         if (is_resume) call watcher%log%say(case%file//': no checkpoint '//path//'.ckpt: starts at the beginning')
+         if (is_resume) call watcher%log%say(case%file//': no checkpoint '//path &
+            //'.ckpt: starts at the beginning')
          call open_result(watcher%writer, path, error)
          if (.not. allocated(error)) watcher%writer%fields = stored_fields(case)
       end if
       if (allocated(error)) return
-      associate (statistics => watcher%writer%statistics, thresholds => case%output_settings%film_thresholds)
+      associate (statistics => watcher%writer%statistics, &
+         thresholds => case%output_settings%film_thresholds)
          if (.not. allocated(statistics%thresholds) .and. size(thresholds) > 0) then
             statistics = new_statistics(thresholds/scaling%film)
          end if
@@ -52,13 +56,15 @@ contains
       call watcher%writer%describe(trim(case%problem), case%title, case%namelist, scaling)
    end subroutine start_result
 
-   !> Names of the fields that are stored of each time, and of the mark of a film below the floor, if there is a floor.
+   !> Names of the fields that are stored of each time, and of the mark of a film below the floor,
+   !> if there is a floor.
    function stored_fields(case) result(names)
       type(case_t), intent(in) :: case
       character(len=field_name_length), allocatable :: names(:)
 
       names = [character(len=field_name_length) :: case%output_settings%fields]
-      if (case%solver%film_floor > 0.0_wp) names = [character(len=field_name_length) :: names, breakdown_name]
+      if (case%solver%film_floor > 0.0_wp) names = [character(len=field_name_length) :: names, &
+         breakdown_name]
    end function stored_fields
 
    !> Goes on at the checkpoint of `path`.
@@ -70,7 +76,8 @@ contains
       type(checkpoint_t) :: checkpoint
 
       call read_checkpoint(path//'.ckpt', watcher%case, checkpoint, error)
-      if (.not. allocated(error)) call reopen_result(watcher%writer, path, stored_fields(case), checkpoint%part, &
+      if (.not. allocated(error)) call reopen_result(watcher%writer, path, stored_fields(case), &
+         checkpoint%part, &
          size(checkpoint%march%film), checkpoint%figures, error)
       if (allocated(error)) then
          error%message = 'cannot resume: '//error%message
@@ -85,12 +92,14 @@ contains
       watcher%space_scheme = checkpoint%space_scheme
       watcher%writer%bars = checkpoint%bars
       watcher%writer%statistics = checkpoint%statistics
-      call watcher%log%say(case%file//': goes on after step '//to_text(checkpoint%march%step)//', checkpoint '//path//'.ckpt')
+      call watcher%log%say(case%file//': goes on after step '//to_text(checkpoint%march%step) &
+         //', checkpoint '//path//'.ckpt')
       case%time%resume_from = checkpoint%march
    end subroutine go_on
 
-   !> Whether `path` is the complete result of this very case by this very program, and whether it has converged; what else lies
-   !> beside a complete result is removed. Nobody writes it meanwhile. Errors: another run does; it cannot be the name of a result.
+   !> Whether `path` is the complete result of this very case by this very program, and whether it
+   !> has converged; what else lies beside a complete result is removed. Nobody writes it meanwhile.
+   !> Errors: another run does; it cannot be the name of a result.
    subroutine find_complete_result(path, case, is_complete, is_converged, error)
       character(*), intent(in) :: path
       type(case_t), intent(in) :: case
@@ -106,7 +115,8 @@ contains
       call give_back(writer, is_complete)
    end subroutine find_complete_result
 
-   !> Whether `path` is the complete result of this very case by this very program, and whether it has converged.
+   !> Whether `path` is the complete result of this very case by this very program, and whether it
+   !> has converged.
    subroutine judge_result(path, case, is_complete, is_converged)
       character(*), intent(in) :: path
       type(case_t), intent(in) :: case
@@ -129,7 +139,8 @@ contains
       if (allocated(error)) is_complete = .false.
    end subroutine judge_result
 
-   !> Whether the surfaces of a result had the heights of those of `case`: the namelist only names their files.
+   !> Whether the surfaces of a result had the heights of those of `case`: the namelist only names
+   !> their files.
    function has_same_heights(reader, case) result(is_same)
       type(hdf5_input_t), intent(inout) :: reader
       type(case_t), intent(in) :: case

@@ -2,7 +2,8 @@
 module run_case
    use breakdown_text, only: breakdown_sentence
    use case_memory, only: lubricated_memory
-   use case_outcome, only: give_up, status_converged, status_interrupted, status_not_converged, status_not_written
+   use case_outcome, only: give_up, status_converged, status_interrupted, status_not_converged, &
+      status_not_written
    use case_record, only: case_t, result_path, set_effective
    use command_line, only: command_t
    use companions, only: run_companions
@@ -43,7 +44,8 @@ module run_case
 
 contains
 
-   !> Solves `case` as `command` says: folder of the results, whether to go on from a checkpoint, whether to tell progress.
+   !> Solves `case` as `command` says: folder of the results, whether to go on from a checkpoint,
+   !> whether to tell progress.
    subroutine run_one_case(case, command, status)
       type(case_t), intent(inout) :: case
       type(command_t), intent(in) :: command
@@ -97,15 +99,16 @@ contains
       if (allocated(error)) then
          call watcher%writer%discard()
          call give_up(error, watcher%log, status)
-      else if (watcher%wants_stop .and. .not. report%converged .and. .not. watcher%writer%has_failed()) then
+      else if (watcher%wants_stop .and. .not. report%converged &
+         .and. .not. watcher%writer%has_failed()) then
          call suspend(watcher, status)
       else
          call store(case, watcher, state, report, status)
       end if
    end subroutine run_one_case
 
-   !> Settles how many intervals there is memory for. Error: the grid that the program will choose is too fine for the method, or
-   !> for the memory.
+   !> Settles how many intervals there is memory for. Error: the grid that the program will choose
+   !> is too fine for the method, or for the memory.
    subroutine check_grid(case, contact, error)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(in) :: contact
@@ -117,8 +120,10 @@ contains
       call choose_domain(whole)
       associate (intervals => whole%domain%intervals, method => case%solver%method)
          fault = fault_of(intervals)
-         if (intervals > most_intervals_of(method)) fault = 'found '//to_text(intervals)//' intervals, which the program '// &
-            'chooses, expected at most '//to_text(most_intervals_of(method))//" with method = '"//trim(method)//"'"
+         if (intervals > most_intervals_of(method)) fault = 'found '//to_text(intervals) &
+            //' intervals, which the program '// &
+            'chooses, expected at most '//to_text(most_intervals_of(method))//" with method = '" &
+               //trim(method)//"'"
       end associate
       if (fault /= '') call fail(error, input_error, case%file//': &domain intervals: '//fault)
       associate (most => case%solver%most_intervals)
@@ -144,12 +149,14 @@ contains
          call choose_time_step(own, time)
          steps = 0.0_wp
          if (time%is_transient) steps = time%end_time/time%time_step
-         fault = memory_fault('a grid', lubricated_memory(intervals, steps, case%solver%method == 'newton_dense'))
+         fault = memory_fault('a grid', lubricated_memory(intervals, steps, &
+            case%solver%method == 'newton_dense'))
       end function fault_of
 
    end subroutine check_grid
 
-   !> The case itself, and companions on coarser grids: behind it, where they need not choose its grid.
+   !> The case itself, and companions on coarser grids: behind it, where they need not choose its
+   !> grid.
    subroutine solve(case, contact, watcher, state, report, error)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(inout) :: contact
@@ -167,8 +174,10 @@ contains
       watcher%writer%figures%times = new_passage_times(contact, case%time)
       case%solver%target = case%accuracy%target
       case%solver%wants_companions = case%accuracy%has_error_bars
-      is_open = case%accuracy%target > 0.0_wp .and. .not. case%time%is_transient   ! the solver chooses the grid
-      watcher%has_companions = case%accuracy%has_error_bars .and. (is_open .or. .not. case%accuracy%target > 0.0_wp)
+      ! the solver chooses the grid
+      is_open = case%accuracy%target > 0.0_wp .and. .not. case%time%is_transient
+      watcher%has_companions = case%accuracy%has_error_bars &
+         .and. (is_open .or. .not. case%accuracy%target > 0.0_wp)
       if (allocated(case%time%resume_from)) then
          contact%domain%intervals = watcher%intervals
          case%time%time_step = watcher%time_step
@@ -182,7 +191,8 @@ contains
       whole = contact
       call choose_domain(whole, case%solver%target)
       call choose_time_step(whole, case%time)
-      if (watcher%has_companions) watcher%writer%bars = new_error_bars(whole, case%time, case%solver%space_scheme)
+      if (watcher%has_companions) watcher%writer%bars = new_error_bars(whole, case%time, &
+         case%solver%space_scheme)
       call tell_coarse_waves(case, contact, watcher, note)
       call tell_missed_target(case, contact, watcher, note)
       call tell(case, watcher, passage_note(contact, watcher%writer%figures%times), note)
@@ -207,13 +217,15 @@ contains
       call complete_report(watcher, seconds, report)
    end subroutine solve
 
-   !> What the solver does not know: a film breakdown in SI, the time of companions of their own and of output.
+   !> What the solver does not know: a film breakdown in SI, the time of companions of their own and
+   !> of output.
    subroutine complete_report(watcher, seconds, report)
       type(run_observer_t), intent(in) :: watcher
       real(wp), intent(in) :: seconds
       type(report_t), intent(inout) :: report
 
-      if (index(report%reason, 'film breakdown') == 1 .and. watcher%scaling%is_dimensional) report%reason = &
+      if (index(report%reason, 'film breakdown') == 1 &
+         .and. watcher%scaling%is_dimensional) report%reason = &
          breakdown_sentence(report%breakdown, watcher%film_floor, watcher%scaling)
       associate (phases => report%phase_seconds)
          phases(phase_error_bars) = phases(phase_error_bars) + seconds
@@ -222,8 +234,9 @@ contains
       end associate
    end subroutine complete_report
 
-   !> Says where grid or time step are too coarse for the waves of the surfaces; `note` then says it too, else it stays unallocated.
-   !> With a wanted accuracy both are chosen by what they do to h_min.
+   !> Says where grid or time step are too coarse for the waves of the surfaces; `note` then says it
+   !> too, else it stays unallocated. With a wanted accuracy both are chosen by what they do to
+   !> h_min.
    subroutine tell_coarse_waves(case, contact, watcher, note)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
@@ -241,7 +254,8 @@ contains
       call move_alloc(words, note)
    end subroutine tell_coarse_waves
 
-   !> Says where pilot runs do not foretell that a transient keeps its wanted accuracy, behind what `note` says already.
+   !> Says where pilot runs do not foretell that a transient keeps its wanted accuracy, behind what
+   !> `note` says already.
    subroutine tell_missed_target(case, contact, watcher, note)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
@@ -255,9 +269,11 @@ contains
       associate (forecast => watcher%writer%bars%forecast)
          if (forecast%is_known) then
             foretold = forecast%error(1)/forecast%pilot(1)
-            if (.not. case%domain%has_inlet) foretold = foretold + domain_error(inlet_error(contact))
+            if (.not. case%domain%has_inlet) foretold = foretold &
+               + domain_error(inlet_error(contact))
             if (foretold <= (1.0_wp + rounding)*case%accuracy%target) return
-            words = 'the wanted accuracy is beyond the finest pilot run: of h_min a relative error of '//to_text(foretold, 2)// &
+            words = 'the wanted accuracy is beyond the finest pilot run: of h_min a relative '// &
+               'error of '//to_text(foretold, 2)// &
                ' is foretold, '//to_text(case%accuracy%target, 2)//' was wanted'
          end if
       end associate
@@ -292,12 +308,14 @@ contains
       watcher%writer%inputs = case%effective
       call watcher%writer%finish(state, report, error)
       if (allocated(error)) then
-         if (watcher%writer%has_checkpoint) error%message = error%message//'; --resume goes on after step '// &
+         if (watcher%writer%has_checkpoint) error%message = error%message &
+            //'; --resume goes on after step '// &
             to_text(watcher%checkpoint_step)
          call give_up(error, watcher%log, status)
          return
       end if
-      call watcher%log%close_case(watcher%writer%summary, report, watcher%writer%path, watcher%writer%figures%times)
+      call watcher%log%close_case(watcher%writer%summary, report, watcher%writer%path, &
+         watcher%writer%figures%times)
       status = merge(status_converged, status_not_converged, report%converged)
    end subroutine store
 
@@ -330,28 +348,34 @@ contains
 
       start = wall_seconds()
       if (case%time%is_transient .and. case%accuracy%target > 0.0_wp) then
-         call choose_resolution(bars, contact, case%solver, case%time, watcher, error)   ! error: the caller looks
+         call choose_resolution(bars, contact, case%solver, case%time, watcher, &
+            error)   ! error: the caller looks
       else
-         call run_companions(bars, contact, case%solver, case%time, watcher, error)   ! error: the caller looks
+         call run_companions(bars, contact, case%solver, case%time, watcher, &
+            error)   ! error: the caller looks
       end if
       watcher%writer%bars = bars
       seconds = wall_seconds() - start
    end subroutine compare_grids
 
-   !> What the program has chosen in place of the user goes into the list of effective values; 0: not used by the method.
+   !> What the program has chosen in place of the user goes into the list of effective values; 0:
+   !> not used by the method.
    subroutine fill_chosen(case, contact, report)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(in) :: contact
       type(report_t), intent(in) :: report
       integer, parameter :: all_digits = 17
 
-      call set_effective(case, 'domain', 'x_inlet', to_text(contact%domain%x_inlet, all_digits), 'half-widths')
+      call set_effective(case, 'domain', 'x_inlet', to_text(contact%domain%x_inlet, all_digits), &
+         'half-widths')
       call set_effective(case, 'domain', 'inlet', trim(contact%domain%inlet), '')
-      call set_effective(case, 'domain', 'x_outlet', to_text(contact%domain%x_outlet, all_digits), 'half-widths')
+      call set_effective(case, 'domain', 'x_outlet', to_text(contact%domain%x_outlet, &
+         all_digits), 'half-widths')
       call set_effective(case, 'domain', 'intervals', to_text(contact%domain%intervals), '-')
       if (case%time%is_transient) call set_effective(case, 'time', 'time_step', &
          to_text(case%time%time_step, all_digits), '-')
-      call set_effective(case, 'solver', 'space_scheme', trim(merge('sharp ', 'thesis', case%solver%space_scheme == 'sharp')), '')
+      call set_effective(case, 'solver', 'space_scheme', trim(merge('sharp '// &
+         '', 'thesis', case%solver%space_scheme == 'sharp')), '')
       call set_effective(case, 'solver', 'levels', to_text(report%levels), '-')
       call set_effective(case, 'solver', 'tolerance', to_text(report%tolerance, all_digits), '-')
       call set_effective(case, 'solver', 'max_cycles', to_text(report%max_cycles), '-')
@@ -359,7 +383,8 @@ contains
       call set_effective(case, 'solver', 'post_sweeps', to_text(report%post_sweeps), '-')
       call set_effective(case, 'solver', 'coarse_sweeps', to_text(report%coarse_sweeps), '-')
       call set_effective(case, 'solver', 'relaxation', to_text(report%relaxation, all_digits), '-')
-      call set_effective(case, 'solver', 'load_relaxation', to_text(report%load_relaxation, all_digits), '-')
+      call set_effective(case, 'solver', 'load_relaxation', to_text(report%load_relaxation, &
+         all_digits), '-')
    end subroutine fill_chosen
 
    !> The same of the times that count, and of where the features began.
@@ -370,7 +395,8 @@ contains
       integer, parameter :: all_digits = 17
 
       if (.not. case%time%is_transient) return
-      call set_effective(case, 'time', 'statistics_from', to_text(times%counts_from, all_digits), '-')
+      call set_effective(case, 'time', 'statistics_from', to_text(times%counts_from, all_digits), &
+         '-')
       call fill_positions('surface_1', contact%surface_1)
       call fill_positions('surface_2', contact%surface_2)
 

@@ -34,8 +34,8 @@ module run_dry_case
 
 contains
 
-   !> Solves all loads of `case`, writes its result to the folder `output_dir` (empty: where the case says), tells a line a
-   !> load unless `is_quiet`; areas are shared by `threads`.
+   !> Solves all loads of `case`, writes its result to the folder `output_dir` (empty: where the
+   !> case says), tells a line a load unless `is_quiet`; areas are shared by `threads`.
    subroutine solve_and_write(case, output_dir, is_quiet, threads, status)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: output_dir
@@ -83,7 +83,8 @@ contains
          return
       end if
       name = case%file(index(case%file, '/', back=.true.) + 1:)
-      if (case%dry%target > 0.0_wp) call log%say(name // ': solved on ' // nodes_text(case%dry) // ' nodes for an error of ' &
+      if (case%dry%target > 0.0_wp) call log%say(name // ': solved on ' // nodes_text(case%dry) &
+         // ' nodes for an error of ' &
          // number_text(100.0_wp*case%dry%target, 2) // ' % of the contact area')
       call tell(log, name, outcome%rows, errors, outcome%solution, writer%path)
       status = merge(status_converged, status_not_converged, outcome%solution%report%converged)
@@ -97,7 +98,8 @@ contains
 
       associate (grid => case%dry%grid)
          fault = memory_fault('a grid', grid_memory(case%dry, [grid%nx, grid%ny]))
-         if (fault /= '' .and. grid%threads > 1) fault = fault//', with '//to_text(grid%threads)//' threads'
+         if (fault /= '' .and. grid%threads > 1) fault = fault//', with '//to_text(grid%threads) &
+            //' threads'
       end associate
       if (fault /= '') call fail(error, input_error, case%file//': '//fault)
    end subroutine check_memory
@@ -118,14 +120,16 @@ contains
 
       call write_dataset(file, '/report/cpu_seconds', outcome%cpu_prepare + outcome%cpu_solve, &
          new_label('processor time of the solution, planning of the transforms included', 's'))
-      call write_dataset(file, '/report/cpu_prepare_seconds', outcome%cpu_prepare, new_label('the part for planning', 's'))
+      call write_dataset(file, '/report/cpu_prepare_seconds', outcome%cpu_prepare, &
+         new_label('the part for planning', 's'))
       call write_dataset(file, '/report/wall_solve_seconds', outcome%wall_solve, &
          new_label('wall time of the solution without planning', 's'))
       call write_dataset(file, '/report/transforms', real(outcome%transforms, wp), &
          new_label('transforms: size in x, in y, pairs in double, pairs in single precision', '1'))
    end subroutine write_costs
 
-   !> The report of the last load speaks for all: one that has not converged is enough; transforms and iterations add up.
+   !> The report of the last load speaks for all: one that has not converged is enough; transforms
+   !> and iterations add up.
    subroutine judge_sweep(rows, solution)
       type(dry_row_t), intent(in) :: rows(:)
       type(dry_solution_t), intent(inout) :: solution
@@ -136,7 +140,8 @@ contains
       do i = 1, size(rows)
          if (rows(i)%is_converged) cycle
          solution%report%converged = .false.
-         solution%report%reason = rows(i)%reason // ' at a mean pressure of ' // to_text(rows(i)%mean_pressure) // ' Pa'
+         solution%report%reason = rows(i)%reason // ' at a mean pressure of ' &
+            // to_text(rows(i)%mean_pressure) // ' Pa'
       end do
    end subroutine judge_sweep
 
@@ -150,7 +155,8 @@ contains
       integer :: i
 
       if (solution%report%converged) then
-         call log%say(name // ': converged, ' // to_text(solution%report%cycles) // ' iterations, ' &
+         call log%say(name // ': converged, ' // to_text(solution%report%cycles) &
+            // ' iterations, ' &
             // to_text(solution%report%wall_seconds, 3) // ' s')
       else
          call log%say_error(name // ': NOT CONVERGED: ' // solution%report%reason)
@@ -158,14 +164,17 @@ contains
       call log%say('  mean pressure   contact   plastic   separation   largest p      error')
       do i = 1, size(rows)
          associate (row => rows(i))
-            write (line, '(ss,2x,es10.3,a,2(f8.3,a),es11.3,a,es10.3,a,es9.1)') row%mean_pressure, ' Pa', &
-               100.0_wp*row%contact_area_fraction, ' %', 100.0_wp*row%plastic_area_fraction, ' %', row%mean_separation, ' m', &
+            write (line, '(ss,2x,es10.3,a,2(f8.3,a),es11.3,a,es10.3,a,es9.1)') row%mean_pressure, &
+               ' Pa', &
+               100.0_wp*row%contact_area_fraction, ' %', 100.0_wp*row%plastic_area_fraction, &
+                  ' %', row%mean_separation, ' m', &
                row%p_max, ' Pa', row%kkt
          end associate
          call log%say(trim(line))
          if (size(errors) > 0) call log%say(error_line(rows(i), errors(i)))
       end do
-      if (allocated(solution%report%note)) call log%say('  ' // wrapped('note      ' // solution%report%note, columns - 2))
+      if (allocated(solution%report%note)) call log%say('  ' // wrapped('note      ' &
+         // solution%report%note, columns - 2))
       call log%say('  result    ' // path)
    end subroutine tell
 
@@ -175,13 +184,16 @@ contains
       character(:), allocatable :: line
       character(len=80) :: cells
 
-      write (cells, '(a15,2a10,2a13)') '+-', percent(error%contact_area_fraction, row%contact_area_fraction), &
-         percent(error%plastic_area_fraction, row%plastic_area_fraction), percent(error%mean_separation, row%mean_separation), &
+      write (cells, '(a15,2a10,2a13)') '+-', percent(error%contact_area_fraction, &
+         row%contact_area_fraction), &
+         percent(error%plastic_area_fraction, row%plastic_area_fraction), &
+            percent(error%mean_separation, row%mean_separation), &
          percent(error%p_max, row%p_max)
       line = trim(cells)
    end function error_line
 
-   !> `error` in percent of `value`, right-justified as in the line above it; '-' if it is not known.
+   !> `error` in percent of `value`, right-justified as in the line above it; '-' if it is not
+   !> known.
    function percent(error, value) result(cell)
       real(wp), intent(in) :: error, value
       character(:), allocatable :: cell

@@ -1,9 +1,11 @@
-!> Solves many contacts in one process and prints a line of comma-separated values for each: for bench, chart and maps.
+!> Solves many contacts in one process and prints a line of comma-separated values for each: for
+!> bench, chart and maps.
 !>
-!>     asperity-bench JOBS      a file of namelists, each below a line `#job key=value ...` (module bench_jobs)
+!>     asperity-bench JOBS      a file of namelists, each below a line `#job key=value ...`
+!>                              (module bench_jobs)
 !>
-!> After the head come lines of values, `history,name,cycle,residual,load_error` where asked for, and
-!> `refused,name,"message"` for a namelist with findings.
+!> After the head come lines of values, `history,name,cycle,residual,load_error` where asked for,
+!> and `refused,name,"message"` for a namelist with findings.
 program asperity_bench
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use bench_jobs, only: job_t, split_jobs
@@ -26,11 +28,15 @@ program asperity_bench
    call read_text_file(trim(file), content, error)
    if (.not. allocated(error)) call split_jobs(content, jobs, error)
    call stop_on(error)
-   write (output_unit, '(a)') 'name,method,inlet,converged,intervals,x_inlet,x_outlet,levels,cycles,steps,residual,load_error,'// &
-      'tolerance,step_residual,fft_pairs,work_units,runs,setup_least,steady_least,transient_least,all_least,'// &
-      'setup_median,steady_median,transient_median,all_median,processor,h_min,h_central,p_max,x_cavitation,difference,'// &
-      'product_seconds,h_min_node,h_min_error,h_min_node_error,h_central_error,p_max_error,x_cavitation_error,'// &
-      'h_min_error_grid,h_min_node_error_grid,h_central_error_grid,p_max_error_grid,x_cavitation_error_grid,reason'
+   write (output_unit, '(a)') &
+      'name,method,inlet,converged,intervals,x_inlet,x_outlet,levels,cycles,steps,'// &
+      'residual,load_error,tolerance,step_residual,fft_pairs,work_units,runs,'// &
+      'setup_least,steady_least,transient_least,all_least,setup_median,steady_median,'// &
+      'transient_median,all_median,processor,h_min,h_central,p_max,x_cavitation,'// &
+      'difference,product_seconds,h_min_node,h_min_error,h_min_node_error,'// &
+      'h_central_error,p_max_error,x_cavitation_error,h_min_error_grid,'// &
+      'h_min_node_error_grid,h_central_error_grid,p_max_error_grid,'// &
+      'x_cavitation_error_grid,reason'
    do i = 1, size(jobs)
       call measure(jobs(i), reference, outcome, error)
       if (allocated(error)) then
@@ -52,13 +58,20 @@ contains
 
       associate (report => outcome%report, first => outcome%first, domain => outcome%contact%domain)
          converged = merge(1, 0, report%converged)
-         write (output_unit, '(7a)', advance='no') '"', job%name, '","', report%method, '","', trim(domain%inlet), '"'
-         write (output_unit, '(2(",",i0),2(",",g0),3(",",i0),4(",",es10.3e3),",",i0,",",es12.5,",",i0)', advance='no') converged, &
-            domain%intervals, domain%x_inlet, domain%x_outlet, report%levels, report%cycles, report%steps, report%residual, &
-            report%load_error, report%tolerance_effective, first%residual, report%fft_pairs, report%work_units, outcome%runs
+         write (output_unit, '(7a)', advance='no') '"', job%name, '","', report%method, '","', &
+            trim(domain%inlet), '"'
+         write (output_unit, &
+            '(2(",",i0),2(",",g0),3(",",i0),4(",",es10.3e3),",",i0,",",es12.5,",",i0)', &
+            advance='no') converged, &
+            domain%intervals, domain%x_inlet, domain%x_outlet, report%levels, report%cycles, &
+               report%steps, report%residual, &
+            report%load_error, report%tolerance_effective, first%residual, report%fft_pairs, &
+               report%work_units, outcome%runs
          write (output_unit, '(9(",",es11.4),4(",",es24.16e3),2(",",es12.4e3))', advance='no') &
-            outcome%least, outcome%median, outcome%processor, first%summary%h_min%value, first%summary%h_central%value, &
-            first%summary%p_max%value, first%summary%x_cavitation%value, outcome%difference, outcome%product_seconds
+            outcome%least, outcome%median, outcome%processor, first%summary%h_min%value, &
+               first%summary%h_central%value, &
+            first%summary%p_max%value, first%summary%x_cavitation%value, outcome%difference, &
+               outcome%product_seconds
          call print_errors(first%summary)
          write (output_unit, '(3a)') ',"', flat(report%reason), '"'
       end associate
@@ -68,10 +81,13 @@ contains
    subroutine print_errors(summary)
       type(line_summary_t), intent(in) :: summary
 
-      associate (h => summary%h_min, node => summary%h_min_node, c => summary%h_central, p => summary%p_max, &
+      associate (h => summary%h_min, node => summary%h_min_node, c => summary%h_central, &
+         p => summary%p_max, &
                  x => summary%x_cavitation)
-         write (output_unit, '(11(",",es24.16e3))', advance='no') node%value, h%error_estimate, node%error_estimate, &
-            c%error_estimate, p%error_estimate, x%error_estimate, h%error_grid, node%error_grid, c%error_grid, p%error_grid, &
+         write (output_unit, '(11(",",es24.16e3))', advance='no') node%value, h%error_estimate, &
+            node%error_estimate, &
+            c%error_estimate, p%error_estimate, x%error_estimate, h%error_grid, node%error_grid, &
+               c%error_grid, p%error_grid, &
             x%error_grid
       end associate
    end subroutine print_errors
@@ -86,7 +102,8 @@ contains
       allocate (residuals, source=outcome%report%residual_history())
       allocate (load_errors, source=outcome%report%load_error_history())
       do cycle = 1, size(residuals)
-         write (output_unit, '(3a,i0,2(",",es10.3))') 'history,"', job%name, '",', cycle, residuals(cycle), load_errors(cycle)
+         write (output_unit, '(3a,i0,2(",",es10.3))') 'history,"', job%name, '",', cycle, &
+            residuals(cycle), load_errors(cycle)
       end do
    end subroutine print_history
 

@@ -82,7 +82,8 @@ contains
          status = 1
          if (equals > 1) call take(word(:equals - 1), word(equals + 1:), job, status)
          if (status /= 0) then
-            call fail(error, input_error, 'found '//word//' in a line '//marker//', expected name, runs, seconds, limit, '// &
+            call fail(error, input_error, 'found '//word//' in a line '//marker &
+               //', expected name, runs, seconds, limit, '// &
                'reference, compare, bars, history or products = value')
             return
          end if

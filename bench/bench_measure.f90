@@ -44,7 +44,8 @@ module bench_measure
       real(wp) :: processor = 0.0_wp
       !> Largest difference in P to the reference; NaN without one.
       real(wp) :: difference = 0.0_wp
-      !> Time that the kernel products (FFT pairs) of the steady solution take [s]; NaN if not asked for.
+      !> Time that the kernel products (FFT pairs) of the steady solution take [s]; NaN if not asked
+      !> for.
       real(wp) :: product_seconds = 0.0_wp
    end type measurement_t
 
@@ -91,7 +92,8 @@ contains
       if (job%shows_products) call measure_products(case, outcome, error)
    end subroutine measure
 
-   !> One run; the first one is kept. With a wanted accuracy, the time of the choice of the grid is in that of all phases.
+   !> One run; the first one is kept. With a wanted accuracy, the time of the choice of the grid is
+   !> in that of all phases.
    subroutine run_once(job, case, is_first, outcome, times, error)
       type(job_t), intent(in) :: job
       type(case_t), intent(in) :: case
@@ -111,7 +113,8 @@ contains
       contact = outcome%contact
       time = case%time
       times = 0.0_wp
-      call start_recorder(watcher, is_first .and. (job%is_reference .or. job%is_compared .or. case%time%is_transient), job%limit)
+      call start_recorder(watcher, is_first .and. (job%is_reference .or. job%is_compared &
+         .or. case%time%is_transient), job%limit)
       start = wall_seconds()
       settings = case%solver
       settings%target = case%accuracy%target
@@ -122,7 +125,8 @@ contains
       end if
       call solve_contact(contact, settings, time, watcher, state, report, error)
       if (allocated(error)) return
-      times = [report%phase_seconds(phase_setup), report%phase_seconds(phase_steady), report%phase_seconds(phase_transient), &
+      times = [report%phase_seconds(phase_setup), report%phase_seconds(phase_steady), &
+         report%phase_seconds(phase_transient), &
          wall_seconds() - start]
       if (.not. is_first) return
       if (.not. case%time%is_transient) then
@@ -151,10 +155,12 @@ contains
       if (job%is_compared .and. allocated(reference) .and. allocated(outcome%first%pressure)) then
          outcome%difference = largest_difference(outcome%first%pressure, reference)
       end if
-      if (job%is_reference .and. allocated(outcome%first%pressure)) reference = outcome%first%pressure
+      if (job%is_reference .and. allocated(outcome%first%pressure)) reference = &
+         outcome%first%pressure
    end subroutine compare_fields
 
-   !> Time of the kernel products of the steady solution: their number on each level times the time of one, measured here.
+   !> Time of the kernel products of the steady solution: their number on each level times the time
+   !> of one, measured here.
    subroutine measure_products(case, outcome, error)
       type(case_t), intent(in) :: case
       type(measurement_t), intent(inout) :: outcome

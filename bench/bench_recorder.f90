@@ -1,4 +1,5 @@
-!> An observer that keeps the pressure of all time steps, the extremes over them, and an eye on the clock.
+!> An observer that keeps the pressure of all time steps, the extremes over them, and an eye on the
+!> clock.
 module bench_recorder
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -56,7 +57,8 @@ contains
       self%pressure(:, 0) = state%pressure
    end subroutine record_steady
 
-   !> Largest difference in P at the nodes and times that both have; NaN where neither grid contains the other.
+   !> Largest difference in P at the nodes and times that both have; NaN where neither grid contains
+   !> the other.
    pure function largest_difference(one, other) result(difference)
       real(wp), intent(in) :: one(:, 0:), other(:, 0:)
       real(wp) :: difference
@@ -70,7 +72,8 @@ contains
       times_2 = ubound(other, 2)/max(steps, 1)
       difference = 0.0_wp
       do k = 0, steps
-         difference = max(difference, maxval(abs(one(::stride_1, k*times_1) - other(::stride_2, k*times_2))))
+         difference = max(difference, &
+            maxval(abs(one(::stride_1, k*times_1) - other(::stride_2, k*times_2))))
       end do
    end function largest_difference
 
@@ -81,7 +84,8 @@ contains
       real(wp), intent(in) :: residual
       real(wp), intent(in) :: load_error
 
-      associate (unused_cycle => cycle, unused_residual => residual, unused_load_error => load_error)
+      associate (unused_cycle => cycle, unused_residual => residual, &
+         unused_load_error => load_error)
       end associate
       self%wants_stop = self%wants_stop .or. wall_seconds() - self%start > self%limit
    end subroutine watch_clock

@@ -1,7 +1,8 @@
-!> Run-time of the stand-in for pFUnit: failures, test-case types, the runner and the kernels of the assertions.
+!> Run-time of the stand-in for pFUnit: failures, test-case types, the runner and the kernels of the
+!> assertions.
 !>
-!> The specific procedures of the assertions are generated (tools/funit_overloads.py) and call the kernels below with
-!> rank-1 copies. Nothing here trips over NaN, Inf or floating-point traps.
+!> The specific procedures of the assertions are generated (tools/funit_overloads.py) and call the
+!> kernels below with rank-1 copies. Nothing here trips over NaN, Inf or floating-point traps.
 module funit_lite
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use, intrinsic :: iso_fortran_env, only: int64, output_unit, real64
@@ -9,7 +10,8 @@ module funit_lite
    public
 
    private :: int64, output_unit, real64, ieee_is_finite, ieee_is_nan
-   private :: where_is, conformable, report, real_text, integer_text, index_text, are_close, abs_or_huge
+   private :: where_is, conformable, report, real_text, integer_text, index_text, are_close, &
+      abs_or_huge
 
    !> Where an assertion stands.
    type :: SourceLocation
@@ -78,7 +80,8 @@ module funit_lite
    private :: assert_false_scalar
 
    private :: nothing_to_set_up, nothing_to_tear_down
-   private :: runner_begin, runner_starts, runner_ends, runner_disable, runner_expects, runner_finish
+   private :: runner_begin, runner_starts, runner_ends, runner_disable, runner_expects, &
+      runner_finish
 
 contains
 
@@ -120,7 +123,8 @@ contains
       character(:), allocatable :: string
 
       string = '[unknown place]'
-      if (present(location)) string = '[' // trim(location%file_name) // ':' // integer_text(int(location%line, int64)) // ']'
+      if (present(location)) string = '[' // trim(location%file_name) // ':' &
+         // integer_text(int(location%line, int64)) // ']'
    end function where_is
 
    function real_text(value) result(string)
@@ -141,7 +145,8 @@ contains
       string = trim(buffer)
    end function integer_text
 
-   !> Index of the element `position` of an array of shape `extents`, as text: ` at (2,3)`; empty for a scalar.
+   !> Index of the element `position` of an array of shape `extents`, as text: ` at (2,3)`; empty
+   !> for a scalar.
    function index_text(position, extents) result(string)
       integer, intent(in) :: position
       integer, intent(in) :: extents(:)
@@ -171,7 +176,8 @@ contains
       if (.not. is_good) call report('Arrays not conformable.', message, location)
    end function conformable
 
-   !> |actual - expected| <= tolerance in every element; NaN never equals anything, equal infinities do.
+   !> |actual - expected| <= tolerance in every element; NaN never equals anything, equal infinities
+   !> do.
    subroutine check_real_equal(expected, left, actual, right, tolerance, message, location)
       real(real64), intent(in) :: expected(:), actual(:), tolerance
       integer, intent(in) :: left(:), right(:)
@@ -185,8 +191,10 @@ contains
       do i = 1, size(actual)
          wanted = expected(min(i, size(expected)))
          if (are_close(wanted, actual(i), tolerance)) cycle
-         text = 'expected ' // real_text(wanted) // ', found ' // real_text(actual(i)) // index_text(i, right)
-         if (max(abs_or_huge(wanted), abs_or_huge(actual(i))) < 0.5_real64*huge(wanted)) text = text // ', difference ' &
+         text = 'expected ' // real_text(wanted) // ', found ' // real_text(actual(i)) &
+            // index_text(i, right)
+         if (max(abs_or_huge(wanted), abs_or_huge(actual(i))) < 0.5_real64*huge(wanted)) text = &
+            text // ', difference ' &
             // real_text(actual(i) - wanted) // ', tolerance ' // real_text(tolerance)
          call report(text, message, location)
          return
@@ -230,7 +238,8 @@ contains
          is_good = ieee_is_finite(wanted) .and. abs(wanted) > 0.0_real64
          if (is_good) is_good = are_close(wanted, actual(i), tolerance*abs(wanted))
          if (is_good) cycle
-         call report('expected ' // real_text(wanted) // ', found ' // real_text(actual(i)) // index_text(i, right) &
+         call report('expected ' // real_text(wanted) // ', found ' // real_text(actual(i)) &
+            // index_text(i, right) &
                      // ', relative tolerance ' // real_text(tolerance), message, location)
          return
       end do
@@ -245,7 +254,8 @@ contains
       if (ieee_is_nan(expected) .or. ieee_is_nan(actual)) then
          call report('one is not a number', message, location)
       else if (are_close(expected, actual, tolerance)) then
-         call report('found ' // real_text(actual) // ', which is ' // real_text(expected), message, location)
+         call report('found ' // real_text(actual) // ', which is ' // real_text(expected), &
+            message, location)
       end if
    end subroutine check_real_differ
 
@@ -277,7 +287,8 @@ contains
             end select
          end if
          if (is_good) cycle
-         call report('not true: ' // real_text(value) // ' ' // operator // ' ' // real_text(rhs(i)) &
+         call report('not true: ' // real_text(value) // ' ' // operator // ' ' &
+            // real_text(rhs(i)) &
                      // index_text(i, right), message, location)
          return
       end do
@@ -336,7 +347,8 @@ contains
             is_good = value >= rhs(i)
          end select
          if (is_good) cycle
-         call report('not true: ' // integer_text(value) // ' ' // operator // ' ' // integer_text(rhs(i)) &
+         call report('not true: ' // integer_text(value) // ' ' // operator // ' ' &
+            // integer_text(rhs(i)) &
                      // index_text(i, right), message, location)
          return
       end do
@@ -353,7 +365,8 @@ contains
       if (.not. conformable(left, right, message, location)) return
       do i = 1, size(actual)
          if (expected(min(i, size(expected))) .eqv. actual(i)) cycle
-         call report('expected ' // merge('true ', 'false', expected(min(i, size(expected)))) // index_text(i, right), &
+         call report('expected ' // merge('true ', 'false', &
+            expected(min(i, size(expected)))) // index_text(i, right), &
                      message, location)
          return
       end do
@@ -366,7 +379,8 @@ contains
       type(SourceLocation), intent(in), optional :: location
 
       if (trim(adjustl(expected)) == trim(adjustl(found))) return
-      call report('expected "' // expected // '"' // new_line('a') // '  found    "' // found // '"', message, location)
+      call report('expected "' // expected // '"' // new_line('a') // '  found    "' // found &
+         // '"', message, location)
    end subroutine check_string_equal
 
    subroutine assert_true_scalar(condition, message, location)
@@ -391,7 +405,8 @@ contains
       character(*), intent(in), optional :: message
       type(SourceLocation), intent(in), optional :: location
 
-      if (.not. all(conditions)) call report('not all are true' // index_text(findloc(conditions, .false., 1), &
+      if (.not. all(conditions)) call report('not all are true' // index_text(findloc(conditions, &
+         .false., 1), &
                                              shape(conditions)), message, location)
    end subroutine assertAll
 
@@ -410,7 +425,8 @@ contains
       character(*), intent(in), optional :: message
       type(SourceLocation), intent(in), optional :: location
 
-      if (any(conditions)) call report('one is true' // index_text(findloc(conditions, .true., 1), shape(conditions)), &
+      if (any(conditions)) call report('one is true' // index_text(findloc(conditions, .true., &
+         1), shape(conditions)), &
                                        message, location)
    end subroutine assertNone
 
@@ -506,7 +522,8 @@ contains
       mark = merge('F', '.', allocated(failure_text))
       if (allocated(failure_text)) then
          self%failed = self%failed + 1
-         self%failures = self%failures // 'Failure in ' // trim(self%current) // new_line('a') // failure_text // new_line('a')
+         self%failures = self%failures // 'Failure in ' // trim(self%current) // new_line('a') &
+            // failure_text // new_line('a')
          deallocate (failure_text)
       else
          self%passed = self%passed + 1

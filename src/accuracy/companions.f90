@@ -1,5 +1,5 @@
-!> Runs of the same case on coarser grids, in a transient with larger time steps, where the run itself has not passed them on its
-!> way.
+!> Runs of the same case on coarser grids, in a transient with larger time steps, where the run
+!> itself has not passed them on its way.
 module companions
    use domain_choice, only: choose_domain, farthest
    use ehl_line_solver, only: solve_ehl_line
@@ -28,7 +28,8 @@ module companions
       type(passage_figures_t) :: figures
       !> Coarser grids that a steady run has passed.
       type(line_summary_t), allocatable :: passed(:)
-      !> Smallest film at each time step of the last transient (0:steps); huge at times that do not count.
+      !> Smallest film at each time step of the last transient (0:steps); huge at times that do not
+      !> count.
       real(wp), allocatable :: films(:)
    contains
       procedure :: on_step => collect_step
@@ -38,8 +39,9 @@ module companions
 
 contains
 
-   !> Runs the case on n/2 and n/4 intervals, a transient of first order with the scheme of second order, and first so on its own
-   !> grid. A companion that finds no solution, or that `watcher` stops, leaves its figures unknown, and those after it.
+   !> Runs the case on n/2 and n/4 intervals, a transient of first order with the scheme of second
+   !> order, and first so on its own grid. A companion that finds no solution, or that `watcher`
+   !> stops, leaves its figures unknown, and those after it.
    subroutine run_companions(bars, contact, settings, time, watcher, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(in) :: contact
@@ -67,13 +69,15 @@ contains
          bars%has_quarter = .true.
          bars%quarter = collector%passed(1)
       else
-         call run_coarser(contact, settings, companion_time, 4, collector, bars%has_quarter, error)   ! error: the caller looks
+         call run_coarser(contact, settings, companion_time, 4, collector, bars%has_quarter, &
+            error)   ! error: the caller looks
          bars%quarter = collector%summary
       end if
    end subroutine run_companions
 
-   !> The case at the spacing of n/2 intervals on a domain that is longer behind the outlet: what the outlet cuts off. Twice the
-   !> length; of a steady contact up to eight times, until nothing is cut off any more.
+   !> The case at the spacing of n/2 intervals on a domain that is longer behind the outlet: what
+   !> the outlet cuts off. Twice the length; of a steady contact up to eight times, until nothing is
+   !> cut off any more.
    subroutine run_longer(bars, contact, settings, time, watcher, error)
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(in) :: contact
@@ -99,14 +103,16 @@ contains
             if (allocated(error) .or. .not. bars%has_longer) return
             bars%longer = collector%summary
             bars%has_longer = time%is_transient .or. &
-               collector%summary%x_cavitation%value < domain%x_outlet - 3*(domain%x_outlet - domain%x_inlet)/domain%intervals
+               collector%summary%x_cavitation%value < domain%x_outlet &
+                  - 3*(domain%x_outlet - domain%x_inlet)/domain%intervals
          end associate
          if (bars%has_longer) return
       end do
    end subroutine run_longer
 
-   !> What the tail in front of the inlet of a steady `contact` leaves out: the case on a quarter of its intervals (half of them,
-   !> where that finds no solution), and at the same spacing on a domain twice as long.
+   !> What the tail in front of the inlet of a steady `contact` leaves out: the case on a quarter of
+   !> its intervals (half of them, where that finds no solution), and at the same spacing on a
+   !> domain twice as long.
    subroutine run_farther(bars, contact, settings, watcher, error)
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(in) :: contact
@@ -140,7 +146,8 @@ contains
       end associate
    end subroutine run_farther
 
-   !> The case on `factor` times fewer intervals with a time step as much larger; its figures are those of `collector`.
+   !> The case on `factor` times fewer intervals with a time step as much larger; its figures are
+   !> those of `collector`.
    subroutine run_coarser(contact, settings, time, factor, collector, is_known, error)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -160,11 +167,12 @@ contains
       if (coarse%domain%intervals < fewest_intervals) return
       coarse_time = time
       if (time%time_step > 0.0_wp) coarse_time%time_step = factor*time%time_step
-      call run_companion(coarse, settings, coarse_time, collector, is_known, error)   ! error: the caller looks
+      call run_companion(coarse, settings, coarse_time, collector, is_known, &
+         error)   ! error: the caller looks
    end subroutine run_coarser
 
-   !> The case on its own complete domain as a companion, without what only an answer needs; `is_known`: its figures, those of
-   !> `collector`, are a solution's.
+   !> The case on its own complete domain as a companion, without what only an answer needs;
+   !> `is_known`: its figures, those of `collector`, are a solution's.
    subroutine run_companion(contact, settings, time, collector, is_known, error)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -184,7 +192,8 @@ contains
       own_settings%explains_failure = .false.
       own_settings%film_floor = 0.0_wp
       ! where Newton's method finds nothing on a coarser grid, nothing does: no long search
-      if (settings%method == 'auto' .and. settings%smoother == 'auto') own_settings%method = 'newton_krylov'
+      if (settings%method == 'auto' .and. settings%smoother == 'auto') own_settings%method = &
+         'newton_krylov'
       if (.not. time%is_transient) own_settings%method = 'newton_krylov'
       own_settings%target = 0.0_wp
       own_settings%wants_companions = .true.

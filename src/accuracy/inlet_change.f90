@@ -1,10 +1,11 @@
-!> What an inlet with a tail in front of it changes: figures of the same contact on a coarser grid of the same domain, and on one
-!> twice as long at the same spacing.
+!> What an inlet with a tail in front of it changes: figures of the same contact on a coarser grid
+!> of the same domain, and on one twice as long at the same spacing.
 !>
-!> What the tail leaves out (module inlet_tail) falls with the fourth power of its distance, so that the longer domain is as good as
-!> endless, and the change is that on the answer's own grid (40 contacts, M 0.1-30, L 0-40, mostly Eyring: on a quarter of the
-!> intervals 0.8 to 1.1 times it, but where it passes through zero). Of a pressure spike, which jumps with the place of the
-!> nodes, nothing is compared: the largest pressure is that beside it.
+!> What the tail leaves out (module inlet_tail) falls with the fourth power of its distance, so that
+!> the longer domain is as good as endless, and the change is that on the answer's own grid (40
+!> contacts, M 0.1-30, L 0-40, mostly Eyring: on a quarter of the intervals 0.8 to 1.1 times it, but
+!> where it passes through zero). Of a pressure spike, which jumps with the place of the nodes,
+!> nothing is compared: the largest pressure is that beside it.
 module inlet_change
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -14,7 +15,8 @@ module inlet_change
 
    public :: change_by_inlet, inlet_change_t
 
-   !> An estimate is so many times the change, and this share of the largest one: a figure may change little by chance.
+   !> An estimate is so many times the change, and this share of the largest one: a figure may
+   !> change little by chance.
    real(wp), parameter :: safety = 1.1_wp, doubt = 0.15_wp
 
    !> Figures of the same domain and of the longer one.
@@ -25,7 +27,8 @@ module inlet_change
 
 contains
 
-   !> Estimated errors because of the inlet: of h_min and h_central, relative, of p_max, relative, and of the exit [b].
+   !> Estimated errors because of the inlet: of h_min and h_central, relative, of p_max, relative,
+   !> and of the exit [b].
    pure function change_by_inlet(self) result(errors)
       type(inlet_change_t), intent(in) :: self
       real(wp) :: errors(4)

@@ -1,4 +1,5 @@
-!> The figures of a passage, gathered step by step: extremes over the times that count, and how far it is from periodic.
+!> The figures of a passage, gathered step by step: extremes over the times that count, and how far
+!> it is from periodic.
 module passage_figures
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use kinds, only: wp
@@ -12,7 +13,8 @@ module passage_figures
    !> Extremes so far.
    type :: passage_figures_t
       type(passage_times_t) :: times
-      !> Over the times that count, and over those before them of a periodic passage; known where the logicals say so.
+      !> Over the times that count, and over those before them of a periodic passage; known where
+      !> the logicals say so.
       type(line_summary_t) :: counted, earlier
       logical :: has_counted = .false., has_earlier = .false.
    contains
@@ -46,7 +48,8 @@ contains
       is_known = .true.
    end subroutine widen
 
-   !> The figures. `last` are those of the last state, for a run that has ended before anything counts.
+   !> The figures. `last` are those of the last state, for a run that has ended before anything
+   !> counts.
    pure function extremes(self, last) result(summary)
       class(passage_figures_t), intent(in) :: self
       type(line_summary_t), intent(in) :: last
@@ -62,7 +65,8 @@ contains
 
    contains
 
-      !> What a figure has changed since the period before; not known where the start is not forgotten.
+      !> What a figure has changed since the period before; not known where the start is not
+      !> forgotten.
       pure subroutine tell_start(figure, earlier)
          type(figure_t), intent(inout) :: figure
          type(figure_t), intent(in) :: earlier

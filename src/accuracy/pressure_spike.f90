@@ -1,22 +1,28 @@
 !> How high a pressure spike may become on finer grids.
 !>
-!> Where the oil leaves high pressure the half-spaces let the pressure rise like A/sqrt(distance), as at the edge of a punch, and
-!> the top node of a grid is of the height A/sqrt(dX) times a number: with each doubling it grows by up to sqrt(2). For a small wave
-!> of wavenumber k about a state P, H the terms of Reynolds' equation are as
+!> Where the oil leaves high pressure the half-spaces let the pressure rise like A/sqrt(distance),
+!> as at the edge of a punch, and the top node of a grid is of the height A/sqrt(dX) times a number:
+!> with each doubling it grows by up to sqrt(2). For a small wave of wavenumber k about a state P, H
+!> the terms of Reynolds' equation are as
 !>
-!>     flow by pressure e k  :  change of film by deformation lambda rho/k  :  change of density lambda rho' H .
+!>     flow by pressure e k  :  change of film by deformation lambda rho/k
+!>        :  change of density lambda rho' H .
 !>
-!> The deformation makes the spike; it ends at the longer one of two lengths, below which another term is the larger one:
+!> The deformation makes the spike; it ends at the longer one of two lengths, below which another
+!> term is the larger one:
 !>
 !>     l_flow = sqrt( e/(lambda rho) ) = sqrt( H^3 S/(mu lambda) ) ,    l_density = H rho'/rho .
 !>
-!> S is that of the top or of the flank, of the slope P/l_flow: without sliding an Eyring oil thins there alone.
+!> S is that of the top or of the flank, of the slope P/l_flow: without sliding an Eyring oil thins
+!> there alone.
 !>
-!> Both fall as the pressure of the spike rises, l_flow like exp(-ln mu/2). So its height in the end solves
+!> Both fall as the pressure of the spike rises, l_flow like exp(-ln mu/2). So its height in the end
+!> solves
 !>
 !>     P^2 = P_node^2 ( 1 + min( c_flow dX/l_flow(P) , c_density (dX/l_density(P))^(2/3) ) ) ,
 !>
-!> or there is none. The numbers come from 90 contacts (M_sum 0.1 to 2000, L_sum 0.5 to 35, all laws) on 64 to 262144 intervals.
+!> or there is none. The numbers come from 90 contacts (M_sum 0.1 to 2000, L_sum 0.5 to 35, all
+!> laws) on 64 to 262144 intervals.
 module pressure_spike
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use eyring, only: ln_slip_factors
@@ -30,15 +36,17 @@ module pressure_spike
    public :: ceiling_of_spike, final_height, smoothing_lengths, spike_law_t
 
    !> c_flow, c_density and the power of it.
-   real(wp), parameter :: flow_growth = 0.15_wp, density_growth = 1.1_wp, density_power = 2.0_wp/3.0_wp
+   real(wp), parameter :: flow_growth = 0.15_wp, density_growth = 1.1_wp, &
+      density_power = 2.0_wp/3.0_wp
    !> A spike may grow this many times as much.
    real(wp), parameter :: safety = 2.0_wp
    !> A spike below the crest of the contact is taken to pass it if this share of its growth does.
    real(wp), parameter :: sure_share = 1.0_wp/3.0_wp
-   !> A in units of H_c^(2/3): the top node of a spike of which a grid shows nothing would be so high.
+   !> A in units of H_c^(2/3): the top node of a spike of which a grid shows nothing would be so
+   !> high.
    real(wp), parameter :: edge_strength = 0.5_wp
-   !> No height beyond this many times that of the node is looked for, in so many steps, and none beyond `most_claimed` times it
-   !> is claimed.
+   !> No height beyond this many times that of the node is looked for, in so many steps, and none
+   !> beyond `most_claimed` times it is claimed.
    real(wp), parameter :: highest_growth = 20.0_wp, most_claimed = 3.0_wp
    integer, parameter :: most_steps = 200
    !> Halvings of the bracket of ln l_flow.
@@ -56,8 +64,9 @@ module pressure_spike
 
 contains
 
-   !> The largest pressure that a spike may reach which the grid of spacing `dx` does not resolve; 0 if it resolves it or the spike
-   !> stays below the other crests; NaN where that is not known. `film`: H at X = 0.
+   !> The largest pressure that a spike may reach which the grid of spacing `dx` does not resolve; 0
+   !> if it resolves it or the spike stays below the other crests; NaN where that is not known.
+   !> `film`: H at X = 0.
    pure function ceiling_of_spike(law, crests, film, dx) result(ceiling)
       type(spike_law_t), intent(in) :: law
       type(crests_t), intent(in) :: crests
@@ -77,7 +86,8 @@ contains
             ceiling = 0.0_wp
          else if (height > most_claimed*crests%spike) then
             ceiling = not_known()
-         else if (crests%spike < crest .and. crests%spike + sure_share*(height - crests%spike) <= crest) then
+         else if (crests%spike < crest .and. crests%spike &
+            + sure_share*(height - crests%spike) <= crest) then
             ceiling = not_known()
          end if
       else
@@ -99,8 +109,8 @@ contains
 
    end function ceiling_of_spike
 
-   !> Height in the end of a spike whose top node on a grid of spacing `dx` has this `pressure` and `film`; `endless` where none is
-   !> found.
+   !> Height in the end of a spike whose top node on a grid of spacing `dx` has this `pressure` and
+   !> `film`; `endless` where none is found.
    pure function final_height(law, pressure, film, dx) result(height)
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: pressure, film, dx
@@ -134,12 +144,13 @@ contains
       call fluid_ln_viscosity(law%fluid, [pressure], ln_mu)
       call fluid_density(law%fluid, [pressure], rho, drho)
       lengths(1) = exp(0.5_wp*(3*log(film) - ln_mu(1) - log(law%lambda)))
-      if (thins(law%fluid)) lengths(1) = thinned_length(law%fluid, pressure, film, ln_mu(1), lengths(1))
+      if (thins(law%fluid)) lengths(1) = thinned_length(law%fluid, pressure, film, ln_mu(1), &
+         lengths(1))
       lengths(2) = film*drho(1)/rho(1)
    end function smoothing_lengths
 
-   !> l_flow of an oil that thins from that of its viscosity alone, `thick`: with S of the top or, if that is larger, of the slope
-   !> P/l_flow of the flank, by bisection.
+   !> l_flow of an oil that thins from that of its viscosity alone, `thick`: with S of the top or,
+   !> if that is larger, of the slope P/l_flow of the flank, by bisection.
    pure function thinned_length(fluid, pressure, film, ln_mu, thick) result(length)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: pressure, film, ln_mu, thick

@@ -1,20 +1,25 @@
 !> Grid and time step of a transient for a wanted accuracy of h_min.
 !>
-!> Pilot runs tell the errors of grid and of time step apart (module split_errors): the first on the coarsest grid that carries a
-!> film, with dT = dX or less; each further one has either half the spacing or half the time step of the one before, whichever
-!> leaves the larger doubt. As soon as they foretell a resolution, from that of the last pilot to four times as fine (twice where no
-!> order is observed yet), that is good enough, the cheapest one of these is taken: the run itself is done once. A pilot may not
-!> take more than `most_work` times the nodes and steps of the first one; if that does not do, the last resolution is taken, and its
-!> forecast says how far it may be off. Unless the user wants another one, all use the sharp space scheme, whose error is the
+!> Pilot runs tell the errors of grid and of time step apart (module split_errors): the first on the
+!> coarsest grid that carries a film, with dT = dX or less; each further one has either half the
+!> spacing or half the time step of the one before, whichever leaves the larger doubt. As soon as
+!> they foretell a resolution, from that of the last pilot to four times as fine (twice where no
+!> order is observed yet), that is good enough, the cheapest one of these is taken: the run itself
+!> is done once. A pilot may not take more than `most_work` times the nodes and steps of the first
+!> one; if that does not do, the last resolution is taken, and its forecast says how far it may be
+!> off. Unless the user wants another one, all use the sharp space scheme, whose error is the
 !> smaller one; where only the thesis's scheme finds a solution, they go on with that.
 !>
-!> With 160 passages and a target of 1 % it is met in 96 %, at 1.7 times the processor time (median; 90 %: 6.5) of the best fixed
-!> choice, the fewest 2^k intervals (64 at least) with dT = dX and the thesis's scheme from which on all meet it. (Before: the
-!> thesis's scheme, pilots from 32 intervals on, sizes from the least films alone: 89 % of 80 of these, 2.2 times, 7.8.) Where 64
-!> intervals do, a third of the passages, the pilots cost about as much as the whole best run. Lost in comparisons: pilots of both
-!> refinements at once (three per level), to decide on three runs from one corner, a pilot as the answer (its tolerance makes all
-!> of them dearer), runs coarser than the last pilot, to run again where the answer surprises, dT = 1.5 or 2 dX at the start, a
-!> floor of the errors from load and ridge; least films of parabolas through the time steps are hardly better.
+!> With 160 passages and a target of 1 % it is met in 96 %, at 1.7 times the processor time (median;
+!> 90 %: 6.5) of the best fixed choice, the fewest 2^k intervals (64 at least) with dT = dX and the
+!> thesis's scheme from which on all meet it. (Before: the thesis's scheme, pilots from 32 intervals
+!> on, sizes from the least films alone: 89 % of 80 of these, 2.2 times, 7.8.) Where 64 intervals
+!> do, a third of the passages, the pilots cost about as much as the whole best run. Lost in
+!> comparisons: pilots of both refinements at once (three per level), to decide on three runs from
+!> one corner, a pilot as the answer (its tolerance makes all of them dearer), runs coarser than the
+!> last pilot, to run again where the answer surprises, dT = 1.5 or 2 dX at the start, a floor of
+!> the errors from load and ridge; least films of parabolas through the time steps are hardly
+!> better.
 module resolution_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use companions, only: collector_t, run_companion
@@ -26,27 +31,34 @@ module resolution_choice
    use line_hierarchy, only: coarsest_for_film
    use observer, only: observer_t
    use solver_settings, only: most_chosen, solver_settings_t, time_settings_t
-   use split_errors, only: doubts_at, error_at, figure_values, forecast_figures, new_split_error, shift_at, split_error_t
+   use split_errors, only: doubts_at, error_at, figure_values, forecast_figures, new_split_error, &
+      shift_at, split_error_t
    use text, only: to_text
    implicit none (type, external)
    private
 
    public :: choose_resolution, settle_tolerance
 
-   !> Bounds of the tolerance of time steps, its share of the wanted accuracy, and how much less pilots need. In 171 runs of
-   !> passages h_min was off, in 90 and 99 %, by 2e-6 and 9e-5 at 1e-4, by 1e-5 and 2e-4 at 1e-3, by 9e-5 and 5e-3 at 1e-2, at 88,
-   !> 79 and 68 % of the cost at 1e-6.
-   real(wp), parameter :: tightest = 1.0e-6_wp, loosest = 1.0e-3_wp, tolerance_share = 0.1_wp, looser = 10.0_wp
-   !> Intervals of the first pilot at least, and the spacing of its time step at most: that of so many intervals.
+   !> Bounds of the tolerance of time steps, its share of the wanted accuracy, and how much less
+   !> pilots need. In 171 runs of passages h_min was off, in 90 and 99 %, by 2e-6 and 9e-5 at 1e-4,
+   !> by 1e-5 and 2e-4 at 1e-3, by 9e-5 and 5e-3 at 1e-2, at 88, 79 and 68 % of the cost at 1e-6.
+   real(wp), parameter :: tightest = 1.0e-6_wp, loosest = 1.0e-3_wp, tolerance_share = 0.1_wp, &
+      looser = 10.0_wp
+   !> Intervals of the first pilot at least, and the spacing of its time step at most: that of so
+   !> many intervals.
    integer, parameter :: fewest_intervals = 16, first_steps = 32
-   !> Spacing and time step are foretold up to so many times finer than in the last pilot, without and with an observed order.
+   !> Spacing and time step are foretold up to so many times finer than in the last pilot, without
+   !> and with an observed order.
    real(wp), parameter :: farthest(2) = [2.0_wp, 4.0_wp]
-   !> Intervals that may be chosen are these times a power of two, time steps these powers of two times those of the last pilot.
+   !> Intervals that may be chosen are these times a power of two, time steps these powers of two
+   !> times those of the last pilot.
    integer, parameter :: families(4) = [4, 5, 6, 7], doublings = 2, most_parts = 8
    real(wp), parameter :: part = 0.25_wp
-   !> Intervals in the finest wave at least, in the first pilot and in what is chosen, and steps in which it passes a place there.
+   !> Intervals in the finest wave at least, in the first pilot and in what is chosen, and steps in
+   !> which it passes a place there.
    integer, parameter :: pilot_in_wave = 2, nodes_in_wave = 4, steps_in_wave = 4
-   !> Steps in its passage from which on a single change by the time step is believed: with less, one in five choices failed.
+   !> Steps in its passage from which on a single change by the time step is believed: with less,
+   !> one in five choices failed.
    integer, parameter :: believed_steps = 8
    !> After so many refinements of one direction the other one is looked at again.
    integer, parameter :: most_in_a_row = 2
@@ -56,7 +68,8 @@ module resolution_choice
    real(wp), parameter :: rounding = 1.0e-6_wp
    !> The time of a run grows like n steps^power: shorter steps need fewer cycles.
    real(wp), parameter :: power_of_steps = 0.65_wp
-   !> Two pilots are compared at all times at which the smallest film is not above the least by more than this share.
+   !> Two pilots are compared at all times at which the smallest film is not above the least by more
+   !> than this share.
    real(wp), parameter :: nearly_least = 0.2_wp
    !> What a pilot refines.
    integer, parameter :: nothing = 0, space = 1, time_step = 2
@@ -69,7 +82,8 @@ module resolution_choice
       real(wp) :: values(forecast_figures) = 0.0_wp
       !> Their last change and the one before, by space and by time step; NaN: not known.
       real(wp) :: changes(forecast_figures, 2, 2) = 0.0_wp
-      !> Size of the changes of h_min (the last, the one before; by space, by time step), over time; 0: not known.
+      !> Size of the changes of h_min (the last, the one before; by space, by time step), over time;
+      !> 0: not known.
       real(wp) :: sizes(2, 2) = 0.0_wp
       !> Smallest film of the last one at each time step (0:steps).
       real(wp), allocatable :: films(:)
@@ -83,7 +97,8 @@ module resolution_choice
 
 contains
 
-   !> The tolerance of the time steps follows from the wanted accuracy, if there is one, unless it is given.
+   !> The tolerance of the time steps follows from the wanted accuracy, if there is one, unless it
+   !> is given.
    pure subroutine settle_tolerance(settings)
       type(solver_settings_t), intent(inout) :: settings
 
@@ -91,9 +106,10 @@ contains
       settings%tolerance = min(max(tolerance_share*settings%target, tightest), loosest)
    end subroutine settle_tolerance
 
-   !> Sets `contact%domain%intervals`, the time step, the tolerance and an open space scheme of a transient to the cheapest choice
-   !> that is foretold to keep the relative error of h_min below `settings%target`, or to the finest pilot if none is; `bars` hold
-   !> what was foretold of its figures.
+   !> Sets `contact%domain%intervals`, the time step, the tolerance and an open space scheme of a
+   !> transient to the cheapest choice that is foretold to keep the relative error of h_min below
+   !> `settings%target`, or to the finest pilot if none is; `bars` hold what was foretold of its
+   !> figures.
    subroutine choose_resolution(bars, contact, settings, time, watcher, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(inout) :: contact
@@ -115,7 +131,8 @@ contains
       if (is_open) settings%space_scheme = 'sharp'
       pilot_settings = settings
       call settle_tolerance(settings)
-      pilot_settings%tolerance = merge(pilot_settings%tolerance, looser*settings%tolerance, pilot_settings%tolerance > 0.0_wp)
+      pilot_settings%tolerance = merge(pilot_settings%tolerance, looser*settings%tolerance, &
+         pilot_settings%tolerance > 0.0_wp)
       target = settings%target
       if (.not. contact%domain%has_inlet) then
          call choose_domain(contact, settings%target)
@@ -135,7 +152,8 @@ contains
       do
          pilot%domain%intervals = merge(2, 1, direction == space)*pilots%intervals
          pilot_time%time_step = time%end_time/(merge(2, 1, direction == time_step)*pilots%steps)
-         call run_companion(pilot, pilot_settings, pilot_time, collector, has_solution, error)   ! error: below
+         call run_companion(pilot, pilot_settings, pilot_time, collector, has_solution, &
+            error)   ! error: below
          if (is_open) call try_thesis(pilots, direction)
          if (allocated(error) .or. watcher%wants_stop) return
          if (has_solution) then
@@ -143,25 +161,29 @@ contains
          else
             if (2*pilots%intervals > pilots%most) exit
             ! all anew
-            pilots = pilots_t(2*pilots%intervals, 2*pilots%steps, passages=pilots%passages, most=pilots%most)
+            pilots = pilots_t(2*pilots%intervals, 2*pilots%steps, passages=pilots%passages, &
+               most=pilots%most)
          end if
          direction = next_direction(pilots, has_solution, time%scheme)
          call choose(bars, contact, time, pilots, target, is_chosen)
          if (is_chosen) return
-         if (2*pilots%intervals > pilots%most .or. 2.0_wp*pilots%intervals*pilots%steps > limit) exit
+         if (2*pilots%intervals > pilots%most &
+            .or. 2.0_wp*pilots%intervals*pilots%steps > limit) exit
       end do
       call take(bars, contact, time, pilots, pilots%intervals, pilots%steps)
 
    contains
 
-      !> A pilot without a solution again with the thesis's scheme. If that finds a solution all goes on with it, anew from here.
+      !> A pilot without a solution again with the thesis's scheme. If that finds a solution all
+      !> goes on with it, anew from here.
       subroutine try_thesis(pilots, direction)
          type(pilots_t), intent(inout) :: pilots
          integer, intent(inout) :: direction
 
          if (has_solution .or. allocated(error) .or. watcher%wants_stop) return
          pilot_settings%space_scheme = 'thesis'
-         call run_companion(pilot, pilot_settings, pilot_time, collector, has_solution, error)   ! error: the caller looks
+         call run_companion(pilot, pilot_settings, pilot_time, collector, has_solution, &
+            error)   ! error: the caller looks
          if (.not. has_solution) then
             pilot_settings%space_scheme = 'sharp'
             return
@@ -181,8 +203,10 @@ contains
       character(*), intent(in) :: method
       type(error_t), allocatable, intent(out) :: error
 
-      if (pilots%intervals > pilots%most) call fail(error, input_error, '&domain intervals: found a contact whose coarsest '// &
-         'pilot run has '//to_text(pilots%intervals)//', expected at most '//to_text(pilots%most)//" with method = '"// &
+      if (pilots%intervals > pilots%most) call fail(error, input_error, &
+         '&domain intervals: found a contact whose coarsest '// &
+         'pilot run has '//to_text(pilots%intervals)//', expected at most '//to_text(pilots%most) &
+            //" with method = '"// &
          trim(method)//"' and this memory")
    end subroutine check_first
 
@@ -205,19 +229,24 @@ contains
       do while (fewest_in_wave*n < pilot_in_wave*intervals_for_waves(contact))
          n = 2*n
       end do
-      pilots = pilots_t(n, max(2, ceiling(time%end_time*max(n, first_steps)/(contact%domain%x_outlet - contact%domain%x_inlet))), &
+      pilots = pilots_t(n, &
+         max(2, ceiling(time%end_time*max(n, first_steps)/(contact%domain%x_outlet &
+         - contact%domain%x_inlet))), &
          passages=time%end_time/shortest_passage(contact))
    end function new_pilots
 
-   !> Whether the time step is understood: its order has been observed, or the waves pass in many steps.
+   !> Whether the time step is understood: its order has been observed, or the waves pass in many
+   !> steps.
    pure function sees_passages(pilots)
       type(pilots_t), intent(in) :: pilots
       logical :: sees_passages
 
-      sees_passages = ieee_is_finite(pilots%changes(1, 2, time_step)) .or. pilots%steps >= believed_steps*pilots%passages
+      sees_passages = ieee_is_finite(pilots%changes(1, 2, time_step)) &
+         .or. pilots%steps >= believed_steps*pilots%passages
    end function sees_passages
 
-   !> A pilot has found `values` and the smallest `films` at its time steps, on twice the resolution of the last one in `direction`.
+   !> A pilot has found `values` and the smallest `films` at its time steps, on twice the resolution
+   !> of the last one in `direction`.
    pure subroutine take_pilot(pilots, direction, values, films)
       type(pilots_t), intent(inout) :: pilots
       integer, intent(in) :: direction
@@ -230,7 +259,8 @@ contains
          pilots%changes(:, 2, direction) = pilots%changes(:, 1, direction)
          pilots%changes(:, 1, direction) = values - pilots%values
          pilots%sizes(2, direction) = pilots%sizes(1, direction)
-         pilots%sizes(1, direction) = size_of_change(pilots%films, films(::merge(2, 1, direction == time_step)))
+         pilots%sizes(1, direction) = size_of_change(pilots%films, &
+            films(::merge(2, 1, direction == time_step)))
          where (pilots%age >= 0) pilots%age = pilots%age + 1
          pilots%age(direction) = 0
          if (direction == space) pilots%intervals = 2*pilots%intervals
@@ -240,8 +270,9 @@ contains
       pilots%films = films
    end subroutine take_pilot
 
-   !> Root mean square of the relative change from `old` to `new` smallest films of the same times, where these are nearly the least
-   !> one, times that: the smallest of all may have changed by little by chance, while a wave passes between the nodes.
+   !> Root mean square of the relative change from `old` to `new` smallest films of the same times,
+   !> where these are nearly the least one, times that: the smallest of all may have changed by
+   !> little by chance, while a wave passes between the nodes.
    pure function size_of_change(old, new) result(change)
       real(wp), intent(in) :: old(:), new(:)
       real(wp) :: change, least
@@ -252,8 +283,8 @@ contains
       end associate
    end function size_of_change
 
-   !> What the next pilot refines: what has not been refined yet or for long, else what leaves the larger doubt where the forecast
-   !> ends. `has_solution`: there is a last pilot.
+   !> What the next pilot refines: what has not been refined yet or for long, else what leaves the
+   !> larger doubt where the forecast ends. `has_solution`: there is a last pilot.
    pure function next_direction(pilots, has_solution, scheme) result(direction)
       type(pilots_t), intent(in) :: pilots
       logical, intent(in) :: has_solution
@@ -287,7 +318,8 @@ contains
 
       associate (changes => pilots%changes(figure, :, :))
          if (figure == 1) then
-            error = new_split_error(changes(:, space), changes(:, time_step), time_orders(scheme), pilots%sizes)
+            error = new_split_error(changes(:, space), changes(:, time_step), &
+               time_orders(scheme), pilots%sizes)
          else
             error = new_split_error(changes(:, space), changes(:, time_step), time_orders(scheme))
          end if
@@ -302,8 +334,9 @@ contains
       reach = merge(farthest(2), farthest(1), ieee_is_finite(pilots%changes(1, 2, :)))
    end function reach_of
 
-   !> Chooses the cheapest intervals and time step that are foretold to be good enough, with the forecast of all figures in
-   !> `bars`; not `is_chosen` if there are none within reach, or nothing can be foretold yet.
+   !> Chooses the cheapest intervals and time step that are foretold to be good enough, with the
+   !> forecast of all figures in `bars`; not `is_chosen` if there are none within reach, or nothing
+   !> can be foretold yet.
    pure subroutine choose(bars, contact, time, pilots, target, is_chosen)
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(inout) :: contact
@@ -350,7 +383,8 @@ contains
       end associate
    end subroutine take
 
-   !> The intervals and steps that cost least among those whose foretold error is not above `bound`; 0 if there are none.
+   !> The intervals and steps that cost least among those whose foretold error is not above `bound`;
+   !> 0 if there are none.
    pure subroutine find_cheapest(error, bound, pilots, contact, intervals, steps)
       type(split_error_t), intent(in) :: error
       real(wp), intent(in) :: bound
@@ -367,16 +401,19 @@ contains
       reach = reach_of(pilots)
       families_of_grids: do family = 0, size(families)*doublings
          ! as many intervals as the pilot to four times as many
-         n = pilots%intervals/4*families(1 + modulo(family, size(families)))*2**(family/size(families))
+         n = pilots%intervals/4*families(1 + modulo(family, size(families))) &
+            *2**(family/size(families))
          dx_ratio = real(pilots%intervals, wp)/n
-         if (fewest_in_wave*n < nodes_in_wave*intervals_for_waves(contact) .or. n > pilots%most .or. &
+         if (fewest_in_wave*n < nodes_in_wave*intervals_for_waves(contact) &
+            .or. n > pilots%most .or. &
              dx_ratio*reach(space) < 1.0_wp) cycle families_of_grids
          steps_of_grid: do i = 0, most_parts
             ! whole numbers of steps
             m = ceiling(pilots%steps*2.0_wp**(part*i) - rounding)
             dt_ratio = real(pilots%steps, wp)/m
             if (dt_ratio*reach(time_step) < 1.0_wp) exit steps_of_grid
-            if (dt_ratio > longest .or. error_at(error, dx_ratio, dt_ratio) > bound) cycle steps_of_grid
+            if (dt_ratio > longest .or. error_at(error, dx_ratio, &
+               dt_ratio) > bound) cycle steps_of_grid
             cost = n/dt_ratio**power_of_steps
             if (cost >= least) exit steps_of_grid
             least = cost

@@ -1,15 +1,17 @@
-!> Errors of a transient because of the grid and because of the time step, apart: from the changes of its figures where the spacing
-!> alone, and the time step alone, is halved.
+!> Errors of a transient because of the grid and because of the time step, apart: from the changes
+!> of its figures where the spacing alone, and the time step alone, is halved.
 !>
-!> Refined together the two errors often cancel, with opposite signs and rates of their own, so that their sum tells little of
-!> finer resolutions. The last change of each tells its error and the sign of it, the one before the order. Elsewhere
-!> (dX', dT' over those of the last run) the error is then
+!> Refined together the two errors often cancel, with opposite signs and rates of their own, so that
+!> their sum tells little of finer resolutions. The last change of each tells its error and the sign
+!> of it, the one before the order. Elsewhere (dX', dT' over those of the last run) the error is
+!> then
 !>
 !>     | e_X dX'^p + e_T dT'^q |  +  d_X s_X dX'^(3 p/4)  +  d_T s_T dT'^(q/2)
 !>
-!> with the doubts d, which fade more slowly than the errors e: orders seen on coarse runs are not yet those of the scheme. s is
-!> the size of e, not below what the change before leaves of it: a last change may be small by chance. So may be both where a wave
-!> passes between the nodes: of the smallest film the size is that of the changes at all times at which it is nearly as small.
+!> with the doubts d, which fade more slowly than the errors e: orders seen on coarse runs are not
+!> yet those of the scheme. s is the size of e, not below what the change before leaves of it: a
+!> last change may be small by chance. So may be both where a wave passes between the nodes: of the
+!> smallest film the size is that of the changes at all times at which it is nearly as small.
 module split_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -17,13 +19,16 @@ module split_errors
    implicit none (type, external)
    private
 
-   public :: apply_forecast, doubts_at, error_at, figure_values, forecast_t, new_split_error, shift_at, split_error_t
+   public :: apply_forecast, doubts_at, error_at, figure_values, forecast_t, new_split_error, &
+      shift_at, split_error_t
 
-   !> Figures of a forecast: h_min, its node, h_central, the largest pressure and the exit, both between the nodes.
+   !> Figures of a forecast: h_min, its node, h_central, the largest pressure and the exit, both
+   !> between the nodes.
    integer, parameter, public :: forecast_figures = 5
 
-   !> The doubts about the error of the grid, without and with an observed order, and about that of the time step, and how they
-   !> fade: as this power of the error (chosen with the numbers of resolution_choice).
+   !> The doubts about the error of the grid, without and with an observed order, and about that of
+   !> the time step, and how they fade: as this power of the error (chosen with the numbers of
+   !> resolution_choice).
    real(wp), parameter :: space_doubt(2) = [0.75_wp, 0.55_wp], time_doubt = 1.4_wp
    real(wp), parameter :: space_fading = 0.75_wp, time_fading = 0.5_wp
    !> The error of the time step is not believed to be less than this share of that of the grid.
@@ -58,12 +63,14 @@ contains
       type(line_summary_t), intent(in) :: summary
       real(wp) :: values(forecast_figures)
 
-      values = [summary%h_min%value, summary%h_min_node%value, summary%h_central%value, summary%crests%highest, &
+      values = [summary%h_min%value, summary%h_min_node%value, summary%h_central%value, &
+         summary%crests%highest, &
          summary%x_cavitation%extrapolated]
    end function figure_values
 
-   !> Estimates and extrapolated values of a run from its forecast. `node_jitter`: by how much the exit jitters with the place of
-   !> the nodes; `pressure_safety`: the estimate of the largest pressure is wider by this factor.
+   !> Estimates and extrapolated values of a run from its forecast. `node_jitter`: by how much the
+   !> exit jitters with the place of the nodes; `pressure_safety`: the estimate of the largest
+   !> pressure is wider by this factor.
    pure subroutine apply_forecast(forecast, node_jitter, pressure_safety, summary)
       type(forecast_t), intent(in) :: forecast
       real(wp), intent(in) :: node_jitter, pressure_safety
@@ -80,8 +87,8 @@ contains
 
    contains
 
-      !> One figure: the estimate, wider where the value is farther from that of the pilot than both estimates allow, and what its
-      !> node is off.
+      !> One figure: the estimate, wider where the value is farther from that of the pilot than both
+      !> estimates allow, and what its node is off.
       pure subroutine take(i, nodal, figure)
          integer, intent(in) :: i
          real(wp), intent(in) :: nodal
@@ -92,16 +99,18 @@ contains
          figure%error_grid = forecast%error(i)
          change = abs(values(i) - forecast%pilot(i))
          allowed = forecast%error(i) + forecast%pilot_error(i)
-         if (change > allowed .and. allowed > 0.0_wp) figure%error_grid = figure%error_grid*change/allowed
+         if (change > allowed .and. allowed > 0.0_wp) figure%error_grid = figure%error_grid*change &
+            /allowed
          figure%error_grid = figure%error_grid + nodal
          figure%extrapolated = values(i) + forecast%shift(i)
       end subroutine take
 
    end subroutine apply_forecast
 
-   !> The errors of a figure from its last change and the one before (NaN where not known) with half the spacing, `space`, and with
-   !> half the time step, `time`. `time_orders`: the order in time where none is observed, and the bounds of an observed one.
-   !> `sizes`: what the changes by space, (:, 1), and by time are at least.
+   !> The errors of a figure from its last change and the one before (NaN where not known) with half
+   !> the spacing, `space`, and with half the time step, `time`. `time_orders`: the order in time
+   !> where none is observed, and the bounds of an observed one. `sizes`: what the changes by space,
+   !> (:, 1), and by time are at least.
    pure function new_split_error(space, time, time_orders, sizes) result(self)
       real(wp), intent(in) :: space(2), time(2), time_orders(3)
       real(wp), intent(in), optional :: sizes(2, 2)
@@ -118,7 +127,8 @@ contains
       end if
    end function new_split_error
 
-   !> The error of one direction from its last change and the one before, of which `sizes` says what they are at least.
+   !> The error of one direction from its last change and the one before, of which `sizes` says what
+   !> they are at least.
    pure subroutine split(changes, sizes, orders, error, size, order)
       real(wp), intent(in) :: changes(2), sizes(2), orders(3)
       real(wp), intent(out) :: error, size, order
@@ -143,7 +153,8 @@ contains
       size = size/(2.0_wp**order - 1.0_wp)
    end subroutine split
 
-   !> Estimate of the error where spacing and time step are `dx_ratio` and `dt_ratio` times those of the last run.
+   !> Estimate of the error where spacing and time step are `dx_ratio` and `dt_ratio` times those of
+   !> the last run.
    pure function error_at(self, dx_ratio, dt_ratio) result(error)
       type(split_error_t), intent(in) :: self
       real(wp), intent(in) :: dx_ratio, dt_ratio

@@ -1,9 +1,11 @@
-!> The grid of a steady contact for a wanted accuracy of h_min: exact solutions on level after level, each the start of the next
-!> and a companion of its error estimate, until the estimate is small enough. Nothing is solved twice.
+!> The grid of a steady contact for a wanted accuracy of h_min: exact solutions on level after
+!> level, each the start of the next and a companion of its error estimate, until the estimate is
+!> small enough. Nothing is solved twice.
 module steady_target
    use coarser_solutions, only: coarser_summaries, level_summary
    use domain_choice, only: choose_domain, inlet_error, lengthen_outlet
-   use ehl_line_solver, only: begin_solution, end_solution, solve_ehl_line, take_steady_state, tell_steady_solution, &
+   use ehl_line_solver, only: begin_solution, end_solution, solve_ehl_line, take_steady_state, &
+      tell_steady_solution, &
       wants_longer_outlet
    use ehl_line_steady, only: solve_steady
    use error_bars, only: domain_error, error_bars_t, estimated_error, new_error_bars, take_coarser
@@ -28,8 +30,9 @@ module steady_target
 
 contains
 
-   !> Solves one contact as `solve_ehl_line` does; a steady one with `settings%target` on a grid that is chosen for that accuracy of
-   !> h_min, and so is its inlet, unless it is given: then the accuracy is that on the given domain.
+   !> Solves one contact as `solve_ehl_line` does; a steady one with `settings%target` on a grid
+   !> that is chosen for that accuracy of h_min, and so is its inlet, unless it is given: then the
+   !> accuracy is that on the given domain.
    subroutine solve_contact(contact, settings, time, watcher, state, report, error)
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -40,13 +43,16 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (settings%target > 0.0_wp .and. .not. time%is_transient) then
-         call solve_to_target(contact, settings, watcher, state, report, error)   ! error: the caller looks
+         call solve_to_target(contact, settings, watcher, state, report, &
+            error)   ! error: the caller looks
       else
-         call solve_ehl_line(contact, settings, time, watcher, state, report, error)   ! error: the caller looks
+         call solve_ehl_line(contact, settings, time, watcher, state, report, &
+            error)   ! error: the caller looks
       end if
    end subroutine solve_contact
 
-   !> The steady contact on a grid for the wanted accuracy. An inlet of the program takes a part of it.
+   !> The steady contact on a grid for the wanted accuracy. An inlet of the program takes a part of
+   !> it.
    recursive subroutine solve_to_target(contact, settings, watcher, state, report, error)
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -65,12 +71,14 @@ contains
       call begin_solution(contact, settings, at_rest, report, error)
       if (allocated(error)) return
       rest = settings
-      if (.not. open%has_inlet) rest%target = max(settings%target - domain_error(inlet_error(contact)), 0.0_wp)
+      if (.not. open%has_inlet) rest%target = max(settings%target &
+         - domain_error(inlet_error(contact)), 0.0_wp)
       call solve_to_accuracy(hierarchy, contact, rest, watcher, report, error)
       if (allocated(error)) return
       call take_steady_state(hierarchy, contact, state, report)
       report%phase_seconds(phase_setup) = hierarchy%setup_seconds
-      report%phase_seconds(phase_steady) = report%phase_seconds(phase_steady) + wall_seconds() - start - hierarchy%setup_seconds
+      report%phase_seconds(phase_steady) = report%phase_seconds(phase_steady) + wall_seconds() &
+         - start - hierarchy%setup_seconds
       if (wants_longer_outlet(contact%domain, report)) then
          call lengthen_outlet(contact%domain, open)
          call solve_to_target(contact, settings, watcher, state, report, error)
@@ -81,8 +89,9 @@ contains
       report%wall_seconds = report%wall_seconds + wall_seconds() - start
    end subroutine solve_to_target
 
-   !> Solves the steady contact on the coarsest grid of 2^k intervals whose estimated relative error of h_min is below
-   !> `settings%target`, or on the finest that there is; `contact%domain%intervals` becomes its number.
+   !> Solves the steady contact on the coarsest grid of 2^k intervals whose estimated relative error
+   !> of h_min is below `settings%target`, or on the finest that there is;
+   !> `contact%domain%intervals` becomes its number.
    subroutine solve_to_accuracy(hierarchy, contact, settings, watcher, report, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
@@ -109,7 +118,8 @@ contains
          if (is_sound) exit
       end do
       if (.not. is_sound) then
-         call double_grid(hierarchy, contact, settings, watcher, bars, report, error)   ! error: the caller looks
+         call double_grid(hierarchy, contact, settings, watcher, bars, report, &
+            error)   ! error: the caller looks
          return
       end if
       contact%domain%intervals = hierarchy%levels(hierarchy%finest)%n
@@ -119,12 +129,13 @@ contains
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
       end if
       hierarchy%levels(hierarchy%finest)%is_sharp = hierarchy%is_sharp
-      call solve_steady(hierarchy, contact, settings, watcher, report, is_started=settings%levels == 0)
+      call solve_steady(hierarchy, contact, settings, watcher, report, &
+         is_started=settings%levels == 0)
    end subroutine solve_to_accuracy
 
-   !> Exact solutions on level after level, from the coarsest that carries a film, until the estimate is below `target`; the
-   !> hierarchy grows as far as that needs, or as it can. `is_sound` is false if a level finds no solution and the next finer
-   !> ones neither.
+   !> Exact solutions on level after level, from the coarsest that carries a film, until the
+   !> estimate is below `target`; the hierarchy grows as far as that needs, or as it can. `is_sound`
+   !> is false if a level finds no solution and the next finer ones neither.
    subroutine climb(hierarchy, contact, target, watcher, bars, is_sound, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -150,10 +161,12 @@ contains
             call refine(hierarchy, contact, k)
          end if
          call watcher%on_stage('steady on '//to_text(hierarchy%levels(k)%n)//' intervals')
-         call solve_level(hierarchy, contact, k, min(companion_tolerance, target), is_sound, watcher)
+         call solve_level(hierarchy, contact, k, min(companion_tolerance, target), is_sound, &
+            watcher)
          if (is_sound) then
             call take_coarser(bars, coarser_summaries(hierarchy))
-            if (hierarchy%levels(k)%n >= intervals_for_waves(contact) .and. hierarchy%levels(k)%is_companion .and. &
+            if (hierarchy%levels(k)%n >= intervals_for_waves(contact) &
+               .and. hierarchy%levels(k)%is_companion .and. &
                 estimated_error(bars, level_summary(hierarchy%levels(k))) <= target) return
             if (k == size(hierarchy%levels)) return
          else
@@ -164,8 +177,8 @@ contains
       end do
    end subroutine climb
 
-   !> Where the climb fails: solutions of their own on grids doubled from the program's choice, until the estimate is below the
-   !> target.
+   !> Where the climb fails: solutions of their own on grids doubled from the program's choice,
+   !> until the estimate is below the target.
    subroutine double_grid(hierarchy, contact, settings, watcher, bars, report, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact

@@ -12,9 +12,11 @@ module build_info
 
 contains
 
-   !> The commit that the program was built from, with `-dirty` if files had changed since; 'unknown' without git.
+   !> The commit that the program was built from, with `-dirty` if files had changed since;
+   !> 'unknown' without git.
    !>
-   !> The included line is `include/git_commit.inc`, or the one that `make` writes to build/info/, which is found first.
+   !> The included line is `include/git_commit.inc`, or the one that `make` writes to build/info/,
+   !> which is found first.
    pure function git_commit() result(commit)
       character(:), allocatable :: commit
 

@@ -1,7 +1,7 @@
 !> What went wrong, handed up to the caller: nothing below app/ stops or prints.
 !>
-!> Every routine that can fail has `type(error_t), allocatable, intent(out) :: error` as its last argument;
-!> the first statement after the call is `if (allocated(error)) return`.
+!> Every routine that can fail has `type(error_t), allocatable, intent(out) :: error` as its last
+!> argument; the first statement after the call is `if (allocated(error)) return`.
 module errors
    implicit none (type, external)
    private

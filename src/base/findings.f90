@@ -31,7 +31,8 @@ module findings
 
 contains
 
-   !> Appends a finding: `line` [-] of the file, group and key (either may be empty) and the message.
+   !> Appends a finding: `line` [-] of the file, group and key (either may be empty) and the
+   !> message.
    subroutine add_finding(self, line, group, key, message)
       class(findings_t), intent(inout) :: self
       integer, intent(in) :: line
@@ -55,7 +56,8 @@ contains
       self%items(self%count)%message = place // message
    end subroutine add_finding
 
-   !> All findings in the order of their lines, one a line: `file:line: &group key: found ..., expected ... [unit]`.
+   !> All findings in the order of their lines, one a line: `file:line: &group key: found ...,
+   !> expected ... [unit]`.
    function findings_report(self, file) result(report)
       class(findings_t), intent(in) :: self
       character(*), intent(in) :: file
@@ -78,14 +80,16 @@ contains
       do i = 1, min(self%count, most_shown)
          if (i > 1) report = report // new_line('a')
          report = report // file // ':'
-         if (self%items(order(i))%line > 0) report = report // to_text(self%items(order(i))%line) // ':'
+         if (self%items(order(i))%line > 0) report = report // to_text(self%items(order(i))%line) &
+            // ':'
          report = report // ' ' // self%items(order(i))%message
       end do
       if (self%count > most_shown) report = report // new_line('a') // file // ': ... and ' &
          // to_text(self%count - most_shown) // ' more findings'
    end function findings_report
 
-   !> The user's text for a message: shortened, without control characters; 'nothing' for an empty one.
+   !> The user's text for a message: shortened, without control characters; 'nothing' for an empty
+   !> one.
    pure function quoted(string) result(shown)
       character(*), intent(in) :: string
       character(:), allocatable :: shown

@@ -1,7 +1,9 @@
-!> The one strict reader of numbers: namelists, height files, options of the command line, ranges of keys.
+!> The one strict reader of numbers: namelists, height files, options of the command line, ranges of
+!> keys.
 !>
-!> A text is checked against the Fortran grammar before Fortran reads it, so that nothing is read by halves, nothing
-!> overflows, and NaN or infinity do not get in. List-directed reads are not used: they take `1/2` for 1 and `2*3` for 3.
+!> A text is checked against the Fortran grammar before Fortran reads it, so that nothing is read by
+!> halves, nothing overflows, and NaN or infinity do not get in. List-directed reads are not used:
+!> they take `1/2` for 1 and `2*3` for 3.
 module number_text
    use, intrinsic :: iso_fortran_env, only: int64
    use kinds, only: wp
@@ -17,8 +19,9 @@ module number_text
 
 contains
 
-   !> Reads a real number (Fortran syntax, exponent letters e, d, q) that fills all of `string`. `good` is false for
-   !> everything else, also for a number that working precision cannot hold, NaN and infinity.
+   !> Reads a real number (Fortran syntax, exponent letters e, d, q) that fills all of `string`.
+   !> `good` is false for everything else, also for a number that working precision cannot hold, NaN
+   !> and infinity.
    pure subroutine read_real(string, value, good)
       character(*), intent(in) :: string
       real(wp), intent(out) :: value
@@ -61,7 +64,8 @@ contains
       start = 1
       if (index(string, '+') == 1 .or. index(string, '-') == 1) start = 2
       point = index(string, '.')
-      is_mantissa = scan(string, '0123456789') > 0 .and. verify(string(start:), '0123456789.') == 0 &
+      is_mantissa = scan(string, '0123456789') > 0 .and. verify(string(start:), &
+         '0123456789.') == 0 &
          .and. index(string, '.', back=.true.) == point
    end function is_mantissa
 
@@ -92,7 +96,8 @@ contains
       if (first < point) exponent = exponent - 1
    end function leading_exponent
 
-   !> Reads [+-]digits that fill all of `string`; `good` is false for everything else, also for more than 64 bits hold.
+   !> Reads [+-]digits that fill all of `string`; `good` is false for everything else, also for more
+   !> than 64 bits hold.
    pure subroutine read_integer(string, value, good)
       character(*), intent(in) :: string
       integer(int64), intent(out) :: value

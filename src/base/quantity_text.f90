@@ -10,7 +10,8 @@ module quantity_text
 
 contains
 
-   !> A number with `digits` significant digits; whole numbers up to 1e9 without a point; 'unknown' if it is not finite.
+   !> A number with `digits` significant digits; whole numbers up to 1e9 without a point; 'unknown'
+   !> if it is not finite.
    pure function number_text(value, digits) result(string)
       real(wp), intent(in) :: value
       integer, intent(in) :: digits
@@ -28,8 +29,8 @@ contains
       end if
    end function number_text
 
-   !> A quantity with four digits and the SI prefix that leaves 1 to 3 of them before the point, as in 433.6 nm;
-   !> 'unknown' if it is not finite.
+   !> A quantity with four digits and the SI prefix that leaves 1 to 3 of them before the point, as
+   !> in 433.6 nm; 'unknown' if it is not finite.
    pure function prefixed_text(value, unit) result(string)
       real(wp), intent(in) :: value
       character(*), intent(in) :: unit
@@ -44,7 +45,8 @@ contains
       exponent = 0
       if (abs(value) > 0.0_wp) exponent = floor(log10(abs(value))/3.0_wp)
       exponent = min(max(exponent, -4), 4)
-      string = to_text(value/10.0_wp**(3*exponent), 4)//' '//trim(adjustl(prefixes(exponent + 5:exponent + 5)))//unit
+      string = to_text(value/10.0_wp**(3*exponent), 4)//' ' &
+         //trim(adjustl(prefixes(exponent + 5:exponent + 5)))//unit
    end function prefixed_text
 
    !> A time span [s] in the two largest units that matter.
@@ -77,8 +79,8 @@ contains
       short = string(:head)//'...'//string(len(string) - tail + 1:)
    end function shortened
 
-   !> The words of `string` in lines of at most `length` characters, the second and later ones indented; a longer word has a
-   !> line of its own.
+   !> The words of `string` in lines of at most `length` characters, the second and later ones
+   !> indented; a longer word has a line of its own.
    pure function wrapped(string, length) result(lines)
       character(*), intent(in) :: string
       integer, intent(in) :: length

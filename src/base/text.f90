@@ -35,7 +35,8 @@ contains
       string = trim(buffer)
    end function long_to_text
 
-   !> A real with `digits` significant digits (default 6, at most 17): fixed point for 1e-3 <= |value| < 1e6, else scientific.
+   !> A real with `digits` significant digits (default 6, at most 17): fixed point for
+   !> 1e-3 <= |value| < 1e6, else scientific.
    pure function real_to_text(value, digits) result(string)
       real(wp), intent(in) :: value
       integer, intent(in), optional :: digits
@@ -53,7 +54,8 @@ contains
          form = '(ss,f40.' // integer_to_text(decimals) // ')'
       else
          ! Without its width an exponent of three digits loses its E.
-         form = '(ss,es40.' // integer_to_text(shown - 1) // trim(merge('e3)', ')  ', has_long_exponent(value)))
+         form = '(ss,es40.' // integer_to_text(shown - 1) // trim(merge('e3)', ')  ', &
+            has_long_exponent(value)))
       end if
       write (buffer, form) value
       string = trim(adjustl(buffer))

@@ -1,8 +1,11 @@
-!> Where a pressure may move, and how far it is from the solution: the one error measure of every dry method.
+!> Where a pressure may move, and how far it is from the solution: the one error measure of every
+!> dry method.
 !>
-!> With v = K p - z and the datum d (mean of v over 0 < p < H), gap = v - d; p_c = load/contact nodes, s = height scale:
+!> With v = K p - z and the datum d (mean of v over 0 < p < H), gap = v - d; p_c = load/contact
+!> nodes, s = height scale:
 !>
-!>    E = max of |p gap|/(p_c s) where 0 < p < H,  -gap/s where p < H,  gap/s where p = H,  (-p, p - H)/p_c,  load error.
+!>    E = max of |p gap|/(p_c s) where 0 < p < H,  -gap/s where p < H,  gap/s where p = H,
+!>        (-p, p - H)/p_c,  load error.
 module active_set
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: real32
@@ -17,11 +20,13 @@ module active_set
    !> Nodes of one row that are looked at together.
    integer, parameter :: block = 32
 
-   !> What the nodes of a row add up to. Sums are kept by rows: their order, and so every bit, is the same for any number of
-   !> threads.
+   !> What the nodes of a row add up to. Sums are kept by rows: their order, and so every bit, is
+   !> the same for any number of threads.
    type :: row_t
-      !> Largest |p gap| on 0 < p < H, opening and penetration, excess of pressure over its bounds; sum of p.
-      real(wp) :: product = 0.0_wp, opening = 0.0_wp, penetration = 0.0_wp, negative = 0.0_wp, excess = 0.0_wp, sum = 0.0_wp
+      !> Largest |p gap| on 0 < p < H, opening and penetration, excess of pressure over its bounds;
+      !> sum of p.
+      real(wp) :: product = 0.0_wp, opening = 0.0_wp, penetration = 0.0_wp, negative = 0.0_wp, &
+         excess = 0.0_wp, sum = 0.0_wp
       !> Nodes in F, with p > 0, with p = H, and of these not in F.
       integer :: count = 0, contacts = 0, capped = 0, held = 0
    end type row_t
@@ -80,8 +85,8 @@ contains
       call look_at_rows(self, problem, 0.0_wp, p, v)
    end subroutine survey
 
-   !> The same after p has been moved on F only: adds `factor` times the last product of `elastic` to `v` on the way. `change`
-   !> is what it adds on F.
+   !> The same after p has been moved on F only: adds `factor` times the last product of `elastic`
+   !> to `v` on the way. `change` is what it adds on F.
    subroutine follow(self, problem, factor, change, p, v)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
@@ -99,8 +104,9 @@ contains
       end if
    end subroutine follow
 
-   !> Adds `factor` times the last product to `v`, block by block, and finds F, counts and error from the blocks that hold
-   !> pressure or gaps below the datum. Each thread has a share of the rows and of the list.
+   !> Adds `factor` times the last product to `v`, block by block, and finds F, counts and error
+   !> from the blocks that hold pressure or gaps below the datum. Each thread has a share of the
+   !> rows and of the list.
    subroutine look_at_rows(self, problem, factor, p, v)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
@@ -143,7 +149,8 @@ contains
          upper = min(lower + block - 1, offset + problem%grid%nx)
          if (abs(factor) > 0.0_wp) then
             associate (product => problem%elastic%single%product)
-               call add_and_find_least(v(lower:upper), factor, product(lower - offset:upper - offset, j), least)
+               call add_and_find_least(v(lower:upper), factor, &
+                  product(lower - offset:upper - offset, j), least)
             end associate
             if (least >= self%datum .and. .not. self%is_busy(b, j)) cycle blocks
          end if
@@ -254,14 +261,16 @@ contains
       if (scale <= 0.0_wp) scale = mean_pressure/problem%grid%nx
       self%load_error = abs(total - problem%load)/problem%load
       associate (row => self%row)
-         self%error = max(maxval(row%product)/(mean_pressure*scale), maxval(row%opening)/scale, maxval(row%penetration)/scale, &
-                          maxval(row%negative)/mean_pressure, maxval(row%excess)/mean_pressure, self%load_error)
+         self%error = max(maxval(row%product)/(mean_pressure*scale), maxval(row%opening)/scale, &
+            maxval(row%penetration)/scale, &
+                          maxval(row%negative)/mean_pressure, maxval(row%excess)/mean_pressure, &
+                             self%load_error)
       end associate
       if (.not. ieee_is_finite(self%error)) self%error = huge(1.0_wp)
    end subroutine judge
 
-   !> d = mean of v over 0 < p < H; without such nodes the middle between the largest v under p = H and the smallest under
-   !> p = 0, or the one of the two that exists.
+   !> d = mean of v over 0 < p < H; without such nodes the middle between the largest v under p = H
+   !> and the smallest under p = 0, or the one of the two that exists.
    subroutine find_datum(self, hardness, p, v)
       class(active_set_t), intent(inout) :: self
       real(wp), intent(in) :: hardness
@@ -290,7 +299,8 @@ contains
       end if
    end subroutine find_datum
 
-   !> The same, if there are nodes with 0 < p < H (`is_found`) and all of them are in the last F, on which v has had a `change`.
+   !> The same, if there are nodes with 0 < p < H (`is_found`) and all of them are in the last F, on
+   !> which v has had a `change`.
    subroutine follow_datum(self, problem, change, p, is_found)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
@@ -299,7 +309,8 @@ contains
       real(wp) :: row_total, total(problem%grid%ny)
       integer :: free(problem%grid%ny), j, k, row_free
 
-      !$omp parallel do num_threads(problem%grid%threads) private(k, row_free, row_total) schedule(static)
+      !$omp parallel do num_threads(problem%grid%threads) private(k, row_free, row_total) &
+      !$omp    schedule(static)
       do j = 1, problem%grid%ny
          row_total = 0.0_wp
          row_free = 0

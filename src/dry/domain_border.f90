@@ -1,5 +1,6 @@
-!> Whether the contact of an open half-space stays inside the domain. Nothing presses outside it: a contact that reaches the border
-!> is that of a punch with sharp edges, whose pressure grows there without bound.
+!> Whether the contact of an open half-space stays inside the domain. Nothing presses outside it: a
+!> contact that reaches the border is that of a punch with sharp edges, whose pressure grows there
+!> without bound.
 module domain_border
    use dry_problem, only: dry_grid_t, kernel_open
    use dry_scaling, only: dry_scaling_t
@@ -13,13 +14,15 @@ module domain_border
 
    !> Length of a domain over the width of its contact that leaves room for the gap beside it.
    real(wp), parameter :: recommended_room = 1.2_wp
-   !> A parabola that explains less of the variance of the heights says nothing about the surface outside the domain.
+   !> A parabola that explains less of the variance of the heights says nothing about the surface
+   !> outside the domain.
    real(wp), parameter :: least_share = 0.5_wp
 
 contains
 
-   !> Why the contact pressure (nx*ny) of an open domain is no solution: it is above 0 at the border. Empty: it is not, or the
-   !> domain is periodic. `z` (nx*ny) [m] are the heights, `load` is in N, of a line in N/m.
+   !> Why the contact pressure (nx*ny) of an open domain is no solution: it is above 0 at the
+   !> border. Empty: it is not, or the domain is periodic. `z` (nx*ny) [m] are the heights, `load`
+   !> is in N, of a line in N/m.
    pure function border_reason(grid, scaling, z, pressure, load) result(reason)
       type(dry_grid_t), intent(in) :: grid
       type(dry_scaling_t), intent(in) :: scaling
@@ -31,7 +34,8 @@ contains
       if (grid%kernel /= kernel_open .or. .not. touches_border(grid, pressure)) return
       radius = fitted_radius(grid, scaling, z)
       if (radius <= 0.0_wp) then
-         reason = 'the contact reaches the border of the open domain, towards which the surface does not fall: no length is enough'
+         reason = 'the contact reaches the border of the open domain, towards which the '// &
+            'surface does not fall: no length is enough'
          return
       end if
       if (grid%ny == 1) then
@@ -57,8 +61,8 @@ contains
       touches_border = any(pressure(:nx) > 0.0_wp) .or. any(pressure(nx*(ny - 1) + 1:) > 0.0_wp)
    end function touches_border
 
-   !> Radius R [m] of the parabola c - r^2/(2 R) that fits the heights best, in the sense of least squares; 0 if they do not fall
-   !> towards the border, or are hardly a parabola.
+   !> Radius R [m] of the parabola c - r^2/(2 R) that fits the heights best, in the sense of least
+   !> squares; 0 if they do not fall towards the border, or are hardly a parabola.
    pure function fitted_radius(grid, scaling, z) result(radius)
       type(dry_grid_t), intent(in) :: grid
       type(dry_scaling_t), intent(in) :: scaling
@@ -69,7 +73,8 @@ contains
 
       do j = 1, grid%ny
          do i = 1, grid%nx
-            squares(i + grid%nx*(j - 1)) = scaling%length**2*(centred(i, grid%nx)**2 + (grid%aspect*centred(j, grid%ny))**2)
+            squares(i + grid%nx*(j - 1)) = scaling%length**2*(centred(i, grid%nx)**2 &
+               + (grid%aspect*centred(j, grid%ny))**2)
          end do
       end do
       squares = squares - sum(squares)/size(z)

@@ -1,11 +1,13 @@
-!> Contact of rough surfaces by a projected, preconditioned conjugate gradient with both bounds as active sets.
+!> Contact of rough surfaces by a projected, preconditioned conjugate gradient with both bounds as
+!> active sets.
 !>
-!> After I. A. Polonsky and L. M. Keer, Wear 231, 1999, 206, with four changes: the direction is never restarted when nodes
-!> enter or leave, a tree network (`tree_network`) preconditions it, what leaves the bounds is brought back by the same network,
-!> so that its neighbours take over what it lost and load and upper bound (hardness) are held exactly, and an iteration takes
-!> one product with K: the step along the direction is foretold from the iteration before, brought back into the bounds, and
-!> only then K is applied to the change of p, whose length is corrected. Nodes at a bound leave it as soon as their gap has the
-!> wrong sign.
+!> After I. A. Polonsky and L. M. Keer, Wear 231, 1999, 206, with four changes: the direction is
+!> never restarted when nodes enter or leave, a tree network (`tree_network`) preconditions it, what
+!> leaves the bounds is brought back by the same network, so that its neighbours take over what it
+!> lost and load and upper bound (hardness) are held exactly, and an iteration takes one product
+!> with K: the step along the direction is foretold from the iteration before, brought back into the
+!> bounds, and only then K is applied to the change of p, whose length is corrected. Nodes at a
+!> bound leave it as soon as their gap has the wrong sign.
 module dry_conjugate_gradient
    use active_set, only: active_set_t, new_active_set
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open
@@ -22,17 +24,20 @@ module dry_conjugate_gradient
 
    !> Rounding error of a product in single precision, over its largest value.
    real(wp), parameter :: single_noise = 2.0e-7_wp
-   !> v = K p - z is computed anew when the rounding errors of its updates reach this share of the error measure.
+   !> v = K p - z is computed anew when the rounding errors of its updates reach this share of the
+   !> error measure.
    real(wp), parameter :: noise_share = 0.3_wp
    !> Iterations without a halved error after which nothing more is to be gained.
    integer, parameter :: patience = 1000
    !> Lengths of the first step and of the second, over s; later ones are like those before them.
    real(wp), parameter :: first_length = 0.7_wp, usual_length = 0.5_wp
-   !> Times that nodes beyond a bound are brought back by the network in an iteration; the rest is clipped and shifted.
+   !> Times that nodes beyond a bound are brought back by the network in an iteration; the rest is
+   !> clipped and shifted.
    integer, parameter :: most_returns = 20
    !> Share of what was beyond a bound at first from which on the network is not asked again.
    real(wp), parameter :: worth_a_return = 1.0e-2_wp
-   !> A clipped change that goes beyond twice its best length raises the energy: from here on it is cut to the best.
+   !> A clipped change that goes beyond twice its best length raises the energy: from here on it is
+   !> cut to the best.
    real(wp), parameter :: least_length = 0.5_wp
 
    !> What an iteration works on; lists are as long as the active set.
@@ -52,7 +57,8 @@ module dry_conjugate_gradient
       real(wp), allocatable :: d(:)
       !> d.K d (0: there is none) and K d over the last product.
       real(wp) :: curvature, scale
-      !> Length of the next step along its direction, by the last one; the same where there is no last change.
+      !> Length of the next step along its direction, by the last one; the same where there is no
+      !> last change.
       real(wp) :: expected, first
       !> Sum of the largest |K d| since v was computed anew.
       real(wp) :: path
@@ -60,9 +66,9 @@ module dry_conjugate_gradient
 
 contains
 
-   !> Improves the pressure of `solution` (within its bounds and with its load) until the error measure is the tolerance or
-   !> less; the rest of the solution follows. Its report gets one entry an iteration.
-   !> Fails (internal_error) if FFTW does.
+   !> Improves the pressure of `solution` (within its bounds and with its load) until the error
+   !> measure is the tolerance or less; the rest of the solution follows. Its report gets one entry
+   !> an iteration. Fails (internal_error) if FFTW does.
    subroutine iterate_conjugate_gradient(problem, settings, solution, error)
       type(dry_problem_t), intent(inout) :: problem
       type(dry_settings_t), intent(in) :: settings
@@ -94,7 +100,8 @@ contains
          end do
       end associate
       solution%report%method = 'conjugate_gradient'
-      solution%report%reason = end_of_iteration(solution%report, work%set, settings%max_cycles, is_stalled=stalled > patience)
+      solution%report%reason = end_of_iteration(solution%report, work%set, settings%max_cycles, &
+         is_stalled=stalled > patience)
       call move_alloc(work%v, solution%v)
       call take_survey(work%set, solution)
    end subroutine iterate_conjugate_gradient
@@ -107,9 +114,11 @@ contains
 
       n = grid%nx*grid%ny
       call new_active_set(work%set, grid)
-      call new_tree_network(work%network, [grid%nx, grid%ny], [1.0_wp/grid%nx, grid%aspect/grid%ny], grid%kernel /= kernel_open)
+      call new_tree_network(work%network, [grid%nx, grid%ny], &
+         [1.0_wp/grid%nx, grid%aspect/grid%ny], grid%kernel /= kernel_open)
       work%network%threads = grid%threads
-      allocate (work%v(n), work%s(n), work%q(n), work%kd(n), work%d(n), work%old_node(n + 1), work%back(n), &
+      allocate (work%v(n), work%s(n), work%q(n), work%kd(n), work%d(n), work%old_node(n + 1), &
+         work%back(n), &
          work%is_back(n))
       work%curvature = 0.0_wp
       work%scale = 0.0_wp
@@ -146,7 +155,8 @@ contains
       call work%set%survey(problem, p, work%v)
    end subroutine begin
 
-   !> True if the updates of v have collected too many rounding errors, or if the solution seems found.
+   !> True if the updates of v have collected too many rounding errors, or if the solution seems
+   !> found.
    pure function must_refresh(work, problem, settings)
       type(work_t), intent(in) :: work
       type(dry_problem_t), intent(in) :: problem
@@ -155,7 +165,8 @@ contains
       real(wp) :: noise
 
       noise = single_noise*work%path/max(problem%height_scale, tiny(1.0_wp))
-      must_refresh = work%path > 0.0_wp .and. (work%set%error <= settings%tolerance .or. noise > noise_share*work%set%error)
+      must_refresh = work%path > 0.0_wp .and. (work%set%error <= settings%tolerance &
+         .or. noise > noise_share*work%set%error)
       if (settings%is_rough) must_refresh = .false.
    end function must_refresh
 
@@ -171,8 +182,8 @@ contains
       call work%set%survey(problem, p, work%v)
    end subroutine refresh
 
-   !> One iteration: direction, step, back into the bounds, K times the change, and its length. The product is in single
-   !> precision: it only changes v, which is computed anew now and then.
+   !> One iteration: direction, step, back into the bounds, K times the change, and its length. The
+   !> product is in single precision: it only changes v, which is computed anew now and then.
    subroutine step(problem, p, work)
       type(dry_problem_t), intent(inout) :: problem
       real(wp), contiguous, intent(inout) :: p(:)
@@ -185,7 +196,8 @@ contains
       associate (elastic => problem%elastic, node => work%set%node(:n))
          ! On the same list, trees and K d are there already.
          if (.not. is_old_list(work)) then
-            if (work%curvature > 0.0_wp) call elastic%single%gather(node, work%set%begin, work%scale, work%kd(:n))
+            if (work%curvature > 0.0_wp) call elastic%single%gather(node, work%set%begin, &
+               work%scale, work%kd(:n))
             call work%network%settle(node)
          end if
          call work%network%solve(work%set%residual(:n), work%s(:n))
@@ -196,7 +208,8 @@ contains
          call find_length(problem, p, is_clipped, work, length)
          do k = 1, n
             work%d(k) = length*work%q(k)
-            p(node(k)) = min(max(p(node(k)) + work%d(k), 0.0_wp), problem%hardness)   ! but for rounding it is within
+            ! but for rounding it is within
+            p(node(k)) = min(max(p(node(k)) + work%d(k), 0.0_wp), problem%hardness)
             work%kd(k) = length*work%kd(k)
          end do
       end associate
@@ -218,8 +231,8 @@ contains
       end associate
    end function is_old_list
 
-   !> t = s + beta (old d on F, its mean removed), with t conjugate to the old d, on the list q; `length`: the step along t that
-   !> is to be expected.
+   !> t = s + beta (old d on F, its mean removed), with t conjugate to the old d, on the list q;
+   !> `length`: the step along t that is to be expected.
    subroutine find_direction(work, length)
       type(work_t), intent(inout) :: work
       real(wp), intent(out) :: length
@@ -270,8 +283,8 @@ contains
       mean = mean/n
    end subroutine find_old_change
 
-   !> The change of p on F that `length` times t makes, on the list q; what leaves the bounds is brought back (`is_clipped`).
-   !> A shift of F takes away rounding errors of the load.
+   !> The change of p on F that `length` times t makes, on the list q; what leaves the bounds is
+   !> brought back (`is_clipped`). A shift of F takes away rounding errors of the load.
    subroutine find_change(problem, p, length, work, is_clipped)
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(in) :: p(:)
@@ -293,7 +306,8 @@ contains
          load = problem%load
          if (work%set%held > 0) load = max(load - work%set%held*problem%hardness, 0.0_wp)
          if (is_clipped) then
-            call bring_back(problem%hardness, work%network, q, work%back(:n), work%s(:n), work%is_back(:n))
+            call bring_back(problem%hardness, work%network, q, work%back(:n), work%s(:n), &
+               work%is_back(:n))
             call settle_load(problem%hardness, load, q)
          else
             q = q + (load - total)/n
@@ -304,10 +318,11 @@ contains
       end associate
    end subroutine find_change
 
-   !> Puts values of `q` beyond 0 and `hardness` on these bounds. What that adds to the load the network takes from the
-   !> other nodes, such that its potentials there stay: neighbours give most. So the energy rises little, which a uniform shift
-   !> of q would raise all over the grid. Nodes that are driven out of the bounds by this follow; at the end few or none are
-   !> outside. `back`, `change` and `is_back`: memory.
+   !> Puts values of `q` beyond 0 and `hardness` on these bounds. What that adds to the load the
+   !> network takes from the other nodes, such that its potentials there stay: neighbours give most.
+   !> So the energy rises little, which a uniform shift of q would raise all over the grid. Nodes
+   !> that are driven out of the bounds by this follow; at the end few or none are outside. `back`,
+   !> `change` and `is_back`: memory.
    subroutine bring_back(hardness, network, q, back, change, is_back)
       real(wp), intent(in) :: hardness
       type(tree_network_t), intent(inout) :: network
@@ -333,8 +348,9 @@ contains
       end do
    end subroutine bring_back
 
-   !> Makes `q` add up to `load`: nodes between the bounds share the rounding error that is missing, nodes on a bound stay there.
-   !> Values that are still beyond a bound, or none between them: the nearest that has bounds and load.
+   !> Makes `q` add up to `load`: nodes between the bounds share the rounding error that is missing,
+   !> nodes on a bound stay there. Values that are still beyond a bound, or none between them: the
+   !> nearest that has bounds and load.
    subroutine settle_load(hardness, load, q)
       real(wp), intent(in) :: hardness, load
       real(wp), contiguous, intent(inout) :: q(:)
@@ -359,7 +375,8 @@ contains
       if (is_outside) call shift_into_bounds(q, hardness, load)
    end subroutine settle_load
 
-   !> How much of the change q to make: the minimum of the energy along it, as far as the bounds allow.
+   !> How much of the change q to make: the minimum of the energy along it, as far as the bounds
+   !> allow.
    subroutine find_length(problem, p, is_clipped, work, length)
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(in) :: p(:)

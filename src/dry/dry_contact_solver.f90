@@ -35,9 +35,9 @@ module dry_contact_solver
 
 contains
 
-   !> Solves `problem` (its load > 0). `solution` of another load of the same surface, if it holds one, is the start.
-   !> Not converging is told in its report. Fails (input_error) if the load is above hardness times area, (internal_error)
-   !> if FFTW does.
+   !> Solves `problem` (its load > 0). `solution` of another load of the same surface, if it holds
+   !> one, is the start. Not converging is told in its report. Fails (input_error) if the load is
+   !> above hardness times area, (internal_error) if FFTW does.
    subroutine solve(self, problem, solution, error)
       class(dry_solver_t), intent(inout) :: self
       type(dry_problem_t), intent(inout) :: problem
@@ -52,7 +52,8 @@ contains
       if (problem%is_capped()) then
          largest_load = problem%hardness*size(problem%height)
          if (problem%load > largest_load*(1.0_wp + plastic_margin)) then
-            call fail(error, input_error, 'found a mean pressure of ' // to_text(problem%load/largest_load) &
+            call fail(error, input_error, 'found a mean pressure of '// &
+               '' // to_text(problem%load/largest_load) &
                // ' times the hardness, expected at most 1')
             return
          end if
@@ -65,7 +66,8 @@ contains
       call start(problem, solution, error)
       if (allocated(error)) return
       is_done = .false.
-      if (2*count(solution%pressure > 0.0_wp) > size(problem%height)) call solve_full_contact(self, problem, solution, is_done)
+      if (2*count(solution%pressure > 0.0_wp) &
+         > size(problem%height)) call solve_full_contact(self, problem, solution, is_done)
       if (.not. is_done) then
          call iterate(self, problem, solution, error)
          if (allocated(error)) return
@@ -73,8 +75,8 @@ contains
       call count_transforms(problem, before, solution)
    end subroutine solve
 
-   !> Adds the transforms that the problem has done since `before` to those of `solution`, and sums up in pairs of its grid, one
-   !> in single precision as a half.
+   !> Adds the transforms that the problem has done since `before` to those of `solution`, and sums
+   !> up in pairs of its grid, one in single precision as a half.
    pure subroutine count_transforms(problem, before, solution)
       type(dry_problem_t), intent(in) :: problem
       integer, intent(in) :: before(4)
@@ -85,7 +87,8 @@ contains
       done = problem%elastic%transforms()
       largest = real(done(1), wp)*done(2)
       done(3:) = done(3:) - before(3:)
-      solution%transforms = reshape([solution%transforms, done], [4, size(solution%transforms, 2) + 1])
+      solution%transforms = reshape([solution%transforms, done], &
+         [4, size(solution%transforms, 2) + 1])
       weight = 0.0_wp
       associate (t => solution%transforms)
          do k = 1, size(t, 2)
@@ -95,7 +98,8 @@ contains
       solution%report%fft_pairs = nint(weight, int64)
    end subroutine count_transforms
 
-   !> Plans the transforms, which the first solve would do otherwise. Fails (internal_error) if FFTW does.
+   !> Plans the transforms, which the first solve would do otherwise. Fails (internal_error) if FFTW
+   !> does.
    subroutine prepare(self, problem, error)
       class(dry_solver_t), intent(inout) :: self
       type(dry_problem_t), intent(inout) :: problem
@@ -159,7 +163,8 @@ contains
       if (problem%grid%kernel == kernel_open) return
       mean_pressure = problem%load/size(problem%height)
       if (self%has_full_range) then
-         if (mean_pressure + self%full_range(1) < 0.0_wp .or. mean_pressure + self%full_range(2) > problem%hardness) return
+         if (mean_pressure + self%full_range(1) < 0.0_wp .or. mean_pressure &
+            + self%full_range(2) > problem%hardness) return
       end if
       call flatten(problem, p)
       self%full_range = [minval(p), maxval(p)]

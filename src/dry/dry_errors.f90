@@ -1,10 +1,11 @@
 !> How far off the figures of a dry contact may be because of its grid.
 !>
-!> They are compared with those of the same heights on other grids (resampled, loosely solved). On a finer grid most of the error
-!> is gone: the difference nearly is the error. Where finer grids would take too long, coarser ones are taken: if the error falls
-!> like dx^p, a grid r times as coarse differs by (r^p - 1) times the error. Edges of patches lie anywhere between nodes, so that
-!> one difference may vanish by chance; the root mean square of those of several grids hardly does. Areas count nodes: to their
-!> error comes a share of the nodes at the edges.
+!> They are compared with those of the same heights on other grids (resampled, loosely solved). On a
+!> finer grid most of the error is gone: the difference nearly is the error. Where finer grids would
+!> take too long, coarser ones are taken: if the error falls like dx^p, a grid r times as coarse
+!> differs by (r^p - 1) times the error. Edges of patches lie anywhere between nodes, so that one
+!> difference may vanish by chance; the root mean square of those of several grids hardly does.
+!> Areas count nodes: to their error comes a share of the nodes at the edges.
 module dry_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use dry_problem, only: dry_grid_t, kernel_open
@@ -30,37 +31,44 @@ module dry_errors
       type(dry_settings_t) :: settings
    end type dry_sweep_t
 
-   !> Most nodes of a line and of an area that are compared with finer grids: these take 0.3 and 0.05 s.
+   !> Most nodes of a line and of an area that are compared with finer grids: these take 0.3 and
+   !> 0.05 s.
    integer, parameter :: most_nodes_for_finer(2) = [2**17, 2**14]
-   !> How much coarser the grids are that a grid is compared with: finer ones, and coarser ones, which have 288, 192 and 144 nodes
-   !> a side for 1024.
+   !> How much coarser the grids are that a grid is compared with: finer ones, and coarser ones,
+   !> which have 288, 192 and 144 nodes a side for 1024.
    real(wp), parameter :: finer_ratios(2) = [2.0_wp/3.0_wp, 0.5_wp], &
       coarser_ratios(3) = [32.0_wp/9.0_wp, 16.0_wp/3.0_wp, 64.0_wp/9.0_wp]
    !> p.
    real(wp), parameter :: order = 1.5_wp
    !> Fewest nodes a side, and fewest grids for an estimate.
    integer, parameter :: fewest_nodes = 8, fewest_grids = 2
-   !> Error measure to which they are solved, of a line, whose figures are good to 1e-6, and of an area.
+   !> Error measure to which they are solved, of a line, whose figures are good to 1e-6, and of an
+   !> area.
    real(wp), parameter :: line_tolerance = 1.0e-7_wp, area_tolerance = 1.0e-5_wp
-   !> Figures that are compared: contact, corrected and plastic area, plasticity index, mean separation, separation, datum, p_max,
-   !> dp_max, dp_mean, elastic and dissipated energy, load.
+   !> Figures that are compared: contact, corrected and plastic area, plasticity index, mean
+   !> separation, separation, datum, p_max, dp_max, dp_mean, elastic and dissipated energy, load.
    integer, parameter :: figures = 13
-   !> What the root mean square is multiplied by, of lines and of areas: with finer grids, figure by figure, and with coarser ones.
-   real(wp), parameter :: line_safety(figures) = [1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 3.5_wp, 3.5_wp, 3.5_wp, 5.0_wp, 3.0_wp, 3.5_wp, &
+   !> What the root mean square is multiplied by, of lines and of areas: with finer grids, figure by
+   !> figure, and with coarser ones.
+   real(wp), parameter :: line_safety(figures) = [1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 3.5_wp, 3.5_wp, &
+      3.5_wp, 5.0_wp, 3.0_wp, 3.5_wp, &
       2.7_wp, 3.5_wp, 3.5_wp]
-   real(wp), parameter :: area_safety(figures) = [1.0_wp, 1.6_wp, 1.0_wp, 1.0_wp, 4.5_wp, 4.0_wp, 4.0_wp, 3.9_wp, 2.5_wp, 3.5_wp, &
+   real(wp), parameter :: area_safety(figures) = [1.0_wp, 1.6_wp, 1.0_wp, 1.0_wp, 4.5_wp, 4.0_wp, &
+      4.0_wp, 3.9_wp, 2.5_wp, 3.5_wp, &
       3.0_wp, 3.5_wp, 3.5_wp]
    real(wp), parameter :: coarser_safety(2) = [4.5_wp, 2.5_wp]
-   !> Share of the nodes at the edges of patches that comes to the errors of areas: of a line, of an area, of the corrected area.
+   !> Share of the nodes at the edges of patches that comes to the errors of areas: of a line, of an
+   !> area, of the corrected area.
    real(wp), parameter :: edge_share(2) = [0.4_wp, 0.1_wp], corrected_share = 0.03_wp
-   !> Error of a pressure [p_c] over the violation of the contact conditions times the nodes along x: a gap that is wrong by d at
-   !> single nodes belongs to a pressure up to q d, q the largest wavenumber, pi times the nodes over the length.
+   !> Error of a pressure [p_c] over the violation of the contact conditions times the nodes along
+   !> x: a gap that is wrong by d at single nodes belongs to a pressure up to q d, q the largest
+   !> wavenumber, pi times the nodes over the length.
    real(wp), parameter :: pressure_noise = 0.3_wp
 
 contains
 
-   !> Estimated errors of the figures in `rows` of a `sweep`, component by component; what is not known is NaN. Fails
-   !> (internal_error) if FFTW does.
+   !> Estimated errors of the figures in `rows` of a `sweep`, component by component; what is not
+   !> known is NaN. Fails (internal_error) if FFTW does.
    subroutine estimate_dry_errors(sweep, rows, errors, error)
       type(dry_sweep_t), intent(in) :: sweep
       type(dry_row_t), intent(in) :: rows(:)
@@ -79,29 +87,35 @@ contains
          if (is_too_coarse(sweep%grid, ratios(k))) cycle grids
          companion = sweep
          companion%settings%method = method_conjugate_gradient
-         companion%settings%tolerance = max(sweep%settings%tolerance, merge(line_tolerance, area_tolerance, sweep%grid%ny == 1))
+         companion%settings%tolerance = max(sweep%settings%tolerance, &
+            merge(line_tolerance, area_tolerance, sweep%grid%ny == 1))
          call resample(companion, ratios(k), error)
          if (allocated(error)) return
          call solve_companion(companion, others, error)
          if (allocated(error)) return
          if (.not. allocated(others)) cycle grids
          distance = 1.0_wp
-         if (ratios(k) > 1.0_wp) distance = (real(sweep%grid%nx, wp)/companion%grid%nx)**order - 1.0_wp
+         if (ratios(k) > 1.0_wp) distance = (real(sweep%grid%nx, wp)/companion%grid%nx)**order &
+            - 1.0_wp
          loads: do i = 1, size(rows)
             if (.not. others(i)%kkt <= companion%settings%tolerance) cycle loads
             count(i) = count(i) + 1
-            squares(:, i) = squares(:, i) + ((figures_of(others(i)) - figures_of(rows(i)))/distance)**2
+            squares(:, i) = squares(:, &
+               i) + ((figures_of(others(i)) - figures_of(rows(i)))/distance)**2
          end do loads
       end do grids
       safety = coarser_safety(kind_of(sweep%grid))
       if (ratios(1) < 1.0_wp) safety = merge(line_safety, area_safety, sweep%grid%ny == 1)
       allocate (errors(size(rows)))
       do i = 1, size(rows)
-         squares(:, i) = safety*sqrt(squares(:, i)/max(count(i), 1)) + rows(i)%kkt*abs(figures_of(rows(i)))
-         if (count(i) < fewest_grids .or. .not. rows(i)%is_converged) squares(:, i) = ieee_value(1.0_wp, ieee_quiet_nan)
+         squares(:, i) = safety*sqrt(squares(:, i)/max(count(i), 1)) &
+            + rows(i)%kkt*abs(figures_of(rows(i)))
+         if (count(i) < fewest_grids .or. .not. rows(i)%is_converged) squares(:, &
+            i) = ieee_value(1.0_wp, ieee_quiet_nan)
          call fill_errors(rows(i), squares(:, i), errors(i))
          call add_edges(sweep%grid, rows(i), errors(i))
-         errors(i)%p_max = errors(i)%p_max + pressure_noise*sweep%grid%nx*rows(i)%kkt*sweep%scaling%pressure
+         errors(i)%p_max = errors(i)%p_max + pressure_noise*sweep%grid%nx*rows(i)%kkt &
+            *sweep%scaling%pressure
       end do
    end subroutine estimate_dry_errors
 
@@ -154,14 +168,16 @@ contains
       end associate
    end subroutine resample
 
-   !> The figures `others` of the sweep on another grid. They stay unallocated where it finds no contact.
+   !> The figures `others` of the sweep on another grid. They stay unallocated where it finds no
+   !> contact.
    subroutine solve_companion(sweep, others, error)
       type(dry_sweep_t), intent(in) :: sweep
       type(dry_row_t), allocatable, intent(out) :: others(:)
       type(error_t), allocatable, intent(out) :: error
       type(dry_outcome_t) :: outcome
 
-      call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, sweep%settings, outcome, error)
+      call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, sweep%settings, &
+         outcome, error)
       if (.not. allocated(error)) then
          call move_alloc(outcome%rows, others)
       else if (error%kind == input_error) then
@@ -169,8 +185,9 @@ contains
       end if
    end subroutine solve_companion
 
-   !> About `nodes`/`ratio` (1 of a line's single one): odd where they are, which decides whether a node lies in the middle; else
-   !> even, 64 to 128 times a power of two: such grids have good first guesses and fast transforms.
+   !> About `nodes`/`ratio` (1 of a line's single one): odd where they are, which decides whether a
+   !> node lies in the middle; else even, 64 to 128 times a power of two: such grids have good first
+   !> guesses and fast transforms.
    pure function other_count(nodes, ratio) result(count)
       integer, intent(in) :: nodes
       real(wp), intent(in) :: ratio
@@ -193,8 +210,10 @@ contains
       type(dry_row_t), intent(in) :: row
       real(wp) :: values(figures)
 
-      values = [row%contact_area_fraction, row%contact_area_corrected, row%plastic_area_fraction, row%plasticity_index, &
-                row%mean_separation, row%separation, row%datum, row%p_max, row%dp_max, row%dp_mean, row%elastic_energy, &
+      values = [row%contact_area_fraction, row%contact_area_corrected, row%plastic_area_fraction, &
+         row%plasticity_index, &
+                row%mean_separation, row%separation, row%datum, row%p_max, row%dp_max, &
+                   row%dp_mean, row%elastic_energy, &
                 row%dissipated_energy, row%mean_pressure]
    end function figures_of
 
@@ -236,7 +255,8 @@ contains
       if (grid%ny > 1) errors%contact_area_corrected = errors%contact_area_corrected &
          + (corrected_share/edge_share(2) - 1.0_wp)*contact
       errors%plastic_area_fraction = errors%plastic_area_fraction + plastic
-      errors%plasticity_index = errors%plasticity_index + (plastic + row%plasticity_index*contact)/row%contact_area_fraction
+      errors%plasticity_index = errors%plasticity_index + (plastic + row%plasticity_index*contact) &
+         /row%contact_area_fraction
    end subroutine add_edges
 
 end module dry_errors

@@ -1,13 +1,16 @@
-!> The dry contact of a rough surface as one quadratic programme, dimensionless, for lines and areas:
+!> The dry contact of a rough surface as one quadratic programme, dimensionless, for lines and
+!> areas:
 !>
 !>    min 1/2 p.K p - p.z   over  0 <= p <= H  and  sum p = load,
 !>
-!> whose optimality conditions are those of contact: gap h = v - datum >= 0 where p < H (v = K p - z), p h = 0, and v - datum
-!> = -d_p <= 0 where p = H. Lengths in units of the domain, heights in their rms value s (or as `new_dry_problem` is told),
-!> pressures in E' s/(4 L): then K has the transfer function 1/q.
+!> whose optimality conditions are those of contact: gap h = v - datum >= 0 where p < H (v = K
+!> p - z), p h = 0, and v - datum = -d_p <= 0 where p = H. Lengths in units of the domain, heights
+!> in their rms value s (or as `new_dry_problem` is told), pressures in E' s/(4 L): then K has the
+!> transfer function 1/q.
 module dry_problem
    use errors, only: error_t
-   use half_space_response, only: band_limited_response, element_response, open_area_kernel, open_line_kernel
+   use half_space_response, only: band_limited_response, element_response, open_area_kernel, &
+      open_line_kernel
    use kinds, only: wp
    use spectral_product, only: new_convolution, new_spectral_product, spectral_product_t
    implicit none (type, external)
@@ -32,7 +35,8 @@ module dry_problem
       integer :: threads = 1
    end type dry_grid_t
 
-   !> One surface on its grid and what presses on it. `hardness` and `load` may be changed between solves.
+   !> One surface on its grid and what presses on it. `hardness` and `load` may be changed between
+   !> solves.
    type :: dry_problem_t
       type(dry_grid_t) :: grid
       !> z, positive out of the material, its mean removed (nx*ny), x fastest.
@@ -53,7 +57,8 @@ module dry_problem
 contains
 
    !> Prepares a problem on `grid` with the heights z (nx*ny); hardness none and load 0. With
-   !> `is_guess` only products in single precision are prepared: no `deflect`. Fails (internal_error) if FFTW does.
+   !> `is_guess` only products in single precision are prepared: no `deflect`. Fails
+   !> (internal_error) if FFTW does.
    subroutine new_dry_problem(self, grid, height, error, is_guess)
       type(dry_problem_t), intent(inout) :: self
       type(dry_grid_t), intent(in) :: grid
@@ -69,15 +74,19 @@ contains
       associate (nx => grid%nx, ny => grid%ny, aspect => grid%aspect, threads => grid%threads)
          select case (grid%kernel)
          case (kernel_band_limited)
-            call new_spectral_product(self%elastic, nx, ny, band_limited_response(nx, ny, 1.0_wp, aspect), threads, error, &
+            call new_spectral_product(self%elastic, nx, ny, band_limited_response(nx, ny, 1.0_wp, &
+               aspect), threads, error, &
                is_guess)
          case (kernel_element)
-            call new_spectral_product(self%elastic, nx, ny, element_response(nx, ny, 1.0_wp, aspect), threads, error, is_guess)
+            call new_spectral_product(self%elastic, nx, ny, element_response(nx, ny, 1.0_wp, &
+               aspect), threads, error, is_guess)
          case default
             if (ny == 1) then
-               call new_convolution(self%elastic, open_line_kernel(nx, 1.0_wp/nx), threads, error, is_guess)
+               call new_convolution(self%elastic, open_line_kernel(nx, 1.0_wp/nx), threads, &
+                  error, is_guess)
             else
-               call new_convolution(self%elastic, open_area_kernel(nx, ny, 1.0_wp/nx, aspect/ny), threads, error, is_guess)
+               call new_convolution(self%elastic, open_area_kernel(nx, ny, 1.0_wp/nx, aspect/ny), &
+                  threads, error, is_guess)
             end if
          end select
       end associate

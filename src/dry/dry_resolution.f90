@@ -1,7 +1,8 @@
-!> The grid of a dry contact for a wanted accuracy of its contact area: what the grids before tell about the next one.
+!> The grid of a dry contact for a wanted accuracy of its contact area: what the grids before tell
+!> about the next one.
 !>
-!> Where a grid sees the waves of the surface the estimated error of the area falls like dx, or with the order that the last two
-!> grids show; the next grid is the one that is foretold to do.
+!> Where a grid sees the waves of the surface the estimated error of the area falls like dx, or with
+!> the order that the last two grids show; the next grid is the one that is foretold to do.
 module dry_resolution
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use dry_sweep, only: dry_row_t
@@ -25,12 +26,14 @@ module dry_resolution
    real(wp), parameter :: orders(2) = [0.7_wp, 1.3_wp]
    !> The next grid is foretold to stay below the target by this factor.
    real(wp), parameter :: margin = 0.97_wp
-   !> Nodes that are chosen are these times a power of two: even, with fast transforms and coarse grids for a start.
+   !> Nodes that are chosen are these times a power of two: even, with fast transforms and coarse
+   !> grids for a start.
    integer, parameter :: sizes(*) = [8, 9, 10, 12, 14, 15], first_unit = 2
 
 contains
 
-   !> Largest relative error of the contact area in `rows`, from its estimated `errors`; NaN where one is not known.
+   !> Largest relative error of the contact area in `rows`, from its estimated `errors`; NaN where
+   !> one is not known.
    pure function area_doubt(rows, errors) result(doubt)
       type(dry_row_t), intent(in) :: rows(:), errors(:)
       real(wp) :: doubt
@@ -57,8 +60,8 @@ contains
       if (ieee_is_finite(rung%doubt)) is_met = rung%doubt <= target
    end function is_met
 
-   !> Nodes of the grid after `rungs`, at least one, which do not keep the `target`; 0 if there is none of up to `most` nodes, or
-   !> if the last two grids have no solution.
+   !> Nodes of the grid after `rungs`, at least one, which do not keep the `target`; 0 if there is
+   !> none of up to `most` nodes, or if the last two grids have no solution.
    pure function finer_nodes(rungs, target, most) result(nodes)
       type(dry_rung_t), intent(in) :: rungs(:)
       real(wp), intent(in) :: target
@@ -72,7 +75,8 @@ contains
          directions = merge(1, 2, last%nodes(2) == 1)
          if (without_solution(rungs) > 1) return
          factor = doubling
-         if (ieee_is_finite(last%doubt)) factor = min((last%doubt/(margin*target))**(1.0_wp/observed_order(rungs)), &
+         if (ieee_is_finite(last%doubt)) factor = &
+            min((last%doubt/(margin*target))**(1.0_wp/observed_order(rungs)), &
             farthest(directions))
          ! Both directions keep the ratio of the first grid.
          first = rungs(1)%nodes
@@ -96,7 +100,8 @@ contains
       end do
    end function without_solution
 
-   !> The fewest nodes in one direction that are not below `least`, or the most that are not above `most`; 0: none.
+   !> The fewest nodes in one direction that are not below `least`, or the most that are not above
+   !> `most`; 0: none.
    pure elemental function even_nodes(least, most) result(nodes)
       real(wp), intent(in) :: least, most
       integer :: nodes
@@ -124,7 +129,8 @@ contains
       n = size(rungs)
       if (n < 2) return
       if (.not. ieee_is_finite(rungs(n - 1)%doubt)) return
-      order = log(rungs(n - 1)%doubt/rungs(n)%doubt)/log(real(rungs(n)%nodes(1), wp)/rungs(n - 1)%nodes(1))
+      order = log(rungs(n - 1)%doubt/rungs(n)%doubt)/log(real(rungs(n)%nodes(1), &
+         wp)/rungs(n - 1)%nodes(1))
       order = min(max(order, orders(1)), orders(2))
    end function observed_order
 

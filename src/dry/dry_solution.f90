@@ -20,7 +20,8 @@ module dry_solution
       !> Error measure.
       real(wp) :: kkt = huge(1.0_wp)
       type(report_t) :: report
-      !> Transforms done: size mx x my, pairs in double, pairs in single precision (4, any number of grids).
+      !> Transforms done: size mx x my, pairs in double, pairs in single precision (4, any number of
+      !> grids).
       integer, allocatable :: transforms(:, :)
    end type dry_solution_t
 
@@ -54,7 +55,8 @@ contains
       else if (is_stalled) then
          reason = 'the error has stopped falling at ' // to_text(set%error, 3)
       else
-         reason = 'the error is ' // to_text(set%error, 3) // ' after ' // to_text(max_cycles) // ' iterations'
+         reason = 'the error is ' // to_text(set%error, 3) // ' after '// &
+            '' // to_text(max_cycles) // ' iterations'
       end if
    end function end_of_iteration
 

@@ -1,4 +1,5 @@
-!> First guesses of the contact pressure: from coarser grids, or from the solution for a neighbouring load.
+!> First guesses of the contact pressure: from coarser grids, or from the solution for a
+!> neighbouring load.
 module dry_start
    use dry_conjugate_gradient, only: iterate_conjugate_gradient
    use constants, only: pi
@@ -16,19 +17,21 @@ module dry_start
 
    !> Fewest nodes a side of a coarser grid.
    integer, parameter :: coarsest = 32
-   !> Error to which coarser grids are solved. Less gains nothing on periodic areas, where finer grids bring new contacts; it does
-   !> on lines, and on open areas, which are smoother than most and whose fine grid is dear.
+   !> Error to which coarser grids are solved. Less gains nothing on periodic areas, where finer
+   !> grids bring new contacts; it does on lines, and on open areas, which are smoother than most
+   !> and whose fine grid is dear.
    real(wp), parameter :: area_tolerance = 0.1_wp, usual_tolerance = 1.0e-3_wp
    !> Their most iterations.
    integer, parameter :: most_iterations = 200
-   !> Step from a neighbouring solution against its gaps, as a share of the largest wavenumber of the grid.
+   !> Step from a neighbouring solution against its gaps, as a share of the largest wavenumber of
+   !> the grid.
    real(wp), parameter :: neighbour_step = 0.3_wp
 
 contains
 
-   !> A pressure `p` (nx*ny) within its bounds and with its load: solutions to a rough E on grids of half the nodes each, the
-   !> coarsest first, each node's pressure handed to the 2 or 4 nodes below it. `transforms` are those done, as
-   !> in a solution. Fails (internal_error) if FFTW does.
+   !> A pressure `p` (nx*ny) within its bounds and with its load: solutions to a rough E on grids of
+   !> half the nodes each, the coarsest first, each node's pressure handed to the 2 or 4 nodes below
+   !> it. `transforms` are those done, as in a solution. Fails (internal_error) if FFTW does.
    recursive subroutine nested_start(problem, p, transforms, error)
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(out) :: p(:)
@@ -49,7 +52,8 @@ contains
       call nested_start(coarse, solution%pressure, transforms, error)
       if (allocated(error)) return
       settings = dry_settings_t(tolerance=merge(area_tolerance, usual_tolerance, &
-         problem%grid%ny > 1 .and. problem%grid%kernel /= kernel_open), max_cycles=most_iterations, is_rough=.true.)
+         problem%grid%ny > 1 .and. problem%grid%kernel /= kernel_open), &
+            max_cycles=most_iterations, is_rough=.true.)
       call iterate_conjugate_gradient(coarse, settings, solution, error)
       if (allocated(error)) return
       transforms = reshape([transforms, coarse%elastic%transforms()], [4, size(transforms, 2) + 1])
@@ -63,10 +67,12 @@ contains
       logical :: can_be_halved
 
       can_be_halved = mod(grid%nx, 2) == 0 .and. grid%nx >= 2*coarsest
-      if (grid%ny > 1) can_be_halved = can_be_halved .and. mod(grid%ny, 2) == 0 .and. grid%ny >= 2*coarsest
+      if (grid%ny > 1) can_be_halved = can_be_halved .and. mod(grid%ny, 2) == 0 &
+         .and. grid%ny >= 2*coarsest
    end function can_be_halved
 
-   !> The problem on half the nodes: heights averaged over 2 or 4 nodes, mean pressure and hardness kept.
+   !> The problem on half the nodes: heights averaged over 2 or 4 nodes, mean pressure and hardness
+   !> kept.
    subroutine halve(problem, coarse, error)
       type(dry_problem_t), intent(in) :: problem
       type(dry_problem_t), intent(inout) :: coarse
@@ -112,8 +118,8 @@ contains
       end do
    end subroutine hand_down
 
-   !> Moves the pressure `p` of another load to the load of `problem`: a step against the gaps `v` - `datum`, then the
-   !> nearest pressure within the bounds and with the load.
+   !> Moves the pressure `p` of another load to the load of `problem`: a step against the gaps
+   !> `v` - `datum`, then the nearest pressure within the bounds and with the load.
    subroutine neighbour_start(problem, v, datum, p)
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(in) :: v(:)

@@ -1,7 +1,8 @@
 !> Contact of rough surfaces by projected steepest descent, the method of the thesis (chapter 3).
 !>
-!> After H. M. Stanley and T. Kato, J. Tribol. 119, 1997, 481: a step along the negative gap, then a shift that restores the
-!> load within the bounds. The step is the exact minimum along the direction. Slow: a baseline to compare with.
+!> After H. M. Stanley and T. Kato, J. Tribol. 119, 1997, 481: a step along the negative gap, then a
+!> shift that restores the load within the bounds. The step is the exact minimum along the
+!> direction. Slow: a baseline to compare with.
 module dry_steepest_descent
    use active_set, only: active_set_t, new_active_set
    use dry_problem, only: dry_problem_t
@@ -16,8 +17,9 @@ module dry_steepest_descent
 
 contains
 
-   !> Improves the pressure of `solution` (within its bounds and with its load) until the error measure is the tolerance or
-   !> less, or the most iterations are done; the rest of the solution follows.
+   !> Improves the pressure of `solution` (within its bounds and with its load) until the error
+   !> measure is the tolerance or less, or the most iterations are done; the rest of the solution
+   !> follows.
    subroutine iterate_steepest_descent(problem, settings, solution)
       type(dry_problem_t), intent(inout) :: problem
       type(dry_settings_t), intent(in) :: settings
@@ -40,14 +42,16 @@ contains
             call report%add(set%error, set%load_error)
             report%converged = set%error <= settings%tolerance
             if (report%converged .or. set%error >= huge(1.0_wp)) exit
-            if (iteration < settings%max_cycles) call descend(problem, set, direction, response, q, p)
+            if (iteration < settings%max_cycles) call descend(problem, set, direction, response, &
+               q, p)
          end do
          report%reason = end_of_iteration(report, set, settings%max_cycles, is_stalled=.false.)
       end associate
       call take_survey(set, solution)
    end subroutine iterate_steepest_descent
 
-   !> p moves along r less its mean on F, by the length that minimises the energy; then back into bounds and load.
+   !> p moves along r less its mean on F, by the length that minimises the energy; then back into
+   !> bounds and load.
    subroutine descend(problem, set, direction, response, q, p)
       type(dry_problem_t), intent(inout) :: problem
       type(active_set_t), intent(in) :: set

@@ -25,7 +25,8 @@ module dry_sweep
       real(wp) :: plasticity_index
       !> Plane to mean of the loaded surface [m].
       real(wp) :: mean_separation
-      !> Periodic: plane to mean of the undeformed surface. Open area: approach of the bodies since first touch [m]. Open line: 0.
+      !> Periodic: plane to mean of the undeformed surface. Open area: approach of the bodies since
+      !> first touch [m]. Open line: 0.
       real(wp) :: separation
       !> Mean of u - z under 0 < p < H [m].
       real(wp) :: datum
@@ -41,14 +42,16 @@ module dry_sweep
       character(:), allocatable :: reason
       !> Contact area less (pi - 1 + ln 2)/24 of its perimeter (areas), as a fraction.
       real(wp) :: contact_area_corrected
-      !> Neighbours one of which is in contact (at the hardness) and the other not, of the periodic grid.
+      !> Neighbours one of which is in contact (at the hardness) and the other not, of the periodic
+      !> grid.
       integer :: contact_edges, plastic_edges
       type(roughness_t) :: undeformed, loaded, unloaded
    end type dry_row_t
 
    !> Fields of the last load, SI, each (nx*ny).
    type :: dry_fields_t
-      real(wp), allocatable :: pressure(:), gap(:), height_undeformed(:), height_loaded(:), height_unloaded(:), &
+      real(wp), allocatable :: pressure(:), gap(:), height_undeformed(:), height_loaded(:), &
+         height_unloaded(:), &
          plastic_deformation(:)
    end type dry_fields_t
 
@@ -57,7 +60,8 @@ module dry_sweep
       type(dry_row_t), allocatable :: rows(:)
       type(dry_fields_t) :: fields
       type(dry_solution_t) :: solution
-      !> Processor time of preparing (planning of transforms) and of solving, wall time of solving, all loads [s].
+      !> Processor time of preparing (planning of transforms) and of solving, wall time of solving,
+      !> all loads [s].
       real(wp) :: cpu_prepare = 0.0_wp, cpu_solve = 0.0_wp, wall_solve = 0.0_wp
       !> Transforms of all loads, as in a solution.
       integer, allocatable :: transforms(:, :)
@@ -65,8 +69,9 @@ module dry_sweep
 
 contains
 
-   !> Solves all `loads` of the heights `z` (nx*ny) [m] on `grid`. Not converging is told in rows and report.
-   !> Errors: a load above hardness times area, a separation at which nothing touches (input_error); FFTW (internal_error).
+   !> Solves all `loads` of the heights `z` (nx*ny) [m] on `grid`. Not converging is told in rows
+   !> and report. Errors: a load above hardness times area, a separation at which nothing touches
+   !> (input_error); FFTW (internal_error).
    subroutine solve_dry_sweep(grid, z, scaling, loads, settings, outcome, error)
       type(dry_grid_t), intent(in) :: grid
       real(wp), intent(in) :: z(:)
@@ -104,7 +109,8 @@ contains
             wall_start = wall_seconds()
             call cpu_time(cpu_start)
             if (allocated(loads%separation)) then
-               call solve_for_datum(solver, problem, datum_of(problem%grid, scaling, top, loads%separation(i)), solution, error)
+               call solve_for_datum(solver, problem, datum_of(problem%grid, scaling, top, &
+                  loads%separation(i)), solution, error)
             else
                problem%load = loads%mean_pressure(i)/scaling%pressure*n
                call solver%solve(problem, solution, error)
@@ -116,7 +122,8 @@ contains
             outcome%transforms = reshape([outcome%transforms, solution%transforms], &
                [4, size(outcome%transforms, 2) + size(solution%transforms, 2)])
             plastic = 0.0_wp
-            where (solution%pressure >= problem%hardness) plastic = max(solution%datum - solution%v, 0.0_wp)
+            where (solution%pressure >= problem%hardness) plastic = max(solution%datum &
+               - solution%v, 0.0_wp)
             call fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
             where (solution%pressure >= problem%hardness) fields%pressure = loads%hardness
             call fill_row(grid, scaling, solution, fields, problem, rows(i))
@@ -126,7 +133,8 @@ contains
             call check_border(grid, scaling, fields, rows(i))
             rows(i)%separation = separation_of(problem%grid, scaling, top, solution%datum)
             rows(i)%dissipated_energy = 0.0_wp
-            if (problem%is_capped()) rows(i)%dissipated_energy = loads%hardness*area_of(grid, scaling)*rows(i)%dp_mean
+            if (problem%is_capped()) rows(i)%dissipated_energy = loads%hardness*area_of(grid, &
+               scaling)*rows(i)%dp_mean
             if (loads%has_history) then
                yielded = yielded + plastic
                problem%height = problem%height - plastic
@@ -137,7 +145,8 @@ contains
       end associate
    end subroutine solve_dry_sweep
 
-   !> The datum, dimensionless, of a separation [m]; `top` is the highest point of the virgin surface above its mean.
+   !> The datum, dimensionless, of a separation [m]; `top` is the highest point of the virgin
+   !> surface above its mean.
    pure function datum_of(grid, scaling, top, separation) result(datum)
       type(dry_grid_t), intent(in) :: grid
       type(dry_scaling_t), intent(in) :: scaling
@@ -156,7 +165,8 @@ contains
       real(wp) :: separation
 
       separation = -scaling%height*datum
-      if (grid%kernel == kernel_open) separation = merge(0.0_wp, scaling%height*(top + datum), grid%ny == 1)
+      if (grid%kernel == kernel_open) separation = merge(0.0_wp, scaling%height*(top + datum), &
+         grid%ny == 1)
    end function separation_of
 
    !> Area of the domain [m^2], length of a line [m].
@@ -169,8 +179,8 @@ contains
       if (grid%ny > 1) area = area*scaling%length*grid%aspect
    end function area_of
 
-   !> Pressure, gap and profiles in SI. `plastic` is the deformation of this load, `yielded` that of the loads before which
-   !> the heights of `problem` already have (history).
+   !> Pressure, gap and profiles in SI. `plastic` is the deformation of this load, `yielded` that of
+   !> the loads before which the heights of `problem` already have (history).
    pure subroutine fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
       type(dry_problem_t), intent(in) :: problem
       type(dry_scaling_t), intent(in) :: scaling
@@ -206,7 +216,8 @@ contains
       row%dp_mean = sum(fields%plastic_deformation)/n
       ! The problem's heights have no mean; the datum is that of the heights as given.
       row%datum = scaling%height*solution%datum - sum(fields%height_undeformed)/n
-      row%mean_separation = scaling%height*(sum(solution%v)/n - solution%datum + mean_plastic(solution, problem))
+      row%mean_separation = scaling%height*(sum(solution%v)/n - solution%datum &
+         + mean_plastic(solution, problem))
       row%elastic_energy = 0.5_wp*area_of(grid, scaling)/n*scaling%pressure*scaling%height &
                            *dot_product(solution%pressure, solution%v + problem%height)
       row%kkt = solution%kkt
@@ -217,8 +228,10 @@ contains
       row%contact_area_corrected = row%contact_area_fraction
       row%contact_edges = edges_of(grid, solution%pressure > 0.0_wp)
       row%plastic_edges = 0
-      if (problem%is_capped()) row%plastic_edges = edges_of(grid, solution%pressure >= problem%hardness)
-      if (grid%ny > 1) row%contact_area_corrected = row%contact_area_fraction - perimeter_share(grid, row%contact_edges)
+      if (problem%is_capped()) row%plastic_edges = edges_of(grid, &
+         solution%pressure >= problem%hardness)
+      if (grid%ny > 1) row%contact_area_corrected = row%contact_area_fraction &
+         - perimeter_share(grid, row%contact_edges)
       row%undeformed = roughness_of(fields%height_undeformed, grid%ny == 1)
       row%loaded = roughness_of(fields%height_loaded, grid%ny == 1)
       row%unloaded = roughness_of(fields%height_unloaded, grid%ny == 1)
@@ -244,10 +257,12 @@ contains
       type(dry_problem_t), intent(in) :: problem
       real(wp) :: mean
 
-      mean = sum(max(solution%datum - solution%v, 0.0_wp), mask=solution%pressure >= problem%hardness)/size(solution%v)
+      mean = sum(max(solution%datum - solution%v, 0.0_wp), &
+         mask=solution%pressure >= problem%hardness)/size(solution%v)
    end function mean_plastic
 
-   !> Number of neighbours in x and y one of which is `inside` (nx*ny) and the other not, of the periodic grid.
+   !> Number of neighbours in x and y one of which is `inside` (nx*ny) and the other not, of the
+   !> periodic grid.
    pure function edges_of(grid, inside) result(edges)
       type(dry_grid_t), intent(in) :: grid
       logical, intent(in) :: inside(:)

@@ -11,10 +11,11 @@ module load_projection
 
 contains
 
-   !> Replaces `x` by clip(x + shift, 0, upper) with the shift for which the sum is `total` (0 <= total <= n upper).
+   !> Replaces `x` by clip(x + shift, 0, upper) with the shift for which the sum is `total`
+   !> (0 <= total <= n upper).
    !>
-   !> This is the Euclidean projection onto bounds and load: the sum rises with the shift, piecewise linear, so Newton's
-   !> method, kept inside its bracket, ends after a few steps.
+   !> This is the Euclidean projection onto bounds and load: the sum rises with the shift, piecewise
+   !> linear, so Newton's method, kept inside its bracket, ends after a few steps.
    pure subroutine shift_into_bounds(x, upper, total)
       real(wp), intent(inout) :: x(:)
       real(wp), intent(in) :: upper, total

@@ -1,4 +1,5 @@
-!> The load under which a dry contact has a given datum, that is a given separation: a search around the solver.
+!> The load under which a dry contact has a given datum, that is a given separation: a search around
+!> the solver.
 module load_search
    use, intrinsic :: iso_fortran_env, only: int64
    use constants, only: pi
@@ -20,7 +21,8 @@ module load_search
    !> Longest step in the logarithm of the load while there is no bracket.
    real(wp), parameter :: longest_step = log(8.0_wp)
 
-   !> Where the search stands: the logarithm x of the last two loads with their misses, and the bracket.
+   !> Where the search stands: the logarithm x of the last two loads with their misses, and the
+   !> bracket.
    type :: search_t
       real(wp) :: x, x_old, miss, miss_old
       real(wp) :: low = -huge(1.0_wp), high = huge(1.0_wp)
@@ -29,13 +31,15 @@ module load_search
 
 contains
 
-   !> Solves `problem`, whose load is found here, so that the `datum` is reached within the solver's tolerance times the height
-   !> scale (of a flat surface: times the depth below first touch). Elastic periodic surfaces need a `datum` < 0.
+   !> Solves `problem`, whose load is found here, so that the `datum` is reached within the solver's
+   !> tolerance times the height scale (of a flat surface: times the depth below first touch).
+   !> Elastic periodic surfaces need a `datum` < 0.
    !>
-   !> The datum rises with the load, and its curve over the logarithm of the load is nearly straight (exactly so for B. N. J.
-   !> Persson's theory at light load, Phys. Rev. Lett. 99, 2007, 125502): secant steps inside a bracket, each solution started
-   !> from the one before. The report adds up transforms and iterations; not converging is told there.
-   !> Fails (input_error) if nothing touches, `datum` <= -max(height); (internal_error) if FFTW does.
+   !> The datum rises with the load, and its curve over the logarithm of the load is nearly straight
+   !> (exactly so for B. N. J. Persson's theory at light load, Phys. Rev. Lett. 99, 2007, 125502):
+   !> secant steps inside a bracket, each solution started from the one before. The report adds up
+   !> transforms and iterations; not converging is told there. Fails (input_error) if nothing
+   !> touches, `datum` <= -max(height); (internal_error) if FFTW does.
    subroutine solve_for_datum(solver, problem, datum, solution, error)
       type(dry_solver_t), intent(inout) :: solver
       type(dry_problem_t), intent(inout) :: problem
@@ -48,7 +52,8 @@ contains
       real(wp) :: bound
 
       if (datum <= -maxval(problem%height)) then
-         call fail(error, input_error, 'found a separation at which nothing touches, expected a smaller one')
+         call fail(error, input_error, 'found a separation at which nothing touches, expected '// &
+            'a smaller one')
          return
       end if
       bound = solver%settings%tolerance*problem%height_scale
@@ -58,7 +63,8 @@ contains
       search%x = log(first_load(problem, datum, solution))
       do
          problem%load = exp(search%x)
-         if (problem%is_capped()) problem%load = min(problem%load, problem%hardness*size(problem%height))
+         if (problem%is_capped()) problem%load = min(problem%load, &
+            problem%hardness*size(problem%height))
          call solver%solve(problem, solution, error)
          if (allocated(error)) return
          pairs = pairs + solution%report%fft_pairs
@@ -66,7 +72,8 @@ contains
          search%solves = search%solves + 1
          if (.not. solution%report%converged) exit
          search%miss = solution%datum - datum
-         if (problem%is_capped()) call place_between(problem, solver%settings%tolerance, datum, solution, search%miss)
+         if (problem%is_capped()) call place_between(problem, solver%settings%tolerance, datum, &
+            solution, search%miss)
          if (abs(search%miss) <= bound .or. search%solves == most_solves) exit
          call find_next_load(problem, search)
          if (search%x <= search%low .or. search%x >= search%high) exit
@@ -75,11 +82,13 @@ contains
       solution%report%cycles = cycles
       if (.not. solution%report%converged .or. abs(search%miss) <= bound) return
       solution%report%converged = .false.
-      solution%report%reason = 'the separation is off by ' // to_text(abs(search%miss)/bound*solver%settings%tolerance, 3) &
+      solution%report%reason = 'the separation is off by ' // to_text(abs(search%miss)/bound &
+         *solver%settings%tolerance, 3) &
                                // ' times the rms height'
    end subroutine solve_for_datum
 
-   !> The load of the neighbouring solution; without one that of a bed of springs as stiff as the longest wave.
+   !> The load of the neighbouring solution; without one that of a bed of springs as stiff as the
+   !> longest wave.
    pure function first_load(problem, datum, solution) result(load)
       type(dry_problem_t), intent(in) :: problem
       real(wp), intent(in) :: datum
@@ -92,8 +101,8 @@ contains
       if (problem%is_capped()) load = min(load, problem%hardness*size(problem%height))
    end function first_load
 
-   !> Narrows the bracket and takes the next load: that of whole nodes at the hardness if it is all that is left between, else
-   !> by the secant, else half way.
+   !> Narrows the bracket and takes the next load: that of whole nodes at the hardness if it is all
+   !> that is left between, else by the secant, else half way.
    subroutine find_next_load(problem, search)
       type(dry_problem_t), intent(in) :: problem
       type(search_t), intent(inout) :: search
@@ -116,7 +125,8 @@ contains
       search%miss_old = search%miss
       search%x = search%x + step
       if (search%low > -huge(1.0_wp) .and. search%high < huge(1.0_wp)) then
-         if (search%x <= search%low .or. search%x >= search%high .or. mod(search%solves, halving_interval) == 0) then
+         if (search%x <= search%low .or. search%x >= search%high .or. mod(search%solves, &
+            halving_interval) == 0) then
             search%x = 0.5_wp*(search%low + search%high)
          end if
          if (.not. problem%is_capped()) return
@@ -126,8 +136,9 @@ contains
       end if
    end subroutine find_next_load
 
-   !> Without a node between 0 and the hardness the datum may lie anywhere between two values: it is put where it is wanted,
-   !> or at the nearer end, and `miss` is what is left. Nodes within the `tolerance` of a bound are put on it.
+   !> Without a node between 0 and the hardness the datum may lie anywhere between two values: it is
+   !> put where it is wanted, or at the nearer end, and `miss` is what is left. Nodes within the
+   !> `tolerance` of a bound are put on it.
    subroutine place_between(problem, tolerance, datum, solution, miss)
       type(dry_problem_t), intent(inout) :: problem
       real(wp), intent(in) :: tolerance, datum

@@ -14,8 +14,8 @@ module coarser_solutions
 
 contains
 
-   !> Summaries on n/2, n/4 and n/8 intervals, n those of the finest level: as far as these levels are solved well enough and no
-   !> cycle has changed them since.
+   !> Summaries on n/2, n/4 and n/8 intervals, n those of the finest level: as far as these levels
+   !> are solved well enough and no cycle has changed them since.
    pure function coarser_summaries(hierarchy) result(coarser)
       type(line_hierarchy_t), intent(in) :: hierarchy
       type(line_summary_t), allocatable :: coarser(:)

@@ -1,4 +1,5 @@
-!> Repeats cycles until the residuals of the original problem are below their bounds, or says why they are not.
+!> Repeats cycles until the residuals of the original problem are below their bounds, or says why
+!> they are not.
 module cycle_control
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use cycle_limits, only: cycle_limits_t
@@ -19,23 +20,26 @@ module cycle_control
 
    !> The bound on the Reynolds residual is at least this many times its round-off floor.
    real(wp), parameter :: floor_factor = 5.0_wp
-   !> Newton's method on more intervals than this keeps the rest of a steady pressure: 5 floors of P alone are above the default
-   !> tolerance (Case 1).
+   !> Newton's method on more intervals than this keeps the rest of a steady pressure: 5 floors of P
+   !> alone are above the default tolerance (Case 1).
    integer, parameter :: largest_plain = 2**13
    !> Round-off of dX sum P = pi/2: the bound on the load error is not taken below it.
    real(wp), parameter :: load_floor = 1.0e-13_wp
    !> A Newton step below this in every pressure and in H0 changes no residual any more.
    real(wp), parameter :: still_step = 1.0e-11_wp
-   !> Residuals that grew by this factor over the first one diverge, and so does a load error of this (370 random cases of every
-   !> method: no solve that converged grew by more than 8e3).
+   !> Residuals that grew by this factor over the first one diverge, and so does a load error of
+   !> this (370 random cases of every method: no solve that converged grew by more than 8e3).
    real(wp), parameter :: divergence_factor = 1.0e6_wp
-   !> So many cycles in a row beyond that factor, the last above the first of them, do not come back.
+   !> So many cycles in a row beyond that factor, the last above the first of them, do not come
+   !> back.
    integer, parameter :: lost_cycles = 5
 
    !> How the larger of residual and load error has gone from cycle to cycle.
    type :: course_t
-      !> After the first cycle, after the last, the smallest, and the smallest when it last had fallen by a third.
-      real(wp) :: first = huge(1.0_wp), last = huge(1.0_wp), best = huge(1.0_wp), checkpoint = huge(1.0_wp)
+      !> After the first cycle, after the last, the smallest, and the smallest when it last had
+      !> fallen by a third.
+      real(wp) :: first = huge(1.0_wp), last = huge(1.0_wp), best = huge(1.0_wp), &
+         checkpoint = huge(1.0_wp)
       !> At the first of the cycles that are far beyond the start.
       real(wp) :: lost = huge(1.0_wp)
       !> Cycles when it last had fallen by a third, and when it last was not far beyond the start.
@@ -53,8 +57,8 @@ contains
       bound = max(tolerance, floor_factor*residual%floor)
    end function effective_tolerance
 
-   !> Cycles on the finest level, from a film that is that of its pressure and of H0. The report gets every cycle, `converged` and
-   !> `reason`; `watcher`, if there, is told each.
+   !> Cycles on the finest level, from a film that is that of its pressure and of H0. The report
+   !> gets every cycle, `converged` and `reason`; `watcher`, if there, is told each.
    subroutine iterate(hierarchy, contact, limits, report, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -63,7 +67,8 @@ contains
       class(observer_t), intent(inout), optional :: watcher
 
       associate (level => hierarchy%levels(hierarchy%finest))
-         if (is_newton_alone(hierarchy) .and. level%n > largest_plain .and. .not. level%inverse_time_step > 0.0_wp) then
+         if (is_newton_alone(hierarchy) .and. level%n > largest_plain &
+            .and. .not. level%inverse_time_step > 0.0_wp) then
             allocate (level%pressure_rest(0:level%n), source=0.0_wp)
          end if
          call run_cycles(hierarchy, contact, limits, report, watcher)
@@ -89,7 +94,8 @@ contains
          pressure = hierarchy%levels(hierarchy%finest)%pressure
          film = hierarchy%levels(hierarchy%finest)%film
          call cycle_from(hierarchy, contact, hierarchy%finest)
-         call measure_residual(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, residual, &
+         call measure_residual(contact, hierarchy%levels(hierarchy%finest), &
+            hierarchy%rigid_displacement, residual, &
             film_is_exact=is_newton_alone(hierarchy))
          call count_work(hierarchy, hierarchy%finest, 1)
          call report%add(residual%reynolds, residual%load)
@@ -97,7 +103,8 @@ contains
          hierarchy%goal = report%tolerance_effective
          if (present(watcher)) call watcher%on_cycle(cycle, residual%reynolds, residual%load)
          call follow(course, cycle, residual)
-         report%converged = residual%film_is_open .and. residual%reynolds <= report%tolerance_effective &
+         report%converged = residual%film_is_open &
+            .and. residual%reynolds <= report%tolerance_effective &
             .and. residual%load <= max(limits%tolerance, load_floor)
          if (report%converged) exit
          report%reason = obstacle(cycle)
@@ -113,18 +120,23 @@ contains
 
    contains
 
-      !> Why going on is of no use; empty if it is. A state that is no numbers is replaced by the one before.
+      !> Why going on is of no use; empty if it is. A state that is no numbers is replaced by the
+      !> one before.
       function obstacle(cycle) result(reason)
          integer, intent(in) :: cycle
          character(:), allocatable :: reason
 
          reason = ''
          call keep_finite(hierarchy%levels(hierarchy%finest), pressure, film, reason)
-         if (.not. ieee_is_finite(hierarchy%rigid_displacement)) reason = 'divergence: the rigid displacement is not a number'
-         if (is_lost(course, cycle)) reason = 'divergence: the residual has grown to '//to_text(course%last, 2)
-         if (len(reason) > 0 .or. cycle - course%progress_cycle < merge(2, limits%patience, steps_at_round_off(hierarchy))) return
+         if (.not. ieee_is_finite(hierarchy%rigid_displacement)) reason = &
+            'divergence: the rigid displacement is not a number'
+         if (is_lost(course, cycle)) reason = 'divergence: the residual has grown to ' &
+            //to_text(course%last, 2)
+         if (len(reason) > 0 .or. cycle - course%progress_cycle < merge(2, limits%patience, &
+            steps_at_round_off(hierarchy))) return
          if (.not. residual%film_is_open) then
-            reason = 'film closed: the film of the pressure is negative and stays so for '//to_text(limits%patience)//' cycles'
+            reason = 'film closed: the film of the pressure is negative and stays so for ' &
+               //to_text(limits%patience)//' cycles'
          else if (course%last/divergence_factor > course%first) then
             reason = 'divergence: the residual has grown to '//to_text(course%last, 2)
          else
@@ -169,21 +181,25 @@ contains
       character(:), allocatable :: reason
 
       reason = 'stagnation: '//to_text(limits%patience)//' cycles left the residual at '
-      if (steps_at_round_off(hierarchy)) reason = 'stagnation: Newton steps at round-off leave the residual at '
+      if (steps_at_round_off(hierarchy)) reason = 'stagnation: Newton steps at round-off '// &
+         'leave the residual at '
    end function stagnation
 
-   !> Whether Newton's method on the finest level moves nothing any more, so that no step will: nodes at the exit on which the
-   !> linear system and the conditions P >= 0, r <= 0 do not agree. An inlet tail lags a step behind.
+   !> Whether Newton's method on the finest level moves nothing any more, so that no step will:
+   !> nodes at the exit on which the linear system and the conditions P >= 0, r <= 0 do not agree.
+   !> An inlet tail lags a step behind.
    pure function steps_at_round_off(hierarchy) result(is_still)
       type(line_hierarchy_t), intent(in) :: hierarchy
       logical :: is_still
 
-      is_still = hierarchy%coarsest == hierarchy%finest .and. hierarchy%newton%last_step < still_step &
+      is_still = hierarchy%coarsest == hierarchy%finest &
+         .and. hierarchy%newton%last_step < still_step &
          .and. .not. hierarchy%levels(hierarchy%finest)%has_tail &
          .and. any(hierarchy%relaxation%method == [method_newton_krylov, method_newton_dense])
    end function steps_at_round_off
 
-   !> Where pressure or film of the level are no numbers any more, gives them back those of before, and a reason to stop.
+   !> Where pressure or film of the level are no numbers any more, gives them back those of before,
+   !> and a reason to stop.
    pure subroutine keep_finite(level, pressure, film, reason)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: pressure(0:), film(0:)

@@ -1,5 +1,5 @@
-!> The Newton system of the line contact as a full matrix, solved by LAPACK in O(n^3): exact on coarse grids, and the
-!> reference on fine ones.
+!> The Newton system of the line contact as a full matrix, solved by LAPACK in O(n^3): exact on
+!> coarse grids, and the reference on fine ones.
 module dense_jacobian
    use dense_solve, only: solve_dense
    use errors, only: error_t

@@ -1,20 +1,23 @@
 !> Domain and grid from the regime, where the user leaves them open.
 !>
-!> The film ruptures before the outlet X = max(1.5, 1 + S/2), S = sqrt(2 H_c): at 0.9 of the way from X = 1 to it at most, where the
-!> bodies are rigid (200 contacts, M 0.01-2000, L 0-40, half of them with Eyring's law).
+!> The film ruptures before the outlet X = max(1.5, 1 + S/2), S = sqrt(2 H_c): at 0.9 of the way
+!> from X = 1 to it at most, where the bodies are rigid (200 contacts, M 0.01-2000, L 0-40, half of
+!> them with Eyring's law).
 !>
-!> With S = sqrt(2 H_c) and H_c from the Moes fit, an inlet at X = -(1 + c S) with P = 0, c^2 = 9.5^2 + 42^2 r^3, r = rigid film
-!> over fit, leaves h_min starved by about 1e-3 (against twice the domain, M 0.01-1000, L 0-30: 0.05-1.27e-3 in 71 runs, most
-!> where the regimes meet, M 0.3-1). For another tolerance t:
-!> c^2 = (9.5 (1e-3/t)^0.4)^2 + 42^2 r^3 (1e-3/t).
+!> With S = sqrt(2 H_c) and H_c from the Moes fit, an inlet at X = -(1 + c S) with P = 0,
+!> c^2 = 9.5^2 + 42^2 r^3, r = rigid film over fit, leaves h_min starved by about 1e-3 (against
+!> twice the domain, M 0.01-1000, L 0-30: 0.05-1.27e-3 in 71 runs, most where the regimes meet, M
+!> 0.3-1). For another tolerance t: c^2 = (9.5 (1e-3/t)^0.4)^2 + 42^2 r^3 (1e-3/t).
 !>
-!> The second term is the load that is missing in front of the inlet, 2 r/c^2 of the whole, times how much the film depends on the
-!> load: r^2 for a Newtonian oil. An oil that sliding thins in the inlet has a film that falls with the load as between rigid
-!> bodies, so r^2 becomes r^2 + (1 - r^2) (1 - 1/S^2), with S^2 = 1 + B^2 the slip factor without slope, B at H_c and 3 mu_0 (fitted
-!> to 60 Eyring contacts, M 0.1-17, L 2-40, c 1.6-31).
+!> The second term is the load that is missing in front of the inlet, 2 r/c^2 of the whole, times
+!> how much the film depends on the load: r^2 for a Newtonian oil. An oil that sliding thins in the
+!> inlet has a film that falls with the load as between rigid bodies, so r^2 becomes r^2 + (1 - r^2)
+!> (1 - 1/S^2), with S^2 = 1 + B^2 the slip factor without slope, B at H_c and 3 mu_0 (fitted to 60
+!> Eyring contacts, M 0.1-17, L 2-40, c 1.6-31).
 !>
-!> With a tail in front of it (module inlet_tail) c = 4 (1e-4/t)^(1/4) in all regimes: in 610 runs of 141 contacts (M 0.03-2000,
-!> L 0-40, with Eyring's law too, c 1.75-9, the same nodes on the longest domain) h_min was off by up to t in 91 % and 2 t in 98 %.
+!> With a tail in front of it (module inlet_tail) c = 4 (1e-4/t)^(1/4) in all regimes: in 610 runs
+!> of 141 contacts (M 0.03-2000, L 0-40, with Eyring's law too, c 1.75-9, the same nodes on the
+!> longest domain) h_min was off by up to t in 91 % and 2 t in 98 %.
 module domain_choice
    use kinds, only: wp
    use expected_film, only: film_estimate, newtonian_film
@@ -29,15 +32,18 @@ module domain_choice
 
    !> Spacing that gives 1 % in the central film: dX <= 0.045 sqrt(H_c).
    real(wp), parameter, public :: accurate_spacing = 0.045_wp
-   !> Largest spacing with a positive discrete film: dX <= 0.3 sqrt(H_c), about (see `intervals_for_film`).
+   !> Largest spacing with a positive discrete film: dX <= 0.3 sqrt(H_c), about (see
+   !> `intervals_for_film`).
    real(wp), parameter, public :: coarsest_spacing = 0.3_wp
    !> Share by which a chosen inlet may starve the film: of P = 0, of a tail, which costs less.
    real(wp), parameter :: default_inlet_error = 1.0e-3_wp, default_tail_error = 1.0e-4_wp
    !> Viscosity where the pressure builds up, at which sliding thins the oil [mu_0].
    real(wp), parameter :: inlet_viscosity = 3.0_wp
-   !> Smooth contacts get a tail where it shortens the domain by this factor: it takes one or two cycles more.
+   !> Smooth contacts get a tail where it shortens the domain by this factor: it takes one or two
+   !> cycles more.
    real(wp), parameter :: least_shortening = 1.3_wp
-   !> Margin of an outlet behind waves, and how many times as far from the end of the contact it may be as that of smooth surfaces.
+   !> Margin of an outlet behind waves, and how many times as far from the end of the contact it may
+   !> be as that of smooth surfaces.
    real(wp), parameter :: wave_margin = 1.1_wp, most_widening = 3.0_wp
    !> The largest outlet [half-widths].
    real(wp), parameter, public :: farthest = 1000.0_wp
@@ -47,8 +53,9 @@ module domain_choice
 
 contains
 
-   !> Fills what `contact%domain` leaves open: what is in front of the inlet, inlet, outlet, intervals. For a wanted relative error
-   !> `target` > 0 of the film the inlet takes at most its eighth.
+   !> Fills what `contact%domain` leaves open: what is in front of the inlet, inlet, outlet,
+   !> intervals. For a wanted relative error `target` > 0 of the film the inlet takes at most its
+   !> eighth.
    pure subroutine choose_domain(contact, target)
       type(line_contact_t), intent(inout) :: contact
       real(wp), intent(in), optional :: target
@@ -68,14 +75,17 @@ contains
          if (domain%inlet == 'auto') then
             domain%inlet = 'zero'
             if (is_smooth(contact) .and. .not. domain%has_inlet) then
-               if (domain%x_outlet + distance('zero') > least_shortening*(domain%x_outlet + distance('tail'))) domain%inlet = 'tail'
+               if (domain%x_outlet + distance('zero') > least_shortening*(domain%x_outlet &
+                  + distance('tail'))) domain%inlet = 'tail'
             end if
          end if
          if (.not. domain%has_inlet) domain%x_inlet = -distance(domain%inlet)
          domain%has_inlet = .true.
          if (domain%intervals <= 0) then
-            domain%intervals = min(max(intervals_for(contact, accurate_spacing), fewest_intervals), most_intervals)
-            domain%intervals = max(domain%intervals, min(intervals_at_least(wanted_nodes/nodes_in_wave(contact)*domain%intervals), &
+            domain%intervals = min(max(intervals_for(contact, accurate_spacing), &
+               fewest_intervals), most_intervals)
+            domain%intervals = max(domain%intervals, &
+               min(intervals_at_least(wanted_nodes/nodes_in_wave(contact)*domain%intervals), &
                most_for_waves))
          end if
       end associate
@@ -87,14 +97,16 @@ contains
          character(*), intent(in) :: inlet
          real(wp) :: distance
 
-         distance = 1 + width*inlet_reach(contact, inlet, merge(min(tolerance, default_tail_error), tolerance, inlet == 'tail'))
+         distance = 1 + width*inlet_reach(contact, inlet, &
+            merge(min(tolerance, default_tail_error), tolerance, inlet == 'tail'))
       end function distance
 
    end subroutine choose_domain
 
-   !> The outlet of a contact whose smooth film has ruptured before `smooth`: behind X = sqrt(1 + s^2) the gap opens faster, about
-   !> as sqrt(X^2 - 1), than passing waves of the slope s close it, and pressure does not build up again in the ruptured film. Not
-   !> further out than `most_widening` times.
+   !> The outlet of a contact whose smooth film has ruptured before `smooth`: behind
+   !> X = sqrt(1 + s^2) the gap opens faster, about as sqrt(X^2 - 1), than passing waves of the
+   !> slope s close it, and pressure does not build up again in the ruptured film. Not further out
+   !> than `most_widening` times.
    pure function outlet_behind_waves(contact, smooth) result(outlet)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: smooth
@@ -104,8 +116,9 @@ contains
       outlet = max(smooth, min(outlet, 1 + most_widening*(smooth - 1)))
    end function outlet_behind_waves
 
-   !> Moves an outlet of the program out that cuts the film off: to twice the distance from the end of the contact, at most to
-   !> `farthest`. All else is as in `open` again, the domain before it was completed.
+   !> Moves an outlet of the program out that cuts the film off: to twice the distance from the end
+   !> of the contact, at most to `farthest`. All else is as in `open` again, the domain before it
+   !> was completed.
    pure subroutine lengthen_outlet(domain, open)
       type(domain_t), intent(inout) :: domain
       type(domain_t), intent(in) :: open
@@ -118,7 +131,8 @@ contains
       domain%may_lengthen = .true.
    end subroutine lengthen_outlet
 
-   !> c of an inlet at X = -(1 + c S) that starves the film by the share `tolerance`, for what is in front of it.
+   !> c of an inlet at X = -(1 + c S) that starves the film by the share `tolerance`, for what is in
+   !> front of it.
    pure function inlet_reach(contact, inlet, tolerance) result(reach)
       type(line_contact_t), intent(in) :: contact
       character(*), intent(in) :: inlet
@@ -136,7 +150,8 @@ contains
       reach = sqrt((9.5_wp*ratio**0.4_wp)**2 + 42.0_wp**2*(rigid_share*load_effect)*ratio)
    end function inlet_reach
 
-   !> 1 - 1/S^2 where the pressure builds up: 0 where sliding does not thin the oil (Newton's law), up to 1.
+   !> 1 - 1/S^2 where the pressure builds up: 0 where sliding does not thin the oil (Newton's law),
+   !> up to 1.
    pure function thinning_by_sliding(contact) result(share)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: share, b_squared
@@ -145,8 +160,8 @@ contains
       share = b_squared/(1 + b_squared)
    end function thinning_by_sliding
 
-   !> Relative error of the film thickness because the inlet is where it is and not far away: the inverse of the rule
-   !> above, by bisection, between 1e-6 and 1.
+   !> Relative error of the film thickness because the inlet is where it is and not far away: the
+   !> inverse of the rule above, by bisection, between 1e-6 and 1.
    pure function inlet_error(contact) result(error)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: error, reach, lower, upper
@@ -172,21 +187,24 @@ contains
       integer :: intervals
       real(wp) :: wanted
 
-      wanted = (contact%domain%x_outlet - contact%domain%x_inlet)/(factor*sqrt(film_estimate(contact)))
+      wanted = (contact%domain%x_outlet - contact%domain%x_inlet) &
+         /(factor*sqrt(film_estimate(contact)))
       intervals = 2
       do while (intervals < wanted .and. intervals < 2**28)
          intervals = 2*intervals
       end do
    end function intervals_for
 
-   !> Smallest 2^k on which a discrete film is positive: dX <= 0.3 sqrt(H_c), and dX <= sqrt(H_c/(0.85 max(M, 1)^0.4)), which
-   !> is less for M (sum velocity) above 800. Measured with Newton's method over M 1-2000, L 2.5-40 on 2^4 to 2^12 intervals:
-   !> from this number on all Newtonian contacts have a solution, below half of it hardly any with M >= 30.
+   !> Smallest 2^k on which a discrete film is positive: dX <= 0.3 sqrt(H_c), and
+   !> dX <= sqrt(H_c/(0.85 max(M, 1)^0.4)), which is less for M (sum velocity) above 800. Measured
+   !> with Newton's method over M 1-2000, L 2.5-40 on 2^4 to 2^12 intervals: from this number on all
+   !> Newtonian contacts have a solution, below half of it hardly any with M >= 30.
    pure function intervals_for_film(contact) result(intervals)
       type(line_contact_t), intent(in) :: contact
       integer :: intervals
 
-      intervals = intervals_for(contact, min(coarsest_spacing, 1/sqrt(0.85_wp*max(contact%moes_m_sum, 1.0_wp)**0.4_wp)))
+      intervals = intervals_for(contact, &
+         min(coarsest_spacing, 1/sqrt(0.85_wp*max(contact%moes_m_sum, 1.0_wp)**0.4_wp)))
    end function intervals_for_film
 
 end module domain_choice

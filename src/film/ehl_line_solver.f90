@@ -1,4 +1,5 @@
-!> The lubricated line contact from its data to its fields: the page to read beside chapter 2 of the thesis.
+!> The lubricated line contact from its data to its fields: the page to read beside chapter 2 of the
+!> thesis.
 module ehl_line_solver
    use coarser_solutions, only: coarser_summaries
    use domain_choice, only: choose_domain, farthest, inlet_error, lengthen_outlet
@@ -19,16 +20,19 @@ module ehl_line_solver
    implicit none (type, external)
    private
 
-   public :: begin_solution, end_solution, solve_ehl_line, take_steady_state, tell_steady_solution, &
+   public :: begin_solution, end_solution, solve_ehl_line, take_steady_state, &
+      tell_steady_solution, &
       wants_longer_outlet
 
 contains
 
-   !> Solves one contact on its grid. Steady: with the surfaces at rest where they are. Transient: from the smooth steady contact.
-   !> `contact%domain` is completed where the user left it open; an outlet of the program that cuts the steady film off is moved
-   !> out. The observer is told every cycle of the steady solution and every time step, and the summaries of the coarser grids that
-   !> a steady solution has passed. With `time%resume_from` the transient goes on there. Not converging is in the report; `error`
-   !> is for failures of memory, libraries and files of heights.
+   !> Solves one contact on its grid. Steady: with the surfaces at rest where they are. Transient:
+   !> from the smooth steady contact. `contact%domain` is completed where the user left it open; an
+   !> outlet of the program that cuts the steady film off is moved out. The observer is told every
+   !> cycle of the steady solution and every time step, and the summaries of the coarser grids that
+   !> a steady solution has passed. With `time%resume_from` the transient goes on there. Not
+   !> converging is in the report; `error` is for failures of memory, libraries and files of
+   !> heights.
    recursive subroutine solve_ehl_line(contact, settings, time, watcher, state, report, error)
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -65,7 +69,8 @@ contains
          call solve_ehl_line(contact, settings, time, watcher, state, report, error)
          return
       end if
-      if (report%converged .and. .not. time%is_transient) call tell_steady_solution(hierarchy, settings, watcher, state, report)
+      if (report%converged .and. .not. time%is_transient) call tell_steady_solution(hierarchy, &
+         settings, watcher, state, report)
       if (report%converged .and. time%is_transient) then
          begin = wall_seconds()
          call march(hierarchy, contact, settings, whole_steps, watcher, state, report)
@@ -75,7 +80,8 @@ contains
       report%wall_seconds = report%wall_seconds + wall_seconds() - start
    end subroutine solve_ehl_line
 
-   !> Completes the domain and the time step, and has the profiles at hand where the run begins. Error: a file cannot be read.
+   !> Completes the domain and the time step, and has the profiles at hand where the run begins.
+   !> Error: a file cannot be read.
    subroutine begin_solution(contact, settings, time, report, error)
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -99,12 +105,13 @@ contains
       type(line_state_t), intent(inout) :: state
       type(report_t), intent(inout) :: report
 
-      call fill_state(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, 0.0_wp, state)
+      call fill_state(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, &
+         0.0_wp, state)
       report%outlet_pressure = state%pressure(size(state%pressure) - 1)
    end subroutine take_steady_state
 
-   !> What a steady solution tells when it stands: the observer which coarser grids it has passed, the report whether its film
-   !> breaks down.
+   !> What a steady solution tells when it stands: the observer which coarser grids it has passed,
+   !> the report whether its film breaks down.
    subroutine tell_steady_solution(hierarchy, settings, watcher, state, report)
       type(line_hierarchy_t), intent(in) :: hierarchy
       type(solver_settings_t), intent(in) :: settings
@@ -139,7 +146,8 @@ contains
          .and. domain%x_outlet < farthest
    end function wants_longer_outlet
 
-   !> The steady solution on a given grid: the answer, or with smooth surfaces the start of a transient.
+   !> The steady solution on a given grid: the answer, or with smooth surfaces the start of a
+   !> transient.
    subroutine solve_start(hierarchy, contact, settings, time, watcher, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -152,7 +160,8 @@ contains
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
       call solve_steady(hierarchy, contact, settings, watcher, report)
       if (settings%explains_failure .and. .not. (report%converged .or. watcher%wants_stop)) then
-         if (.not. time%is_transient) call blame_surfaces(hierarchy%levels(hierarchy%finest), contact, report)
+         if (.not. time%is_transient) call blame_surfaces(hierarchy%levels(hierarchy%finest), &
+            contact, report)
          call blame_grid(contact, settings, .not. time%is_transient, watcher, report)
       end if
    end subroutine solve_start

@@ -23,9 +23,12 @@ module ehl_line_steady
 
    public :: blame_grid, blame_surfaces, solve_steady
 
-   !> Methods whose failure is looked into on finer grids whatever the fit of film and grid says: others have borders of their own.
-   character(len=*), parameter :: blaming_methods(2) = [character(len=13) :: 'auto', 'newton_krylov']
-   !> Grids tried to find one that carries the film: so many times the one that failed or the fit, and no larger; cycles on each.
+   !> Methods whose failure is looked into on finer grids whatever the fit of film and grid says:
+   !> others have borders of their own.
+   character(len=*), parameter :: blaming_methods(2) = [character(len=13) :: 'auto', &
+      'newton_krylov']
+   !> Grids tried to find one that carries the film: so many times the one that failed or the fit,
+   !> and no larger; cycles on each.
    integer, parameter :: most_refinement = 8, largest_blame = 2**16, blame_cycles = 40
    !> Default bound on the residuals of a steady solution.
    real(wp), parameter :: default_tolerance = 1.0e-8_wp
@@ -35,8 +38,9 @@ module ehl_line_steady
 
 contains
 
-   !> Solves the steady problem posed on the hierarchy; tolerance is that of the settings, else 1e-8. `is_started`: the finest
-   !> level holds a first approximation, from which Newton's method goes on.
+   !> Solves the steady problem posed on the hierarchy; tolerance is that of the settings, else
+   !> 1e-8. `is_started`: the finest level holds a first approximation, from which Newton's method
+   !> goes on.
    subroutine solve_steady(hierarchy, contact, settings, watcher, report, is_started)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -57,14 +61,16 @@ contains
          call adopt(hierarchy, attempts(i))
          limits = limits_of(settings, default_tolerance, attempts(i)%method)
          call note_choice(report, attempts(i), limits)
-         call watcher%on_stage('steady on '//to_text(contact%domain%intervals)//' intervals by '//report%method)
+         call watcher%on_stage('steady on '//to_text(contact%domain%intervals)//' intervals by ' &
+            //report%method)
          if (has_start .and. attempts(i)%method == method_newton_krylov) then
             has_start = .false.
             is_sound = .true.
          else if (settings%start == 'hertz') then
             call hertz_start(hierarchy, contact)
             is_sound = .true.
-            if (attempts(i)%follows_time) call follow_time(hierarchy, contact, hierarchy%finest, is_sound, watcher)
+            if (attempts(i)%follows_time) call follow_time(hierarchy, contact, hierarchy%finest, &
+               is_sound, watcher)
          else
             call full_multigrid_start(hierarchy, contact, is_sound, watcher)
          end if
@@ -98,13 +104,15 @@ contains
       lookout%watcher => watcher
       associate (level => hierarchy%levels(hierarchy%finest))
          level%is_sharp = .false.
-         call iterate(hierarchy, contact, cycle_limits_t(rough_tolerance, rough_cycles, rough_cycles), report, lookout)
+         call iterate(hierarchy, contact, cycle_limits_t(rough_tolerance, rough_cycles, &
+            rough_cycles), report, lookout)
          level%is_sharp = .true.
       end associate
    end subroutine start_from_thesis
 
-   !> Where there is no solution, but Newton's method finds one on a finer grid, the grid is to blame: says so in the reason, with
-   !> the first number of intervals that was seen to do. With shear thinning the fit of film and grid is too rough to skip any.
+   !> Where there is no solution, but Newton's method finds one on a finer grid, the grid is to
+   !> blame: says so in the reason, with the first number of intervals that was seen to do. With
+   !> shear thinning the fit of film and grid is too rough to skip any.
    subroutine blame_grid(contact, settings, with_roughness, watcher, report)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -132,15 +140,18 @@ contains
          finer%domain%intervals = 2*finer%domain%intervals
       end do
       if (is_solved) then
-         report%reason = 'grid too coarse for the film, needs '//to_text(finer%domain%intervals)//' intervals (has '// &
+         report%reason = 'grid too coarse for the film, needs '//to_text(finer%domain%intervals) &
+            //' intervals (has '// &
             to_text(given)//'); '//report%reason
       else if (given < fitted) then
-         report%reason = 'grid too coarse for the film, needs at least '//to_text(fitted)//' intervals (has '// &
+         report%reason = 'grid too coarse for the film, needs at least '//to_text(fitted) &
+            //' intervals (has '// &
             to_text(given)//'; none found up to '//to_text(last)//'); '//report%reason
       end if
    end subroutine blame_grid
 
-   !> Where there is no solution and the surfaces rise above the film of the smooth contact, says so before the reason.
+   !> Where there is no solution and the surfaces rise above the film of the smooth contact, says so
+   !> before the reason.
    pure subroutine blame_surfaces(level, contact, report)
       type(line_level_t), intent(in) :: level
       type(line_contact_t), intent(in) :: contact

@@ -1,12 +1,13 @@
 !> Time steps of the lubricated line contact, with Psi_1, Psi_2 at the new time:
 !>
-!>     backward Euler (thesis)    lambda d(rho H)/dT = lambda/dT ( rho H - (rho H)_old )
-!>     BDF2                       lambda d(rho H)/dT = lambda/(2 dT) ( 3 rho H - 4 (rho H)_old + (rho H)_older )
+!>     backward Euler  lambda d(rho H)/dT = lambda/dT ( rho H - (rho H)_old )
+!>     BDF2            lambda d(rho H)/dT = lambda/(2 dT) (3 rho H - 4 (rho H)_old + (rho H)_older)
 !>
-!> Both have the form lambda/dT_eff ( rho H - F ). BDF2 begins with a short step of backward Euler and goes over to whole steps
-!> by parts of them (module time_scheme).
+!> Both have the form lambda/dT_eff ( rho H - F ). BDF2 begins with a short step of backward Euler
+!> and goes over to whole steps by parts of them (module time_scheme).
 !>
-!> At T = 0 pressure and H0 are those of the smooth steady contact; the surfaces enter the old film without a new solve.
+!> At T = 0 pressure and H0 are those of the smooth steady contact; the surfaces enter the old film
+!> without a new solve.
 module ehl_line_transient
    use cycle_control, only: iterate
    use cycle_limits, only: cycle_limits_t
@@ -15,7 +16,8 @@ module ehl_line_transient
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: fewest_in_wave, intervals_for_waves, line_contact_t, move_profiles
-   use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, roughness_at, total_products
+   use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, roughness_at, &
+      total_products
    use line_level, only: film_of, line_level_t
    use line_state, only: line_state_t
    use march_history, only: extrapolate, foretelling, remember
@@ -41,7 +43,8 @@ module ehl_line_transient
       !> The ways that are tried, and when each ends.
       type(relaxation_t), allocatable :: attempts(:)
       type(cycle_limits_t) :: limits
-      !> Number of the step, its length, the scheme, and where its parts end, as shares of the length.
+      !> Number of the step, its length, the scheme, and where its parts end, as shares of the
+      !> length.
       integer :: step = 0
       real(wp) :: length = 0.0_wp
       character(len=word_length) :: scheme = ''
@@ -50,10 +53,10 @@ module ehl_line_transient
 
 contains
 
-   !> Marches from the smooth steady solution on the finest level, or from where an earlier run stood, to `time%end_time`, with a
-   !> step from `choose_time_step`;
-   !> the observer gets every step. Ends early, not converged, where a step finds no solution, or the heights of a
-   !> surface cannot be read any more; `state` is then the last good one. The profiles are at hand where it begins.
+   !> Marches from the smooth steady solution on the finest level, or from where an earlier run
+   !> stood, to `time%end_time`, with a step from `choose_time_step`; the observer gets every step.
+   !> Ends early, not converged, where a step finds no solution, or the heights of a surface cannot
+   !> be read any more; `state` is then the last good one. The profiles are at hand where it begins.
    subroutine march(hierarchy, contact, settings, time, watcher, state, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
@@ -69,7 +72,8 @@ contains
 
       allocate (plan%attempts, source=time_step_attempts(contact, settings))
       plan%limits = limits_of(settings, default_tolerance, plan%attempts(1)%method)
-      if (settings%max_cycles == 0) plan%limits%max_cycles = min(plan%limits%max_cycles, default_cycles)
+      if (settings%max_cycles == 0) plan%limits%max_cycles = min(plan%limits%max_cycles, &
+         default_cycles)
       call note_choice(report, plan%attempts(1), plan%limits)
       associate (level => hierarchy%levels(hierarchy%finest))
          time_step = time%time_step
@@ -80,7 +84,8 @@ contains
          if (allocated(time%resume_from)) then
             history = time%resume_from
             call take_up(history, level, hierarchy%rigid_displacement)
-            call fill_state(contact, level, hierarchy%rigid_displacement, history%step*time_step, state)
+            call fill_state(contact, level, hierarchy%rigid_displacement, history%step*time_step, &
+               state)
          else
             call begin_march(contact, settings, hierarchy, history, report)
             if (.not. report%converged) return
@@ -98,7 +103,8 @@ contains
             call take_step(hierarchy, contact, plan, history, report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
-                  to_text(step*time_step)//'): '//report%reason//smallest_film_text(state)//coarse_wave_text(contact))
+                  to_text(step*time_step)//'): '//report%reason//smallest_film_text(state) &
+                     //coarse_wave_text(contact))
                return
             end if
             call look_for_breakdown(level%x, level%film, settings, step, step*time_step, report)
@@ -127,7 +133,8 @@ contains
          level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, 0.0_wp)
          call film_of(level, hierarchy%rigid_displacement, level%film)
          call look_for_breakdown(level%x, level%film, settings, 0, 0.0_wp, report)
-         if (any(level%film <= 0.0_wp)) report%reason = 'film closed at T = 0: the surfaces at their start are higher than '// &
+         if (any(level%film <= 0.0_wp)) report%reason = 'film closed at T = 0: the surfaces '// &
+            'at their start are higher than '// &
             'the smooth film; '//report%reason
          call remember(history, contact, level, hierarchy%rigid_displacement, 0.0_wp)
       end associate
@@ -140,11 +147,13 @@ contains
       integer :: node
 
       node = minloc(state%film_thickness, 1)
-      words = '; smallest film before it: H = '//to_text(state%film_thickness(node), 3)//' at X = '//to_text(state%x(node), 4)
+      words = '; smallest film before it: H = '//to_text(state%film_thickness(node), 3) &
+         //' at X = '//to_text(state%x(node), 4)
    end function smallest_film_text
 
-   !> How many intervals the finest wave of the surfaces has, as the end of a reason; empty where these are enough. (A ridge of 1.2
-   !> central films and 12 intervals closes the film of Case 1 whatever the time step; on 46 it passes.)
+   !> How many intervals the finest wave of the surfaces has, as the end of a reason; empty where
+   !> these are enough. (A ridge of 1.2 central films and 12 intervals closes the film of Case 1
+   !> whatever the time step; on 46 it passes.)
    pure function coarse_wave_text(contact) result(words)
       type(line_contact_t), intent(in) :: contact
       character(:), allocatable :: words
@@ -152,7 +161,8 @@ contains
 
       words = ''
       share = real(contact%domain%intervals, wp)/intervals_for_waves(contact)
-      if (share < 1.0_wp) words = '; the finest wave of the surfaces has '//to_text(share*fewest_in_wave, 2)//' intervals'
+      if (share < 1.0_wp) words = '; the finest wave of the surfaces has ' &
+         //to_text(share*fewest_in_wave, 2)//' intervals'
    end function coarse_wave_text
 
    !> Gives the observer where the transient stands, if it wants that.
@@ -190,8 +200,8 @@ contains
       report%reason = reason
    end subroutine refuse
 
-   !> One step, in its parts; the history then begins with its end. A step of the start whose parts find no solution (a smoother
-   !> on a fine grid) is taken whole, and counted.
+   !> One step, in its parts; the history then begins with its end. A step of the start whose parts
+   !> find no solution (a smoother on a fine grid) is taken whole, and counted.
    subroutine take_step(hierarchy, contact, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
@@ -261,14 +271,17 @@ contains
       logical :: has_older
 
       has_older = scheme == 'bdf2' .and. history%size > 1
-      weights = derivative_weights(length/merge(history%lengths(1), length, has_older), has_older)/length
+      weights = derivative_weights(length/merge(history%lengths(1), length, has_older), &
+         has_older)/length
       level%inverse_time_step = weights(1)
-      level%rhs_reynolds = contact%lambda*(weights(2)*history%mass(:, 1) + weights(3)*history%mass(:, 2))
+      level%rhs_reynolds = contact%lambda*(weights(2)*history%mass(:, &
+         1) + weights(3)*history%mass(:, 2))
       level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, new_time)
    end subroutine begin_step
 
-   !> One part of `length`: from the better guess by the past, then by all of it if that was another, then from the old pressure,
-   !> each way in turn; relaxations of one method begin with the one that found the last step.
+   !> One part of `length`: from the better guess by the past, then by all of it if that was
+   !> another, then from the old pressure, each way in turn; relaxations of one method begin with
+   !> the one that found the last step.
    subroutine solve_step(hierarchy, contact, plan, length, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -306,7 +319,8 @@ contains
       end associate
    end subroutine solve_step
 
-   !> Raises a film that a fast feature has closed under the old pressure, so that the cycles have a positive start.
+   !> Raises a film that a fast feature has closed under the old pressure, so that the cycles have a
+   !> positive start.
    pure subroutine lift(level, rigid_displacement, film)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(inout) :: rigid_displacement

@@ -1,4 +1,5 @@
-!> What of rough surfaces is inside the contact, and where that begins for the film: in front of X = -1 - S/2 with S = sqrt(2 H_c).
+!> What of rough surfaces is inside the contact, and where that begins for the film: in front of
+!> X = -1 - S/2 with S = sqrt(2 H_c).
 module entry_zone
    use features, only: feature_ridge, feature_sinusoid, feature_t, rough_surface_t
    use kinds, only: wp
@@ -8,7 +9,8 @@ module entry_zone
    implicit none (type, external)
    private
 
-   public :: has_something_inside, has_waves, is_cut, is_moving, is_ridge, is_wave, last_passage, zone_of, zone_t
+   public :: has_something_inside, has_waves, is_cut, is_moving, is_ridge, is_wave, last_passage, &
+      zone_of, zone_t
 
    !> Half the length of a ridge, in wavelengths: there its height is 0.3 % of that of its centre.
    real(wp), parameter, public :: half_ridge = 0.5_wp
@@ -46,7 +48,8 @@ contains
       if (allocated(surface%profile)) has_waves = has_waves .or. surface%profile%is_periodic
    end function has_waves
 
-   !> Whether a ridge or a profile reaches into the contact at T = 0. A profile at rest is there to be inside.
+   !> Whether a ridge or a profile reaches into the contact at T = 0. A profile at rest is there to
+   !> be inside.
    pure function has_something_inside(surface, zone) result(is_inside)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
@@ -57,7 +60,8 @@ contains
          abs(surface%features%position) - half_ridge*surface%features%wavelength < zone%border)
       if (.not. allocated(surface%profile)) return
       associate (profile => surface%profile)
-         is_inside = is_inside .or. (profile%start < zone%border .and. profile%start + profile_length(profile) > -zone%border)
+         is_inside = is_inside .or. (profile%start < zone%border .and. profile%start &
+            + profile_length(profile) > -zone%border)
       end associate
    end function has_something_inside
 
@@ -74,7 +78,8 @@ contains
       type(feature_t), intent(in) :: feature
       logical :: is_ridge
 
-      is_ridge = feature%kind == feature_ridge .and. abs(feature%amplitude) > 0.0_wp .and. feature%is_placed
+      is_ridge = feature%kind == feature_ridge .and. abs(feature%amplitude) > 0.0_wp &
+         .and. feature%is_placed
    end function is_ridge
 
    !> Whether a surface moves.
@@ -91,7 +96,8 @@ contains
       type(zone_t), intent(in) :: zone
       logical :: is_cut
 
-      is_cut = is_moving(surface) .and. .not. surface%entry_length > 0.0_wp .and. has_something_inside(surface, zone)
+      is_cut = is_moving(surface) .and. .not. surface%entry_length > 0.0_wp &
+         .and. has_something_inside(surface, zone)
    end function is_cut
 
    !> When the last ridge of a moving surface leaves the contact at its end, |X| = 1.
@@ -102,7 +108,8 @@ contains
       time = 0.0_wp
       if (.not. (allocated(surface%features) .and. is_moving(surface))) return
       associate (f => surface%features)
-         time = maxval([time, pack(1 + half_ridge*f%wavelength - sign(1.0_wp, surface%speed)*f%position, is_ridge(f))/ &
+         time = maxval([time, pack(1 + half_ridge*f%wavelength - sign(1.0_wp, &
+            surface%speed)*f%position, is_ridge(f))/ &
             abs(surface%speed)])
       end associate
    end function last_passage

@@ -1,4 +1,5 @@
-!> The film that formulas expect of a contact before it is solved: for the choice of domains, grids and starts only.
+!> The film that formulas expect of a contact before it is solved: for the choice of domains, grids
+!> and starts only.
 module expected_film
    use kinds, only: wp
    use line_contact, only: line_contact_t

@@ -1,10 +1,13 @@
-!> Mobility e(i-1/2) = rho H^3 S/mu between two nodes by the mean of the sharp space scheme, with its derivatives:
+!> Mobility e(i-1/2) = rho H^3 S/mu between two nodes by the mean of the sharp space scheme, with
+!> its derivatives:
 !>
-!>     e(i-1/2) = L(1/mu(i-1), 1/mu(i)) sqrt( rho(i-1) H(i-1)^3 rho(i) H(i)^3 ) S,  L(a, b) = (a - b)/(ln a - ln b)
+!>     e(i-1/2) = L(1/mu(i-1), 1/mu(i)) sqrt( rho(i-1) H(i-1)^3 rho(i) H(i)^3 ) S,
+!>     L(a, b) = (a - b)/(ln a - ln b)
 !>
-!> S at the mean ln mu, the film sqrt(H(i-1) H(i)) and the slope (P(i) - P(i-1))/dX. The logarithmic mean L is the exact
-!> mean of 1/mu where ln mu is linear, as it nearly is in the inlet, where mu grows by orders of magnitude within a few nodes
-!> and the arithmetic mean of e is too large. (The harmonic or geometric mean of the whole e leads to wrong films.)
+!> S at the mean ln mu, the film sqrt(H(i-1) H(i)) and the slope (P(i) - P(i-1))/dX. The logarithmic
+!> mean L is the exact mean of 1/mu where ln mu is linear, as it nearly is in the inlet, where mu
+!> grows by orders of magnitude within a few nodes and the arithmetic mean of e is too large. (The
+!> harmonic or geometric mean of the whole e leads to wrong films.)
 module face_mobility
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_density_value, fluid_ln_viscosity, fluid_t, &
@@ -17,15 +20,16 @@ module face_mobility
 
    public :: fluid_face_mobility, fluid_face_slopes, face_slopes_t
 
-   !> Mobility of the faces (1:n), face i left of node i, and its partial derivatives by P and H of both nodes.
+   !> Mobility of the faces (1:n), face i left of node i, and its partial derivatives by P and H of
+   !> both nodes.
    type :: face_slopes_t
       real(wp), allocatable :: e(:), by_p_left(:), by_p_right(:), by_h_left(:), by_h_right(:)
    end type face_slopes_t
 
 contains
 
-   !> Mobility of all faces (1:n) and density of all nodes (0:n); p >= 0, h > 0 (0:n). The slope inside S is that of p, and of its
-   !> `rest` where that is kept.
+   !> Mobility of all faces (1:n) and density of all nodes (0:n); p >= 0, h > 0 (0:n). The slope
+   !> inside S is that of p, and of its `rest` where that is kept.
    pure subroutine fluid_face_mobility(fluid, dx, p, h, e, rho, rest)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
@@ -33,7 +37,8 @@ contains
       real(wp), intent(out), contiguous :: e(:), rho(0:)
       real(wp), intent(in), contiguous, optional :: rest(0:)
       real(wp) :: ln_mu(0:block_size)
-      real(wp), dimension(block_size) :: mean_ln_mu, drive, inverse_film, exponent, shape_factor, unused
+      real(wp), dimension(block_size) :: mean_ln_mu, drive, inverse_film, exponent, shape_factor, &
+         unused
       type(slip_t) :: slip
       integer :: first, last, m
 
@@ -65,7 +70,8 @@ contains
       real(wp), intent(out), contiguous :: rho(0:), rho_p(0:)
       real(wp), intent(in), contiguous, optional :: rest(0:)
       real(wp), dimension(0:block_size) :: ln_mu, mu_p
-      real(wp), dimension(block_size) :: mean_ln_mu, drive, inverse_film, exponent, shape_factor, slant, by_slope
+      real(wp), dimension(block_size) :: mean_ln_mu, drive, inverse_film, exponent, shape_factor, &
+         slant, by_slope
       type(slip_t) :: slip
       integer :: first, last, m
 
@@ -82,7 +88,8 @@ contains
             exponent(:m) = min(exponent(:m) + slip%growth(:m), largest_exponent)
             shape_factor(:m) = shape_factor(:m)*slip%factor(:m)
          end if
-         associate (e => slopes%e(first:last), h_left => h(first - 1:last - 1), h_right => h(first:last), &
+         associate (e => slopes%e(first:last), h_left => h(first - 1:last - 1), &
+            h_right => h(first:last), &
             rho_left => rho(first - 1:last - 1), rho_right => rho(first:last))
             e = exp(exponent(:m))*shape_factor(:m)*(h_left*h_right) &
                *sqrt(h_left*h_right*rho_left*rho_right)
@@ -97,8 +104,9 @@ contains
       end do
    end subroutine fluid_face_slopes
 
-   !> L(1/mu(i-1), 1/mu(i)) = exp(exponent) shape_factor of the m faces between m + 1 nodes, and `slant`, its relative change
-   !> with x = (ln mu(i) - ln mu(i-1))/2 at constant mean: L = exp(-mean) sinh(x)/x, slant = coth x - 1/x.
+   !> L(1/mu(i-1), 1/mu(i)) = exp(exponent) shape_factor of the m faces between m + 1 nodes, and
+   !> `slant`, its relative change with x = (ln mu(i) - ln mu(i-1))/2 at constant mean:
+   !> L = exp(-mean) sinh(x)/x, slant = coth x - 1/x.
    pure subroutine mean_fluidity(ln_mu, exponent, shape_factor, slant)
       real(wp), intent(in), contiguous :: ln_mu(0:)
       real(wp), intent(out), contiguous :: exponent(:), shape_factor(:), slant(:)
@@ -112,12 +120,15 @@ contains
          small = min(max(x, -series_limit), series_limit)
          large = max(abs(x), series_limit)
          y = small*small
-         series = s(0) + y*(s(1) + y*(s(2) + y*(s(3) + y*(s(4) + y*(s(5) + y*(s(6) + y*(s(7) + y*s(8))))))))
+         series = s(0) &
+            + y*(s(1) + y*(s(2) + y*(s(3) + y*(s(4) + y*(s(5) + y*(s(6) + y*(s(7) + y*s(8))))))))
          decay = exp(-2*large)
          exponent(i) = is_large*large - 0.5_wp*(ln_mu(i - 1) + ln_mu(i))
          shape_factor(i) = is_small*series + is_large*0.5_wp*(1 - decay)/large
-         slope = ds(0) + y*(ds(1) + y*(ds(2) + y*(ds(3) + y*(ds(4) + y*(ds(5) + y*(ds(6) + y*ds(7)))))))
-         slant(i) = is_small*small*slope/series + is_large*sign(1.0_wp, x)*((1 + decay)/(1 - decay) - 1/large)
+         slope = ds(0) &
+            + y*(ds(1) + y*(ds(2) + y*(ds(3) + y*(ds(4) + y*(ds(5) + y*(ds(6) + y*ds(7)))))))
+         slant(i) = is_small*small*slope/series + is_large*sign(1.0_wp, &
+            x)*((1 + decay)/(1 - decay) - 1/large)
       end do
    end subroutine mean_fluidity
 
@@ -138,7 +149,8 @@ contains
       end do
       if (present(rest)) then
          do i = first, first + size(drive) - 1
-            drive(i - first + 1) = drive(i - first + 1) + (rest(i) - rest(i - 1))/(dx*inverse_film(i - first + 1))
+            drive(i - first + 1) = drive(i - first + 1) &
+               + (rest(i) - rest(i - 1))/(dx*inverse_film(i - first + 1))
          end do
       end if
    end subroutine drive_at_faces

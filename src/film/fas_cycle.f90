@@ -1,16 +1,20 @@
-!> Full approximation scheme for the line contact: smoothing, restriction, exact coarsest level, prolongation.
+!> Full approximation scheme for the line contact: smoothing, restriction, exact coarsest level,
+!> prolongation.
 !>
-!> Source: Brandt 1977; thesis section 2.4.4 and 2.7; Venner & Lubrecht, Multilevel Methods in Lubrication, 2000.
-!> What makes the cycle converge at the cavitation point (measured, see the theory page):
-!> a coarse node with P = 0 keeps the TRUE residual by injection, a fine node with P = 0 contributes nothing to the
-!> weighting of others; corrections are taken at all nodes and then cut by P >= 0; a coarse correction falls to zero where the
-!> finest grid has P = 0, which need not be a coarse node.
+!> Source: Brandt 1977; thesis section 2.4.4 and 2.7; Venner & Lubrecht, Multilevel Methods in
+!> Lubrication, 2000. What makes the cycle converge at the cavitation point (measured, see the
+!> theory page): a coarse node with P = 0 keeps the TRUE residual by injection, a fine node with
+!> P = 0 contributes nothing to the weighting of others; corrections are taken at all nodes and then
+!> cut by P >= 0; a coarse correction falls to zero where the finest grid has P = 0, which need not
+!> be a coarse node.
 module fas_cycle
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: count_work, line_hierarchy_t, smoother_block_jacobi, smoother_gauss_seidel, &
+   use line_hierarchy, only: count_work, line_hierarchy_t, smoother_block_jacobi, &
+      smoother_gauss_seidel, &
       smoother_hybrid, smoother_line
-   use line_level, only: film_of, largest_pressure, line_level_t, load_defect, thinnest_film, update_film
+   use line_level, only: film_of, largest_pressure, line_level_t, load_defect, thinnest_film, &
+      update_film
    use newton_line, only: solve_newton
    use reynolds_line, only: evaluate_reynolds, reynolds_diagonals
    use smoothers, only: block_jacobi_sweep, gauss_seidel_sweep, line_sweep
@@ -49,7 +53,8 @@ contains
       call smooth(hierarchy, contact, k, hierarchy%relaxation%post_sweeps, is_last_leg=.true.)
    end subroutine cycle_from
 
-   !> `sweeps` of the chosen smoother on level k. The hybrid sweeps by line before and downstream after the correction.
+   !> `sweeps` of the chosen smoother on level k. The hybrid sweeps by line before and downstream
+   !> after the correction.
    subroutine smooth(hierarchy, contact, k, sweeps, is_last_leg)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -58,11 +63,13 @@ contains
       integer :: i, smoother
 
       smoother = hierarchy%relaxation%smoother
-      if (smoother == smoother_hybrid) smoother = merge(smoother_gauss_seidel, smoother_line, is_last_leg)
+      if (smoother == smoother_hybrid) smoother = merge(smoother_gauss_seidel, smoother_line, &
+         is_last_leg)
       do i = 1, sweeps
          call sweep(hierarchy, contact, k, smoother)
       end do
-      if (smoother == smoother_line) call update_film(hierarchy%levels(k), hierarchy%rigid_displacement)
+      if (smoother == smoother_line) call update_film(hierarchy%levels(k), &
+         hierarchy%rigid_displacement)
       call count_work(hierarchy, k, sweeps)
    end subroutine smooth
 
@@ -85,7 +92,8 @@ contains
          call reynolds_diagonals(contact%lambda, level, kernel_diagonal)
          select case (smoother)
          case (smoother_block_jacobi)
-            call block_jacobi_sweep(level, hierarchy%rigid_displacement, kernel_diagonal, choice%relaxation)
+            call block_jacobi_sweep(level, hierarchy%rigid_displacement, kernel_diagonal, &
+               choice%relaxation)
          case (smoother_gauss_seidel)
             call gauss_seidel_sweep(level, contact%lambda, kernel_diagonal, choice%relaxation)
          case default
@@ -94,7 +102,8 @@ contains
       end associate
    end subroutine sweep
 
-   !> The coarsest level: exactly, or by sweeps with the force balance relaxed after each (thesis, section 2.7).
+   !> The coarsest level: exactly, or by sweeps with the force balance relaxed after each (thesis,
+   !> section 2.7).
    subroutine solve_coarsest(hierarchy, contact)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -103,8 +112,10 @@ contains
       k = hierarchy%coarsest
       if (maxval(hierarchy%levels(k)%pressure) >= largest_pressure) return
       if (hierarchy%relaxation%coarse_sweeps <= 0) then
-         call solve_newton(hierarchy%newton, contact, hierarchy%levels(k), hierarchy%rigid_displacement, &
-            coarse_tolerance, hierarchy%relaxation%coarse_steps, goal=hierarchy%goal, film_is_exact=is_newton_alone(hierarchy))
+         call solve_newton(hierarchy%newton, contact, hierarchy%levels(k), &
+            hierarchy%rigid_displacement, &
+            coarse_tolerance, hierarchy%relaxation%coarse_steps, goal=hierarchy%goal, &
+               film_is_exact=is_newton_alone(hierarchy))
          return
       end if
       do i = 1, hierarchy%relaxation%coarse_sweeps
@@ -114,15 +125,18 @@ contains
       end do
    end subroutine solve_coarsest
 
-   !> Whether the cycle is nothing but Newton's method on the finest level, which leaves the film that of pressure and H0.
+   !> Whether the cycle is nothing but Newton's method on the finest level, which leaves the film
+   !> that of pressure and H0.
    pure function is_newton_alone(hierarchy) result(is_alone)
       type(line_hierarchy_t), intent(in) :: hierarchy
       logical :: is_alone
 
-      is_alone = hierarchy%coarsest == hierarchy%finest .and. hierarchy%relaxation%coarse_sweeps <= 0
+      is_alone = hierarchy%coarsest == hierarchy%finest &
+         .and. hierarchy%relaxation%coarse_sweeps <= 0
    end function is_newton_alone
 
-   !> Poses the coarse problem of level k - 1: unknowns by injection, right sides = coarse operator + restricted residual.
+   !> Poses the coarse problem of level k - 1: unknowns by injection, right sides = coarse
+   !> operator + restricted residual.
    subroutine restrict(hierarchy, contact, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -145,15 +159,17 @@ contains
          call restrict_reynolds(fine, coarse)
          call coarse%convolution%apply(coarse%pressure, coarse%deflection)
          coarse%products = coarse%products + 1
-         coarse%rhs_film = coarse%rhs_film + coarse%film - hierarchy%rigid_displacement + coarse%deflection
+         coarse%rhs_film = coarse%rhs_film + coarse%film - hierarchy%rigid_displacement &
+            + coarse%deflection
       end associate
       call count_work(hierarchy, k, 1)
       call count_work(hierarchy, k - 1, 1)
    end subroutine restrict
 
-   !> The way from the last coarse node with P > 0 to where the finest grid has P = 0 again is theta dX long, 0 < theta <= 1 (with
-   !> 2^k finest intervals in a coarse one it is a multiple of 2^-k), not dX, and the correction falls to zero on it: its
-   !> conductance is e/(theta dX^2). The pressure that is there already keeps its flow (FAS).
+   !> The way from the last coarse node with P > 0 to where the finest grid has P = 0 again is theta
+   !> dX long, 0 < theta <= 1 (with 2^k finest intervals in a coarse one it is a multiple of 2^-k),
+   !> not dX, and the correction falls to zero on it: its conductance is e/(theta dX^2). The
+   !> pressure that is there already keeps its flow (FAS).
    pure subroutine restrict_exit(fine, coarse)
       type(line_level_t), intent(in) :: fine
       type(line_level_t), intent(inout) :: coarse
@@ -166,7 +182,8 @@ contains
       coarse%exit_distance = exit - coarse%exit_node
       coarse%exit_conductance = 0.0_wp
       if (coarse%exit_node < 1) return
-      coarse%exit_conductance = (1/coarse%exit_distance - 1)*coarse%face_mobility(coarse%exit_node + 1)/coarse%dx**2
+      coarse%exit_conductance = (1/coarse%exit_distance - 1)*coarse%face_mobility(coarse%exit_node &
+         + 1)/coarse%dx**2
    end subroutine restrict_exit
 
    !> Strict restriction of the Reynolds residual, see the head of the module.
@@ -187,7 +204,8 @@ contains
       coarse%rhs_reynolds = coarse%rhs_reynolds + coarse%operator
    end subroutine restrict_reynolds
 
-   !> Adds the coarse-grid corrections of P and H at ALL nodes, halved until every film keeps half of itself.
+   !> Adds the coarse-grid corrections of P and H at ALL nodes, halved until every film keeps half
+   !> of itself.
    pure subroutine prolong(fine, coarse)
       type(line_level_t), intent(inout) :: fine
       type(line_level_t), intent(inout) :: coarse
@@ -204,7 +222,8 @@ contains
          share = 0.5_wp*share
       end do
       fine%pressure = max(fine%pressure + share*fine%work, 0.0_wp)
-      fine%film = max(fine%film + share*fine%correction, smallest_film_share*fine%film, thinnest_film)
+      fine%film = max(fine%film + share*fine%correction, smallest_film_share*fine%film, &
+         thinnest_film)
    end subroutine prolong
 
 end module fas_cycle

@@ -1,6 +1,8 @@
-!> Film breakdown: a film below a stated floor, where the model of a full film does not hold any more.
+!> Film breakdown: a film below a stated floor, where the model of a full film does not hold any
+!> more.
 !>
-!> The floor is no part of the equations: it changes no film and no pressure. It is looked at after every solution.
+!> The floor is no part of the equations: it changes no film and no pressure. It is looked at after
+!> every solution.
 module film_breakdown
    use iteration_report, only: breakdown_t, report_t
    use kinds, only: wp
@@ -14,7 +16,8 @@ module film_breakdown
 
 contains
 
-   !> Takes down a film below the floor; the report is not converged any more if that is the end. x, film (n).
+   !> Takes down a film below the floor; the report is not converged any more if that is the end. x,
+   !> film (n).
    pure subroutine look_for_breakdown(x, film, settings, step, time, report)
       real(wp), intent(in) :: x(:), film(:)
       type(solver_settings_t), intent(in) :: settings
@@ -30,7 +33,8 @@ contains
       report%reason = breakdown_reason(report%breakdown, settings%film_floor)
    end subroutine look_for_breakdown
 
-   !> Whether the smallest film (parabola through three nodes) is below the floor, or a node closed. film (n), floor >= 0.
+   !> Whether the smallest film (parabola through three nodes) is below the floor, or a node closed.
+   !> film (n), floor >= 0.
    pure function is_below_floor(film, floor)
       real(wp), intent(in) :: film(:)
       real(wp), intent(in) :: floor
@@ -39,7 +43,8 @@ contains
       is_below_floor = parabola_minimum(film) < floor .or. any(film <= 0.0_wp)
    end function is_below_floor
 
-   !> Takes down a film below the floor: the first one with its place, the smallest of all. x, film (n).
+   !> Takes down a film below the floor: the first one with its place, the smallest of all. x, film
+   !> (n).
    pure subroutine note_breakdown(x, film, step, time, breakdown)
       real(wp), intent(in) :: x(:), film(:)
       integer, intent(in) :: step
@@ -60,7 +65,8 @@ contains
       if (film(node) <= 0.0_wp) breakdown%film = film(node)
    end subroutine note_breakdown
 
-   !> Where and when the film first broke down, dimensionless: 'film breakdown at X = -0.3 (T = 0.5): H = 0.01 ...'.
+   !> Where and when the film first broke down, dimensionless: 'film breakdown at X = -0.3
+   !> (T = 0.5): H = 0.01 ...'.
    pure function breakdown_reason(breakdown, floor) result(reason)
       type(breakdown_t), intent(in) :: breakdown
       real(wp), intent(in) :: floor
@@ -72,7 +78,8 @@ contains
       if (breakdown%film <= 0.0_wp) then
          reason = reason//'the film would close'
       else
-         reason = reason//'the film would be H = '//to_text(breakdown%film, 3)//', below the floor H = '//to_text(floor, 3)
+         reason = reason//'the film would be H = '//to_text(breakdown%film, 3) &
+            //', below the floor H = '//to_text(floor, 3)
       end if
    end function breakdown_reason
 

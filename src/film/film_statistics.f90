@@ -1,7 +1,9 @@
-!> Statistics of the film over the passage of rough surfaces, gathered step by step: how often and on how much of the contact
-!> the film is thinner than stated values, distributions of the smallest film and the largest pressure, lambda ratio.
+!> Statistics of the film over the passage of rough surfaces, gathered step by step: how often and
+!> on how much of the contact the film is thinner than stated values, distributions of the smallest
+!> film and the largest pressure, lambda ratio.
 !>
-!> The contact is -1 <= X <= 1. T = 0 counts only for the smooth film: there the surfaces have entered it without a new solve.
+!> The contact is -1 <= X <= 1. T = 0 counts only for the smooth film: there the surfaces have
+!> entered it without a new solve.
 module film_statistics
    use kinds, only: wp
    use line_state, only: line_state_t
@@ -11,8 +13,10 @@ module film_statistics
 
    public :: add_start, add_time, film_statistics_t, from_numbers, new_statistics, numbers_of
 
-   !> Bins of the distributions: equal in the logarithm, from 10^first on. The outer ones also take what lies beyond.
-   integer, parameter, public :: bins_per_decade = 200, film_first = -7, pressure_first = -2, bin_count = 2000
+   !> Bins of the distributions: equal in the logarithm, from 10^first on. The outer ones also take
+   !> what lies beyond.
+   integer, parameter, public :: bins_per_decade = 200, film_first = -7, pressure_first = -2, &
+      bin_count = 2000
 
    !> Sums over the time steps so far. Dimensionless.
    type :: film_statistics_t
@@ -20,7 +24,8 @@ module film_statistics
       real(wp), allocatable :: thresholds(:)
       !> Time steps.
       real(wp) :: times = 0.0_wp
-      !> Time steps with a film below each threshold, and sum of the shares of the contact below it (k).
+      !> Time steps with a film below each threshold, and sum of the shares of the contact below it
+      !> (k).
       real(wp), allocatable :: times_below(:), shares_below(:)
       !> Time steps by smallest film and by largest pressure of a node (bin_count).
       real(wp) :: film_bins(bin_count) = 0.0_wp, pressure_bins(bin_count) = 0.0_wp
@@ -29,7 +34,8 @@ module film_statistics
       !> H of the smooth contact at X = 0.
       real(wp) :: smooth_film = 0.0_wp
    contains
-      !> Lambda ratio: smooth central film over the composite rms height in the contact; 0 if the surfaces are smooth.
+      !> Lambda ratio: smooth central film over the composite rms height in the contact; 0 if the
+      !> surfaces are smooth.
       procedure :: lambda_ratio
       !> Composite rms height of both surfaces in the contact, over all times.
       procedure :: rms_height
@@ -43,7 +49,8 @@ contains
       type(film_statistics_t) :: statistics
 
       statistics%thresholds = thresholds
-      allocate (statistics%times_below(size(thresholds)), statistics%shares_below(size(thresholds)), source=0.0_wp)
+      allocate (statistics%times_below(size(thresholds)), &
+         statistics%shares_below(size(thresholds)), source=0.0_wp)
    end function new_statistics
 
    !> Takes the smooth film from the state at T = 0.
@@ -51,7 +58,8 @@ contains
       type(film_statistics_t), intent(inout) :: statistics
       type(line_state_t), intent(in) :: state
 
-      statistics%smooth_film = central_value(state%x, state%film_thickness + state%roughness_1 + state%roughness_2)
+      statistics%smooth_film = central_value(state%x, state%film_thickness + state%roughness_1 &
+         + state%roughness_2)
    end subroutine add_start
 
    !> Adds a time step.
@@ -65,10 +73,13 @@ contains
       last = count(state%x <= 1.0_wp)
       smallest = parabola_minimum(state%film_thickness)
       share = 1.0_wp/max(last - first + 1, 1)
-      associate (h => state%film_thickness(first:last), psi => state%roughness_1(first:last) + state%roughness_2(first:last))
+      associate (h => state%film_thickness(first:last), psi => state%roughness_1(first:last) &
+         + state%roughness_2(first:last))
          do k = 1, size(statistics%thresholds)
-            if (smallest < statistics%thresholds(k)) statistics%times_below(k) = statistics%times_below(k) + 1.0_wp
-            statistics%shares_below(k) = statistics%shares_below(k) + share*count(h < statistics%thresholds(k))
+            if (smallest < statistics%thresholds(k)) statistics%times_below(k) = &
+               statistics%times_below(k) + 1.0_wp
+            statistics%shares_below(k) = statistics%shares_below(k) &
+               + share*count(h < statistics%thresholds(k))
          end do
          statistics%film_sum = statistics%film_sum + share*sum(h)
          statistics%height_sum = statistics%height_sum + share*sum(psi)
@@ -98,7 +109,8 @@ contains
       real(wp) :: rms_height
 
       rms_height = 0.0_wp
-      if (self%times > 0.0_wp) rms_height = sqrt(max(self%square_sum/self%times - (self%height_sum/self%times)**2, 0.0_wp))
+      if (self%times > 0.0_wp) rms_height = sqrt(max(self%square_sum/self%times &
+         - (self%height_sum/self%times)**2, 0.0_wp))
    end function rms_height
 
    !> Smooth film over rms height.
@@ -118,7 +130,8 @@ contains
       allocate (numbers(0))
       if (.not. allocated(statistics%thresholds)) return
       associate (s => statistics)
-         numbers = [s%times, s%film_sum, s%height_sum, s%square_sum, s%smooth_film, s%film_bins, s%pressure_bins, &
+         numbers = [s%times, s%film_sum, s%height_sum, s%square_sum, s%smooth_film, s%film_bins, &
+            s%pressure_bins, &
             s%thresholds, s%times_below, s%shares_below]
       end associate
    end function numbers_of

@@ -1,14 +1,16 @@
 !> The inlet in front of the domain: the pressure and the load that it leaves to the grid.
 !>
-!> In front of the first node X_a the bodies keep their shape there, but for the far field of the load (its centre at X_c), and the
-!> pressure is low. With the flow rho H - e/lambda dP/dX = m, which is the same everywhere,
+!> In front of the first node X_a the bodies keep their shape there, but for the far field of the
+!> load (its centre at X_c), and the pressure is low. With the flow rho H - e/lambda dP/dX = m,
+!> which is the same everywhere,
 !>
 !>     H(X) = H(X_a) + (X^2 - X_a^2)/2 - 1/2 ln( (X_c - X)/(X_c - X_a) )
 !>     Q(X_a) = lambda Int_{-inf}^{X_a} (H - m)/(H^3 S) dX ,   P = -ln(1 - alpha_bar Q)/alpha_bar
 !>
-!> Q is the reduced pressure (Barus' law, which all laws are at low pressure, mu = 1/(1 - alpha_bar Q)), and S(Sigma, B) the slip
-!> factor at the slope that carries the flow there, found from it point by point (`divide_by_slip`). Roughness in front of the
-!> domain and the compression there are left out, and what the tail deforms.
+!> Q is the reduced pressure (Barus' law, which all laws are at low pressure, mu = 1/(1 - alpha_bar
+!> Q)), and S(Sigma, B) the slip factor at the slope that carries the flow there, found from it
+!> point by point (`divide_by_slip`). Roughness in front of the domain and the compression there are
+!> left out, and what the tail deforms.
 module inlet_tail
    use constants, only: pi
    use kinds, only: wp
@@ -25,14 +27,15 @@ module inlet_tail
    integer, parameter :: points = 64
    !> Bound of alpha_bar Q: no tail of a solution comes near it, a wild iterate may.
    real(wp), parameter :: largest_reduced = 0.9_wp
-   !> Of the root for S: ln S that is looked for at most, steps, and the error of ln S before the last one.
+   !> Of the root for S: ln S that is looked for at most, steps, and the error of ln S before the
+   !> last one.
    real(wp), parameter :: largest_ln_slip = 100.0_wp, slip_tolerance = 1.0e-4_wp
    integer, parameter :: most_steps = 60
 
 contains
 
-   !> Where the level has a tail, takes its pressure and load over: P(0), the film that follows, the load left for the grid.
-   !> Coefficients are those of the last evaluation.
+   !> Where the level has a tail, takes its pressure and load over: P(0), the film that follows, the
+   !> load left for the grid. Coefficients are those of the last evaluation.
    pure subroutine close_inlet(contact, level)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
@@ -55,7 +58,8 @@ contains
       call tail_of(contact, level, pressure, load)
    end function tail_load
 
-   !> Pressure P(X_a) and load of the tail of the present state, that in front of the cell of node 0, which is the grid's.
+   !> Pressure P(X_a) and load of the tail of the present state, that in front of the cell of node
+   !> 0, which is the grid's.
    pure subroutine tail_of(contact, level, pressure, load)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
@@ -93,12 +97,14 @@ contains
       end associate
    end subroutine tail_of
 
-   !> Divides the slope `gain` = S dQ/dX > 0 of the reduced pressure, where the film is `h` and that pressure `reduced`, by S:
+   !> Divides the slope `gain` = S dQ/dX > 0 of the reduced pressure, where the film is `h` and that
+   !> pressure `reduced`, by S:
    !>
    !>     D S(D, h, mu) = mu h gain ,     mu = 1/(1 - alpha_bar Q)
    !>
-   !> by Newton's method in the logarithm of the drive D = h dP/dX, within bounds that shrink: the left side rises from 0, S >= 1.
-   !> `drive` is the root of the point before (0: none), and becomes that of this one.
+   !> by Newton's method in the logarithm of the drive D = h dP/dX, within bounds that shrink: the
+   !> left side rises from 0, S >= 1. `drive` is the root of the point before (0: none), and becomes
+   !> that of this one.
    pure subroutine divide_by_slip(fluid, h, reduced, gain, drive)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: h, reduced
@@ -108,7 +114,8 @@ contains
 
       if (gain <= 0.0_wp) return
       ln_mu = 0.0_wp
-      if (fluid%viscosity_law /= viscosity_constant) ln_mu = -log(1 - min(fluid%alpha_bar*reduced, largest_reduced))
+      if (fluid%viscosity_law /= viscosity_constant) ln_mu = -log(1 &
+         - min(fluid%alpha_bar*reduced, largest_reduced))
       ln_gain = ln_mu + log(h*gain)
       bounds = [ln_gain - largest_ln_slip, ln_gain]
       y = ln_gain
@@ -126,8 +133,8 @@ contains
       drive = exp(y)
    end subroutine divide_by_slip
 
-   !> The flow rho H - e/lambda dP/dX at the face behind the largest pressure, as the space scheme has it: there it is known best
-   !> while the solution is on its way.
+   !> The flow rho H - e/lambda dP/dX at the face behind the largest pressure, as the space scheme
+   !> has it: there it is known best while the solution is on its way.
    pure function flow_at_peak(contact, level) result(flow)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level

@@ -1,4 +1,5 @@
-!> The grids of a lubricated line contact from the coarsest of the nested start to the finest, and the settings resolved.
+!> The grids of a lubricated line contact from the coarsest of the nested start to the finest, and
+!> the settings resolved.
 module line_hierarchy
    use errors, only: error_t
    use features, only: surface_height
@@ -12,14 +13,17 @@ module line_hierarchy
    implicit none (type, external)
    private
 
-   public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_coarser_levels, pose_steady_problem, roughness_at
+   public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_coarser_levels, &
+      pose_steady_problem, roughness_at
    public :: add_level, coarsest_for_film, count_work, new_growing_hierarchy, total_products
 
    !> Smoother words.
-   integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, smoother_line = 3, smoother_hybrid = 4
+   integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, &
+      smoother_line = 3, smoother_hybrid = 4
 
    !> The methods are the cycle; sweeps on the finest level alone; Newton steps on the finest level.
-   integer, parameter, public :: method_fas = 1, method_block_jacobi = 2, method_newton_dense = 3, method_newton_krylov = 4
+   integer, parameter, public :: method_fas = 1, method_block_jacobi = 2, &
+      method_newton_dense = 3, method_newton_krylov = 4
 
    !> How a solution is sought: the method, and how its cycle relaxes.
    type :: relaxation_t
@@ -43,13 +47,15 @@ module line_hierarchy
       real(wp) :: kernel_bound = 3.0_wp
       !> Film of the first start over the Moes film.
       real(wp) :: start_film = 1.0_wp
-      !> The first solution sought is that of an Eyring stress higher by this factor, which is then lowered in steps.
+      !> The first solution sought is that of an Eyring stress higher by this factor, which is then
+      !> lowered in steps.
       real(wp) :: first_stress = 1.0_wp
       !> Sharp scheme: the finest level is first solved by the thesis's scheme.
       logical :: thesis_first = .false.
       !> Where Newton's method fails on a level it follows the pressure in pseudo-time.
       logical :: follows_time = .false.
-      !> The film is recomputed from the pressure before every sweep (false: H is relaxed with P, as in the thesis).
+      !> The film is recomputed from the pressure before every sweep (false: H is relaxed with P, as
+      !> in the thesis).
       logical :: film_is_recomputed = .true.
    end type relaxation_t
 
@@ -58,8 +64,8 @@ module line_hierarchy
       !> Levels 1 (coarsest of the nested start) to `top`; a growing hierarchy has room for more.
       type(line_level_t), allocatable :: levels(:)
       integer :: top = 0
-      !> Coarsest level of the present method's cycles (the finest for a method on one level), the same for FAS, and the
-      !> finest level in use.
+      !> Coarsest level of the present method's cycles (the finest for a method on one level), the
+      !> same for FAS, and the finest level in use.
       integer :: coarsest = 1, fas_coarsest = 1, finest = 1
       !> Rigid displacement H0, one number common to all levels.
       real(wp) :: rigid_displacement = 0.0_wp
@@ -85,8 +91,9 @@ module line_hierarchy
 
 contains
 
-   !> Intervals of the coarsest grid that still carries a film with a factor of 2 in hand (semiseparable rule):
-   !> dX <= min( sqrt(H_c/(1.7 max(M,1)^0.4)), max(1, sqrt(2 H_c))/2 ), at least `fewest` or 32; M with the sum velocity.
+   !> Intervals of the coarsest grid that still carries a film with a factor of 2 in hand
+   !> (semiseparable rule): dX <= min( sqrt(H_c/(1.7 max(M,1)^0.4)), max(1, sqrt(2 H_c))/2 ), at
+   !> least `fewest` or 32; M with the sum velocity.
    pure function coarsest_for_film(contact, fewest) result(intervals)
       type(line_contact_t), intent(in) :: contact
       integer, intent(in), optional :: fewest
@@ -94,16 +101,19 @@ contains
       real(wp) :: film, largest_dx
 
       film = film_estimate(contact)
-      largest_dx = min(sqrt(film/(1.7_wp*max(contact%moes_m_sum, 1.0_wp)**0.4_wp)), 0.5_wp*max(1.0_wp, sqrt(2*film)))
+      largest_dx = min(sqrt(film/(1.7_wp*max(contact%moes_m_sum, 1.0_wp)**0.4_wp)), &
+         0.5_wp*max(1.0_wp, sqrt(2*film)))
       intervals = 32
       if (present(fewest)) intervals = fewest
-      do while ((contact%domain%x_outlet - contact%domain%x_inlet)/intervals > largest_dx .and. intervals < 2**24)
+      do while ((contact%domain%x_outlet - contact%domain%x_inlet)/intervals > largest_dx &
+         .and. intervals < 2**24)
          intervals = 2*intervals
       end do
    end function coarsest_for_film
 
-   !> Builds the grids for `contact%domain%intervals` = n, each of half the intervals of the next. `levels` > 0 fixes the number of
-   !> levels of the cycles. n is a power of two, or a small odd number times one: the coarsest grid is no finer than n allows.
+   !> Builds the grids for `contact%domain%intervals` = n, each of half the intervals of the next.
+   !> `levels` > 0 fixes the number of levels of the cycles. n is a power of two, or a small odd
+   !> number times one: the coarsest grid is no finer than n allows.
    subroutine new_hierarchy(hierarchy, contact, levels, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -128,7 +138,8 @@ contains
       end do
    end subroutine new_hierarchy
 
-   !> A hierarchy of the coarsest level alone, to which `add_level` adds finer ones of up to `most` intervals.
+   !> A hierarchy of the coarsest level alone, to which `add_level` adds finer ones of up to `most`
+   !> intervals.
    subroutine new_growing_hierarchy(hierarchy, contact, most, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -141,7 +152,8 @@ contains
          first = first/2
       end do
       if (allocated(hierarchy%levels)) deallocate (hierarchy%levels)
-      allocate (hierarchy%levels(1 + int(log(real(max(most, first), wp)/first)/log(2.0_wp) + 1.0e-9_wp)))
+      allocate (hierarchy%levels(1 + int(log(real(max(most, first), wp)/first)/log(2.0_wp) &
+         + 1.0e-9_wp)))
       call new_level(hierarchy%levels(1), contact, first, error)   ! error: the caller looks
       hierarchy%top = 1
       hierarchy%finest = 1
@@ -163,7 +175,8 @@ contains
       hierarchy%top = hierarchy%top + 1
       hierarchy%finest = hierarchy%top
       hierarchy%coarsest = hierarchy%top
-      hierarchy%fas_coarsest = 1 + doublings(hierarchy%levels(1)%n, cycle_coarsest(hierarchy%levels(1)%n, n))
+      hierarchy%fas_coarsest = 1 + doublings(hierarchy%levels(1)%n, &
+         cycle_coarsest(hierarchy%levels(1)%n, n))
       hierarchy%work_units = 0.5_wp*hierarchy%work_units
       call new_level(hierarchy%levels(hierarchy%top), contact, n, error)
       if (allocated(error)) return
@@ -205,7 +218,8 @@ contains
       real(wp), intent(in) :: time
       real(wp) :: roughness(0:level%n)
 
-      roughness = surface_height(contact%surface_1, level%x, time) + surface_height(contact%surface_2, level%x, time)
+      roughness = surface_height(contact%surface_1, level%x, &
+         time) + surface_height(contact%surface_2, level%x, time)
    end function roughness_at
 
    !> The steady problem on every level, with the surfaces of time 0 (`with_roughness`) or smooth.
@@ -220,7 +234,8 @@ contains
       end do
    end subroutine pose_steady_problem
 
-   !> The same on the levels below the finest, from there: after cycles, which have posed theirs on them.
+   !> The same on the levels below the finest, from there: after cycles, which have posed theirs on
+   !> them.
    pure subroutine pose_coarser_levels(hierarchy)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer :: k

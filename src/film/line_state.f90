@@ -40,7 +40,8 @@ contains
 
       all_finite = allocated(state%pressure) .and. allocated(state%film_thickness)
       if (.not. all_finite) return
-      all_finite = all(ieee_is_finite(state%pressure)) .and. all(ieee_is_finite(state%film_thickness)) .and. &
+      all_finite = all(ieee_is_finite(state%pressure)) &
+         .and. all(ieee_is_finite(state%film_thickness)) .and. &
          ieee_is_finite(state%rigid_displacement)
    end function all_finite
 

@@ -1,6 +1,8 @@
-!> The figures of a lubricated line contact that everybody asks for first: smallest and central film, largest pressure, exit.
+!> The figures of a lubricated line contact that everybody asks for first: smallest and central
+!> film, largest pressure, exit.
 !>
-!> Dimensionless (H, P, X, T). Where a figure cannot be known it is NaN, never a number that looks like an answer.
+!> Dimensionless (H, P, X, T). Where a figure cannot be known it is NaN, never a number that looks
+!> like an answer.
 module line_summary
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use kinds, only: wp
@@ -9,7 +11,8 @@ module line_summary
    private
 
    public :: crests_t, figure_t, keep_extremes, line_summary_t, summary_of, summary_of_fields
-   public :: central_by_cubic, central_value, exit_between_nodes, exit_position, node_minimum, parabola_minimum, peak_value
+   public :: central_by_cubic, central_value, exit_between_nodes, exit_position, node_minimum, &
+      parabola_minimum, peak_value
 
    !> One figure, when it was reached and how far off it may be.
    type :: figure_t
@@ -18,7 +21,8 @@ module line_summary
       real(wp) :: time
       !> Estimated error of `value`: the sum of the four below; NaN = not estimated.
       real(wp) :: error_estimate
-      !> Richardson's extrapolation of `value`, of x_cavitation the exit between the nodes; NaN = not known.
+      !> Richardson's extrapolation of `value`, of x_cavitation the exit between the nodes;
+      !> NaN = not known.
       real(wp) :: extrapolated
       !> Because of grid and time step; NaN = not estimated.
       real(wp) :: error_grid
@@ -32,12 +36,13 @@ module line_summary
    type :: crests_t
       !> The largest, and the largest beside the spike, each by the parabola through three nodes.
       real(wp) :: highest, other
-      !> The spike, the last maximum before the exit if P falls behind it by the share `spike_drop` within two spacings: P and H of
-      !> its top node.
+      !> The spike, the last maximum before the exit if P falls behind it by the share `spike_drop`
+      !> within two spacings: P and H of its top node.
       real(wp) :: spike, spike_film
    end type crests_t
 
-   !> (Of 90 contacts on 64 to 32768 intervals spikes that are not resolved fell by 0.3 and more, other maxima by 0.02 and less.)
+   !> (Of 90 contacts on 64 to 32768 intervals spikes that are not resolved fell by 0.3 and more,
+   !> other maxima by 0.02 and less.)
    real(wp), parameter :: spike_drop = 0.25_wp
 
    !> Figures of one time, or the extremes over several.
@@ -48,8 +53,8 @@ module line_summary
       type(figure_t) :: h_min_node
       !> H at X = 0; over several times the smallest.
       type(figure_t) :: h_central
-      !> The same by the cubic through four nodes, from which the error is estimated: what a line between two nodes is off depends
-      !> on where X = 0 lies between them, on every grid another.
+      !> The same by the cubic through four nodes, from which the error is estimated: what a line
+      !> between two nodes is off depends on where X = 0 lies between them, on every grid another.
       real(wp) :: h_central_cubic
       !> Largest P of a node.
       type(figure_t) :: p_max
@@ -69,7 +74,8 @@ contains
       summary = summary_of_fields(state%x, state%pressure, state%film_thickness, state%time)
    end function summary_of
 
-   !> The figures of pressure `p` and film `h` on the nodes `x` of a rising grid at a time, each (nx).
+   !> The figures of pressure `p` and film `h` on the nodes `x` of a rising grid at a time, each
+   !> (nx).
    pure function summary_of_fields(x, p, h, time) result(summary)
       real(wp), intent(in) :: x(:)
       real(wp), intent(in) :: p(:)
@@ -95,20 +101,22 @@ contains
       call keep_smaller(summary%h_min, other%h_min)
       call keep_smaller(summary%h_min_node, other%h_min_node)
       call keep_smaller(summary%h_central, other%h_central)
-      if (ieee_is_finite(other%h_central_cubic)) summary%h_central_cubic = min(summary%h_central_cubic, other%h_central_cubic)
+      if (ieee_is_finite(other%h_central_cubic)) summary%h_central_cubic = &
+         min(summary%h_central_cubic, other%h_central_cubic)
       call keep_larger(summary%p_max, other%p_max)
       call keep_larger(summary%x_cavitation, other%x_cavitation)
       summary%crests%highest = larger(summary%crests%highest, other%crests%highest)
       summary%crests%other = larger(summary%crests%other, other%crests%other)
       if (.not. ieee_is_finite(other%crests%spike)) return
-      if (ieee_is_finite(summary%crests%spike) .and. other%crests%spike <= summary%crests%spike) return
+      if (ieee_is_finite(summary%crests%spike) &
+         .and. other%crests%spike <= summary%crests%spike) return
       summary%crests%spike = other%crests%spike
       summary%crests%spike_film = other%crests%spike_film
    end subroutine keep_extremes
 
-   !> Smallest value of a positive curve on a uniform grid: vertex of the parabola through the smallest node and its neighbours;
-   !> the node itself at an end, or where the vertex of a film that nearly closes would be negative; NaN if a value is not
-   !> finite. h (nx).
+   !> Smallest value of a positive curve on a uniform grid: vertex of the parabola through the
+   !> smallest node and its neighbours; the node itself at an end, or where the vertex of a film
+   !> that nearly closes would be negative; NaN if a value is not finite. h (nx).
    pure function parabola_minimum(h) result(h_min)
       real(wp), intent(in) :: h(:)
       real(wp) :: h_min
@@ -144,7 +152,8 @@ contains
       if (size(p) > 0 .and. all(ieee_is_finite(p))) p_max = maxval(p)
    end function peak_value
 
-   !> Value at X = 0, linear between the nodes of a rising grid; NaN if the grid does not reach it. x, h (nx).
+   !> Value at X = 0, linear between the nodes of a rising grid; NaN if the grid does not reach it.
+   !> x, h (nx).
    pure function central_value(x, h) result(h_central)
       real(wp), intent(in) :: x(:)
       real(wp), intent(in) :: h(:)
@@ -162,8 +171,8 @@ contains
       if (.not. ieee_is_finite(h_central)) h_central = not_known()
    end function central_value
 
-   !> Value at X = 0 by the cubic through the two nodes of a uniform grid on either side, linear where there are not four; NaN if
-   !> the grid does not reach it. x, h (nx).
+   !> Value at X = 0 by the cubic through the two nodes of a uniform grid on either side, linear
+   !> where there are not four; NaN if the grid does not reach it. x, h (nx).
    pure function central_by_cubic(x, h) result(h_central)
       real(wp), intent(in) :: x(:)
       real(wp), intent(in) :: h(:)
@@ -175,7 +184,8 @@ contains
       i = count(x <= 0.0_wp)
       if (i < 2 .or. i + 2 > size(x) .or. .not. ieee_is_finite(h_central)) return
       t = -x(i)/(x(i + 1) - x(i))
-      weights = [-t*(t - 1)*(t - 2)/6, (t + 1)*(t - 1)*(t - 2)/2, -(t + 1)*t*(t - 2)/2, (t + 1)*t*(t - 1)/6]
+      weights = [-t*(t - 1)*(t - 2)/6, (t + 1)*(t - 1)*(t - 2)/2, -(t + 1)*t*(t - 2)/2, &
+         (t + 1)*t*(t - 1)/6]
       h_central = dot_product(weights, h(i - 1:i + 2))
    end function central_by_cubic
 
@@ -242,9 +252,10 @@ contains
       end if
    end function larger
 
-   !> X of the exit between two nodes. There P and dP/dX are zero, so that the root of P is nearly linear: the zero of the
-   !> parabola through the roots of P at the last three nodes with P > 0, of the line through the last two where that has no
-   !> zero ahead, at most two spacings behind the last node. NaN if there are not three such nodes in a row. x, p (nx).
+   !> X of the exit between two nodes. There P and dP/dX are zero, so that the root of P is nearly
+   !> linear: the zero of the parabola through the roots of P at the last three nodes with P > 0, of
+   !> the line through the last two where that has no zero ahead, at most two spacings behind the
+   !> last node. NaN if there are not three such nodes in a row. x, p (nx).
    pure function exit_between_nodes(x, p) result(position)
       real(wp), intent(in) :: x(:)
       real(wp), intent(in) :: p(:)

@@ -1,7 +1,8 @@
 !> The linear system of one Newton step of the line contact, and what it takes to solve it.
 !>
-!> Unknowns are the changes of P(1..n-1) and of H0. Row i < n is the Reynolds equation of node i divided by the elastic
-!> diagonal (the identity where the node is cavitated), row n the force balance.
+!> Unknowns are the changes of P(1..n-1) and of H0. Row i < n is the Reynolds equation of node i
+!> divided by the elastic diagonal (the identity where the node is cavitated), row n the force
+!> balance.
 module linear_solver
    use kinds, only: wp
    use line_level, only: line_level_t
@@ -24,8 +25,9 @@ module linear_solver
    end type linear_solver_t
 
    abstract interface
-      !> `jacobian` holds bands that are already divided by the elastic diagonal; `step` (n) is the right side on entry and
-      !> the solution on return. `is_solved` is false if the system is singular.
+      !> `jacobian` holds bands that are already divided by the elastic diagonal; `step` (n) is the
+      !> right side on entry and the solution on return. `is_solved` is false if the system is
+      !> singular.
       subroutine solve_interface(self, level, jacobian, is_cavitated, step, is_solved)
          import :: line_level_t, linear_solver_t, reynolds_jacobian_t, wp
          implicit none (type, external)

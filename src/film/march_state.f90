@@ -1,5 +1,5 @@
-!> Where a transient stands after a time step: everything that the later steps depend on, so that a run can be interrupted
-!> and taken up again without changing a bit of its result.
+!> Where a transient stands after a time step: everything that the later steps depend on, so that a
+!> run can be interrupted and taken up again without changing a bit of its result.
 module march_state
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -8,7 +8,8 @@ module march_state
 
    public :: march_state_t
 
-   !> The last solutions, from which the next one starts; dimensionless, on the nodes 0:n of the finest grid.
+   !> The last solutions, from which the next one starts; dimensionless, on the nodes 0:n of the
+   !> finest grid.
    type :: march_state_t
       !> Time steps done; 0 = the start.
       integer :: step = 0
@@ -18,11 +19,13 @@ module march_state
       real(wp), allocatable :: pressure(:, :)
       !> H0 of these solutions.
       real(wp) :: rigid_displacement(3) = 0.0_wp
-      !> Time from each of these solutions back to the next older one, dT or the part of it that was a step.
+      !> Time from each of these solutions back to the next older one, dT or the part of it that was
+      !> a step.
       real(wp) :: lengths(2) = 0.0_wp
       !> rho H of the last two times (0:n, 2), for the squeeze term.
       real(wp), allocatable :: mass(:, :)
-      !> Which of the ways of solution found it; the next step begins with that where the ways are relaxations of one method.
+      !> Which of the ways of solution found it; the next step begins with that where the ways are
+      !> relaxations of one method.
       integer :: way = 1
       !> H of the newest solution (0:n).
       real(wp), allocatable :: film(:)

@@ -1,7 +1,8 @@
 !> Mobility e = rho H^3 S/mu of the Reynolds-Eyring equation on a grid, with its derivatives.
 !>
-!> All laws are joined in ONE exponential, e = rho H^3 f exp(g - ln mu) with S = f exp(g), lest one overflows (ln mu reaches 714).
-!> Nodes are treated in blocks that stay in cache; each loop calls no procedure but the laws' own array loops.
+!> All laws are joined in ONE exponential, e = rho H^3 f exp(g - ln mu) with S = f exp(g), lest one
+!> overflows (ln mu reaches 714). Nodes are treated in blocks that stay in cache; each loop calls no
+!> procedure but the laws' own array loops.
 module mobility
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_density_value, fluid_ln_viscosity, fluid_t, &
@@ -12,7 +13,8 @@ module mobility
 
    public :: fluid_mobility, mobility_slopes_t, fluid_mobility_slopes
 
-   !> Bound of ln(S/mu): a wild iterate (|Sigma| beyond 500 at low pressure) must not overflow. No solution comes near it.
+   !> Bound of ln(S/mu): a wild iterate (|Sigma| beyond 500 at low pressure) must not overflow. No
+   !> solution comes near it.
    real(wp), parameter, public :: largest_exponent = 500.0_wp
 
    !> Mobility, density and their partial derivatives, each (0:n).
@@ -25,8 +27,9 @@ module mobility
 
 contains
 
-   !> Mobility `e` and density `rho` at all nodes; p >= 0, h > 0 (0:n). The slope inside S is the central difference
-   !> of p, and of its `rest` where that is kept, 0 at both ends; S follows its formula at every node, also where P = 0.
+   !> Mobility `e` and density `rho` at all nodes; p >= 0, h > 0 (0:n). The slope inside S is the
+   !> central difference of p, and of its `rest` where that is kept, 0 at both ends; S follows its
+   !> formula at every node, also where P = 0.
    pure subroutine fluid_mobility(fluid, dx, p, h, e, rho, rest)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
@@ -46,7 +49,8 @@ contains
             call drive_at_nodes(dx, p, h, first, drive(:m), inverse_film(:m), rest)
             call evaluate_slip(fluid, drive(:m), inverse_film(:m), ln_mu(:m), slip)
          end if
-         e(first:last) = rho(first:last)*h(first:last)**3*slip%factor(:m)*exp(min(slip%growth(:m) - ln_mu(:m), largest_exponent))
+         e(first:last) = rho(first:last)*h(first:last)**3*slip%factor(:m)*exp(min(slip%growth(:m) &
+            - ln_mu(:m), largest_exponent))
       end do
    end subroutine fluid_mobility
 
@@ -75,7 +79,8 @@ contains
       inverse_film = 1.0_wp/h(first:first + size(drive) - 1)
    end subroutine drive_at_nodes
 
-   !> Mobility, density and derivatives for the Jacobian; p >= 0, h > 0, and the rest of p where it is kept (0:n).
+   !> Mobility, density and derivatives for the Jacobian; p >= 0, h > 0, and the rest of p where it
+   !> is kept (0:n).
    pure subroutine fluid_mobility_slopes(fluid, dx, p, h, slopes, rest)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
@@ -98,7 +103,8 @@ contains
          end if
          associate (e => slopes%e(first:last), rho => slopes%rho(first:last), film => h(first:last))
             e = rho*film**3*slip%factor(:m)*exp(min(slip%growth(:m) - ln_mu(:m), largest_exponent))
-            slopes%e_p(first:last) = e*(slopes%rho_p(first:last)/rho + (slip%by_ln_mu(:m) - 1)*mu_p(:m))
+            slopes%e_p(first:last) = e*(slopes%rho_p(first:last)/rho &
+               + (slip%by_ln_mu(:m) - 1)*mu_p(:m))
             slopes%e_h(first:last) = e*(3 + slip%by_ln_film(:m))/film
             slopes%e_slope(first:last) = e*slip%by_drive(:m)*film
          end associate

@@ -24,8 +24,9 @@ module nested_start
    !> Accuracy and steps of the exact solutions below the coarsest grid of the cycles.
    real(wp), parameter :: nested_tolerance = 1.0e-2_wp
    integer, parameter :: nested_steps = 60
-   !> Accuracy of a level that finer ones are compared with: over 888 levels of 246 contacts h_min was within 1.4e-4 of the
-   !> grid's own value, in 99 % within 5e-5 (with 1e-2: 0.8 and 0.2), for 0.7 Newton steps more.
+   !> Accuracy of a level that finer ones are compared with: over 888 levels of 246 contacts h_min
+   !> was within 1.4e-4 of the grid's own value, in 99 % within 5e-5 (with 1e-2: 0.8 and 0.2), for
+   !> 0.7 Newton steps more.
    real(wp), parameter, public :: companion_tolerance = 1.0e-3_wp
    !> First grids that are tried.
    integer, parameter, public :: most_firsts = 4
@@ -37,10 +38,10 @@ module nested_start
 
 contains
 
-   !> Exact solutions from the coarsest grid that carries a film up to the coarsest of the cycles, then cubic
-   !> interpolation and one cycle on each finer level; the finest is left with the interpolated pressure.
-   !> Where no film is found on the first grid, the next finer ones are tried. `is_sound` is false if that fails too, or
-   !> `watcher` wants to stop.
+   !> Exact solutions from the coarsest grid that carries a film up to the coarsest of the cycles,
+   !> then cubic interpolation and one cycle on each finer level; the finest is left with the
+   !> interpolated pressure. Where no film is found on the first grid, the next finer ones are
+   !> tried. `is_sound` is false if that fails too, or `watcher` wants to stop.
    subroutine full_multigrid_start(hierarchy, contact, is_sound, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -67,21 +68,23 @@ contains
       end do
    end subroutine full_multigrid_start
 
-   !> The coarsest level that carries a film, at most the coarsest of the cycles. It is level 1 unless the user's number of
-   !> levels makes that one coarser.
+   !> The coarsest level that carries a film, at most the coarsest of the cycles. It is level 1
+   !> unless the user's number of levels makes that one coarser.
    pure function first_with_film(hierarchy, contact) result(first)
       type(line_hierarchy_t), intent(in) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       integer :: first
 
       first = 1
-      do while (first < hierarchy%coarsest .and. hierarchy%levels(first)%n < coarsest_for_film(contact))
+      do while (first < hierarchy%coarsest &
+         .and. hierarchy%levels(first)%n < coarsest_for_film(contact))
          first = first + 1
       end do
    end function first_with_film
 
-   !> Exact solutions on the levels from `first` (`first_stress`: there by way of a higher Eyring stress) to the coarsest of the
-   !> cycles; if that is the finest level, it is left with the interpolated pressure, or (`follows_time`) where that has moved to.
+   !> Exact solutions on the levels from `first` (`first_stress`: there by way of a higher Eyring
+   !> stress) to the coarsest of the cycles; if that is the finest level, it is left with the
+   !> interpolated pressure, or (`follows_time`) where that has moved to.
    subroutine nested_solutions(hierarchy, contact, first, is_sound, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -96,14 +99,17 @@ contains
       do k = first, hierarchy%coarsest
          if (k > first) call refine(hierarchy, contact, k)
          if (k == first .and. hierarchy%relaxation%first_stress > 1.0_wp) then
-            call follow_stress(hierarchy, contact, k, hierarchy%relaxation%first_stress, is_sound, watcher)
+            call follow_stress(hierarchy, contact, k, hierarchy%relaxation%first_stress, &
+               is_sound, watcher)
             if (.not. is_sound) return
          end if
          if (k == hierarchy%top) then
-            if (hierarchy%relaxation%follows_time) call follow_time(hierarchy, contact, k, is_sound, watcher)
+            if (hierarchy%relaxation%follows_time) call follow_time(hierarchy, contact, k, &
+               is_sound, watcher)
             return
          end if
-         tolerance = merge(companion_tolerance, nested_tolerance, hierarchy%wants_companions .and. k >= hierarchy%top - 2)
+         tolerance = merge(companion_tolerance, nested_tolerance, hierarchy%wants_companions &
+            .and. k >= hierarchy%top - 2)
          call solve_level(hierarchy, contact, k, tolerance, is_sound, watcher)
          if (.not. is_sound .and. hierarchy%relaxation%follows_time) then
             if (is_stopped(watcher)) return
@@ -130,15 +136,17 @@ contains
 
       associate (level => hierarchy%levels(k))
          level%is_sharp = .false.
-         call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, tolerance, nested_steps, watcher)
+         call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, &
+            tolerance, nested_steps, watcher)
          is_sound = hierarchy%newton%is_converged
          level%is_companion = is_sound .and. tolerance <= companion_tolerance
-         if (level%is_companion .and. hierarchy%is_sharp) call sharpen(hierarchy, contact, k, tolerance, watcher)
+         if (level%is_companion .and. hierarchy%is_sharp) call sharpen(hierarchy, contact, k, &
+            tolerance, watcher)
       end associate
    end subroutine solve_level
 
-   !> From the solution of the thesis's scheme on level k to that of the sharp one; where that fails, the first stays, which is no
-   !> companion.
+   !> From the solution of the thesis's scheme on level k to that of the sharp one; where that
+   !> fails, the first stays, which is no companion.
    subroutine sharpen(hierarchy, contact, k, tolerance, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -151,7 +159,8 @@ contains
          level%pressure_start = level%pressure
          rigid_displacement = hierarchy%rigid_displacement
          level%is_sharp = .true.
-         call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, tolerance, nested_steps, watcher)
+         call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, &
+            tolerance, nested_steps, watcher)
          level%is_companion = hierarchy%newton%is_converged
          if (level%is_companion) return
          level%is_sharp = .false.
@@ -171,9 +180,9 @@ contains
 
    !> Pressure of level k from level k - 1 by cubic interpolation, film from the pressure.
    !>
-   !> A zigzag of the coarse pressure is invisible to its central slopes but not to those of the fine grid, where the
-   !> slip factor would start at exp(100): the pressure of a fluid that thins is smoothed until
-   !> no wall stress is larger than `largest_sigma`.
+   !> A zigzag of the coarse pressure is invisible to its central slopes but not to those of the
+   !> fine grid, where the slip factor would start at exp(100): the pressure of a fluid that thins
+   !> is smoothed until no wall stress is larger than `largest_sigma`.
    subroutine refine(hierarchy, contact, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -184,21 +193,25 @@ contains
          call prolong_cubic(hierarchy%levels(k - 1)%pressure, level%pressure)
          call place_exit(hierarchy%levels(k - 1), level)
          level%has_tail = contact%domain%inlet == 'tail'
-         if (level%has_tail) level%rhs_load = hierarchy%levels(k - 1)%rhs_load - 0.5_wp*level%dx*level%pressure(0)
+         if (level%has_tail) level%rhs_load = hierarchy%levels(k - 1)%rhs_load &
+            - 0.5_wp*level%dx*level%pressure(0)
          do pass = 0, most_smoothings
             call film_of(level, hierarchy%rigid_displacement, level%film)
             if (.not. thins(contact%fluid)) exit
-            if (wall_stress(contact%fluid, maxval(abs(level%film(1:level%n - 1)*(level%pressure(2:) &
+            if (wall_stress(contact%fluid, &
+               maxval(abs(level%film(1:level%n - 1)*(level%pressure(2:) &
                - level%pressure(:level%n - 2)))))/(2*level%dx) < largest_sigma) exit
-            level%pressure(1:level%n - 1) = 0.25_wp*(level%pressure(:level%n - 2) + 2*level%pressure(1:level%n - 1) &
+            level%pressure(1:level%n - 1) = 0.25_wp*(level%pressure(:level%n - 2) &
+               + 2*level%pressure(1:level%n - 1) &
                + level%pressure(2:))
          end do
       end associate
       call count_work(hierarchy, k, 1)
    end subroutine refine
 
-   !> The interpolated pressure round the exit: its root is nearly linear there (module line_summary), and Newton's method
-   !> moves the exit by one node a step only, so that it has to start within one.
+   !> The interpolated pressure round the exit: its root is nearly linear there (module
+   !> line_summary), and Newton's method moves the exit by one node a step only, so that it has to
+   !> start within one.
    pure subroutine place_exit(coarse, fine)
       type(line_level_t), intent(in) :: coarse
       type(line_level_t), intent(inout) :: fine
@@ -209,16 +222,17 @@ contains
       last = findloc(coarse%pressure > 0.0_wp, .true., 1, back=.true.) - 1
       if (last < 1 .or. .not. ieee_is_finite(exit)) return
       if (exit <= coarse%x(last)) return
-      fine%pressure(2*last - 1) = 0.25_wp*(sqrt(coarse%pressure(last - 1)) + sqrt(coarse%pressure(last)))**2
+      fine%pressure(2*last - 1) = 0.25_wp*(sqrt(coarse%pressure(last - 1)) &
+         + sqrt(coarse%pressure(last)))**2
       slope = sqrt(coarse%pressure(last))/(exit - coarse%x(last))
       do i = 2*last + 1, min(2*last + 4, fine%n - 1)
          fine%pressure(i) = (slope*max(exit - fine%x(i), 0.0_wp))**2
       end do
    end subroutine place_exit
 
-   !> Hertz pressure, or for a thick film a bump of the width S = sqrt(2 H_c) of the pressure build-up, scaled to the load,
-   !> all of it on the node next to X = 0 where no node lies under the bump; H0 so that H(0) is the Moes film times `start_film` of
-   !> the way.
+   !> Hertz pressure, or for a thick film a bump of the width S = sqrt(2 H_c) of the pressure
+   !> build-up, scaled to the load, all of it on the node next to X = 0 where no node lies under the
+   !> bump; H0 so that H(0) is the Moes film times `start_film` of the way.
    subroutine bump_start(hierarchy, contact, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -230,7 +244,8 @@ contains
       width = sqrt(2*film)
       associate (level => hierarchy%levels(k))
          if (film > thick_film) then
-            level%pressure = merge(1/(1 + ((level%x + 0.5_wp*width)/width)**2)**2, 0.0_wp, level%x < width)
+            level%pressure = merge(1/(1 + ((level%x + 0.5_wp*width)/width)**2)**2, 0.0_wp, &
+               level%x < width)
          else
             level%pressure = line_pressure(level%x)
          end if

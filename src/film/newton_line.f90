@@ -1,8 +1,9 @@
 !> Newton's method for the line contact with its exact elastic Jacobian.
 !>
-!> Unknowns are P(1..n-1) and H0, the film follows exactly from P; complementarity P >= 0, r <= 0 by an active set:
-!> a node is cavitated where P + r/D <= 0 (r the residual of (2.65), D > 0 the elastic diagonal). How the linear system is
-!> solved is decided by the `linear_solver_t`: by LAPACK, or in O(n log n).
+!> Unknowns are P(1..n-1) and H0, the film follows exactly from P; complementarity P >= 0, r <= 0 by
+!> an active set: a node is cavitated where P + r/D <= 0 (r the residual of (2.65), D > 0 the
+!> elastic diagonal). How the linear system is solved is decided by the `linear_solver_t`: by
+!> LAPACK, or in O(n log n).
 module newton_line
    use inlet_tail, only: close_inlet
    use kinds, only: wp
@@ -18,24 +19,27 @@ module newton_line
 
    public :: newton_t, solve_newton
 
-   !> A step changes no pressure by more than this share of max(1, P), one that is bent by no more than the second, and no film to
-   !> less than the third.
-   real(wp), parameter :: largest_step = 0.3_wp, largest_bent_step = 0.6_wp, smallest_film_share = 0.5_wp
-   !> A step is bent where it changes ln e by more than this; the oil of a node flows where its mobility is more than the second
-   !> share of the diagonal (1000 Newtonian contacts: of 0.02-2 the fastest).
+   !> A step changes no pressure by more than this share of max(1, P), one that is bent by no more
+   !> than the second, and no film to less than the third.
+   real(wp), parameter :: largest_step = 0.3_wp, largest_bent_step = 0.6_wp, &
+      smallest_film_share = 0.5_wp
+   !> A step is bent where it changes ln e by more than this; the oil of a node flows where its
+   !> mobility is more than the second share of the diagonal (1000 Newtonian contacts: of 0.02-2 the
+   !> fastest).
    real(wp), parameter :: small_change = 0.3_wp, flowing_share = 0.1_wp
    !> A step changes no Sigma of the slip factor by more than this.
    real(wp), parameter :: largest_slip_step = 10.0_wp
    !> The step may be halved this often before the method gives up.
    integer, parameter :: most_halvings = 20
-   !> A step within a tolerance of the pressure must leave every film within so many times that, as a share of it: 0.01 p_h is all
-   !> of a film of 1e-4 b^2/R.
+   !> A step within a tolerance of the pressure must leave every film within so many times that, as
+   !> a share of it: 0.01 p_h is all of a film of 1e-4 b^2/R.
    real(wp), parameter :: film_share = 10.0_wp
-   !> A full step below `settled` that is no longer ten times smaller than the one before has reached the round-off.
+   !> A full step below `settled` that is no longer ten times smaller than the one before has
+   !> reached the round-off.
    real(wp), parameter :: settled = 1.0e-7_wp
 
-   !> What the linear solution may leave of the goal of a step that can reach it: one that has to lower the residual to no less
-   !> than this share of it.
+   !> What the linear solution may leave of the goal of a step that can reach it: one that has to
+   !> lower the residual to no less than this share of it.
    real(wp), parameter :: goal_share = 0.5_wp, most_reduction = 3.0e-6_wp
 
    !> Work space, kept from call to call, and what the last call did.
@@ -62,12 +66,14 @@ module newton_line
 
 contains
 
-   !> Solves the level's equations (with its right sides) from its present pressure; film and H0 are updated.
-   !> Ends when a full step is below `tolerance` in P and H0, and below ten times that in relative H, or at round-off, after
-   !> `max_steps`, or before a step where `watcher` wants to stop. `goal`: bound on |r|/lambda that the caller is after.
-   !> `film_is_exact`: the level's film is already that of its pressure and of H0.
+   !> Solves the level's equations (with its right sides) from its present pressure; film and H0 are
+   !> updated. Ends when a full step is below `tolerance` in P and H0, and below ten times that in
+   !> relative H, or at round-off, after `max_steps`, or before a step where `watcher` wants to
+   !> stop. `goal`: bound on |r|/lambda that the caller is after. `film_is_exact`: the level's film
+   !> is already that of its pressure and of H0.
    ! allow(too-many-arguments)  the last three are optional
-   subroutine solve_newton(newton, contact, level, rigid_displacement, tolerance, max_steps, watcher, goal, film_is_exact)
+   subroutine solve_newton(newton, contact, level, rigid_displacement, tolerance, max_steps, &
+      watcher, goal, film_is_exact)
       type(newton_t), intent(inout) :: newton
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
@@ -98,9 +104,11 @@ contains
          call evaluate_jacobian(contact, level, newton%jacobian)
          call prepare_system(newton, level)
          newton%linear%goal = linear_goal(newton%residual, contact%lambda, goal)
-         call newton%linear%solve(level, newton%jacobian, newton%is_cavitated, newton%step, is_solved)
+         call newton%linear%solve(level, newton%jacobian, newton%is_cavitated, newton%step, &
+            is_solved)
          if (.not. is_solved) return
-         ! an iterative solution leaves the rest of its tolerance here, which would count as a pressurised node
+         ! an iterative solution leaves the rest of its tolerance here, which would count as a
+         ! pressurised node
          where (newton%is_cavitated) newton%step(1:level%n - 1) = -level%pressure(1:level%n - 1)
          newton%linear_iterations = newton%linear_iterations + newton%linear%iterations
          if (newton%is_bent) call bend_step(newton, level)
@@ -111,7 +119,8 @@ contains
             previous_step = huge(1.0_wp)
             cycle
          end if
-         newton%is_converged = (newton%last_step < tolerance .and. newton%last_film_step < film_share*tolerance) &
+         newton%is_converged = (newton%last_step < tolerance &
+            .and. newton%last_film_step < film_share*tolerance) &
             .or. (newton%last_step < settled .and. newton%last_step > 0.1_wp*previous_step)
          if (newton%is_converged) return
          previous_step = newton%last_step
@@ -130,10 +139,12 @@ contains
          if (size(newton%step) == n) return
          deallocate (newton%step, newton%trial, newton%film_trial, newton%is_cavitated)
       end if
-      allocate (newton%step(n), newton%trial(0:n), newton%film_trial(0:n), newton%is_cavitated(n - 1))
+      allocate (newton%step(n), newton%trial(0:n), newton%film_trial(0:n), &
+         newton%is_cavitated(n - 1))
    end subroutine allocate_work
 
-   !> What the linear solution may leave of |r| where Newton's method is after the bound `goal` on |r|/lambda.
+   !> What the linear solution may leave of |r| where Newton's method is after the bound `goal` on
+   !> |r|/lambda.
    pure function linear_goal(residual, lambda, goal) result(bound)
       real(wp), intent(in) :: residual, lambda
       real(wp), intent(in), optional :: goal
@@ -158,7 +169,8 @@ contains
             pull = (level%rhs_reynolds(i) - level%operator(i))*inverse
             newton%is_cavitated(i) = level%pressure(i) + pull <= 0.0_wp
             newton%step(i) = merge(-level%pressure(i), pull, newton%is_cavitated(i))
-            if (.not. newton%is_cavitated(i)) newton%residual = max(newton%residual, abs(pull*jacobian%diagonal(i)))
+            if (.not. newton%is_cavitated(i)) newton%residual = max(newton%residual, &
+               abs(pull*jacobian%diagonal(i)))
             jacobian%by_film(:, i) = jacobian%by_film(:, i)*inverse
             jacobian%by_pressure(:, i) = jacobian%by_pressure(:, i)*inverse
          end do
@@ -168,17 +180,19 @@ contains
 
    !> Bends the step of nodes whose mobility e would change by much.
    !>
-   !> Where oil is as good as solid, its film fixes P, linearly; where it flows, what is linear is the flow, in e ~ exp(-a P). A
-   !> falling pressure goes no further than to where the oil begins to flow, or than e grows as its tangent in P says; a rising
-   !> one as far as e falls as that tangent says, but not past where the flow ends. Unbent, the step overshoots at a spike, which
-   !> then comes back by one e-fold, or one node, a step.
+   !> Where oil is as good as solid, its film fixes P, linearly; where it flows, what is linear is
+   !> the flow, in e ~ exp(-a P). A falling pressure goes no further than to where the oil begins to
+   !> flow, or than e grows as its tangent in P says; a rising one as far as e falls as that tangent
+   !> says, but not past where the flow ends. Unbent, the step overshoots at a spike, which then
+   !> comes back by one e-fold, or one node, a step.
    pure subroutine bend_step(newton, level)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(in) :: level
       real(wp) :: bent, change, flow, rate
       integer :: i
 
-      associate (e => newton%jacobian%slopes%e, e_p => newton%jacobian%slopes%e_p, step => newton%step)
+      associate (e => newton%jacobian%slopes%e, e_p => newton%jacobian%slopes%e_p, &
+         step => newton%step)
          do i = 1, level%n - 1
             if (abs(e_p(i)*step(i)) <= small_change*e(i) .or. newton%is_cavitated(i)) cycle
             rate = -e_p(i)/e(i)
@@ -191,7 +205,8 @@ contains
       end associate
    end subroutine bend_step
 
-   !> Takes the step, shortened until no pressure moves too far and no film falls below half; share = 0 if that fails.
+   !> Takes the step, shortened until no pressure moves too far and no film falls below half;
+   !> share = 0 if that fails.
    subroutine take_step(newton, level, rigid_displacement, share)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
@@ -207,7 +222,8 @@ contains
          return
       end if
       longest = merge(largest_bent_step, largest_step, newton%is_bent)
-      share = min(1.0_wp, longest/max(share, longest), largest_slip_step/max(slip_step(newton, level), largest_slip_step))
+      share = min(1.0_wp, longest/max(share, longest), &
+         largest_slip_step/max(slip_step(newton, level), largest_slip_step))
       newton%trial = level%pressure
       do halving = 1, most_halvings
          level%pressure(1:n - 1) = max(newton%trial(1:n - 1) + share*newton%step(1:n - 1), 0.0_wp)
@@ -223,7 +239,8 @@ contains
       if (allocated(level%pressure_rest)) then
          ! with what rounding has cut off this step; a pressure cut at 0 is exact
          associate (rest => level%pressure_rest(1:n - 1), new => level%pressure(1:n - 1))
-            rest = merge(rest + rest_of_sum(new, newton%trial(1:n - 1), share*newton%step(1:n - 1)), 0.0_wp, new > 0.0_wp)
+            rest = merge(rest + rest_of_sum(new, newton%trial(1:n - 1), &
+               share*newton%step(1:n - 1)), 0.0_wp, new > 0.0_wp)
          end associate
       end if
       rigid_displacement = rigid_displacement + share*newton%step(n)
@@ -244,7 +261,8 @@ contains
       end do
    end function film_step
 
-   !> Largest change of Sigma in a full step: the slip factor grows like exp(|Sigma|), a Newton step must not run ahead of it.
+   !> Largest change of Sigma in a full step: the slip factor grows like exp(|Sigma|), a Newton step
+   !> must not run ahead of it.
    pure function slip_step(newton, level) result(largest)
       type(newton_t), intent(in) :: newton
       type(line_level_t), intent(in) :: level

@@ -12,9 +12,11 @@ module observer
 
    !> Somebody who listens to a solver.
    type, abstract :: observer_t
-      !> Set by the observer: the solver ends after this cycle or step, as not converged (a full disk, a signal).
+      !> Set by the observer: the solver ends after this cycle or step, as not converged (a full
+      !> disk, a signal).
       logical :: wants_stop = .false.
-      !> Set by the observer in `on_step`: it wants to keep where the transient stands (`keep_state`).
+      !> Set by the observer in `on_step`: it wants to keep where the transient stands
+      !> (`keep_state`).
       logical :: wants_state = .false.
    contains
       !> After each cycle of a steady solve.
@@ -23,7 +25,8 @@ module observer
       procedure(on_step_interface), deferred :: on_step
       !> After a time step for which `wants_state` is set.
       procedure :: keep_state => ignore_state
-      !> After a steady solution: the summaries of the coarser grids that it has passed, of n/2 intervals, n/4 ...
+      !> After a steady solution: the summaries of the coarser grids that it has passed, of n/2
+      !> intervals, n/4 ...
       procedure :: keep_coarser => ignore_coarser
       !> What is done from now on, in a few words for somebody who waits.
       procedure :: on_stage => ignore_stage
@@ -38,7 +41,8 @@ module observer
       procedure :: on_step => ignore_step
    end type silent_observer_t
 
-   !> Listens to a run that serves another one: tells nobody, but ends the run where the other one's `watcher` wants to stop.
+   !> Listens to a run that serves another one: tells nobody, but ends the run where the other one's
+   !> `watcher` wants to stop.
    type, extends(silent_observer_t) :: lookout_t
       class(observer_t), pointer :: watcher => null()
    contains
@@ -60,7 +64,8 @@ module observer
          real(wp), intent(in) :: load_error
       end subroutine on_cycle_interface
 
-      !> Time step `step` of `steps` is done (0 = the start) and left `state`; `report` as far as it is known.
+      !> Time step `step` of `steps` is done (0 = the start) and left `state`; `report` as far as it
+      !> is known.
       subroutine on_step_interface(self, step, steps, state, report)
          import :: line_state_t, observer_t, report_t
          implicit none (type, external)
@@ -129,7 +134,8 @@ contains
       real(wp), intent(in) :: residual
       real(wp), intent(in) :: load_error
 
-      associate (unused_self => self, unused_cycle => cycle, unused_residual => residual, unused_load_error => load_error)
+      associate (unused_self => self, unused_cycle => cycle, unused_residual => residual, &
+         unused_load_error => load_error)
       end associate
    end subroutine ignore_cycle
 
@@ -141,7 +147,8 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
 
-      associate (unused_self => self, unused_step => step, unused_steps => steps, unused_state => state, unused_report => report)
+      associate (unused_self => self, unused_step => step, unused_steps => steps, &
+         unused_state => state, unused_report => report)
       end associate
    end subroutine ignore_step
 
@@ -152,7 +159,8 @@ contains
       real(wp), intent(in) :: residual
       real(wp), intent(in) :: load_error
 
-      associate (unused_cycle => cycle, unused_residual => residual, unused_load_error => load_error)
+      associate (unused_cycle => cycle, unused_residual => residual, &
+         unused_load_error => load_error)
       end associate
       call self%look_outside()
    end subroutine look_at_cycle
@@ -165,7 +173,8 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
 
-      associate (unused_step => step, unused_steps => steps, unused_state => state, unused_report => report)
+      associate (unused_step => step, unused_steps => steps, unused_state => state, &
+         unused_report => report)
       end associate
       call self%look_outside()
    end subroutine look_at_step

@@ -1,15 +1,17 @@
 !> Which times of a transient count for its figures: from when its start is forgotten.
 !>
-!> At T = 0 the film is that of the smooth contact, and surfaces that are then inside the contact have entered it without a new
-!> solve. With S = sqrt(2 H_c) the film is made in front of X = -1 - S/2 and carried through the contact with the mean speed, one
-!> half-width per unit of T, in the time 2 + S. What the start has left of an extreme was below 1.4 % after that time in 9 waves
-!> of 5 to 35 % of the film, below 0.1 % after 1.6 times that, and fell by a factor of 10 or more in each further such time. A
-!> ridge that begins in front of X = -1 - S/2 leaves nothing of the start: its film differs by less than 0.4 % from that of a
-!> start far outside (10 contacts).
+!> At T = 0 the film is that of the smooth contact, and surfaces that are then inside the contact
+!> have entered it without a new solve. With S = sqrt(2 H_c) the film is made in front of
+!> X = -1 - S/2 and carried through the contact with the mean speed, one half-width per unit of T,
+!> in the time 2 + S. What the start has left of an extreme was below 1.4 % after that time in 9
+!> waves of 5 to 35 % of the film, below 0.1 % after 1.6 times that, and fell by a factor of 10 or
+!> more in each further such time. A ridge that begins in front of X = -1 - S/2 leaves nothing of
+!> the start: its film differs by less than 0.4 % from that of a start far outside (10 contacts).
 !>
 !> A passage of nothing but waves becomes periodic: its figures are those of the last whole periods.
 module passage_times
-   use entry_zone, only: half_ridge, has_something_inside, has_waves, is_cut, is_moving, is_ridge, is_wave, last_passage, &
+   use entry_zone, only: half_ridge, has_something_inside, has_waves, is_cut, is_moving, &
+      is_ridge, is_wave, last_passage, &
       zone_of, zone_t
    use features, only: feature_ridge, rough_surface_t
    use kinds, only: wp
@@ -23,12 +25,13 @@ module passage_times
 
    !> The start is forgotten after so many times 2 + S, and half of that suffices for a comparison.
    real(wp), parameter :: settling = 1.5_wp, comparable = 1.0_wp
-   !> Figures of periodic passages are taken over whole periods that last this many times 2 + S at least.
+   !> Figures of periodic passages are taken over whole periods that last this many times 2 + S at
+   !> least.
    real(wp), parameter :: least_window = 1.0_wp/3.0_wp
    !> A feature is put in front of X = -1 - c S.
    real(wp), parameter :: entry = 1.0_wp
-   !> Several waves repeat themselves where each is this part of its period from where it was, at most; looked for up to so many
-   !> periods of the slowest.
+   !> Several waves repeat themselves where each is this part of its period from where it was, at
+   !> most; looked for up to so many periods of the slowest.
    real(wp), parameter :: same_phase = 0.05_wp
    integer, parameter :: most_periods = 1000
    !> Times are equal to this share of the end.
@@ -38,7 +41,8 @@ module passage_times
    type :: passage_times_t
       !> Figures are the extremes over this time and all later ones.
       real(wp) :: counts_from = 0.0_wp
-      !> Where a period is known: the extremes between this time and `counts_from` tell how far the passage is from periodic.
+      !> Where a period is known: the extremes between this time and `counts_from` tell how far the
+      !> passage is from periodic.
       real(wp) :: earlier_from = 0.0_wp
       !> Period of the passage; 0: it has none.
       real(wp) :: period = 0.0_wp
@@ -76,16 +80,19 @@ contains
       real(wp), intent(in) :: time
       logical :: is_earlier
 
-      is_earlier = self%period > 0.0_wp .and. time >= self%earlier_from - rounding*self%end_time .and. &
+      is_earlier = self%period > 0.0_wp .and. time >= self%earlier_from &
+         - rounding*self%end_time .and. &
          time <= self%counts_from + rounding*self%end_time
    end function is_earlier
 
-   !> Whether the start is forgotten where the times begin that count; of a given beginning nothing is asked.
+   !> Whether the start is forgotten where the times begin that count; of a given beginning nothing
+   !> is asked.
    pure function is_settled(self)
       class(passage_times_t), intent(in) :: self
       logical :: is_settled
 
-      is_settled = self%is_given .or. .not. self%is_artificial .or. self%end_time >= self%needed_end*(1 - rounding)
+      is_settled = self%is_given .or. .not. self%is_artificial &
+         .or. self%end_time >= self%needed_end*(1 - rounding)
    end function is_settled
 
    !> The times of a contact whose features are placed.
@@ -111,7 +118,8 @@ contains
       if (.not. repeats(contact)) times%period = 0.0_wp
       if (times%period > 0.0_wp) then
          window = times%period*ceiling(least_window*zone%transit/times%period)
-         times%needed_end = max(times%settled_from + window, times%settled_from - (settling - comparable)*zone%transit + 2*window)
+         times%needed_end = max(times%settled_from + window, &
+            times%settled_from - (settling - comparable)*zone%transit + 2*window)
          times%counts_from = max(time%end_time - window, min(times%settled_from, time%end_time))
          times%earlier_from = max(time%end_time - 2*window, 0.0_wp)
       else if (times%settled_from < time%end_time) then
@@ -142,7 +150,8 @@ contains
       times%settled_from = max(times%settled_from, settled)
    end subroutine look_at_surface
 
-   !> How much later than from T = 0 on the film is made of a whole wave, where that rises behind a front or with time.
+   !> How much later than from T = 0 on the film is made of a whole wave, where that rises behind a
+   !> front or with time.
    pure function entering_time(surface, zone) result(time)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
@@ -176,7 +185,8 @@ contains
       is_repeating = .true.
       if (.not. is_moving(surface)) return
       is_repeating = .not. allocated(surface%profile)
-      if (allocated(surface%features)) is_repeating = is_repeating .and. .not. any(is_ridge(surface%features))
+      if (allocated(surface%features)) is_repeating = is_repeating &
+         .and. .not. any(is_ridge(surface%features))
    end function is_repeating
 
    !> Time in which each wave of a moving surface goes on by its length.
@@ -185,7 +195,8 @@ contains
       real(wp), allocatable :: periods(:)
 
       allocate (periods(0))
-      if (is_moving(surface) .and. allocated(surface%features)) periods = pack(surface%features%wavelength, &
+      if (is_moving(surface) .and. allocated(surface%features)) periods = &
+         pack(surface%features%wavelength, &
          is_wave(surface%features))/abs(surface%speed)
    end function periods_of
 
@@ -203,8 +214,9 @@ contains
       end do
    end function common_period
 
-   !> Puts the features of moving surfaces that have no place just in front of the contact, on the side they come from; where
-   !> something else has to settle first, so far that they enter after it.
+   !> Puts the features of moving surfaces that have no place just in front of the contact, on the
+   !> side they come from; where something else has to settle first, so far that they enter after
+   !> it.
    pure subroutine place_features(contact)
       type(line_contact_t), intent(inout) :: contact
       type(passage_times_t) :: times
@@ -231,7 +243,8 @@ contains
                feature%is_placed = .true.
                if (feature%kind /= feature_ridge .or. .not. is_moving(surface)) cycle
                distance = 1 + entry*zone%width + abs(surface%speed)*times%settled_from
-               if (surface%entry_length > 0.0_wp) distance = max(distance, abs(surface%entry_position) + surface%entry_length)
+               if (surface%entry_length > 0.0_wp) distance = max(distance, &
+                  abs(surface%entry_position) + surface%entry_length)
                feature%position = sign(distance + half_ridge*feature%wavelength, -surface%speed)
             end associate
          end do
@@ -239,7 +252,8 @@ contains
 
    end subroutine place_features
 
-   !> What should be known about the times: figures that have the start in them, a passage that is not whole; empty: nothing.
+   !> What should be known about the times: figures that have the start in them, a passage that is
+   !> not whole; empty: nothing.
    pure function passage_note(contact, times) result(note)
       type(line_contact_t), intent(in) :: contact
       type(passage_times_t), intent(in) :: times
@@ -250,22 +264,29 @@ contains
       if (.not. times%settled_from > 0.0_wp) then
          continue
       else if (times%is_given) then
-         if (times%is_artificial .and. times%counts_from < times%settled_from*(1 - rounding)) note = &
-            'statistics_from lies in the artificial start, which is forgotten by T = '//to_text(times%settled_from, 3)
+         if (times%is_artificial .and. times%counts_from < times%settled_from*(1 &
+            - rounding)) note = &
+            'statistics_from lies in the artificial start, which is forgotten by T = ' &
+               //to_text(times%settled_from, 3)
       else if (times%end_time < times%needed_end*(1 - rounding)) then
-         note = 'the surfaces have not filled the contact before T = '//to_text(times%settled_from, 3)
-         if (times%is_artificial) note = 'the artificial start is in the figures: it is forgotten by T = '// &
+         note = 'the surfaces have not filled the contact before T = ' &
+            //to_text(times%settled_from, 3)
+         if (times%is_artificial) note = 'the artificial start is in the figures: it is '// &
+            'forgotten by T = '// &
             to_text(times%settled_from, 3)
          if (times%period > 0.0_wp) note = note//', and a period takes '//to_text(times%period, 3)
          note = note//'; end_time = '//rounded_up(times%needed_end)//' or more is needed'
-      else if (is_cut(contact%surface_1, zone_of(contact)) .or. is_cut(contact%surface_2, zone_of(contact))) then
-         note = 'a feature that moves stands in the contact at T = 0: of its passage only what comes after T = '// &
+      else if (is_cut(contact%surface_1, zone_of(contact)) .or. is_cut(contact%surface_2, &
+         zone_of(contact))) then
+         note = 'a feature that moves stands in the contact at T = 0: of its passage only '// &
+            'what comes after T = '// &
             to_text(times%settled_from, 3)//' counts; position further outside shows all of it'
       end if
       left = max(last_passage(contact%surface_1), last_passage(contact%surface_2))
       if (left > times%end_time*(1 + rounding)) then
          if (note /= '') note = note//'; '
-         note = note//'a feature is still in the contact or in front of it at the end: end_time = '//rounded_up(left)// &
+         note = note//'a feature is still in the contact or in front of it at the end: '// &
+            'end_time = '//rounded_up(left)// &
             ' or more is needed'
       end if
    end function passage_note

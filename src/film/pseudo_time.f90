@@ -1,8 +1,10 @@
-!> Pseudo-transient continuation: the steady contact as the end of a motion from where it stands, in steps that grow.
+!> Pseudo-transient continuation: the steady contact as the end of a motion from where it stands, in
+!> steps that grow.
 !>
-!> Newton's method alone cannot move a pressure spike that is narrower than the grid, nor shed a wild Eyring start: the squeeze
-!> term -lambda/dT (rho H - rho H_old) holds every step near the last one, and the oil carries the spike where it belongs.
-!> Source: Kelley & Keyes, SIAM J. Numer. Anal. 35, 1998, 508-523.
+!> Newton's method alone cannot move a pressure spike that is narrower than the grid, nor shed a
+!> wild Eyring start: the squeeze term -lambda/dT (rho H - rho H_old) holds every step near the last
+!> one, and the oil carries the spike where it belongs. Source: Kelley & Keyes, SIAM J. Numer. Anal.
+!> 35, 1998, 508-523.
 module pseudo_time
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -16,10 +18,11 @@ module pseudo_time
 
    public :: follow_time
 
-   !> First step and the smallest one tried, in dX; the last one, at which nothing is left of the squeeze term (oil passes the
-   !> contact in a time of 2).
+   !> First step and the smallest one tried, in dX; the last one, at which nothing is left of the
+   !> squeeze term (oil passes the contact in a time of 2).
    real(wp), parameter :: first_step = 1.0_wp, smallest_step = 1.0e-3_wp, last_step = 1.0e3_wp
-   !> The step grows after a success (twice where that took few Newton steps) and shrinks after a failure.
+   !> The step grows after a success (twice where that took few Newton steps) and shrinks after a
+   !> failure.
    real(wp), parameter :: growth = 1.5_wp, shrinkage = 0.25_wp
    integer, parameter :: few_newton_steps = 3
    !> Steps tried in all; accuracy and Newton steps of each.
@@ -28,8 +31,9 @@ module pseudo_time
 
 contains
 
-   !> Follows the steady problem posed on level k from its present pressure. `is_settled` is false if the steps shrink to nothing
-   !> or are too many, or `watcher` wants to stop; the level is then left where the motion stands.
+   !> Follows the steady problem posed on level k from its present pressure. `is_settled` is false
+   !> if the steps shrink to nothing or are too many, or `watcher` wants to stop; the level is then
+   !> left where the motion stands.
    subroutine follow_time(hierarchy, contact, k, is_settled, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -50,12 +54,14 @@ contains
             film = level%film
             rigid_displacement = hierarchy%rigid_displacement
             call pose_step(contact, level, right_side, time_step)
-            call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, step_tolerance, most_newton_steps, &
+            call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, &
+               step_tolerance, most_newton_steps, &
                watcher)
             call count_work(hierarchy, k, hierarchy%newton%steps)
             if (hierarchy%newton%is_converged) then
                is_settled = time_step >= last_step
-               time_step = time_step*merge(growth**2, growth, hierarchy%newton%steps <= few_newton_steps)
+               time_step = time_step*merge(growth**2, growth, &
+                  hierarchy%newton%steps <= few_newton_steps)
             else
                time_step = shrinkage*time_step
                level%pressure = pressure

@@ -1,6 +1,8 @@
-!> Exact Jacobian of the discrete Reynolds-Eyring operator L_R(P, H) of `reynolds_line`: bands in P and in H.
+!> Exact Jacobian of the discrete Reynolds-Eyring operator L_R(P, H) of `reynolds_line`: bands in P
+!> and in H.
 !>
-!> With the film equation H = ... + H0 - K P it gives the elastic Jacobian J = JP - JH K of the Newton methods.
+!> With the film equation H = ... + H0 - K P it gives the elastic Jacobian J = JP - JH K of the
+!> Newton methods.
 module reynolds_jacobian
    use face_mobility, only: face_slopes_t, fluid_face_slopes
    use kinds, only: wp
@@ -37,17 +39,21 @@ contains
       if (allocated(jacobian%diagonal)) then
          if (size(jacobian%diagonal) == n + 1) return
          deallocate (jacobian%by_pressure, jacobian%by_film, jacobian%diagonal)
-         deallocate (jacobian%slopes%e, jacobian%slopes%e_p, jacobian%slopes%e_h, jacobian%slopes%e_slope)
+         deallocate (jacobian%slopes%e, jacobian%slopes%e_p, jacobian%slopes%e_h, &
+            jacobian%slopes%e_slope)
          deallocate (jacobian%slopes%rho, jacobian%slopes%rho_p)
          jacobian%faces = face_slopes_t()
       end if
-      allocate (jacobian%by_pressure(-2:2, 0:n), jacobian%by_film(-2:1, 0:n), jacobian%diagonal(0:n), source=0.0_wp)
-      allocate (jacobian%slopes%e(0:n), jacobian%slopes%e_p(0:n), jacobian%slopes%e_h(0:n), jacobian%slopes%e_slope(0:n))
+      allocate (jacobian%by_pressure(-2:2, 0:n), jacobian%by_film(-2:1, 0:n), &
+         jacobian%diagonal(0:n), source=0.0_wp)
+      allocate (jacobian%slopes%e(0:n), jacobian%slopes%e_p(0:n), jacobian%slopes%e_h(0:n), &
+         jacobian%slopes%e_slope(0:n))
       allocate (jacobian%slopes%rho(0:n), jacobian%slopes%rho_p(0:n))
    end subroutine new_jacobian
 
-   !> The bands at the present pressure and film of the level; rows 0 and n stay zero. The laws are evaluated once: the level gets
-   !> its coefficients and the operator L_R from the same values (as from `evaluate_reynolds`).
+   !> The bands at the present pressure and film of the level; rows 0 and n stay zero. The laws are
+   !> evaluated once: the level gets its coefficients and the operator L_R from the same values (as
+   !> from `evaluate_reynolds`).
    pure subroutine evaluate_jacobian(contact, level, jacobian)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
@@ -64,11 +70,13 @@ contains
             left_p = right_p
             left_h = right_h
             call differentiate_flux(contact, level, jacobian, i + 1, right_p, right_h)
-            jp(:, i) = [-left_p(-2), right_p(-2) - left_p(-1), right_p(-1) - left_p(0), right_p(0) - left_p(1), right_p(1)]
+            jp(:, i) = [-left_p(-2), right_p(-2) - left_p(-1), right_p(-1) - left_p(0), &
+               right_p(0) - left_p(1), right_p(1)]
             jh(:, i) = [-left_h(-2), right_h(-2) - left_h(-1), right_h(-1) - left_h(0), right_h(0)]
             if (i <= 2) weights = wedge_and_squeeze(contact%lambda, level, i)
             call add_flow(weights, level, i, jacobian)
-            jacobian%diagonal(i) = jp(0, i) - jh(-2, i)*kernel(2) - jh(-1, i)*kernel(1) - jh(0, i)*kernel(0) - jh(1, i)*kernel(1)
+            jacobian%diagonal(i) = jp(0, i) - jh(-2, i)*kernel(2) - jh(-1, i)*kernel(1) - jh(0, &
+               i)*kernel(0) - jh(1, i)*kernel(1)
          end do
          if (has_close_exit(level)) then
             i = level%exit_node
@@ -87,14 +95,17 @@ contains
       associate (slopes => jacobian%slopes)
          if (level%is_sharp) then
             if (.not. allocated(jacobian%faces%e)) call new_faces(jacobian%faces, level%n)
-            call fluid_face_slopes(contact%fluid, level%dx, level%pressure, level%film, jacobian%faces, slopes%rho, slopes%rho_p, &
+            call fluid_face_slopes(contact%fluid, level%dx, level%pressure, level%film, &
+               jacobian%faces, slopes%rho, slopes%rho_p, &
                level%pressure_rest)
             level%face_mobility = jacobian%faces%e
             ! Newton's method bends steps by the mobility of the nodes
-            if (.not. thins(contact%fluid)) call fluid_mobility_slopes(contact%fluid, level%dx, level%pressure, &
+            if (.not. thins(contact%fluid)) call fluid_mobility_slopes(contact%fluid, level%dx, &
+               level%pressure, &
                level%film, slopes)
          else
-            call fluid_mobility_slopes(contact%fluid, level%dx, level%pressure, level%film, slopes, level%pressure_rest)
+            call fluid_mobility_slopes(contact%fluid, level%dx, level%pressure, level%film, &
+               slopes, level%pressure_rest)
             level%mobility = slopes%e
             level%face_mobility = 0.5_wp*(slopes%e(:level%n - 1) + slopes%e(1:))
          end if
@@ -102,8 +113,8 @@ contains
       end associate
    end subroutine evaluate_slopes
 
-   !> Derivatives of the flux e(i-1/2) (P(i) - P(i-1))/dX^2 through the face left of node i, with what the sharp scheme has more of
-   !> the flow rH there, by P(i-2..i+1) and H(i-2..i).
+   !> Derivatives of the flux e(i-1/2) (P(i) - P(i-1))/dX^2 through the face left of node i, with
+   !> what the sharp scheme has more of the flow rH there, by P(i-2..i+1) and H(i-2..i).
    pure subroutine differentiate_flux(contact, level, jacobian, i, flux_p, flux_h)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
@@ -116,15 +127,18 @@ contains
       conductance = level%face_mobility(i)/level%dx**2
       if (level%is_sharp) then
          associate (faces => jacobian%faces)
-            flux_p = [0.0_wp, faces%by_p_left(i)*slope - conductance, faces%by_p_right(i)*slope + conductance, 0.0_wp]
+            flux_p = [0.0_wp, faces%by_p_left(i)*slope - conductance, &
+               faces%by_p_right(i)*slope + conductance, 0.0_wp]
             flux_h = [0.0_wp, faces%by_h_left(i)*slope, faces%by_h_right(i)*slope]
          end associate
-         if (i > 1) call add_third_order_slopes(contact, level, jacobian%slopes%rho_p(i - 2:i), i, flux_p(:0), flux_h)
+         if (i > 1) call add_third_order_slopes(contact, level, jacobian%slopes%rho_p(i - 2:i), &
+            i, flux_p(:0), flux_h)
       else
          associate (s => jacobian%slopes)
             left = 0.25_wp*s%e_slope(i - 1)*slope/level%dx
             right = 0.25_wp*s%e_slope(i)*slope/level%dx
-            flux_p = [-left, 0.5_wp*s%e_p(i - 1)*slope - conductance - right, 0.5_wp*s%e_p(i)*slope + conductance + left, right]
+            flux_p = [-left, 0.5_wp*s%e_p(i - 1)*slope - conductance - right, &
+               0.5_wp*s%e_p(i)*slope + conductance + left, right]
             flux_h = [0.0_wp, 0.5_wp*s%e_h(i - 1)*slope, 0.5_wp*s%e_h(i)*slope]
          end associate
       end if
@@ -140,17 +154,20 @@ contains
       real(wp), parameter :: second(-2:0) = [1.0_wp, -2.0_wp, 1.0_wp]
       real(wp) :: factor, kappa, share
 
-      associate (p => level%pressure(i - 2:i), h => level%film(i - 2:i), rho => level%density(i - 2:i), &
+      associate (p => level%pressure(i - 2:i), h => level%film(i - 2:i), &
+         rho => level%density(i - 2:i), &
          alpha => contact%fluid%alpha_bar)
          factor = contact%lambda/(3*level%dx)
          kappa = alpha*dot_product(second, p)
          share = third_order_share(kappa)
-         flux_p = flux_p - factor*second*(share*rho_p*h + alpha*third_order_slope(kappa)*dot_product(second, rho*h))
+         flux_p = flux_p - factor*second*(share*rho_p*h + alpha*third_order_slope(kappa) &
+            *dot_product(second, rho*h))
          flux_h = flux_h - factor*second*share*rho
       end associate
    end subroutine add_third_order_slopes
 
-   !> Weights of rH(i-2) ... rH(i) in the wedge and the squeeze term of row i, the same ones from the second row on.
+   !> Weights of rH(i-2) ... rH(i) in the wedge and the squeeze term of row i, the same ones from
+   !> the second row on.
    pure function wedge_and_squeeze(lambda, level, i) result(weights)
       real(wp), intent(in) :: lambda
       type(line_level_t), intent(in) :: level
@@ -171,7 +188,8 @@ contains
 
       associate (s => jacobian%slopes)
          do o = max(-2, -i), 0
-            jacobian%by_pressure(o, i) = jacobian%by_pressure(o, i) - weights(o)*s%rho_p(i + o)*level%film(i + o)
+            jacobian%by_pressure(o, i) = jacobian%by_pressure(o, &
+               i) - weights(o)*s%rho_p(i + o)*level%film(i + o)
             jacobian%by_film(o, i) = jacobian%by_film(o, i) - weights(o)*s%rho(i + o)
          end do
       end associate
@@ -182,7 +200,8 @@ contains
       type(face_slopes_t), intent(out) :: faces
       integer, intent(in) :: n
 
-      allocate (faces%e(n), faces%by_p_left(n), faces%by_p_right(n), faces%by_h_left(n), faces%by_h_right(n))
+      allocate (faces%e(n), faces%by_p_left(n), faces%by_p_right(n), faces%by_h_left(n), &
+         faces%by_h_right(n))
    end subroutine new_faces
 
 end module reynolds_jacobian

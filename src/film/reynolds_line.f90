@@ -3,17 +3,17 @@
 !>     L_R(P,H)_i = 1/dX^2 [ e(i-1/2) P(i-1) - (e(i-1/2)+e(i+1/2)) P(i) + e(i+1/2) P(i+1) ]
 !>                - lambda/(2 dX) [ 3 rH(i) - 4 rH(i-1) + rH(i-2) ] - lambda/dT rH(i)
 !>
-!> with e = rho H^3 S/mu, e(i+-1/2) the arithmetic mean, rH = rho H, and the first-order wedge at node 1. The old film
-!> of a time step is in the right side: L_R = -lambda rH_old/dT.
+!> with e = rho H^3 S/mu, e(i+-1/2) the arithmetic mean, rH = rho H, and the first-order wedge at
+!> node 1. The old film of a time step is in the right side: L_R = -lambda rH_old/dT.
 !>
-!> The sharp scheme (`level%is_sharp`) takes e(i+-1/2) from module face_mobility, and the flow rH at a face from one node
-!> downstream too,
+!> The sharp scheme (`level%is_sharp`) takes e(i+-1/2) from module face_mobility, and the flow rH at
+!> a face from one node downstream too,
 !>
 !>     rH(i+1/2) = ( 3 rH(i) - rH(i-1) )/2 + theta(i)/3 ( rH(i+1) - 2 rH(i) + rH(i-1) )
 !>
-!> which with theta = 1 is (2 rH(i+1) + 5 rH(i) - rH(i-1))/6, of third order, and with theta = 0 the flow of the thesis's wedge.
-!> The share theta falls where the pressure curves beyond what the grid resolves (`third_order_share`). At the first face both
-!> schemes have (rH(0) + rH(1))/2.
+!> which with theta = 1 is (2 rH(i+1) + 5 rH(i) - rH(i-1))/6, of third order, and with theta = 0 the
+!> flow of the thesis's wedge. The share theta falls where the pressure curves beyond what the grid
+!> resolves (`third_order_share`). At the first face both schemes have (rH(0) + rH(1))/2.
 module reynolds_line
    use constants, only: pi
    use face_mobility, only: fluid_face_mobility
@@ -26,7 +26,8 @@ module reynolds_line
    implicit none (type, external)
    private
 
-   public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, reynolds_diagonals, residual_t, measure_residual, &
+   public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, reynolds_diagonals, &
+      residual_t, measure_residual, &
       third_order_share, third_order_slope, wedge_weights
 
    !> Curvature kappa at which half of the third order is left in the flow of the sharp scheme.
@@ -46,17 +47,19 @@ module reynolds_line
 
 contains
 
-   !> Density rho of the nodes and mobility e(i-1/2) of the faces at the present pressure and film; in the thesis's scheme
-   !> that of the nodes too.
+   !> Density rho of the nodes and mobility e(i-1/2) of the faces at the present pressure and film;
+   !> in the thesis's scheme that of the nodes too.
    pure subroutine evaluate_coefficients(fluid, level)
       type(fluid_t), intent(in) :: fluid
       type(line_level_t), intent(inout) :: level
 
       if (level%is_sharp) then
-         call fluid_face_mobility(fluid, level%dx, level%pressure, level%film, level%face_mobility, level%density, &
+         call fluid_face_mobility(fluid, level%dx, level%pressure, level%film, &
+            level%face_mobility, level%density, &
             level%pressure_rest)
       else
-         call fluid_mobility(fluid, level%dx, level%pressure, level%film, level%mobility, level%density, &
+         call fluid_mobility(fluid, level%dx, level%pressure, level%film, level%mobility, &
+            level%density, &
             level%pressure_rest)
          level%face_mobility = 0.5_wp*(level%mobility(:level%n - 1) + level%mobility(1:))
       end if
@@ -71,12 +74,14 @@ contains
       if (i == 1) weights = [0.0_wp, -1.0_wp, 1.0_wp]
    end function wedge_weights
 
-   !> Share theta of the third order in the flow rH at a face, 1/(1 + (kappa/kappa_s)^2), by the curvature
-   !> kappa = alpha_bar (P(i-1) - 2 P(i) + P(i+1)) at the node upstream, the change of the slope of ln mu from interval to interval.
+   !> Share theta of the third order in the flow rH at a face, 1/(1 + (kappa/kappa_s)^2), by the
+   !> curvature kappa = alpha_bar (P(i-1) - 2 P(i) + P(i+1)) at the node upstream, the change of the
+   !> slope of ln mu from interval to interval.
    !>
-   !> Where oil is as good as solid, rH is the same at all faces. The third order would let it be so with a rest of H that changes
-   !> its sign from node to node and falls upstream by 2.7 a node, of any size: a zigzag of the pressure in front of the spike, and
-   !> several solutions. (What the flow upstream alone leaves falls downstream, by 3 a node.) 1 - theta is of fourth order in dX.
+   !> Where oil is as good as solid, rH is the same at all faces. The third order would let it be so
+   !> with a rest of H that changes its sign from node to node and falls upstream by 2.7 a node, of
+   !> any size: a zigzag of the pressure in front of the spike, and several solutions. (What the
+   !> flow upstream alone leaves falls downstream, by 3 a node.) 1 - theta is of fourth order in dX.
    pure elemental function third_order_share(kappa) result(share)
       real(wp), intent(in) :: kappa
       real(wp) :: share
@@ -111,7 +116,8 @@ contains
       n = level%n
       diffusion = 1.0_wp/level%dx**2
       squeeze = contact%lambda*level%inverse_time_step
-      associate (p => level%pressure, h => level%film, e => level%face_mobility, rho => level%density, flow => level%operator)
+      associate (p => level%pressure, h => level%film, e => level%face_mobility, &
+         rho => level%density, flow => level%operator)
          flow(0) = 0.0_wp
          flow(n) = 0.0_wp
          w = contact%lambda/level%dx*wedge_weights(1)
@@ -120,7 +126,8 @@ contains
          w = contact%lambda/level%dx*wedge_weights(2)
          do concurrent (i=2:n - 1)
             flow(i) = diffusion*(e(i + 1)*(p(i + 1) - p(i)) - e(i)*(p(i) - p(i - 1))) &
-               - (w(0)*rho(i)*h(i) + w(-1)*rho(i - 1)*h(i - 1) + w(-2)*rho(i - 2)*h(i - 2)) - squeeze*rho(i)*h(i)
+               - (w(0)*rho(i)*h(i) + w(-1)*rho(i - 1)*h(i - 1) + w(-2)*rho(i - 2)*h(i - 2)) &
+                  - squeeze*rho(i)*h(i)
          end do
          if (has_close_exit(level)) then
             i = level%exit_node
@@ -131,24 +138,28 @@ contains
       if (allocated(level%pressure_rest)) call add_flow_of_rest(level)
    end subroutine apply_reynolds
 
-   !> Adds what the sharp scheme has more of the flow rH at the faces (in the work space of the level, by the node upstream).
+   !> Adds what the sharp scheme has more of the flow rH at the faces (in the work space of the
+   !> level, by the node upstream).
    pure subroutine add_third_order(contact, level)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
       integer :: i, n
 
       n = level%n
-      associate (p => level%pressure, h => level%film, rho => level%density, more => level%work, alpha => contact%fluid%alpha_bar)
+      associate (p => level%pressure, h => level%film, rho => level%density, more => level%work, &
+         alpha => contact%fluid%alpha_bar)
          more(0) = 0.0_wp
          do concurrent (i=1:n - 1)
             more(i) = third_order_share(alpha*(p(i - 1) - 2*p(i) + p(i + 1)))/3 &
                *(rho(i + 1)*h(i + 1) - 2*rho(i)*h(i) + rho(i - 1)*h(i - 1))
          end do
-         level%operator(1:n - 1) = level%operator(1:n - 1) - contact%lambda/level%dx*(more(1:n - 1) - more(:n - 2))
+         level%operator(1:n - 1) = level%operator(1:n - 1) &
+            - contact%lambda/level%dx*(more(1:n - 1) - more(:n - 2))
       end associate
    end subroutine add_third_order
 
-   !> Adds what the slopes of the rest of P bring to L_R. (P(i) - P(i-1) is exact, being the difference of neighbours.)
+   !> Adds what the slopes of the rest of P bring to L_R. (P(i) - P(i-1) is exact, being the
+   !> difference of neighbours.)
    pure subroutine add_flow_of_rest(level)
       type(line_level_t), intent(inout) :: level
       real(wp) :: diffusion
@@ -157,14 +168,15 @@ contains
       diffusion = 1.0_wp/level%dx**2
       associate (rest => level%pressure_rest, e => level%face_mobility, flow => level%operator)
          do concurrent (i=1:level%n - 1)
-            flow(i) = flow(i) + diffusion*(e(i + 1)*(rest(i + 1) - rest(i)) - e(i)*(rest(i) - rest(i - 1)))
+            flow(i) = flow(i) + diffusion*(e(i + 1)*(rest(i + 1) - rest(i)) &
+               - e(i)*(rest(i) - rest(i - 1)))
          end do
       end associate
    end subroutine add_flow_of_rest
 
-   !> For the smoothers, thesis's scheme only: diagonals at nodes 1..n-1 with frozen coefficients, b = dL_R/dH of (2.71),
-   !> and the elastic diagonal a - b K_0/pi,
-   !> the change of L_R with P(i) alone when H(i) follows. `kernel_diagonal` is K_0/pi or a bound of it.
+   !> For the smoothers, thesis's scheme only: diagonals at nodes 1..n-1 with frozen coefficients,
+   !> b = dL_R/dH of (2.71), and the elastic diagonal a - b K_0/pi, the change of L_R with P(i)
+   !> alone when H(i) follows. `kernel_diagonal` is K_0/pi or a bound of it.
    pure subroutine reynolds_diagonals(lambda, level, kernel_diagonal)
       real(wp), intent(in) :: lambda
       type(line_level_t), intent(inout) :: level
@@ -181,7 +193,8 @@ contains
          end do
          b(1) = -lambda*level%density(1)*(1.0_wp/level%dx + level%inverse_time_step)
          diagonal(1) = -diffusion*(e(0) + 2*e(1) + e(2)) - b(1)*kernel_diagonal
-         if (has_close_exit(level)) diagonal(level%exit_node) = diagonal(level%exit_node) - level%exit_conductance
+         if (has_close_exit(level)) diagonal(level%exit_node) = diagonal(level%exit_node) &
+            - level%exit_conductance
       end associate
    end subroutine reynolds_diagonals
 
@@ -204,16 +217,19 @@ contains
       if (.not. residual%film_is_open) return
       level%film = level%work
       call evaluate_reynolds(contact, level)
-      if (level%has_tail) residual%load = abs(0.5_wp*pi - tail_load(contact, level) - level%dx*sum(level%pressure))
+      if (level%has_tail) residual%load = abs(0.5_wp*pi - tail_load(contact, level) &
+         - level%dx*sum(level%pressure))
       level%work = (level%operator - level%rhs_reynolds)/contact%lambda
       level%work(0) = 0.0_wp
       level%work(level%n) = 0.0_wp
-      residual%reynolds = maxval(merge(abs(level%work), max(level%work, 0.0_wp), level%pressure > 0.0_wp))
+      residual%reynolds = maxval(merge(abs(level%work), max(level%work, 0.0_wp), &
+         level%pressure > 0.0_wp))
       residual%floor = round_off(contact%lambda, level)
    end subroutine measure_residual
 
-   !> What rounding leaves of |r|/lambda: 4e-16 ( max(e P)/(lambda dX^2) + max(H)/dT ), that of P and H in their differences; where
-   !> the rest of P is kept, 1e-15 ( max(H) + max|K P|/pi )/dX, that of the flow: of e, of H and of what H is a sum of.
+   !> What rounding leaves of |r|/lambda: 4e-16 ( max(e P)/(lambda dX^2) + max(H)/dT ), that of P
+   !> and H in their differences; where the rest of P is kept, 1e-15 ( max(H) + max|K P|/pi )/dX,
+   !> that of the flow: of e, of H and of what H is a sum of.
    pure function round_off(lambda, level) result(floor)
       real(wp), intent(in) :: lambda
       type(line_level_t), intent(in) :: level
@@ -222,7 +238,8 @@ contains
       if (allocated(level%pressure_rest)) then
          floor = 1.0e-15_wp*(maxval(level%film) + maxval(abs(level%deflection)))/level%dx
       else
-         floor = 4.0e-16_wp*(maxval(level%face_mobility*max(level%pressure(1:), level%pressure(:level%n - 1))) &
+         floor = 4.0e-16_wp*(maxval(level%face_mobility*max(level%pressure(1:), &
+            level%pressure(:level%n - 1))) &
             /(lambda*level%dx**2) + maxval(level%film)*level%inverse_time_step)
       end if
    end function round_off

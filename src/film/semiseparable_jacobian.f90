@@ -1,8 +1,10 @@
-!> The Newton system of the line contact in O(n log n): GMRES on the exact product (bands and FFT), preconditioned by the
-!> LU of nearly the same matrix, in which the logarithmic kernel is a sum of exponentials.
+!> The Newton system of the line contact in O(n log n): GMRES on the exact product (bands and FFT),
+!> preconditioned by the LU of nearly the same matrix, in which the logarithmic kernel is a sum of
+!> exponentials.
 !>
-!> With kappa(j) ~ C - sum_l w_l rho_l^j the elastic Jacobian JP - JH K is pentadiagonal plus semiseparable and factors in
-!> one sweep. The constant part of the kernel acts like a change of H0 and moves there.
+!> With kappa(j) ~ C - sum_l w_l rho_l^j the elastic Jacobian JP - JH K is pentadiagonal plus
+!> semiseparable and factors in one sweep. The constant part of the kernel acts like a change of H0
+!> and moves there.
 module semiseparable_jacobian
    use constants, only: pi
    use errors, only: error_t
@@ -12,14 +14,16 @@ module semiseparable_jacobian
    use line_level, only: line_level_t
    use linear_solver, only: linear_solver_t
    use reynolds_jacobian, only: reynolds_jacobian_t
-   use semiseparable, only: factor_semiseparable, new_semiseparable, semiseparable_t, solve_semiseparable, solve_two
+   use semiseparable, only: factor_semiseparable, new_semiseparable, semiseparable_t, &
+      solve_semiseparable, solve_two
    implicit none (type, external)
    private
 
    public :: semiseparable_jacobian_t
 
-   !> What one unit of dL_R(i)/dH(i+o), o = -2..1, adds to row i: to the exponentials to the left and to the right, and to the slots
-   !> of the five inner diagonals (-2:2), which make the entries there exact.
+   !> What one unit of dL_R(i)/dH(i+o), o = -2..1, adds to row i: to the exponentials to the left
+   !> and to the right, and to the slots of the five inner diagonals (-2:2), which make the entries
+   !> there exact.
    type :: kernel_rows_t
       real(wp) :: ratio(terms) = 0.0_wp
       real(wp) :: left(terms, -2:1) = 0.0_wp, right(terms, -2:1) = 0.0_wp
@@ -28,13 +32,15 @@ module semiseparable_jacobian
       real(wp) :: constant = 0.0_wp
    end type kernel_rows_t
 
-   !> The bordered system as GMRES sees it: unknowns P(1..n-1), H0. Points to the level and the bands of one call.
+   !> The bordered system as GMRES sees it: unknowns P(1..n-1), H0. Points to the level and the
+   !> bands of one call.
    type, extends(krylov_system_t) :: bordered_system_t
       type(line_level_t), pointer :: level => null()
       type(reynolds_jacobian_t), pointer :: jacobian => null()
       type(semiseparable_t), pointer :: factors => null()
       logical, allocatable :: is_cavitated(:)
-      !> Constant part of -K/pi; solution for the column of H0 (n-1) and dX times its sum; work (0:n).
+      !> Constant part of -K/pi; solution for the column of H0 (n-1) and dX times its sum; work
+      !> (0:n).
       real(wp) :: constant = 0.0_wp
       real(wp), allocatable :: column_solution(:), p(:), h(:)
       real(wp) :: column_load = 0.0_wp
@@ -123,14 +129,17 @@ contains
             rows%right(:, o) = level%dx/pi*fit%weight*fit%ratio**(-o)
             do d = -2, 2
                rows%slots(o, d) = -level%kernel(abs(d - o)) - rows%constant
-               if (d < 0) rows%slots(o, d) = rows%slots(o, d) - dot_product(rows%left(:, o), fit%ratio**(-d))
-               if (d > 0) rows%slots(o, d) = rows%slots(o, d) - dot_product(rows%right(:, o), fit%ratio**d)
+               if (d < 0) rows%slots(o, d) = rows%slots(o, d) - dot_product(rows%left(:, o), &
+                  fit%ratio**(-d))
+               if (d > 0) rows%slots(o, d) = rows%slots(o, d) - dot_product(rows%right(:, o), &
+                  fit%ratio**d)
             end do
          end do
       end associate
    end subroutine prepare_kernel
 
-   !> Rows of the approximate Jacobian: exponentials everywhere, exact entries on the five inner diagonals.
+   !> Rows of the approximate Jacobian: exponentials everywhere, exact entries on the five inner
+   !> diagonals.
    pure subroutine fill_factors(factors, rows, jacobian, is_cavitated)
       type(semiseparable_t), intent(inout) :: factors
       type(kernel_rows_t), intent(in) :: rows
@@ -140,7 +149,8 @@ contains
       real(wp) :: slots(-2:2)
       integer :: d, i, l
 
-      associate (lower => factors%lower, upper => factors%upper, left => rows%left, right => rows%right)
+      associate (lower => factors%lower, upper => factors%upper, left => rows%left, &
+         right => rows%right)
          do i = 1, factors%n
             if (is_cavitated(i)) then
                lower(:, i) = 0.0_wp
@@ -151,11 +161,14 @@ contains
             associate (jh => jacobian%by_film(:, i))
                !$omp simd
                do l = 1, q
-                  lower(l, i) = jh(1)*left(l, -2) + jh(2)*left(l, -1) + jh(3)*left(l, 0) + jh(4)*left(l, 1)
-                  upper(l, i) = jh(1)*right(l, -2) + jh(2)*right(l, -1) + jh(3)*right(l, 0) + jh(4)*right(l, 1)
+                  lower(l, i) = jh(1)*left(l, -2) + jh(2)*left(l, -1) + jh(3)*left(l, &
+                     0) + jh(4)*left(l, 1)
+                  upper(l, i) = jh(1)*right(l, -2) + jh(2)*right(l, -1) + jh(3)*right(l, &
+                     0) + jh(4)*right(l, 1)
                end do
                do d = -2, 2
-                  slots(d) = jacobian%by_pressure(d, i) + jh(1)*rows%slots(-2, d) + jh(2)*rows%slots(-1, d) &
+                  slots(d) = jacobian%by_pressure(d, i) + jh(1)*rows%slots(-2, &
+                     d) + jh(2)*rows%slots(-1, d) &
                      + jh(3)*rows%slots(0, d) + jh(4)*rows%slots(1, d)
                end do
             end associate
@@ -168,7 +181,8 @@ contains
       end associate
    end subroutine fill_factors
 
-   !> The column of H0, its solution and work space; `x` becomes the first approximation, the bordered solution with the factors.
+   !> The column of H0, its solution and work space; `x` becomes the first approximation, the
+   !> bordered solution with the factors.
    subroutine solve_first(system, x)
       type(bordered_system_t), intent(inout) :: system
       real(wp), intent(inout) :: x(:)
@@ -179,7 +193,8 @@ contains
       allocate (system%p(0:n), system%h(0:n), source=0.0_wp)
       allocate (both(2, n - 1))
       do i = 1, n - 1
-         both(:, i) = [merge(0.0_wp, sum(system%jacobian%by_film(:, i)), system%is_cavitated(i)), x(i)]
+         both(:, i) = [merge(0.0_wp, sum(system%jacobian%by_film(:, i)), system%is_cavitated(i)), &
+            x(i)]
       end do
       call solve_two(system%factors, both)
       system%column_solution = both(1, :)
@@ -188,7 +203,8 @@ contains
       call close_border(system, x)
    end subroutine solve_first
 
-   !> y = J x: bands in P and, with H = H0 - K P by FFT, in H; identity where cavitated; load in the last row.
+   !> y = J x: bands in P and, with H = H0 - K P by FFT, in H; identity where cavitated; load in the
+   !> last row.
    subroutine multiply_bordered(self, x, y)
       class(bordered_system_t), intent(inout) :: self
       real(wp), intent(in) :: x(:)
@@ -200,11 +216,13 @@ contains
       call self%level%convolution%apply(self%p, self%h)
       self%level%products = self%level%products + 1
       self%h = x(n) - self%h
-      associate (p => self%p, h => self%h, jp => self%jacobian%by_pressure, jh => self%jacobian%by_film)
+      associate (p => self%p, h => self%h, jp => self%jacobian%by_pressure, &
+         jh => self%jacobian%by_film)
          y(1) = jp(-1, 1)*p(0) + jp(0, 1)*p(1) + jp(1, 1)*p(2) + jp(2, 1)*p(min(3, n)) &
             + jh(-1, 1)*h(0) + jh(0, 1)*h(1) + jh(1, 1)*h(2)
          do i = 2, n - 2
-            y(i) = jp(-2, i)*p(i - 2) + jp(-1, i)*p(i - 1) + jp(0, i)*p(i) + jp(1, i)*p(i + 1) + jp(2, i)*p(i + 2) &
+            y(i) = jp(-2, i)*p(i - 2) + jp(-1, i)*p(i - 1) + jp(0, i)*p(i) + jp(1, i)*p(i + 1) &
+               + jp(2, i)*p(i + 2) &
                + jh(-2, i)*h(i - 2) + jh(-1, i)*h(i - 1) + jh(0, i)*h(i) + jh(1, i)*h(i + 1)
          end do
          i = n - 1
@@ -224,8 +242,8 @@ contains
       call close_border(self, x)
    end subroutine precondition_bordered
 
-   !> From the solution of the rows of the nodes, without a change of H0, to that with the force balance; the constant part of the
-   !> kernel is put back into H0.
+   !> From the solution of the rows of the nodes, without a change of H0, to that with the force
+   !> balance; the constant part of the kernel is put back into H0.
    pure subroutine close_border(system, x)
       type(bordered_system_t), intent(in) :: system
       real(wp), intent(inout) :: x(:)

@@ -1,7 +1,8 @@
 !> Smoothers of the line contact: Block-Jacobi as in the thesis, and two that need fewer sweeps.
 !>
-!> Each does ONE sweep from the operator, coefficients and deflection evaluated just before it, and keeps P >= 0.
-!> A smoother knows one level only; the film equation, the force balance and the cycle are elsewhere.
+!> Each does ONE sweep from the operator, coefficients and deflection evaluated just before it, and
+!> keeps P >= 0. A smoother knows one level only; the film equation, the force balance and the cycle
+!> are elsewhere.
 module smoothers
    use kinds, only: wp
    use line_level, only: has_close_exit, largest_pressure, line_level_t, thinnest_film
@@ -10,9 +11,9 @@ module smoothers
 
    public :: block_jacobi_sweep, gauss_seidel_sweep, line_sweep
 
-   !> The exit moves by the smoother, and holds the largest residual of a time step: Gauss-Seidel passes over the nodes round it
-   !> after each sweep, upstream and downstream of the last node with P > 0. Measured on Case 3, 1024 intervals: 3.5 instead of
-   !> 3.7 cycles a step.
+   !> The exit moves by the smoother, and holds the largest residual of a time step: Gauss-Seidel
+   !> passes over the nodes round it after each sweep, upstream and downstream of the last node with
+   !> P > 0. Measured on Case 3, 1024 intervals: 3.5 instead of 3.7 cycles a step.
    integer, parameter :: exit_passes = 4, exit_upstream = 16, exit_downstream = 4
 
    !> A line sweep changes a pressure by at most this share of max(1, P).
@@ -20,9 +21,9 @@ module smoothers
 
 contains
 
-   !> Block-Jacobi (2.70)-(2.73): at every node the 2x2 system for the changes of P and H, from old values.
-   !> `kernel_diagonal` is c = K_0/pi; both changes are under-relaxed. A node that reaches P = 0 takes its change of H
-   !> from the change of P that was really made.
+   !> Block-Jacobi (2.70)-(2.73): at every node the 2x2 system for the changes of P and H, from old
+   !> values. `kernel_diagonal` is c = K_0/pi; both changes are under-relaxed. A node that reaches
+   !> P = 0 takes its change of H from the change of P that was really made.
    pure subroutine block_jacobi_sweep(level, rigid_displacement, kernel_diagonal, relaxation)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: rigid_displacement, kernel_diagonal, relaxation
@@ -37,17 +38,20 @@ contains
          end do
          do i = 1, n - 1
             film_residual = level%rhs_film(i) - (h(i) - rigid_displacement + level%deflection(i))
-            full_change = relaxation*(level%rhs_reynolds(i) - level%operator(i) - level%film_diagonal(i)*film_residual) &
+            full_change = relaxation*(level%rhs_reynolds(i) - level%operator(i) &
+               - level%film_diagonal(i)*film_residual) &
                /level%diagonal(i)
             change = min(max(full_change, -p(i)), largest_pressure)
             p(i) = min(p(i) + change, largest_pressure)
-            h(i) = max(h(i) + relaxation*film_residual - kernel_diagonal*change, 0.5_wp*h(i), thinnest_film)
+            h(i) = max(h(i) + relaxation*film_residual - kernel_diagonal*change, 0.5_wp*h(i), &
+               thinnest_film)
          end do
       end associate
    end subroutine block_jacobi_sweep
 
-   !> Gauss-Seidel downstream: the same 2x2 system with the new P and H upstream; the integral is frozen, only the own
-   !> share K_0/pi of a change enters H at once. The nodes round the exit are passed a few times more.
+   !> Gauss-Seidel downstream: the same 2x2 system with the new P and H upstream; the integral is
+   !> frozen, only the own share K_0/pi of a change enters H at once. The nodes round the exit are
+   !> passed a few times more.
    pure subroutine gauss_seidel_sweep(level, lambda, kernel_diagonal, relaxation)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: lambda, kernel_diagonal, relaxation
@@ -82,18 +86,22 @@ contains
             else
                flow = 2*wedge*(rho(1)*h(1) - rho(0)*h(0))
             end if
-            flow = downstream*(p(i + 1) - p(i)) - upstream*(p(i) - p(i - 1)) - flow - squeeze*rho(i)*h(i)
-            if (i == exit_node) flow = flow - level%exit_conductance*(p(i) - level%pressure_start(i))
-            change = min(max(relaxation*(level%rhs_reynolds(i) - flow)/level%diagonal(i), -p(i)), largest_pressure)
+            flow = downstream*(p(i + 1) - p(i)) - upstream*(p(i) - p(i - 1)) - flow &
+               - squeeze*rho(i)*h(i)
+            if (i == exit_node) flow = flow - level%exit_conductance*(p(i) &
+               - level%pressure_start(i))
+            change = min(max(relaxation*(level%rhs_reynolds(i) - flow)/level%diagonal(i), -p(i)), &
+               largest_pressure)
             p(i) = min(p(i) + change, largest_pressure)
             h(i) = max(h(i) - kernel_diagonal*change, 0.5_wp*h(i), thinnest_film)
          end do
       end associate
    end subroutine downstream_pass
 
-   !> Projected tridiagonal line: the frozen diffusion with the elastic diagonal, solved over all nodes; eliminated left to
-   !> right and projected on P >= 0 in the back substitution from the outlet (Brennan & Schwartz 1977), so that the
-   !> cavitation point is solved with the line. Nodes that reach zero are set to zero, the others are under-relaxed.
+   !> Projected tridiagonal line: the frozen diffusion with the elastic diagonal, solved over all
+   !> nodes; eliminated left to right and projected on P >= 0 in the back substitution from the
+   !> outlet (Brennan & Schwartz 1977), so that the cavitation point is solved with the line. Nodes
+   !> that reach zero are set to zero, the others are under-relaxed.
    pure subroutine line_sweep(level, relaxation)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: relaxation
@@ -102,7 +110,8 @@ contains
 
       n = level%n
       diffusion = 0.5_wp/level%dx**2
-      associate (p => level%pressure, e => level%mobility, upper => level%work, x => level%correction)
+      associate (p => level%pressure, e => level%mobility, upper => level%work, &
+         x => level%correction)
          upper(0) = 0.0_wp
          x(0) = 0.0_wp
          x(n) = 0.0_wp

@@ -1,4 +1,5 @@
-!> From the words of the settings to the way the cycle relaxes, and what is tried next when it does not converge.
+!> From the words of the settings to the way the cycle relaxes, and what is tried next when it does
+!> not converge.
 module solver_choice
    use cycle_limits, only: cycle_limits_t
    use dense_jacobian, only: dense_jacobian_t
@@ -18,8 +19,8 @@ module solver_choice
 
    public :: steady_attempts, time_step_attempts, adopt, limits_of, method_name, note_choice
 
-   !> A contact that sliding does not thin is heavy above one of these (sum velocity): full steps of any smoother then overshoot
-   !> at the spike or in the inlet.
+   !> A contact that sliding does not thin is heavy above one of these (sum velocity): full steps of
+   !> any smoother then overshoot at the spike or in the inlet.
    real(wp), parameter :: heavy_m = 4.0_wp, heavy_l = 12.0_wp
    !> Factor from which the Eyring stress is lowered where nothing else works.
    real(wp), parameter :: high_stress = 16.0_wp
@@ -27,14 +28,14 @@ module solver_choice
    real(wp), parameter :: thinning_slide = 0.25_wp
    !> An Eyring contact with L (sum velocity) above this is started from a thin film.
    real(wp), parameter :: thinning_l = 2.0_wp
-   !> Up to this many intervals the dense Newton method solves the coarsest level of a cycle, and is the last resort of 'auto' in
-   !> a time step.
+   !> Up to this many intervals the dense Newton method solves the coarsest level of a cycle, and is
+   !> the last resort of 'auto' in a time step.
    integer, parameter :: largest_dense = 512
 
 contains
 
-   !> The ways to try in turn for a steady contact (measured: theory page, section on the methods). A stated smoother whose
-   !> relaxation is left to the program goes on with gentler sweeps.
+   !> The ways to try in turn for a steady contact (measured: theory page, section on the methods).
+   !> A stated smoother whose relaxation is left to the program goes on with gentler sweeps.
    pure function steady_attempts(contact, settings) result(attempts)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -43,17 +44,20 @@ contains
       logical :: is_heavy
 
       films = start_films(contact)
-      is_heavy = (contact%moes_m_sum >= heavy_m .or. contact%moes_l_sum >= heavy_l) .and. .not. is_thinned(contact)
+      is_heavy = (contact%moes_m_sum >= heavy_m .or. contact%moes_l_sum >= heavy_l) &
+         .and. .not. is_thinned(contact)
       if (is_automatic(settings)) then
          attempts = newton_starts(contact, films)
-         if (contact%domain%intervals >= intervals_for_film(contact) .and. settings%space_scheme /= 'sharp') then
+         if (contact%domain%intervals >= intervals_for_film(contact) &
+            .and. settings%space_scheme /= 'sharp') then
             attempts = [attempts, last_resort(is_heavy, films(1))]
          end if
       else if (settings%method == 'newton_krylov') then
          attempts = newton_starts(contact, films)
       else
          attempts = [stated_way(settings, is_heavy)]
-         if (attempts(1)%method == method_fas .and. settings%relaxation <= 0.0_wp .and. settings%max_cycles <= 0) attempts = &
+         if (attempts(1)%method == method_fas .and. settings%relaxation <= 0.0_wp &
+            .and. settings%max_cycles <= 0) attempts = &
             [attempts, gentler(stated_way(settings, is_heavy=.true.), 0.2_wp, 10)]
          attempts%start_film = films(1)
       end if
@@ -66,9 +70,9 @@ contains
       call override(settings, attempts)
    end function steady_attempts
 
-   !> Whether sliding thins the oil: an Eyring oil without sliding is as stiff as a Newtonian one. (Case 1, Gauss-Seidel and line:
-   !> full steps fail on 1024 intervals up to a slide-to-roll ratio of 0.1, steps relaxed as for Newtonian contacts do not; from
-   !> 0.3 on both do it.)
+   !> Whether sliding thins the oil: an Eyring oil without sliding is as stiff as a Newtonian one.
+   !> (Case 1, Gauss-Seidel and line: full steps fail on 1024 intervals up to a slide-to-roll ratio
+   !> of 0.1, steps relaxed as for Newtonian contacts do not; from 0.3 on both do it.)
    pure function is_thinned(contact)
       type(line_contact_t), intent(in) :: contact
       logical :: is_thinned
@@ -77,7 +81,8 @@ contains
       if (is_thinned) is_thinned = slide_to_roll(contact%fluid, contact%lambda) >= thinning_slide
    end function is_thinned
 
-   !> A way that shares nothing with Newton's method above the coarsest level: the cycle with its better smoother.
+   !> A way that shares nothing with Newton's method above the coarsest level: the cycle with its
+   !> better smoother.
    pure function last_resort(is_heavy, start_film) result(choice)
       logical, intent(in) :: is_heavy
       real(wp), intent(in) :: start_film
@@ -91,7 +96,8 @@ contains
       choice%start_film = start_film
    end function last_resort
 
-   !> The ways of Newton-Krylov to a first solution: from both films, from a higher Eyring stress, in pseudo-time.
+   !> The ways of Newton-Krylov to a first solution: from both films, from a higher Eyring stress,
+   !> in pseudo-time.
    pure function newton_starts(contact, films) result(attempts)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: films(2)
@@ -105,9 +111,10 @@ contains
       attempts = [attempts, in_time]
    end function newton_starts
 
-   !> Films of the first start over the Moes film, the better one first: a thin film of constant viscosity starts from twice the
-   !> fit (from the fit itself 8 of 1100 Newtonian contacts with M > 200, L < 2 fail, from twice the fit none), shear thinning
-   !> with a steep rise of viscosity from the fit (10 of 360 at 1 MPa fail, from twice the fit 12).
+   !> Films of the first start over the Moes film, the better one first: a thin film of constant
+   !> viscosity starts from twice the fit (from the fit itself 8 of 1100 Newtonian contacts with
+   !> M > 200, L < 2 fail, from twice the fit none), shear thinning with a steep rise of viscosity
+   !> from the fit (10 of 360 at 1 MPa fail, from twice the fit 12).
    pure function start_films(contact) result(films)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: films(2)
@@ -129,31 +136,37 @@ contains
 
    !> The ways to try in turn for a time step; no line smoother, it diverges with the squeeze term.
    !>
-   !> Where the viscosity is high enough for squeeze and wedge to outweigh the diffusion, the equation of a step is H(P) = given: a
-   !> sweep with the own share K_0 of the kernel only changes long waves of P by up to n/10 times too much, and the cycle diverges
-   !> unless the coarse grids get the better of that. So stated smoothers go on with a larger own share, less relaxation and more
-   !> sweeps.
+   !> Where the viscosity is high enough for squeeze and wedge to outweigh the diffusion, the
+   !> equation of a step is H(P) = given: a sweep with the own share K_0 of the kernel only changes
+   !> long waves of P by up to n/10 times too much, and the cycle diverges unless the coarse grids
+   !> get the better of that. So stated smoothers go on with a larger own share, less relaxation and
+   !> more sweeps.
    pure function time_step_attempts(contact, settings) result(attempts)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(relaxation_t), allocatable :: attempts(:)
 
       if (is_automatic(settings)) then
-         attempts = [one_level(method_newton_krylov), gauss_seidel_in_time(0.6_wp, 3), w_cycle(gauss_seidel_in_time(0.5_wp, 5))]
+         attempts = [one_level(method_newton_krylov), gauss_seidel_in_time(0.6_wp, 3), &
+            w_cycle(gauss_seidel_in_time(0.5_wp, 5))]
          if (settings%space_scheme == 'sharp') attempts = attempts(:1)
-         if (contact%domain%intervals <= largest_dense) attempts = [attempts, one_level(method_newton_dense)]
+         if (contact%domain%intervals <= largest_dense) attempts = [attempts, &
+            one_level(method_newton_dense)]
       else if (settings%smoother == 'gauss_seidel') then
          attempts = [gauss_seidel_in_time(0.8_wp, 2)]
       else
          attempts = [stated_way(settings, is_heavy=.true.)]
       end if
-      if (size(attempts) == 1 .and. attempts(1)%method == method_fas .and. settings%relaxation <= 0.0_wp) attempts = &
-         [attempts, gentler(attempts(1), 0.4_wp, 3), gentler(attempts(1), 0.2_wp, 5), gentler(attempts(1), 0.1_wp, 8), &
+      if (size(attempts) == 1 .and. attempts(1)%method == method_fas &
+         .and. settings%relaxation <= 0.0_wp) attempts = &
+         [attempts, gentler(attempts(1), 0.4_wp, 3), gentler(attempts(1), 0.2_wp, 5), &
+            gentler(attempts(1), 0.1_wp, 8), &
          gentler(attempts(1), 0.05_wp, 12)]
       call override(settings, attempts)
    end function time_step_attempts
 
-   !> The same with the own share of the kernel taken as at least 3 dX/pi, less relaxation and more sweeps.
+   !> The same with the own share of the kernel taken as at least 3 dX/pi, less relaxation and more
+   !> sweeps.
    pure function gentler(base, relaxation, sweeps) result(choice)
       type(relaxation_t), intent(in) :: base
       real(wp), intent(in) :: relaxation
@@ -175,7 +188,8 @@ contains
       automatic = settings%method == 'auto' .and. settings%smoother == 'auto'
    end function is_automatic
 
-   !> The way that method and smoother of the settings name; 'auto' with a smoother is the cycle with it.
+   !> The way that method and smoother of the settings name; 'auto' with a smoother is the cycle
+   !> with it.
    pure function stated_way(settings, is_heavy) result(choice)
       type(solver_settings_t), intent(in) :: settings
       logical, intent(in) :: is_heavy
@@ -202,28 +216,33 @@ contains
       end select
    end function stated_way
 
-   !> Makes the hierarchy follow a way: coarsest level of its cycles, and how its Newton steps are solved.
+   !> Makes the hierarchy follow a way: coarsest level of its cycles, and how its Newton steps are
+   !> solved.
    subroutine adopt(hierarchy, choice)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(relaxation_t), intent(in) :: choice
       logical :: is_large
 
-      if (allocated(hierarchy%newton%linear) .and. hierarchy%relaxation%method == choice%method) then
+      if (allocated(hierarchy%newton%linear) &
+         .and. hierarchy%relaxation%method == choice%method) then
          hierarchy%relaxation = choice
          return
       end if
       hierarchy%relaxation = choice
-      hierarchy%coarsest = merge(hierarchy%fas_coarsest, hierarchy%finest, choice%method == method_fas)
+      hierarchy%coarsest = merge(hierarchy%fas_coarsest, hierarchy%finest, &
+         choice%method == method_fas)
       if (allocated(hierarchy%newton%linear)) deallocate (hierarchy%newton%linear)
       is_large = hierarchy%levels(hierarchy%coarsest)%n > largest_dense
-      if (choice%method == method_newton_krylov .or. (choice%method == method_fas .and. is_large)) then
+      if (choice%method == method_newton_krylov .or. (choice%method == method_fas &
+         .and. is_large)) then
          allocate (semiseparable_jacobian_t :: hierarchy%newton%linear)
       else
          allocate (dense_jacobian_t :: hierarchy%newton%linear)
       end if
    end subroutine adopt
 
-   !> Block-Jacobi: H relaxed with P (thesis) where that converges, recomputed before each sweep where the contact is heavy.
+   !> Block-Jacobi: H relaxed with P (thesis) where that converges, recomputed before each sweep
+   !> where the contact is heavy.
    pure function block_jacobi(is_heavy) result(choice)
       logical, intent(in) :: is_heavy
       type(relaxation_t) :: choice
@@ -290,7 +309,8 @@ contains
       choice%visits = 2
    end function w_cycle
 
-   !> One level: blocks of Block-Jacobi sweeps with the force balance relaxed after each, or single Newton steps.
+   !> One level: blocks of Block-Jacobi sweeps with the force balance relaxed after each, or single
+   !> Newton steps.
    pure function one_level(method) result(choice)
       integer, intent(in) :: method
       type(relaxation_t) :: choice
@@ -311,13 +331,15 @@ contains
       if (settings%post_sweeps > 0) choice%post_sweeps = settings%post_sweeps
       if (settings%relaxation > 0.0_wp) choice%relaxation = settings%relaxation
       if (settings%load_relaxation > 0.0_wp) choice%load_relaxation = settings%load_relaxation
-      if (settings%coarse_sweeps > 0 .and. (choice%method == method_fas .or. choice%method == method_block_jacobi)) then
+      if (settings%coarse_sweeps > 0 .and. (choice%method == method_fas &
+         .or. choice%method == method_block_jacobi)) then
          choice%coarse_sweeps = settings%coarse_sweeps
       end if
    end subroutine override
 
-   !> Cycle limits: what the settings say, else by method. Plain Block-Jacobi counts blocks of sweeps and needs many; the
-   !> residual of a Newton iteration may rise for long while a spike grows.
+   !> Cycle limits: what the settings say, else by method. Plain Block-Jacobi counts blocks of
+   !> sweeps and needs many; the residual of a Newton iteration may rise for long while a spike
+   !> grows.
    pure function limits_of(settings, tolerance, method) result(limits)
       type(solver_settings_t), intent(in) :: settings
       real(wp), intent(in) :: tolerance
@@ -351,7 +373,8 @@ contains
       report%pre_sweeps = merge(choice%pre_sweeps, 0, choice%method == method_fas)
       report%post_sweeps = merge(choice%post_sweeps, 0, choice%method == method_fas)
       report%coarse_sweeps = choice%coarse_sweeps
-      report%relaxation = merge(choice%relaxation, 0.0_wp, choice%method == method_fas .or. choice%method == method_block_jacobi)
+      report%relaxation = merge(choice%relaxation, 0.0_wp, choice%method == method_fas &
+         .or. choice%method == method_block_jacobi)
       report%load_relaxation = merge(choice%load_relaxation, 0.0_wp, choice%coarse_sweeps > 0)
    end subroutine note_choice
 
@@ -366,7 +389,8 @@ contains
 
       name = trim(methods(choice%method))
       if (choice%method == method_fas) name = name//' '//trim(smoothers(choice%smoother))//' '// &
-         merge('W', 'V', choice%visits > 1)//'('//to_text(choice%pre_sweeps)//','//to_text(choice%post_sweeps)//')'
+         merge('W', 'V', choice%visits > 1)//'('//to_text(choice%pre_sweeps)//',' &
+            //to_text(choice%post_sweeps)//')'
    end function method_name
 
 end module solver_choice

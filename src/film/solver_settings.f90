@@ -1,6 +1,7 @@
 !> What a caller may choose about the numerical solution: domain, time steps, method.
 !>
-!> Plain records without behaviour. A value of zero (or below) means "chosen by the program"; words are lower case.
+!> Plain records without behaviour. A value of zero (or below) means "chosen by the program"; words
+!> are lower case.
 module solver_settings
    use kinds, only: wp
    use march_state, only: march_state_t
@@ -9,8 +10,9 @@ module solver_settings
 
    public :: domain_t, most_chosen, most_intervals_of, solver_settings_t, time_settings_t
 
-   !> Most intervals with method = 'newton_dense', a matrix of 0.5 GB and about a minute a step, and with 'block_jacobi', which
-   !> converges on no more than some hundred and notices that it does not after 40 blocks of 200 sweeps at least.
+   !> Most intervals with method = 'newton_dense', a matrix of 0.5 GB and about a minute a step, and
+   !> with 'block_jacobi', which converges on no more than some hundred and notices that it does not
+   !> after 40 blocks of 200 sweeps at least.
    integer, parameter :: most_small_intervals = 8192
    !> No grid that the program refines until it is good enough has more intervals.
    integer, parameter, public :: most_refined_intervals = 2**20
@@ -30,7 +32,8 @@ module solver_settings
       logical :: has_outlet = .false.
       !> Grid intervals on the finest grid, 2^k or 3, 5, 7 times that; 0: chosen by the program.
       integer :: intervals = 0
-      !> In front of the inlet: 'zero', no pressure, or 'tail', what module inlet_tail finds (steady only); 'auto': chosen.
+      !> In front of the inlet: 'zero', no pressure, or 'tail', what module inlet_tail finds (steady
+      !> only); 'auto': chosen.
       character(len=word_length) :: inlet = 'zero'
       !> True: the outlet is the program's, which moves it out where it cuts the film off.
       logical :: may_lengthen = .false.
@@ -46,7 +49,8 @@ module solver_settings
       real(wp) :: time_step = 0.0_wp
       !> 'bdf2' (second order) or 'backward_euler' (first order, the thesis's).
       character(len=word_length) :: scheme = 'bdf2'
-      !> T from which the figures and the statistics of the film count; below 0: chosen by the program.
+      !> T from which the figures and the statistics of the film count; below 0: chosen by the
+      !> program.
       real(wp) :: statistics_from = -1.0_wp
       !> Where an interrupted transient goes on; not allocated: it begins at T = 0.
       type(march_state_t), allocatable :: resume_from
@@ -58,12 +62,15 @@ module solver_settings
       character(len=word_length) :: method = 'auto'
       !> 'auto', 'block_jacobi', 'gauss_seidel', 'line' or 'hybrid'.
       character(len=word_length) :: smoother = 'auto'
-      !> Space discretisation: 'thesis', or 'sharp' (module reynolds_line), which needs a Newton method; 'auto' is the first one,
-      !> where pilots choose the resolution of a transient the better one.
+      !> Space discretisation: 'thesis', or 'sharp' (module reynolds_line), which needs a Newton
+      !> method; 'auto' is the first one, where pilots choose the resolution of a transient the
+      !> better one.
       character(len=word_length) :: space_scheme = 'auto'
-      !> Relative error of h_min for which the grid of a steady contact is chosen; zero: the grid is that of the domain.
+      !> Relative error of h_min for which the grid of a steady contact is chosen; zero: the grid is
+      !> that of the domain.
       real(wp) :: target = 0.0_wp
-      !> The grids of n/2 and n/4 intervals on the way to a steady solution are solved well enough for error bars.
+      !> The grids of n/2 and n/4 intervals on the way to a steady solution are solved well enough
+      !> for error bars.
       logical :: wants_companions = .false.
       !> Most intervals that there is memory for.
       integer :: most_intervals = huge(1)
@@ -89,13 +96,15 @@ module solver_settings
       real(wp) :: load_relaxation = 0.0_wp
       !> A film below this is a breakdown, H; zero: only a film that closes.
       real(wp) :: film_floor = 0.0_wp
-      !> At a breakdown: 'stop', as not converged, or 'continue', with a mark. A film that closes always stops.
+      !> At a breakdown: 'stop', as not converged, or 'continue', with a mark. A film that closes
+      !> always stops.
       character(len=word_length) :: on_film_breakdown = 'stop'
    end type solver_settings_t
 
 contains
 
-   !> Most intervals that a method is given, by the user or by the program; huge: as many as there can be.
+   !> Most intervals that a method is given, by the user or by the program; huge: as many as there
+   !> can be.
    pure function most_intervals_of(method) result(most)
       character(*), intent(in) :: method
       integer :: most
@@ -109,7 +118,8 @@ contains
       type(solver_settings_t), intent(in) :: settings
       integer :: most
 
-      most = min(most_refined_intervals, most_intervals_of(settings%method), settings%most_intervals)
+      most = min(most_refined_intervals, most_intervals_of(settings%method), &
+         settings%most_intervals)
    end function most_chosen
 
 end module solver_settings

@@ -17,7 +17,8 @@ module state_output
 
 contains
 
-   !> Pressure, film, roughness, H0 and time; the lubricant's properties are left to `fill_properties`.
+   !> Pressure, film, roughness, H0 and time; the lubricant's properties are left to
+   !> `fill_properties`.
    pure subroutine fill_state(contact, level, rigid_displacement, time, state)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
@@ -46,8 +47,10 @@ contains
       state%density = ln_mu
       call fluid_density_value(contact%fluid, state%pressure, state%density)
       state%viscosity = exp(min(ln_mu, largest_exponent))
-      drive(2:n - 1) = state%film_thickness(2:n - 1)*(state%pressure(3:) - state%pressure(:n - 2))/(state%x(3:) - state%x(:n - 2))
-      state%slip_factor = exp(min(ln_slip(contact%fluid, drive, state%film_thickness, ln_mu), largest_exponent))
+      drive(2:n - 1) = state%film_thickness(2:n - 1)*(state%pressure(3:) - state%pressure(:n - 2)) &
+         /(state%x(3:) - state%x(:n - 2))
+      state%slip_factor = exp(min(ln_slip(contact%fluid, drive, state%film_thickness, ln_mu), &
+         largest_exponent))
    end subroutine fill_properties
 
 end module state_output

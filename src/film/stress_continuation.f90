@@ -1,7 +1,9 @@
-!> The steady contact of an Eyring lubricant from that at a higher stress tau_0, which is lowered in steps.
+!> The steady contact of an Eyring lubricant from that at a higher stress tau_0, which is lowered in
+!> steps.
 !>
-!> A low stress leaves so thin a film that Newton's method does not find it from any start; where the stress is higher, the film is
-!> nearly the Newtonian one, and from there it thins without a jump.
+!> A low stress leaves so thin a film that Newton's method does not find it from any start; where
+!> the stress is higher, the film is nearly the Newtonian one, and from there it thins without a
+!> jump.
 module stress_continuation
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -32,8 +34,9 @@ contains
       eased%fluid = eased_fluid(contact%fluid, factor)
    end function eased_contact
 
-   !> Solves level k, from its present pressure, at the stress higher by `factor` and on to its own. The ratio of two stresses
-   !> shrinks to its root after a failure. `is_sound` is false if that comes to no end, or `watcher` wants to stop.
+   !> Solves level k, from its present pressure, at the stress higher by `factor` and on to its own.
+   !> The ratio of two stresses shrinks to its root after a failure. `is_sound` is false if that
+   !> comes to no end, or `watcher` wants to stop.
    subroutine follow_stress(hierarchy, contact, k, factor, is_sound, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -51,7 +54,8 @@ contains
          do
             pressure = level%pressure
             rigid_displacement = hierarchy%rigid_displacement
-            call solve_newton(hierarchy%newton, eased_contact(contact, wanted), level, hierarchy%rigid_displacement, &
+            call solve_newton(hierarchy%newton, eased_contact(contact, wanted), level, &
+               hierarchy%rigid_displacement, &
                step_tolerance, most_newton_steps, watcher)
             call count_work(hierarchy, k, hierarchy%newton%steps)
             is_sound = hierarchy%newton%is_converged

@@ -1,12 +1,15 @@
-!> How finely the grid and the time steps of a contact resolve the waves of its surfaces: ridges, dents, sinusoids, profiles.
+!> How finely the grid and the time steps of a contact resolve the waves of its surfaces: ridges,
+!> dents, sinusoids, profiles.
 !>
-!> A wave that falls between the nodes, or passes within a step, is not there at all, and companions on coarser grids do not show
-!> what is missing. Of 110 contacts with narrow waves at rest (0.015 to 0.6 half-widths) h_min was within 1 % in 83 % with 16 to
-!> 24 nodes in the wave, 88 % with 24 to 32, 96 % with 32 to 48; of 40 passages on 32 to 64 nodes in 92 % with 8 steps in which the
-!> wave passes a place, 97 % with 16. Estimates of h_min from n/2 and n/4 intervals held in 81 to 83 % with 8 to 16 nodes in a wave
-!> at rest, in 94 to 98 % with more; in passages in 89 % with 4 to 8 nodes, in 95 to 98 % with more, and on fine grids, with steps
-!> longer than dX, in 68 to 90 % with 1 to 8 steps, 97 % with 16; those of h_central in 36 to 72 % and 92 %, and for two dents in
-!> 16 and 23 steps they were up to twice too small (theory page, section on domain and grid).
+!> A wave that falls between the nodes, or passes within a step, is not there at all, and companions
+!> on coarser grids do not show what is missing. Of 110 contacts with narrow waves at rest (0.015 to
+!> 0.6 half-widths) h_min was within 1 % in 83 % with 16 to 24 nodes in the wave, 88 % with 24 to
+!> 32, 96 % with 32 to 48; of 40 passages on 32 to 64 nodes in 92 % with 8 steps in which the wave
+!> passes a place, 97 % with 16. Estimates of h_min from n/2 and n/4 intervals held in 81 to 83 %
+!> with 8 to 16 nodes in a wave at rest, in 94 to 98 % with more; in passages in 89 % with 4 to 8
+!> nodes, in 95 to 98 % with more, and on fine grids, with steps longer than dX, in 68 to 90 % with
+!> 1 to 8 steps, 97 % with 16; those of h_central in 36 to 72 % and 92 %, and for two dents in 16
+!> and 23 steps they were up to twice too small (theory page, section on domain and grid).
 module wave_resolution
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t, shortest_passage
@@ -17,9 +20,11 @@ module wave_resolution
 
    public :: coarse_waves, intervals_at_least, nodes_in_wave, steps_in_wave, unseen_waves
 
-   !> Nodes in the finest wave, and steps in which it passes a place, for 1 % in h_min: those of the default, and what is told.
+   !> Nodes in the finest wave, and steps in which it passes a place, for 1 % in h_min: those of the
+   !> default, and what is told.
    integer, parameter, public :: wanted_nodes = 32, wanted_steps = 16
-   !> Nodes (at rest, in time) and steps from which on companions see what this grid sees; steps only where they are longer than dX.
+   !> Nodes (at rest, in time) and steps from which on companions see what this grid sees; steps
+   !> only where they are longer than dX.
    real(wp), parameter :: seen_nodes(2) = [16.0_wp, 8.0_wp], seen_steps = 32.0_wp
    !> A feature or sinusoid with fewer nodes, or steps in its passage, is refused.
    real(wp), parameter, public :: fewest_in_a_wave = 2.0_wp
@@ -42,19 +47,21 @@ contains
       if (wave < nodes) nodes = wave/node_spacing(contact)
    end function nodes_in_wave
 
-   !> Time steps in which the finest moving wave passes a place; huge if there is none, or no step is known yet.
+   !> Time steps in which the finest moving wave passes a place; huge if there is none, or no step
+   !> is known yet.
    pure function steps_in_wave(contact, time) result(steps)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
       real(wp) :: steps
 
       steps = huge(1.0_wp)
-      if (.not. time%is_transient .or. shortest_passage(contact) >= most_steps*time%time_step) return
+      if (.not. time%is_transient .or. shortest_passage(contact) >= most_steps &
+         *time%time_step) return
       if (time%time_step > 0.0_wp) steps = shortest_passage(contact)/time%time_step
    end function steps_in_wave
 
-   !> What the reader of a result should know about its waves: nodes or steps that are too few for 1 %, and what would do. Empty:
-   !> nothing. Domain and time step complete.
+   !> What the reader of a result should know about its waves: nodes or steps that are too few for 1
+   !> %, and what would do. Empty: nothing. Domain and time step complete.
    pure function coarse_waves(contact, time) result(words)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
@@ -64,17 +71,20 @@ contains
       nodes = nodes_in_wave(contact)
       steps = steps_in_wave(contact, time)
       words = ''
-      if (nodes < wanted_nodes) words = 'the finest wave of the surfaces has '//to_text(nodes, 3)//' nodes, '// &
+      if (nodes < wanted_nodes) words = 'the finest wave of the surfaces has '//to_text(nodes, 3) &
+         //' nodes, '// &
          to_text(wanted_nodes)//' are needed: '// &
-         to_text(intervals_at_least(real(wanted_nodes, wp)/nodes*contact%domain%intervals))//' intervals'
+         to_text(intervals_at_least(real(wanted_nodes, wp)/nodes*contact%domain%intervals)) &
+            //' intervals'
       if (steps >= wanted_steps) return
       if (len(words) > 0) words = words//'; '
-      words = words//'the finest moving wave passes in '//to_text(steps, 3)//' time steps, '//to_text(wanted_steps)// &
+      words = words//'the finest moving wave passes in '//to_text(steps, 3)//' time steps, ' &
+         //to_text(wanted_steps)// &
          ' are needed: time_step = '//to_text(shortest_passage(contact)/wanted_steps, 2)
    end function coarse_waves
 
-   !> Why coarser grids and longer steps tell nothing of the error: waves that they do not see. Empty: they do, or grid and step are
-   !> not known yet.
+   !> Why coarser grids and longer steps tell nothing of the error: waves that they do not see.
+   !> Empty: they do, or grid and step are not known yet.
    pure function unseen_waves(contact, time) result(words)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
@@ -87,9 +97,11 @@ contains
       nodes = nodes_in_wave(contact)
       steps = steps_in_wave(contact, time)
       if (nodes < least) then
-         words = 'the finest wave of the surfaces has '//to_text(nodes, 3)//' nodes, an estimate needs '//to_text(nint(least))
+         words = 'the finest wave of the surfaces has '//to_text(nodes, 3) &
+            //' nodes, an estimate needs '//to_text(nint(least))
       else if (steps < seen_steps .and. time%time_step > long_step*node_spacing(contact)) then
-         words = 'the finest moving wave passes in '//to_text(steps, 3)//' time steps, an estimate needs '// &
+         words = 'the finest moving wave passes in '//to_text(steps, 3) &
+            //' time steps, an estimate needs '// &
             to_text(nint(seen_steps))//', or steps of dX'
       end if
    end function unseen_waves
@@ -105,7 +117,8 @@ contains
          scale = 2*scale
       end do
       intervals = minval(scale*families, mask=scale*families >= wanted)
-      if (wanted > families(size(families))*real(scale, wp)) intervals = families(size(families))*scale
+      if (wanted > families(size(families))*real(scale, wp)) intervals = families(size(families)) &
+         *scale
    end function intervals_at_least
 
    !> dX of a complete domain.

@@ -1,11 +1,14 @@
 !> Labelled datasets of an HDF5 file: reals of rank 0 to 2, integers of rank 0 and 1, strings.
 !>
-!> Shapes are as Fortran sees them; h5py shows them reversed. Strings have a fixed length and are UTF-8.
+!> Shapes are as Fortran sees them; h5py shows them reversed. Strings have a fixed length and are
+!> UTF-8.
 module hdf5_dataset
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
-   use hdf5, only: h5dclose_f, h5dcreate_f, h5dwrite_f, h5p_dataset_create_f, h5pclose_f, h5pcreate_f, h5pset_chunk_f, &
-      h5pset_fletcher32_f, h5pset_obj_track_times_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, hid_t, hsize_t
+   use hdf5, only: h5dclose_f, h5dcreate_f, h5dwrite_f, h5p_dataset_create_f, h5pclose_f, &
+      h5pcreate_f, h5pset_chunk_f, &
+      h5pset_fletcher32_f, h5pset_obj_track_times_f, h5s_scalar_f, h5sclose_f, h5screate_f, &
+         h5screate_simple_f, hid_t, hsize_t
    use hdf5_attribute, only: attach_real, attach_string, close_type, new_string_type
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
@@ -136,7 +139,8 @@ contains
       call file%check(status, path)
    end subroutine new_properties
 
-   !> Creates a labelled dataset, which stays open, and the groups above it; `space` and `properties` are given back.
+   !> Creates a labelled dataset, which stays open, and the groups above it; `space` and
+   !> `properties` are given back.
    subroutine create_labelled(file, path, type_id, space, properties, label, dataset)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
@@ -147,7 +151,8 @@ contains
 
       dataset = -1_hid_t
       if (allocated(file%failure)) return
-      call h5dcreate_f(file%id, path, type_id, space, dataset, status, dcpl_id=properties, lcpl_id=file%link_creation)
+      call h5dcreate_f(file%id, path, type_id, space, dataset, status, dcpl_id=properties, &
+         lcpl_id=file%link_creation)
       call file%check(status, path)
       if (allocated(file%failure)) return
       call h5pclose_f(properties, status)
@@ -182,7 +187,8 @@ contains
       end if
       call file%check(status, path)
       call new_properties(file, path, properties)
-      if (file%has_checksums .and. product(extents) > 0) call add_checksum(file, path, extents, properties)
+      if (file%has_checksums .and. product(extents) > 0) call add_checksum(file, path, extents, &
+         properties)
       call create_labelled(file, path, type_id, space, properties, label, dataset)
       if (allocated(file%failure)) return
       if (product(extents) > 0) call h5dwrite_f(dataset, type_id, values, status)

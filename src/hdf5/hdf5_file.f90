@@ -1,15 +1,18 @@
-!> An HDF5 file being written: open, groups, flush, close. Attributes are in `hdf5_attribute`, datasets in `hdf5_dataset`,
-!> series that grow row by row in `hdf5_series`.
+!> An HDF5 file being written: open, groups, flush, close. Attributes are in `hdf5_attribute`,
+!> datasets in `hdf5_dataset`, series that grow row by row in `hdf5_series`.
 !>
-!> Every return code is checked. The first failure stays in `file%failure` (with HDF5's reason and the name of the file); what
-!> follows it does nothing, so a writer checks once, at `close`. No object carries a time stamp: equal contents make equal files.
+!> Every return code is checked. The first failure stays in `file%failure` (with HDF5's reason and
+!> the name of the file); what follows it does nothing, so a writer checks once, at `close`. No
+!> object carries a time stamp: equal contents make equal files.
 module hdf5_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, output_error
    use hdf5, only: h5f_acc_trunc_f, h5f_close_strong_f, h5f_scope_global_f, h5fclose_f, &
-      h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5kind_to_type, h5_integer_kind, h5_real_kind, &
-      h5p_file_access_f, h5p_link_create_f, h5pclose_f, h5pcreate_f, h5pset_create_inter_group_f, h5pset_fclose_degree_f, &
+      h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5kind_to_type, h5_integer_kind, &
+         h5_real_kind, &
+      h5p_file_access_f, h5p_link_create_f, h5pclose_f, h5pcreate_f, h5pset_create_inter_group_f, &
+         h5pset_fclose_degree_f, &
       h5pset_libver_bounds_f, h5f_libver_earliest_f, h5f_libver_latest_f, hid_t
    use hdf5_library, only: start_hdf5
    use hdf5_reason, only: keep_hdf5_failure
@@ -25,13 +28,15 @@ module hdf5_file
       character(:), allocatable :: path
       !> The first thing that went wrong; allocated = nothing is written any more.
       type(error_t), allocatable :: failure
-      !> HDF5 identifiers, for the hdf5_* modules only: the file, and properties of new links (groups above are made as well).
+      !> HDF5 identifiers, for the hdf5_* modules only: the file, and properties of new links
+      !> (groups above are made as well).
       integer(hid_t) :: id = -1_hid_t
       integer(hid_t) :: link_creation = -1_hid_t
       !> HDF5 types of real(wp) and integer(int64).
       integer(hid_t) :: real_type = -1_hid_t
       integer(hid_t) :: integer_type = -1_hid_t
-      !> Datasets get the checksums of the HDF5 library (Fletcher-32); for that single values become vectors of one.
+      !> Datasets get the checksums of the HDF5 library (Fletcher-32); for that single values become
+      !> vectors of one.
       logical :: has_checksums = .false.
       !> The first dataset of an answer whose values are none, and why; unallocated = none so far.
       character(:), allocatable :: nonsense
@@ -92,17 +97,20 @@ contains
       integer, intent(in) :: status
       character(*), intent(in) :: doing
 
-      call keep_hdf5_failure(self%failure, output_error, 'cannot write ' // self%path, status, doing)
+      call keep_hdf5_failure(self%failure, output_error, 'cannot write ' // self%path, status, &
+         doing)
    end subroutine check
 
-   !> Every number of an answer passes here on its way into the file: it must be finite, and a pressure not below zero. What the
-   !> user gave and what the report tells of an iteration may be otherwise.
+   !> Every number of an answer passes here on its way into the file: it must be finite, and a
+   !> pressure not below zero. What the user gave and what the report tells of an iteration may be
+   !> otherwise.
    subroutine look_at(self, path, values)
       class(hdf5_file_t), intent(inout) :: self
       character(*), intent(in) :: path
       real(wp), intent(in) :: values(:)
 
-      if (allocated(self%nonsense) .or. index(path, '/report/') == 1 .or. index(path, '/input/') == 1) return
+      if (allocated(self%nonsense) .or. index(path, '/report/') == 1 .or. index(path, &
+         '/input/') == 1) return
       if (.not. all(ieee_is_finite(values))) then
          self%nonsense = path//' holds values that are not finite'
       else if (index(path, '/pressure', back=.true.) == len(path) - len('/pressure') + 1) then
@@ -135,7 +143,8 @@ contains
       call self%check(status, 'writing to the disk')
    end subroutine flush_file
 
-   !> Closes the file and all that is open in it; `error` is the first failure of its whole life. Closing twice does nothing.
+   !> Closes the file and all that is open in it; `error` is the first failure of its whole life.
+   !> Closing twice does nothing.
    subroutine close_file(self, error)
       class(hdf5_file_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error

@@ -26,9 +26,10 @@ module hdf5_library
 
 contains
 
-   !> Starts the library, however often it is called: it prints nothing, and it locks no files (`lock_t` does that, once for a
-   !> whole run; the library's own locks would be in its way). `status` < 0: it cannot be started.
-   !> Only the first call does anything: a second h5open_f returns a status at random in some versions (1.10.10).
+   !> Starts the library, however often it is called: it prints nothing, and it locks no files
+   !> (`lock_t` does that, once for a whole run; the library's own locks would be in its way).
+   !> `status` < 0: it cannot be started. Only the first call does anything: a second h5open_f
+   !> returns a status at random in some versions (1.10.10).
    subroutine start_hdf5(status)
       integer, intent(out) :: status
       integer :: ignored

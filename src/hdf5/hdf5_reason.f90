@@ -1,6 +1,8 @@
-!> The first failure of a series of HDF5 calls, with its reason in a few words from the library's error stack.
+!> The first failure of a series of HDF5 calls, with its reason in a few words from the library's
+!> error stack.
 module hdf5_reason
-   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_funloc, c_funptr, c_int, c_int64_t, c_loc, c_ptr, &
+   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_funloc, c_funptr, c_int, &
+      c_int64_t, c_loc, c_ptr, &
       c_associated, c_size_t
    use errors, only: error_t, fail
    implicit none (type, external)
@@ -68,7 +70,8 @@ contains
       call fail(failure, kind, what // ' (' // doing // ')' // reason)
    end subroutine keep_hdf5_failure
 
-   !> The operating system's words ('No space left on device') where the library passes them on, else its own; '' if it has none.
+   !> The operating system's words ('No space left on device') where the library passes them on,
+   !> else its own; '' if it has none.
    function last_hdf5_reason() result(reason)
       character(:), allocatable :: reason
       character(len=*), parameter :: marker = "error message = '"
@@ -86,7 +89,8 @@ contains
       if (length > 0) reason = reason(:length)
    end function last_hdf5_reason
 
-   !> Visits one stack entry: keeps the description of entry 0, the most specific one. Returns 0 = go on.
+   !> Visits one stack entry: keeps the description of entry 0, the most specific one. Returns
+   !> 0 = go on.
    function keep_first(number, entry, client) bind(c) result(status)
       integer(c_int), value :: number
       type(stack_entry_t), intent(in) :: entry

@@ -1,8 +1,11 @@
-!> Datasets of an HDF5 file that grow by one record at a time, so that a long run needs no more memory than a short one.
+!> Datasets of an HDF5 file that grow by one record at a time, so that a long run needs no more
+!> memory than a short one.
 module hdf5_series
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
-   use hdf5, only: h5dget_space_f, h5dset_extent_f, h5dwrite_f, h5pset_chunk_f, h5pset_deflate_f, h5pset_shuffle_f, &
-      h5s_select_set_f, h5s_unlimited_f, h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, h5z_filter_deflate_f, &
+   use hdf5, only: h5dget_space_f, h5dset_extent_f, h5dwrite_f, h5pset_chunk_f, h5pset_deflate_f, &
+      h5pset_shuffle_f, &
+      h5s_select_set_f, h5s_unlimited_f, h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, &
+         h5z_filter_deflate_f, &
       h5zfilter_avail_f, hid_t, hsize_t
    use hdf5_dataset, only: create_labelled, label_t, new_properties
    use hdf5_file, only: hdf5_file_t
@@ -17,7 +20,8 @@ module hdf5_series
    !> Level of the deflate filter [1-9].
    integer, parameter :: deflate_level = 4
 
-   !> A series in an open file: numbers (n) or rows (row_length, n); h5py shows rows as (n, row_length).
+   !> A series in an open file: numbers (n) or rows (row_length, n); h5py shows rows as (n,
+   !> row_length).
    type :: series_t
       !> Records written so far.
       integer :: records = 0
@@ -100,7 +104,8 @@ contains
       real(wp), intent(in), contiguous, target :: values(:)
 
       call file%look_at(self%path, values)
-      call append_records(self, file, [0_hsize_t, int(self%records, hsize_t)], [int(self%row_length, hsize_t), 1_hsize_t], &
+      call append_records(self, file, [0_hsize_t, int(self%records, hsize_t)], &
+         [int(self%row_length, hsize_t), 1_hsize_t], &
                          c_loc(values))
    end subroutine append_row
 

@@ -1,10 +1,13 @@
-!> An open attribute or dataset of an HDF5 file as the source of values: what it holds is compared with what the reader has room
-!> for before anything is read, and everything must lie in the file itself.
+!> An open attribute or dataset of an HDF5 file as the source of values: what it holds is compared
+!> with what the reader has room for before anything is read, and everything must lie in the file
+!> itself.
 module hdf5_source
    use, intrinsic :: iso_c_binding, only: c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
-   use hdf5, only: h5aget_space_f, h5aget_type_f, h5aread_f, h5d_chunked_f, h5d_virtual_f, h5dget_create_plist_f, h5dget_space_f, &
-      h5dget_storage_size_f, h5dget_type_f, h5dread_f, h5pclose_f, h5pget_chunk_f, h5pget_external_count_f, h5pget_layout_f, &
+   use hdf5, only: h5aget_space_f, h5aget_type_f, h5aread_f, h5d_chunked_f, h5d_virtual_f, &
+      h5dget_create_plist_f, h5dget_space_f, &
+      h5dget_storage_size_f, h5dget_type_f, h5dread_f, h5pclose_f, h5pget_chunk_f, &
+         h5pget_external_count_f, h5pget_layout_f, &
       h5sclose_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, &
       h5t_float_f, h5t_integer_f, h5t_string_f, h5tclose_f, h5tget_class_f, &
       h5tget_size_f, h5tis_variable_str_f, hid_t, hsize_t, size_t
@@ -15,13 +18,15 @@ module hdf5_source
 
    public :: fault_of_size, fault_of_storage, hdf5_source_t, number_class, text_class
 
-   !> Classes of values that are read: integers or reals of at most 16 bytes; a text of fixed length.
+   !> Classes of values that are read: integers or reals of at most 16 bytes; a text of fixed
+   !> length.
    integer, parameter :: number_class = 1, text_class = 2
    !> Largest number and text [bytes].
    integer(size_t), parameter :: largest_number = 16_size_t, largest_text = 16777216_size_t
    !> Largest chunk: the library holds a whole one [bytes].
    integer(int64), parameter :: largest_chunk = 1073741824_int64
-   !> Datasets from this size on must be stored, not only declared [bytes]. What compression makes of a byte, at most (deflate).
+   !> Datasets from this size on must be stored, not only declared [bytes]. What compression makes
+   !> of a byte, at most (deflate).
    integer(int64), parameter :: large_dataset = 67108864_int64
    real(wp), parameter :: most_packed = 1100.0_wp
 
@@ -38,7 +43,8 @@ module hdf5_source
 
 contains
 
-   !> "found ..., expected ..." where the source is not `count` values of the class; empty if it is. Below 0: any number of values.
+   !> "found ..., expected ..." where the source is not `count` values of the class; empty if it is.
+   !> Below 0: any number of values.
    function fault(self, class, count)
       class(hdf5_source_t), intent(in) :: self
       integer, intent(in) :: class
@@ -60,13 +66,15 @@ contains
       call h5tclose_f(type_id, status)
       found = number_of_values(self)
       if (class == number_class) then
-         is_right = (found_class == h5t_integer_f .or. found_class == h5t_float_f) .and. bytes <= largest_number
+         is_right = (found_class == h5t_integer_f .or. found_class == h5t_float_f) &
+            .and. bytes <= largest_number
       else
          is_right = found_class == h5t_string_f .and. bytes <= largest_text .and. .not. is_variable
       end if
       fault = ''
       if (.not. is_right) then
-         fault = 'found '//class_words(found_class)//', expected '//trim(merge('numbers               ', &
+         fault = 'found '//class_words(found_class)//', expected ' &
+            //trim(merge('numbers               ', &
             'a text of fixed length', class == number_class))
       else if (count >= 0 .and. found /= count) then
          fault = 'found '//to_text(found)//' values, expected '//to_text(count)
@@ -164,8 +172,8 @@ contains
       call h5sclose_f(space, status)
    end function rank_of
 
-   !> "found ..., expected ..." where the values of the open dataset `id` lie in other files, or in chunks that are too large; else
-   !> empty.
+   !> "found ..., expected ..." where the values of the open dataset `id` lie in other files, or in
+   !> chunks that are too large; else empty.
    function fault_of_storage(id) result(fault)
       integer(hid_t), intent(in) :: id
       character(:), allocatable :: fault
@@ -180,10 +188,13 @@ contains
       if (status < 0) return
       external_files = 0
       call h5pget_layout_f(properties, layout, status)
-      if (status >= 0 .and. layout /= h5d_virtual_f) call h5pget_external_count_f(properties, external_files, status)
+      if (status >= 0 .and. layout /= h5d_virtual_f) call h5pget_external_count_f(properties, &
+         external_files, status)
       source%id = id
-      allocate (chunk(rank_of(source)), source=1_hsize_t)   ! of another length the library's answer is at random
-      if (status >= 0 .and. layout == h5d_chunked_f) call h5pget_chunk_f(properties, size(chunk), chunk, status)
+      ! of another length the library's answer is at random
+      allocate (chunk(rank_of(source)), source=1_hsize_t)
+      if (status >= 0 .and. layout == h5d_chunked_f) call h5pget_chunk_f(properties, size(chunk), &
+         chunk, status)
       if (status < 0) return
       call h5pclose_f(properties, status)
       bytes = product(real(chunk, wp))*real(source%value_bytes(), wp)
@@ -193,11 +204,13 @@ contains
       else if (external_files > 0) then
          fault = 'found external storage, expected the values in the file itself'
       else if (bytes > real(largest_chunk, wp)) then
-         fault = 'found chunks of '//to_text(nint(bytes, int64))//' bytes, expected at most '//to_text(largest_chunk)
+         fault = 'found chunks of '//to_text(nint(bytes, int64))//' bytes, expected at most ' &
+            //to_text(largest_chunk)
       end if
    end function fault_of_storage
 
-   !> "found ..., expected ..." where a large dataset is declared but not stored: reading it would have no end. Else empty.
+   !> "found ..., expected ..." where a large dataset is declared but not stored: reading it would
+   !> have no end. Else empty.
    function fault_of_size(id) result(fault)
       integer(hid_t), intent(in) :: id
       character(:), allocatable :: fault
@@ -211,8 +224,10 @@ contains
       bytes = real(source%value_bytes(), wp)*real(number_of_values(source), wp)
       call h5dget_storage_size_f(id, stored, status)
       if (status < 0) stored = 0_hsize_t   ! to the library's Fortran side a size of 0 is a failure
-      if (bytes > real(large_dataset, wp) .and. bytes/most_packed > real(stored, wp)) fault = 'found a dataset of '// &
-         to_text(nint(bytes, int64))//' bytes of which the file stores '//to_text(int(stored, int64))//', expected all of them'
+      if (bytes > real(large_dataset, wp) .and. bytes/most_packed > real(stored, wp)) fault = &
+         'found a dataset of '// &
+         to_text(nint(bytes, int64))//' bytes of which the file stores ' &
+            //to_text(int(stored, int64))//', expected all of them'
    end function fault_of_size
 
 end module hdf5_source

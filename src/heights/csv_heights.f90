@@ -1,6 +1,8 @@
-!> Heights in a CSV table: a header line, then rows with x in the first column; read a stretch at a time.
+!> Heights in a CSV table: a header line, then rows with x in the first column; read a stretch at a
+!> time.
 !>
-!> A first pass over the file notes where every 4096th row begins, so that any row is found again without holding the table.
+!> A first pass over the file notes where every 4096th row begins, so that any row is found again
+!> without holding the table.
 module csv_heights
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
@@ -28,7 +30,8 @@ module csv_heights
       character(:), allocatable, private :: file
       !> Number of the column with the heights, and of all columns.
       integer, private :: column = 2, columns = 2
-      !> First byte and line number of rows 0, block_rows, 2 block_rows, ... (2, n); the array may be longer.
+      !> First byte and line number of rows 0, block_rows, 2 block_rows, ... (2, n); the array may
+      !> be longer.
       integer(int64), allocatable, private :: places(:, :)
    contains
       procedure :: get
@@ -44,9 +47,9 @@ module csv_heights
 
 contains
 
-   !> Finds the rows of `file`, their `spacing` [m] and the column named `dataset` (empty: the second).
-   !> Errors (input_error), with the line: no such file or column; no header; positions that are no numbers or uneven; rows
-   !> that have not as many fields as the header.
+   !> Finds the rows of `file`, their `spacing` [m] and the column named `dataset` (empty: the
+   !> second). Errors (input_error), with the line: no such file or column; no header; positions
+   !> that are no numbers or uneven; rows that have not as many fields as the header.
    subroutine open_csv_heights(source, file, dataset, spacing, error)
       type(csv_heights_t), intent(out) :: source
       character(*), intent(in) :: file, dataset
@@ -65,7 +68,8 @@ contains
       call lines%close()
    end subroutine open_csv_heights
 
-   !> Finds the column named `dataset` in the present line. Errors: there is none; the line is no header.
+   !> Finds the column named `dataset` in the present line. Errors: there is none; the line is no
+   !> header.
    subroutine read_header(source, lines, dataset, error)
       type(csv_heights_t), intent(inout) :: source
       type(text_lines_t), intent(in) :: lines
@@ -81,10 +85,12 @@ contains
          call find_field(header, 1, first, last)
          call read_real(header(first:last), number, is_number)
          if (source%columns < 2 .or. is_number) then
-            call refuse(lines, first, 'found '//shown(header)//', expected a header line with the names of the columns, as '// &
+            call refuse(lines, first, 'found '//shown(header) &
+               //', expected a header line with the names of the columns, as '// &
                'in x,z', error)
          else if (source%column == 0) then
-            call refuse(lines, 1, 'found no column '//quoted(dataset)//' in the header '//shown(header), error)
+            call refuse(lines, 1, 'found no column '//quoted(dataset)//' in the header ' &
+               //shown(header), error)
          end if
       end associate
    end subroutine read_header
@@ -104,7 +110,8 @@ contains
       do
          call next_row(lines, is_there, error)
          if (allocated(error) .or. .not. is_there) exit
-         if (modulo(source%nodes, block_rows) == 0) call note_place(source, [lines%place, lines%number])
+         if (modulo(source%nodes, block_rows) == 0) call note_place(source, &
+            [lines%place, lines%number])
          call read_number(source, lines, 1, x, error)
          if (allocated(error)) return
          call narrow(range, source%nodes, lines%number, x)
@@ -113,9 +120,11 @@ contains
       if (allocated(error) .or. source%nodes < 2) return
       spacing = (range%last - range%first)/(source%nodes - 1)
       if (.not. spacing > 0.0_wp) then
-         call fail(error, input_error, source%file//': found positions that do not rise, expected those of a uniform grid')
+         call fail(error, input_error, source%file//': found positions that do not rise, '// &
+            'expected those of a uniform grid')
       else if (spacing < range%low .or. spacing > range%high) then
-         call fail(error, input_error, source%file//':'//to_text(merge(range%low_line, range%high_line, spacing < range%low))// &
+         call fail(error, input_error, source%file//':'//to_text(merge(range%low_line, &
+            range%high_line, spacing < range%low))// &
             ': found uneven positions, expected a uniform grid')
       else if (spacing_fault(spacing) /= '') then
          call fail(error, input_error, source%file//': '//spacing_fault(spacing))
@@ -138,7 +147,8 @@ contains
       source%places(:, block) = place
    end subroutine note_place
 
-   !> The spacings for which `x` of `row` (0 = the first) in `line` is no more than `most_uneven` of them from its place.
+   !> The spacings for which `x` of `row` (0 = the first) in `line` is no more than `most_uneven` of
+   !> them from its place.
    pure subroutine narrow(range, row, line, x)
       type(spacing_range_t), intent(inout) :: range
       integer(int64), intent(in) :: row, line
@@ -177,8 +187,10 @@ contains
       call lines%seek(self%places(1, block), self%places(2, block))
       do row = (block - 1)*block_rows, first + size(z) - 1
          call next_row(lines, is_there, error)
-         if (.not. (allocated(error) .or. is_there)) call fail(error, input_error, self%file//' has fewer rows than before')
-         if (row >= first .and. .not. allocated(error)) call read_number(self, lines, self%column, z(row - first + 1), &
+         if (.not. (allocated(error) .or. is_there)) call fail(error, input_error, &
+            self%file//' has fewer rows than before')
+         if (row >= first .and. .not. allocated(error)) call read_number(self, lines, &
+            self%column, z(row - first + 1), &
             error)
          if (allocated(error)) exit
       end do
@@ -198,8 +210,8 @@ contains
       end do
    end subroutine next_row
 
-   !> The number in a column of the present line. Errors, with line and column: there is none; it cannot be a position or a
-   !> height; the line has not as many fields as the header.
+   !> The number in a column of the present line. Errors, with line and column: there is none; it
+   !> cannot be a position or a height; the line has not as many fields as the header.
    subroutine read_number(source, lines, column, number, error)
       type(csv_heights_t), intent(in) :: source
       type(text_lines_t), intent(in) :: lines
@@ -215,9 +227,11 @@ contains
          columns = 1 + count_of(',', row)
          call find_field(row, column, first, last)
          call read_real(row(first:last), number, good)
-         if (columns == source%columns .and. good .and. merge(is_position(number), is_height(number), column == 1)) return
+         if (columns == source%columns .and. good .and. merge(is_position(number), &
+            is_height(number), column == 1)) return
          if (columns /= source%columns) then
-            fault = 'found '//to_text(columns)//' fields, expected the '//to_text(source%columns)// &
+            fault = 'found '//to_text(columns)//' fields, expected the ' &
+               //to_text(source%columns)// &
                ' of the header, separated by commas (numbers have a decimal point)'
          else if (.not. good) then
             fault = 'found '//shown(row(first:last))//', expected a number'
@@ -237,7 +251,8 @@ contains
       character(*), intent(in) :: fault
       type(error_t), allocatable, intent(out) :: error
 
-      call fail(error, input_error, lines%file//':'//to_text(lines%number)//':'//to_text(column)//': '//fault)
+      call fail(error, input_error, lines%file//':'//to_text(lines%number)//':'//to_text(column) &
+         //': '//fault)
    end subroutine refuse
 
    !> What a file says, in quotes and short.
@@ -264,7 +279,8 @@ contains
       column = 0
    end function column_of
 
-   !> Where field number `i` of a line of fields separated by commas is, without blanks around it; empty if there are fewer.
+   !> Where field number `i` of a line of fields separated by commas is, without blanks around it;
+   !> empty if there are fewer.
    pure subroutine find_field(line, i, first, last)
       character(*), intent(in) :: line
       integer, intent(in) :: i

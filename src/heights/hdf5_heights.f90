@@ -1,11 +1,13 @@
-!> Heights in an HDF5 file: a dataset of one or two dimensions and the spacing of its nodes, read a stretch at a time.
+!> Heights in an HDF5 file: a dataset of one or two dimensions and the spacing of its nodes, read a
+!> stretch at a time.
 module hdf5_heights
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
    use findings, only: quoted
-   use hdf5, only: h5dget_space_f, h5dread_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, &
+   use hdf5, only: h5dget_space_f, h5dread_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
+      h5sselect_hyperslab_f, &
       h5t_native_double, hid_t, hsize_t
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use hdf5_source, only: fault_of_size, hdf5_source_t, number_class
@@ -24,7 +26,8 @@ module hdf5_heights
    !> Most nodes.
    real(wp), parameter :: most_nodes = 1.0e18_wp
 
-   !> A dataset (nx) or, as h5py sees it, (ny, nx); x runs fastest. The file is open only while it is read.
+   !> A dataset (nx) or, as h5py sees it, (ny, nx); x runs fastest. The file is open only while it
+   !> is read.
    type, extends(height_source_t) :: hdf5_heights_t
       character(:), allocatable, private :: file, dataset
       !> nx, ny; and metres in one unit of the dataset.
@@ -36,9 +39,9 @@ module hdf5_heights
 
 contains
 
-   !> Heights of `dataset` in `file`, times its attribute `si_scale` if it has one. `spacing` (2) [m] from its attributes
-   !> `spacing_x`, `spacing_y` or `spacing`; 0 where there is none. Errors (input_error): no such file or dataset, another
-   !> number of dimensions.
+   !> Heights of `dataset` in `file`, times its attribute `si_scale` if it has one. `spacing` (2)
+   !> [m] from its attributes `spacing_x`, `spacing_y` or `spacing`; 0 where there is none. Errors
+   !> (input_error): no such file or dataset, another number of dimensions.
    subroutine open_hdf5_heights(source, file, dataset, spacing, error)
       type(hdf5_heights_t), intent(out) :: source
       character(*), intent(in) :: file, dataset
@@ -68,18 +71,20 @@ contains
       if (.not. exists) then
          call fail(error, input_error, file//': found no dataset '//quoted(dataset))
       else if (size(extents) < 1 .or. size(extents) > 2) then
-         call fail(error, input_error, file//': found '//to_text(size(extents))//' dimensions in '// &
+         call fail(error, input_error, file//': found '//to_text(size(extents)) &
+            //' dimensions in '// &
             dataset//', expected 1 or 2')
       else
          source%grid = 1
          source%grid(:size(extents)) = extents
-         if (product(real(source%grid, wp)) > most_nodes) call fail(error, input_error, file//': found too many nodes in '//dataset)
+         if (product(real(source%grid, wp)) > most_nodes) call fail(error, input_error, &
+            file//': found too many nodes in '//dataset)
          if (.not. allocated(error)) source%nodes = product(source%grid)
       end if
    end subroutine open_hdf5_heights
 
-   !> Spacing and scale of an open dataset. Failures: it holds no numbers or does not store them; attributes that are no single
-   !> numbers or of no use.
+   !> Spacing and scale of an open dataset. Failures: it holds no numbers or does not store them;
+   !> attributes that are no single numbers or of no use.
    subroutine look_at_dataset(reader, source, set_id, spacing)
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(inout) :: source

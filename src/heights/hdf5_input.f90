@@ -1,14 +1,16 @@
 !> An HDF5 file being read: numbers, texts and attributes by their paths.
 !>
-!> Every return code is checked. The first failure stays in `reader%failure` (kind input_error); what follows it reads
-!> nothing, so a caller checks once, at the end.
+!> Every return code is checked. The first failure stays in `reader%failure` (kind input_error);
+!> what follows it reads nothing, so a caller checks once, at the end.
 module hdf5_input
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
    use file_identity, only: file_fault
-   use hdf5, only: h5aclose_f, h5aexists_f, h5aopen_by_name_f, h5aopen_f, h5dclose_f, h5dget_space_f, h5dopen_f, h5f_acc_rdonly_f, &
-      h5fclose_f, h5fopen_f, h5kind_to_type, h5_integer_kind, h5_real_kind, h5lexists_f, h5sclose_f, h5sget_simple_extent_dims_f, &
+   use hdf5, only: h5aclose_f, h5aexists_f, h5aopen_by_name_f, h5aopen_f, h5dclose_f, &
+      h5dget_space_f, h5dopen_f, h5f_acc_rdonly_f, &
+      h5fclose_f, h5fopen_f, h5kind_to_type, h5_integer_kind, h5_real_kind, h5lexists_f, &
+         h5sclose_f, h5sget_simple_extent_dims_f, &
       h5sget_simple_extent_ndims_f, h5tclose_f, hid_t, hsize_t
    use hdf5_library, only: start_hdf5
    use hdf5_reason, only: keep_hdf5_failure
@@ -121,7 +123,8 @@ contains
       if (allocated(self%failure)) call h5dclose_f(dataset, status)
    end subroutine open_dataset
 
-   !> Keeps "found ..., expected ..." about the dataset or attribute `name` as the first failure, unless it is empty.
+   !> Keeps "found ..., expected ..." about the dataset or attribute `name` as the first failure,
+   !> unless it is empty.
    subroutine refuse(self, name, fault)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: name, fault
@@ -185,10 +188,12 @@ contains
       end if
       allocate (values(product(counts)), source=0.0_wp, stat=status)
       if (status /= 0) then
-         call self%refuse(path, 'found '//to_text(product(counts))//' values, for which there is no memory')
+         call self%refuse(path, 'found '//to_text(product(counts)) &
+            //' values, for which there is no memory')
          allocate (values(0))
       end if
-      if (size(values) > 0) call read_numbers(self, path, size(values, kind=int64), h5kind_to_type(wp, h5_real_kind), c_loc(values))
+      if (size(values) > 0) call read_numbers(self, path, size(values, kind=int64), &
+         h5kind_to_type(wp, h5_real_kind), c_loc(values))
    end function reals
 
    !> The number of a dataset that holds one.
@@ -226,7 +231,8 @@ contains
       call reader%close_dataset(path, dataset)
    end subroutine read_numbers
 
-   !> The one place where numbers are read: `count` of them from an open dataset or attribute, which must have just these.
+   !> The one place where numbers are read: `count` of them from an open dataset or attribute, which
+   !> must have just these.
    subroutine read_checked(reader, name, source, count, type_id, place)
       class(hdf5_input_t), intent(inout) :: reader
       character(*), intent(in) :: name
@@ -310,12 +316,14 @@ contains
       call h5aopen_f(dataset, name, attribute, status)
       call self%check(status, name)
       if (allocated(self%failure)) return
-      call read_checked(self, name, hdf5_source_t(attribute, is_attribute=.true.), 1_int64, h5kind_to_type(wp, h5_real_kind), &
+      call read_checked(self, name, hdf5_source_t(attribute, is_attribute=.true.), 1_int64, &
+         h5kind_to_type(wp, h5_real_kind), &
          c_loc(value))
       call h5aclose_f(attribute, status)
    end function number_of
 
-   !> The one place where texts are read: one of fixed length, its null characters at the end cut off.
+   !> The one place where texts are read: one of fixed length, its null characters at the end cut
+   !> off.
    subroutine read_text(reader, name, source, text)
       class(hdf5_input_t), intent(inout) :: reader
       character(*), intent(in) :: name

@@ -46,7 +46,8 @@ contains
       call open_source(file, dataset, source, grid, heights%spacing, error)
       if (allocated(error)) return
       if (source%nodes > huge(heights%grid)) then
-         call fail(error, input_error, file//': found '//to_text(source%nodes)//' nodes, expected at most '// &
+         call fail(error, input_error, file//': found '//to_text(source%nodes) &
+            //' nodes, expected at most '// &
             to_text(huge(heights%grid)))
          return
       end if
@@ -60,11 +61,13 @@ contains
       allocate (heights%z(source%nodes))
       call source%get(0_int64, heights%z, error)
       if (.not. allocated(error)) call look_at_heights(file, 0_int64, heights%z, error)
-      if (.not. allocated(error)) call look_at_range(file, minval(heights%z), maxval(heights%z), error)   ! error: handed up
+      if (.not. allocated(error)) call look_at_range(file, minval(heights%z), maxval(heights%z), &
+         error)   ! error: handed up
    end subroutine read_heights
 
-   !> Opens the profile in `file`, of any length, and looks through it once: `digits` is the checksum of its heights; `spacing` [m],
-   !> 0: the file does not tell. Errors (input_error): as in `open_source`; gaps; an area.
+   !> Opens the profile in `file`, of any length, and looks through it once: `digits` is the
+   !> checksum of its heights; `spacing` [m], 0: the file does not tell. Errors (input_error): as in
+   !> `open_source`; gaps; an area.
    subroutine open_heights(file, dataset, source, spacing, digits, error)
       character(*), intent(in) :: file, dataset
       class(height_source_t), allocatable, intent(out) :: source
@@ -102,8 +105,9 @@ contains
       digits = sums%digits()
    end subroutine open_heights
 
-   !> Opens `file`; `dataset` names the column of a CSV file (empty: the second) or the path in an HDF5 file.
-   !> Errors (input_error): no such file, column or dataset; positions that are no numbers or uneven; fewer than two nodes.
+   !> Opens `file`; `dataset` names the column of a CSV file (empty: the second) or the path in an
+   !> HDF5 file. Errors (input_error): no such file, column or dataset; positions that are no
+   !> numbers or uneven; fewer than two nodes.
    subroutine open_source(file, dataset, source, grid, spacing, error)
       character(*), intent(in) :: file, dataset
       class(height_source_t), allocatable, intent(out) :: source
@@ -130,7 +134,8 @@ contains
          call move_alloc(table, source)
       end if
       if (allocated(error)) return
-      if (source%nodes < 2) call fail(error, input_error, file//': found '//to_text(source%nodes)// &
+      if (source%nodes < 2) call fail(error, input_error, file//': found ' &
+         //to_text(source%nodes)// &
          ' nodes, expected at least 2')
    end subroutine open_source
 
@@ -143,7 +148,8 @@ contains
       integer :: bad
 
       bad = findloc(is_height(z), .false., dim=1)
-      if (bad > 0) call fail(error, input_error, file//': node '//to_text(first + bad)//': '//height_fault(z(bad)))
+      if (bad > 0) call fail(error, input_error, file//': node '//to_text(first + bad)//': ' &
+         //height_fault(z(bad)))
    end subroutine look_at_heights
 
    !> Error: the surface is neither flat nor as high as numbers need.
@@ -152,7 +158,8 @@ contains
       real(wp), intent(in) :: lowest, highest
       type(error_t), allocatable, intent(out) :: error
 
-      if (range_fault(lowest, highest) /= '') call fail(error, input_error, file//': '//range_fault(lowest, highest))
+      if (range_fault(lowest, highest) /= '') call fail(error, input_error, &
+         file//': '//range_fault(lowest, highest))
    end subroutine look_at_range
 
 end module height_file

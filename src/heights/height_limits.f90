@@ -1,6 +1,8 @@
-!> Which heights, positions and spacings a file of heights may have, and what is wrong with others in words.
+!> Which heights, positions and spacings a file of heights may have, and what is wrong with others
+!> in words.
 !>
-!> The limits lie far beyond measured surfaces. Inside them squares and quotients of heights and spacings are numbers.
+!> The limits lie far beyond measured surfaces. Inside them squares and quotients of heights and
+!> spacings are numbers.
 module height_limits
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use kinds, only: wp
@@ -8,7 +10,8 @@ module height_limits
    implicit none (type, external)
    private
 
-   public :: height_fault, is_height, is_position, position_fault, range_fault, scale_fault, spacing_fault
+   public :: height_fault, is_height, is_position, position_fault, range_fault, scale_fault, &
+      spacing_fault
 
    !> Largest height and position [m].
    real(wp), parameter :: largest_height = 1.0e3_wp, largest_position = 1.0e9_wp
@@ -37,7 +40,8 @@ contains
       is_position = lies_within(abs(x), 0.0_wp, largest_position)
    end function is_position
 
-   !> Whether a value is finite and in [lowest, highest]; NaN is compared with nothing, which would be a trap.
+   !> Whether a value is finite and in [lowest, highest]; NaN is compared with nothing, which would
+   !> be a trap.
    pure elemental function lies_within(value, lowest, highest)
       real(wp), intent(in) :: value, lowest, highest
       logical :: lies_within
@@ -54,9 +58,11 @@ contains
       if (ieee_is_nan(z)) then
          fault = 'found a height that is no number (a gap), expected heights without gaps'
       else if (abs(z) > largest_height) then
-         fault = 'found a height of '//shown(z)//' m, expected at most '//to_text(nint(largest_height))//' m'
+         fault = 'found a height of '//shown(z)//' m, expected at most ' &
+            //to_text(nint(largest_height))//' m'
       else
-         fault = 'found a height of '//shown(z)//' m, expected 0 or at least '//to_text(tiny(z), 3)//' m'
+         fault = 'found a height of '//shown(z)//' m, expected 0 or at least '//to_text(tiny(z), &
+            3)//' m'
       end if
    end function height_fault
 
@@ -65,7 +71,8 @@ contains
       real(wp), intent(in) :: x
       character(:), allocatable :: fault
 
-      fault = 'found a position of '//shown(x)//' m, expected at most '//to_text(nint(largest_position))//' m'
+      fault = 'found a position of '//shown(x)//' m, expected at most ' &
+         //to_text(nint(largest_position))//' m'
    end function position_fault
 
    !> The same for the distance of neighbouring nodes [m]; empty if it can be one.
@@ -74,18 +81,22 @@ contains
       character(:), allocatable :: fault
 
       fault = ''
-      if (.not. lies_within(spacing, least_spacing, largest_spacing)) fault = 'found a spacing of '//shown(spacing)// &
+      if (.not. lies_within(spacing, least_spacing, largest_spacing)) fault = &
+         'found a spacing of '//shown(spacing)// &
          ' m, expected '//to_text(least_spacing, 2)//' to '//to_text(nint(largest_spacing))//' m'
    end function spacing_fault
 
-   !> The same for `si_scale`, metres in the unit of a dataset; a negative one turns heights into depths.
+   !> The same for `si_scale`, metres in the unit of a dataset; a negative one turns heights into
+   !> depths.
    pure function scale_fault(scale) result(fault)
       real(wp), intent(in) :: scale
       character(:), allocatable :: fault
 
       fault = ''
-      if (.not. lies_within(abs(scale), least_scale, largest_scale)) fault = 'found '//shown(scale)//', expected '// &
-         to_text(least_scale, 2)//' to '//to_text(largest_scale, 2)//', metres in one unit of the dataset'
+      if (.not. lies_within(abs(scale), least_scale, largest_scale)) fault = 'found ' &
+         //shown(scale)//', expected '// &
+         to_text(least_scale, 2)//' to '//to_text(largest_scale, 2) &
+            //', metres in one unit of the dataset'
    end function scale_fault
 
    !> The same for the lowest and the highest point of a surface [m].
@@ -94,7 +105,8 @@ contains
       character(:), allocatable :: fault
 
       fault = ''
-      if (highest > lowest .and. highest - lowest < least_range) fault = 'found heights that differ by '// &
+      if (highest > lowest .and. highest - lowest < least_range) fault = &
+         'found heights that differ by '// &
          shown(highest - lowest)//' m, expected 0 or at least '//to_text(least_range, 2)//' m'
    end function range_fault
 
@@ -104,7 +116,8 @@ contains
       character(:), allocatable :: shown
 
       shown = to_text(value, 4)
-      if (.not. (ieee_is_finite(value) .or. ieee_is_nan(value))) shown = trim(merge('-Infinity', 'Infinity ', value < 0.0_wp))
+      if (.not. (ieee_is_finite(value) .or. ieee_is_nan(value))) shown = trim(merge('-Infinity', &
+         'Infinity ', value < 0.0_wp))
    end function shown
 
 end module height_limits

@@ -1,7 +1,8 @@
 !> The list of all values that a case uses, given, default or derived, for the result file.
 module case_effective
    use case_record, only: case_t, set_effective
-   use input_keys, only: key_rows, key_row_t, real_kind, integer_kind, logical_kind, word_kind, reals_kind, words_kind, &
+   use input_keys, only: key_rows, key_row_t, real_kind, integer_kind, logical_kind, word_kind, &
+      reals_kind, words_kind, &
       is_chosen, has_word, lubricated
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
@@ -17,7 +18,8 @@ module case_effective
 
 contains
 
-   !> Fills `case%effective` in the order of the key table. A value that the program chooses later is listed as such.
+   !> Fills `case%effective` in the order of the key table. A value that the program chooses later
+   !> is listed as such.
    subroutine list_effective(values, case)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case
@@ -28,17 +30,19 @@ contains
             if (.not. has_word(row%problems, trim(values%problem))) cycle
             if (.not. is_used(values, trim(row%group), trim(row%key))) cycle
             if (slot%has_value) then
-               call set_effective(case, trim(row%group), trim(row%key), value_text(row, slot), trim(row%unit))
+               call set_effective(case, trim(row%group), trim(row%key), value_text(row, slot), &
+                  trim(row%unit))
             else if (row%default == is_chosen .and. row%key /= 'output') then
-               call set_effective(case, trim(row%group), trim(row%key), 'chosen by the program', trim(row%unit))
+               call set_effective(case, trim(row%group), trim(row%key), 'chosen by the program', &
+                  trim(row%unit))
             end if
          end associate
       end do
       if (values%problem == lubricated) call list_derived(case)
    end subroutine list_effective
 
-   !> False for groups that &moes replaces (or that are only there with it) and for keys of a transient or of roughness
-   !> that is not there.
+   !> False for groups that &moes replaces (or that are only there with it) and for keys of a
+   !> transient or of roughness that is not there.
    function is_used(values, group, key)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group, key
@@ -78,7 +82,8 @@ contains
       case ('shape')
          is_used = .true.
       case ('position')
-         is_used = (shape /= 'smooth' .and. shape /= 'file' .and. shape /= 'synthetic') .or. values%is_given(group, key)
+         is_used = (shape /= 'smooth' .and. shape /= 'file' .and. shape /= 'synthetic') &
+            .or. values%is_given(group, key)
       case ('seed', 'hurst', 'skewness', 'kurtosis')
          is_used = shape == 'synthetic'
       case default
@@ -91,18 +96,26 @@ contains
       type(case_t), intent(inout) :: case
 
       if (.not. case%has_moes) then
-         call set_effective(case, 'bodies', 'reduced_radius', to_text(case%bodies%reduced_radius, all_digits), 'm')
-         call set_effective(case, 'bodies', 'reduced_modulus', to_text(case%bodies%reduced_modulus, all_digits), 'Pa')
-         call set_effective(case, 'load', 'load_per_length', to_text(case%load_per_length, all_digits), 'N/m')
+         call set_effective(case, 'bodies', 'reduced_radius', to_text(case%bodies%reduced_radius, &
+            all_digits), 'm')
+         call set_effective(case, 'bodies', 'reduced_modulus', &
+            to_text(case%bodies%reduced_modulus, all_digits), 'Pa')
+         call set_effective(case, 'load', 'load_per_length', to_text(case%load_per_length, &
+            all_digits), 'N/m')
       end if
       associate (oil => case%lubricant)
-         if (oil%viscosity_law == viscosity_constant) call set_effective(case, 'lubricant', 'viscosity_law', 'constant', '')
-         if (oil%density_law == density_constant) call set_effective(case, 'lubricant', 'density_law', 'constant', '')
-         if (oil%pressure_viscosity > 0.0_wp) call set_effective(case, 'lubricant', 'pressure_viscosity', &
+         if (oil%viscosity_law == viscosity_constant) call set_effective(case, 'lubricant', &
+            'viscosity_law', 'constant', '')
+         if (oil%density_law == density_constant) call set_effective(case, 'lubricant', &
+            'density_law', 'constant', '')
+         if (oil%pressure_viscosity > 0.0_wp) call set_effective(case, 'lubricant', &
+            'pressure_viscosity', &
             to_text(oil%pressure_viscosity, all_digits), '1/Pa')
          if (oil%viscosity_law /= viscosity_roelands) return
-         call set_effective(case, 'lubricant', 'roelands_p0', to_text(oil%roelands_p0, all_digits), 'Pa')
-         call set_effective(case, 'lubricant', 'roelands_z', to_text(oil%roelands_z, all_digits), '-')
+         call set_effective(case, 'lubricant', 'roelands_p0', to_text(oil%roelands_p0, &
+            all_digits), 'Pa')
+         call set_effective(case, 'lubricant', 'roelands_z', to_text(oil%roelands_z, all_digits), &
+            '-')
       end associate
    end subroutine list_derived
 
@@ -111,8 +124,10 @@ contains
       type(case_t), intent(inout) :: case
 
       associate (dry => case%dry)
-         call set_effective(case, 'bodies', 'reduced_modulus', to_text(dry%reduced_modulus, all_digits), 'Pa')
-         call set_effective(case, 'domain', 'periodic', trim(merge('.true. ', '.false.', dry%is_periodic)), '')
+         call set_effective(case, 'bodies', 'reduced_modulus', to_text(dry%reduced_modulus, &
+            all_digits), 'Pa')
+         call set_effective(case, 'domain', 'periodic', trim(merge('.true. '// &
+            '', '.false.', dry%is_periodic)), '')
          if (.not. dry%is_periodic) call set_effective(case, 'domain', 'kernel', 'element', '')
          if (dry%grid%ny == 1) then
             call set_effective(case, 'domain', 'length', to_text(dry%lengths(1), all_digits), 'm')

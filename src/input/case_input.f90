@@ -27,15 +27,17 @@ module case_input
 
    public :: read_case
 
-   !> Parameters of the oil where &moes needs them and none are given: alpha [1/Pa], P0 [Pa], z [-] of a mineral oil.
-   real(wp), parameter :: moes_pressure_viscosity = 2.2e-8_wp, moes_roelands_p0 = 1.96e8_wp, moes_roelands_z = 0.668_wp
+   !> Parameters of the oil where &moes needs them and none are given: alpha [1/Pa], P0 [Pa], z [-]
+   !> of a mineral oil.
+   real(wp), parameter :: moes_pressure_viscosity = 2.2e-8_wp, moes_roelands_p0 = 1.96e8_wp, &
+      moes_roelands_z = 0.668_wp
 
 contains
 
    !> Reads the namelist `content` of the file `file` (a name for paths and messages only).
    !>
-   !> `case` is filled if `findings` stays empty. Findings: everything that is wrong, see modules namelist_text,
-   !> input_values and case_validation.
+   !> `case` is filled if `findings` stays empty. Findings: everything that is wrong, see modules
+   !> namelist_text, input_values and case_validation.
    subroutine read_case(content, file, case, findings)
       character(*), intent(in) :: content, file
       type(case_t), intent(out) :: case
@@ -46,7 +48,8 @@ contains
 
       call split_namelist(content, pieces, findings)
       if (pieces%group_count == 0) then
-         if (findings%count == 0) call findings%add(1, '', '', 'found no group, expected &case ... / and others; see ' &
+         if (findings%count == 0) call findings%add(1, '', '', &
+            'found no group, expected &case ... / and others; see ' &
             // 'asperity --template ehl_line')
          return
       end if
@@ -137,12 +140,18 @@ contains
       case%load_per_length = values%real_value('load', 'load_per_length')
       if (case%has_moes) return
       if (.not. values%is_given('bodies', 'reduced_radius')) case%bodies%reduced_radius = &
-         reduced_radius(values%real_value('bodies', 'radius_1'), values%real_value('bodies', 'radius_2'))
-      if (.not. values%is_given('bodies', 'reduced_modulus')) case%bodies%reduced_modulus = reduced_modulus( &
-         values%real_value('bodies', 'youngs_modulus_1'), values%real_value('bodies', 'poisson_ratio_1'), &
-         values%real_value('bodies', 'youngs_modulus_2'), values%real_value('bodies', 'poisson_ratio_2'))
-      if (values%is_given('load', 'hertz_pressure')) case%load_per_length = line_load_from_pressure( &
-         values%real_value('load', 'hertz_pressure'), case%bodies%reduced_radius, case%bodies%reduced_modulus)
+         reduced_radius(values%real_value('bodies', 'radius_1'), values%real_value('bodies', &
+            'radius_2'))
+      if (.not. values%is_given('bodies', 'reduced_modulus')) case%bodies%reduced_modulus = &
+         reduced_modulus( &
+         values%real_value('bodies', 'youngs_modulus_1'), values%real_value('bodies', &
+            'poisson_ratio_1'), &
+         values%real_value('bodies', 'youngs_modulus_2'), values%real_value('bodies', &
+            'poisson_ratio_2'))
+      if (values%is_given('load', 'hertz_pressure')) case%load_per_length = &
+         line_load_from_pressure( &
+         values%real_value('load', 'hertz_pressure'), case%bodies%reduced_radius, &
+            case%bodies%reduced_modulus)
    end subroutine fill_bodies
 
    !> &lubricant; parameters that a law does not use are 0.
@@ -157,9 +166,11 @@ contains
          oil%roelands_p0 = values%real_value('lubricant', 'roelands_p0')
          oil%roelands_z = values%real_value('lubricant', 'roelands_z')
          oil%eyring_stress = values%real_value('lubricant', 'eyring_stress')
-         oil%rheology = merge(rheology_eyring, rheology_newtonian, values%word_value('lubricant', 'rheology') == 'eyring')
+         oil%rheology = merge(rheology_eyring, rheology_newtonian, values%word_value('lubricant', &
+            'rheology') == 'eyring')
          oil%density_law = density_constant
-         if (values%word_value('lubricant', 'density_law') == 'dowson_higginson') oil%density_law = density_dowson_higginson
+         if (values%word_value('lubricant', &
+            'density_law') == 'dowson_higginson') oil%density_law = density_dowson_higginson
          select case (values%word_value('lubricant', 'viscosity_law'))
          case ('roelands')
             oil%viscosity_law = viscosity_roelands
@@ -172,12 +183,14 @@ contains
       if (case%has_moes) then
          call fill_moes_lubricant(case)
       else if (case%lubricant%viscosity_law == viscosity_roelands) then
-         call complete_roelands(case%lubricant%viscosity, case%lubricant%pressure_viscosity, case%lubricant%roelands_p0, &
+         call complete_roelands(case%lubricant%viscosity, case%lubricant%pressure_viscosity, &
+            case%lubricant%roelands_p0, &
             case%lubricant%roelands_z, error)
       end if
    end subroutine fill_lubricant
 
-   !> With &moes: L = 0 is constant viscosity and density; else what the laws need and is not given gets a usual value.
+   !> With &moes: L = 0 is constant viscosity and density; else what the laws need and is not given
+   !> gets a usual value.
    subroutine fill_moes_lubricant(case)
       type(case_t), intent(inout) :: case
 
@@ -187,7 +200,8 @@ contains
             oil%density_law = density_constant
             return
          end if
-         if (oil%viscosity_law /= viscosity_roelands .and. oil%density_law == density_constant) return
+         if (oil%viscosity_law /= viscosity_roelands &
+            .and. oil%density_law == density_constant) return
          if (oil%pressure_viscosity <= 0.0_wp) oil%pressure_viscosity = moes_pressure_viscosity
          if (oil%viscosity_law /= viscosity_roelands) return
          if (oil%roelands_p0 <= 0.0_wp) oil%roelands_p0 = moes_roelands_p0
@@ -206,7 +220,8 @@ contains
 
       surface%speed = speed
       shape = values%slot(group, 'shape')
-      if (all(shape%words == 'smooth' .or. shape%words == 'file' .or. shape%words == 'synthetic')) then
+      if (all(shape%words == 'smooth' .or. shape%words == 'file' &
+         .or. shape%words == 'synthetic')) then
          allocate (surface%features(0))
          return
       end if
@@ -217,7 +232,8 @@ contains
       do i = 1, size(surface%features)
          associate (feature => surface%features(i))
             feature%kind = feature_ridge
-            if (shape%words(min(i, size(shape%words))) == 'sinusoid') feature%kind = feature_sinusoid
+            if (shape%words(min(i, size(shape%words))) == 'sinusoid') feature%kind = &
+               feature_sinusoid
             feature%amplitude = amplitude%reals(i)
             feature%wavelength = wavelength%reals(i)
             feature%position = position%reals(min(i, size(position%reals)))
@@ -244,7 +260,8 @@ contains
       case%time%end_time = values%real_value('time', 'end_time')
       case%time%time_step = values%real_value('time', 'time_step')
       case%time%scheme = values%word_value('time', 'scheme')
-      if (values%is_given('time', 'statistics_from')) case%time%statistics_from = values%real_value('time', 'statistics_from')
+      if (values%is_given('time', 'statistics_from')) case%time%statistics_from = &
+         values%real_value('time', 'statistics_from')
       associate (solver => case%solver)
          solver%method = values%word_value('solver', 'method')
          solver%smoother = values%word_value('solver', 'smoother')
@@ -275,8 +292,8 @@ contains
       if (slot%has_value) number = slot%integer
    end function integer_of
 
-   !> A finding is a load for which the contact is wider than the radius, where neither Hertz nor the half-space holds; a
-   !> contact outside the range of &moes is one too.
+   !> A finding is a load for which the contact is wider than the radius, where neither Hertz nor
+   !> the half-space holds; a contact outside the range of &moes is one too.
    subroutine check_regime(values, case, findings)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(in) :: case
@@ -289,14 +306,18 @@ contains
       if (values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
       call new_scaling(scales, case%bodies, case%lubricant, case%load_per_length)
       if (scales%half_width >= case%bodies%reduced_radius) then
-         call findings%add(values%line_of('load', key), 'load', key, 'found a contact of half-width ' &
+         call findings%add(values%line_of('load', key), 'load', key, &
+            'found a contact of half-width ' &
             // to_text(scales%half_width, 3) // ' m, expected less than the reduced radius, ' &
             // to_text(case%bodies%reduced_radius, 3) // ' m')
       else if (.not. is_in_range(scales%moes_m, key_rows(find_key('moes', 'moes_m'))%range) .or. &
          .not. is_in_range(scales%moes_l, key_rows(find_key('moes', 'moes_l'))%range)) then
-         call findings%add(values%line_of('load', key), 'load', key, 'found a contact with Moes numbers M = ' &
-            // to_text(scales%moes_m, 3) // ', L = ' // to_text(scales%moes_l, 3) // ' (mean velocity), expected M ' &
-            // trim(key_rows(find_key('moes', 'moes_m'))%range) // ' and L ' // trim(key_rows(find_key('moes', 'moes_l'))%range))
+         call findings%add(values%line_of('load', key), 'load', key, &
+            'found a contact with Moes numbers M = ' &
+            // to_text(scales%moes_m, 3) // ', L = ' // to_text(scales%moes_l, &
+               3) // ' (mean velocity), expected M ' &
+            // trim(key_rows(find_key('moes', 'moes_m'))%range) // ' and L ' &
+               // trim(key_rows(find_key('moes', 'moes_l'))%range))
       end if
    end subroutine check_regime
 

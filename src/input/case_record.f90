@@ -9,7 +9,8 @@ module case_record
    implicit none (type, external)
    private
 
-   public :: accuracy_t, beside_namelist, case_identity, case_t, effective_t, output_settings_t, result_path, set_effective
+   public :: accuracy_t, beside_namelist, case_identity, case_t, effective_t, output_settings_t, &
+      result_path, set_effective
 
    !> A value that is used, given or default, for /input/effective/<group>/<key> of the result.
    type :: effective_t
@@ -34,7 +35,8 @@ module case_record
 
    !> What is asked of the accuracy.
    type :: accuracy_t
-      !> Relative error of h_min for which the program chooses intervals and time step; 0: not asked.
+      !> Relative error of h_min for which the program chooses intervals and time step; 0: not
+      !> asked.
       real(wp) :: target
       !> Companions on coarser grids are run for error estimates.
       logical :: has_error_bars
@@ -68,7 +70,8 @@ module case_record
       type(time_settings_t) :: time
       type(solver_settings_t) :: solver
       type(output_settings_t) :: output_settings
-      !> Filled for dry problems, which use nothing of the above but title, problem, model, output, file and namelist.
+      !> Filled for dry problems, which use nothing of the above but title, problem, model, output,
+      !> file and namelist.
       type(dry_case_t) :: dry
       type(accuracy_t) :: accuracy
       !> Every value used, given or default or derived.
@@ -77,8 +80,9 @@ module case_record
 
 contains
 
-   !> File of the result: `output` of the case, relative to the namelist, else the namelist's stem + .h5 in the current
-   !> folder. A folder `output_dir` (empty: none) replaces the folder of either.
+   !> File of the result: `output` of the case, relative to the namelist, else the namelist's
+   !> stem + .h5 in the current folder. A folder `output_dir` (empty: none) replaces the folder of
+   !> either.
    pure function result_path(case, output_dir) result(path)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: output_dir
@@ -107,7 +111,8 @@ contains
       if (index(path, '/') /= 1) path = case%file(:index(case%file, '/', back=.true.)) // path
    end function beside_namelist
 
-   !> The values that decide about the result of a case, one a line. Before anything is chosen by the program.
+   !> The values that decide about the result of a case, one a line. Before anything is chosen by
+   !> the program.
    pure function case_identity(case) result(lines)
       type(case_t), intent(in) :: case
       character(:), allocatable :: lines
@@ -122,7 +127,8 @@ contains
       end do
    end function case_identity
 
-   !> Sets or adds a value in the list of effective values, for instance one that the program has chosen.
+   !> Sets or adds a value in the list of effective values, for instance one that the program has
+   !> chosen.
    pure subroutine set_effective(case, group, key, value, unit)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: group, key, value, unit

@@ -1,4 +1,5 @@
-!> What the values of a case must have in common: missing, contradictory and unused keys, physical nonsense.
+!> What the values of a case must have in common: missing, contradictory and unused keys, physical
+!> nonsense.
 !>
 !> Each check adds its findings and goes on, so that one report tells everything.
 module case_validation
@@ -39,8 +40,10 @@ contains
       call check_required(values, findings)
       call check_case(values, findings)
       if (values%has_group('bodies')) then
-         call check_ways(values, 'reduced_radius', [character(len=20) :: 'radius_1', 'radius_2'], findings)
-         call check_ways(values, 'reduced_modulus', [character(len=20) :: 'youngs_modulus_1', 'youngs_modulus_2', &
+         call check_ways(values, 'reduced_radius', [character(len=20) :: 'radius_1', 'radius_2'], &
+            findings)
+         call check_ways(values, 'reduced_modulus', [character(len=20) :: 'youngs_modulus_1', &
+            'youngs_modulus_2', &
             'poisson_ratio_1', 'poisson_ratio_2'], findings)
          call check_speeds(values, findings)
       end if
@@ -66,13 +69,17 @@ contains
       do i = 1, size(group_rows)
          name = trim(group_rows(i)%group)
          excluded = name == 'bodies' .or. name == 'load'
-         if (values%group_lines(i) == 0 .and. group_rows(i)%needed == 'yes' .and. .not. (has_moes .and. excluded)) then
-            call findings%add(values%last_line, name, '', 'found no such group, expected &' // name // ' ... / (' &
+         if (values%group_lines(i) == 0 .and. group_rows(i)%needed == 'yes' &
+            .and. .not. (has_moes .and. excluded)) then
+            call findings%add(values%last_line, name, '', 'found no such group, expected '// &
+               '&' // name // ' ... / (' &
             // trim(group_rows(i)%meaning) // ')')
          end if
          excluded = excluded .or. name == 'surface_1' .or. name == 'surface_2'
-         if (has_moes .and. excluded .and. values%group_lines(i) > 0) call findings%add(values%group_lines(i), name, '', &
-            'found together with &moes, expected one of the two: &moes is a smooth contact without SI units')
+         if (has_moes .and. excluded &
+            .and. values%group_lines(i) > 0) call findings%add(values%group_lines(i), name, '', &
+            'found together with &moes, expected one of the two: &moes is a smooth contact '// &
+               'without SI units')
       end do
    end subroutine check_groups
 
@@ -97,12 +104,14 @@ contains
       type(value_t) :: output, title
 
       title = values%slot('case', 'title')
-      if (len(title%text) > longest_title) call findings%add(title%line, 'case', 'title', 'found ' // to_text(len(title%text)) &
+      if (len(title%text) > longest_title) call findings%add(title%line, 'case', 'title', &
+         'found ' // to_text(len(title%text)) &
          // ' bytes, expected at most ' // to_text(longest_title))
       output = values%slot('case', 'output')
       if (.not. output%has_value) return
       if (len_trim(output%text) == 0) then
-         call findings%add(output%line, 'case', 'output', 'found an empty text, expected the name of a file')
+         call findings%add(output%line, 'case', 'output', 'found an empty text, expected the '// &
+            'name of a file')
       else if (index(output%text, '/', back=.true.) == len_trim(output%text)) then
          call findings%add(output%line, 'case', 'output', 'found the folder ' // trim(output%text) &
             // ', expected the name of a file')
@@ -126,14 +135,18 @@ contains
          if (i > 1 .and. i < size(parts)) list = list // ', ' // trim(parts(i))
       end do
       if (values%is_given('bodies', reduced)) then
-         if (given > 0) call findings%add(values%line_of('bodies', reduced), 'bodies', reduced, 'found together with ' &
+         if (given > 0) call findings%add(values%line_of('bodies', reduced), 'bodies', reduced, &
+            'found together with ' &
             // first_given(values, parts) // ', expected either ' // reduced // ' or ' // list)
       else if (given == 0) then
-         call findings%add(values%line_of('bodies', ''), 'bodies', trim(parts(1)), 'found nothing, expected ' // list &
-            // ', or ' // reduced // ' [' // trim(key_rows(find_key('bodies', reduced))%unit) // ']')
+         call findings%add(values%line_of('bodies', ''), 'bodies', trim(parts(1)), &
+            'found nothing, expected ' // list &
+            // ', or ' // reduced // ' [' // trim(key_rows(find_key('bodies', reduced))%unit) &
+               // ']')
       else
          do i = 1, size(parts)
-            if (.not. values%is_given('bodies', trim(parts(i)))) call report_missing(values, 'bodies', trim(parts(i)), findings)
+            if (.not. values%is_given('bodies', trim(parts(i)))) call report_missing(values, &
+               'bodies', trim(parts(i)), findings)
          end do
       end if
    end subroutine check_ways
@@ -160,8 +173,10 @@ contains
       if (values%has_value('bodies', 'speed_1') .and. values%has_value('bodies', 'speed_2')) then
          first = values%real_value('bodies', 'speed_1')
          second = values%real_value('bodies', 'speed_2')
-         if (first + second <= 0.0_wp) call findings%add(values%line_of('bodies', 'speed_1'), 'bodies', 'speed_1', &
-            'found speed_1 + speed_2 = ' // to_text(first + second) // ', expected a sum > 0 [m/s]: no oil is drawn in')
+         if (first + second <= 0.0_wp) call findings%add(values%line_of('bodies', 'speed_1'), &
+            'bodies', 'speed_1', &
+            'found speed_1 + speed_2 = ' // to_text(first + second) // ', expected a sum > 0 '// &
+               '[m/s]: no oil is drawn in')
       end if
       call check_radii(values, findings)
    end subroutine check_speeds
@@ -171,10 +186,12 @@ contains
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
 
-      if (values%is_given('load', 'load_per_length') .and. values%is_given('load', 'hertz_pressure')) then
+      if (values%is_given('load', 'load_per_length') .and. values%is_given('load', &
+         'hertz_pressure')) then
          call findings%add(values%line_of('load', 'hertz_pressure'), 'load', 'hertz_pressure', &
             'found together with load_per_length, expected one of the two')
-      else if (.not. values%is_given('load', 'load_per_length') .and. .not. values%is_given('load', 'hertz_pressure')) then
+      else if (.not. values%is_given('load', 'load_per_length') &
+         .and. .not. values%is_given('load', 'hertz_pressure')) then
          call findings%add(values%line_of('load', ''), 'load', 'load_per_length', &
             'found nothing, expected load_per_length [N/m] or hertz_pressure [Pa]')
       end if
@@ -198,13 +215,15 @@ contains
       else
          call check_steps(values, findings)
       end if
-      if (transient%logical .and. values%word_value('domain', 'inlet') == 'tail') call findings%add( &
-         values%line_of('domain', 'inlet'), 'domain', 'inlet', "found 'tail', expected 'auto' or 'zero' with transient = .true.")
+      if (transient%logical .and. values%word_value('domain', &
+         'inlet') == 'tail') call findings%add( &
+         values%line_of('domain', 'inlet'), 'domain', 'inlet', &
+            "found 'tail', expected 'auto' or 'zero' with transient = .true.")
    end subroutine check_time
 
-   !> Finds a time step longer than the transient, figures that begin behind its end, too many steps. A step that the program
-   !> chooses is the grid spacing,
-   !> here estimated from the narrowest domain.
+   !> Finds a time step longer than the transient, figures that begin behind its end, too many
+   !> steps. A step that the program chooses is the grid spacing, here estimated from the narrowest
+   !> domain.
    subroutine check_steps(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
@@ -216,28 +235,35 @@ contains
       if (values%has_value('time', 'statistics_from')) then
          if (values%real_value('time', 'statistics_from') > end_time) call findings%add( &
             values%line_of('time', 'statistics_from'), 'time', 'statistics_from', 'found '// &
-            to_text(values%real_value('time', 'statistics_from'))//', expected at most end_time = '//to_text(end_time)//' [-]')
+            to_text(values%real_value('time', 'statistics_from')) &
+               //', expected at most end_time = '//to_text(end_time)//' [-]')
       end if
       intervals = values%slot('domain', 'intervals')
       if (values%has_value('time', 'time_step')) then
          time_step = values%real_value('time', 'time_step')
-         if (time_step > end_time) call findings%add(values%line_of('time', 'time_step'), 'time', 'time_step', 'found ' &
-            // to_text(time_step) // ', expected at most end_time = ' // to_text(end_time) // ' [-]')
+         if (time_step > end_time) call findings%add(values%line_of('time', 'time_step'), 'time', &
+            'time_step', 'found ' &
+            // to_text(time_step) // ', expected at most end_time = ' // to_text(end_time) &
+               // ' [-]')
       else if (intervals%has_value) then
          time_step = 2.0_wp/real(intervals%integer, wp)
       else
          return
       end if
-      if (end_time > most_steps*time_step) call findings%add(values%line_of('time', 'end_time'), 'time', 'end_time', 'found ' &
-         // to_text(end_time/time_step, 3) // ' time steps, expected at most ' // to_text(most_steps, 1))
+      if (end_time > most_steps*time_step) call findings%add(values%line_of('time', 'end_time'), &
+         'time', 'end_time', 'found ' &
+         // to_text(end_time/time_step, 3) // ' time steps, expected at most '// &
+            '' // to_text(most_steps, 1))
    end subroutine check_steps
 
    !> Finds keys that the method does not use; more levels than the grid has.
    subroutine check_solver(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
-      character(len=16), parameter :: of_multigrid(*) = [character(len=16) :: 'levels', 'pre_sweeps', 'post_sweeps', 'smoother']
-      character(len=16), parameter :: of_relaxation(*) = [character(len=16) :: 'coarse_sweeps', 'relaxation', 'load_relaxation']
+      character(len=16), parameter :: of_multigrid(*) = [character(len=16) :: 'levels', &
+         'pre_sweeps', 'post_sweeps', 'smoother']
+      character(len=16), parameter :: of_relaxation(*) = [character(len=16) :: 'coarse_sweeps', &
+         'relaxation', 'load_relaxation']
       character(:), allocatable :: method
       type(value_t) :: levels, intervals
       logical :: is_newton
@@ -247,24 +273,31 @@ contains
       is_newton = method == 'newton_dense' .or. method == 'newton_krylov'
       if (method == 'block_jacobi' .or. is_newton) then
          do i = 1, size(of_multigrid)
-            call report_unused(values, 'solver', trim(of_multigrid(i)), "with method = '" // method // "'", findings)
+            call report_unused(values, 'solver', trim(of_multigrid(i)), &
+               "with method = '" // method // "'", findings)
          end do
       end if
       if (is_newton) then
          do i = 1, size(of_relaxation)
-            call report_unused(values, 'solver', trim(of_relaxation(i)), "with method = '" // method // "'", findings)
+            call report_unused(values, 'solver', trim(of_relaxation(i)), &
+               "with method = '" // method // "'", findings)
          end do
       end if
       if (values%word_value('solver', 'space_scheme') == 'sharp') call check_sharp(values, findings)
-      if (values%has_group('moes')) call report_unused(values, 'solver', 'film_floor', no_units, findings)
-      if (.not. values%is_given('solver', 'film_floor')) call report_unused(values, 'solver', 'on_film_breakdown', &
+      if (values%has_group('moes')) call report_unused(values, 'solver', 'film_floor', no_units, &
+         findings)
+      if (.not. values%is_given('solver', 'film_floor')) call report_unused(values, 'solver', &
+         'on_film_breakdown', &
          'without film_floor', findings)
       levels = values%slot('solver', 'levels')
       intervals = values%slot('domain', 'intervals')
       if (intervals%has_value) call check_fineness(intervals, method, findings)
       if (.not. levels%has_value .or. .not. intervals%has_value) return
-      if (shiftr(intervals%integer, levels%integer - 1) < fewest_intervals) call findings%add(levels%line, 'solver', 'levels', &
-         'found ' // to_text(levels%integer) // ' levels for ' // to_text(intervals%integer) // ' intervals, expected at least ' &
+      if (shiftr(intervals%integer, &
+         levels%integer - 1) < fewest_intervals) call findings%add(levels%line, 'solver', &
+            'levels', &
+         'found ' // to_text(levels%integer) // ' levels for ' // to_text(intervals%integer) &
+            // ' intervals, expected at least ' &
          // to_text(fewest_intervals) // ' intervals on the coarsest grid')
    end subroutine check_solver
 
@@ -275,8 +308,10 @@ contains
       type(findings_t), intent(inout) :: findings
       character(:), allocatable :: fault
 
-      fault = memory_fault('a grid', lubricated_memory(intervals%integer, 0.0_wp, method == 'newton_dense'))
-      if (intervals%integer > most_intervals_of(method)) fault = 'found ' // to_text(intervals%integer) // ', expected at most ' &
+      fault = memory_fault('a grid', lubricated_memory(intervals%integer, 0.0_wp, &
+         method == 'newton_dense'))
+      if (intervals%integer > most_intervals_of(method)) fault = &
+         'found ' // to_text(intervals%integer) // ', expected at most ' &
          // to_text(most_intervals_of(method)) // " with method = '" // method // "'"
       if (fault /= '') call findings%add(intervals%line, 'domain', 'intervals', fault)
    end subroutine check_fineness
@@ -285,12 +320,14 @@ contains
    subroutine check_sharp(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
-      character(*), parameter :: needs = "', expected 'auto', 'newton_krylov' or 'newton_dense' with space_scheme = 'sharp'"
+      character(*), parameter :: needs = "', expected 'auto', 'newton_krylov' or "// &
+         "'newton_dense' with space_scheme = 'sharp'"
       character(:), allocatable :: method
 
       method = trim(values%word_value('solver', 'method'))
       if (index(method, 'block_jacobi') > 0) then
-         call findings%add(values%line_of('solver', 'method'), 'solver', 'method', "found '" // method // needs)
+         call findings%add(values%line_of('solver', 'method'), 'solver', 'method', &
+            "found '" // method // needs)
       else if (values%word_value('solver', 'smoother') /= 'auto') then
          call report_unused(values, 'solver', 'smoother', "with space_scheme = 'sharp'", findings)
       end if
@@ -305,17 +342,21 @@ contains
 
       transient = values%slot('time', 'transient')
       if (transient%has_value .and. .not. transient%logical) then
-         call report_unused(values, 'output', 'profile_stride', 'with transient = .false.', findings)
+         call report_unused(values, 'output', 'profile_stride', 'with transient = .false.', &
+            findings)
          call report_unused(values, 'output', 'fields', 'with transient = .false.', findings)
-         call report_unused(values, 'output', 'checkpoint_interval', 'with transient = .false.', findings)
-         call report_unused(values, 'output', 'film_thresholds', 'with transient = .false.', findings)
+         call report_unused(values, 'output', 'checkpoint_interval', 'with transient = .false.', &
+            findings)
+         call report_unused(values, 'output', 'film_thresholds', 'with transient = .false.', &
+            findings)
       else if (values%has_group('moes')) then
          call report_unused(values, 'output', 'film_thresholds', no_units, findings)
       end if
       fields = values%slot('output', 'fields')
       if (.not. fields%has_value) return
       do i = 2, size(fields%words)
-         if (any(fields%words(:i - 1) == fields%words(i)) .and. fields%words(i) /= '?') call findings%add(fields%line, &
+         if (any(fields%words(:i - 1) == fields%words(i)) &
+            .and. fields%words(i) /= '?') call findings%add(fields%line, &
             'output', 'fields', "found '" // trim(fields%words(i)) // "' twice, expected " &
             // expected_value(key_rows(find_key('output', 'fields'))) // ', each once')
       end do
@@ -326,17 +367,20 @@ contains
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
       type(value_t) :: error_bars
-      character(len=11), parameter :: chosen(2, 4) = reshape([character(len=11) :: 'domain', 'intervals', 'domain', 'intervals_x', &
+      character(len=11), parameter :: chosen(2, 4) = reshape([character(len=11) :: 'domain', &
+         'intervals', 'domain', 'intervals_x', &
          'domain', 'intervals_y', 'time', 'time_step'], [2, 4])
       integer :: i
 
       if (.not. values%is_given('accuracy', 'target')) return
       keys: do i = 1, size(chosen, 2)
          if (find_key(trim(chosen(1, i)), trim(chosen(2, i)), trim(values%problem)) == 0) cycle keys
-         call report_unused(values, trim(chosen(1, i)), trim(chosen(2, i)), 'with &accuracy target, which chooses it', findings)
+         call report_unused(values, trim(chosen(1, i)), trim(chosen(2, i)), &
+            'with &accuracy target, which chooses it', findings)
       end do keys
       error_bars = values%slot('accuracy', 'error_bars')
-      if (error_bars%has_value .and. .not. error_bars%logical) call findings%add(error_bars%line, 'accuracy', 'error_bars', &
+      if (error_bars%has_value .and. .not. error_bars%logical) call findings%add(error_bars%line, &
+         'accuracy', 'error_bars', &
          'found .false., expected .true. with &accuracy target')
    end subroutine check_accuracy
 

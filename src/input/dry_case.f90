@@ -16,7 +16,8 @@ module dry_case
       character(:), allocatable :: folder
       !> R of a parabola [m]; 0: there is none.
       real(wp) :: radius = 0.0_wp
-      !> The first grid, on which synthetic heights are made; finer ones have the same Fourier series.
+      !> The first grid, on which synthetic heights are made; finer ones have the same Fourier
+      !> series.
       integer :: nodes(2) = 0
    end type dry_recipe_t
 

@@ -1,5 +1,5 @@
-!> What a dry case must fulfil beyond its single keys: one parabola, an open domain that holds its contact, a grid that sees its
-!> waves; and notes on what the user should know.
+!> What a dry case must fulfil beyond its single keys: one parabola, an open domain that holds its
+!> contact, a grid that sees its waves; and notes on what the user should know.
 module dry_checks
    use constants, only: pi
    use domain_border, only: recommended_room
@@ -15,7 +15,8 @@ module dry_checks
    public :: add_note, check_parabola, check_waves, finest_wave, has_shape, is_periodic
 
    character(len=9), parameter :: groups(2) = ['surface_1', 'surface_2']
-   !> Nodes in the finest wave below which the program says so; fewer than the second show another wave.
+   !> Nodes in the finest wave below which the program says so; fewer than the second show another
+   !> wave.
    real(wp), parameter, public :: fewest_nodes = 8.0_wp
    real(wp), parameter :: least_nodes = 2.0_wp
    !> Share of a node that rounding may take.
@@ -44,12 +45,13 @@ contains
       type(value_t) :: slot
 
       slot = values%slot('domain', 'periodic')
-      is_periodic = .not. (has_shape(values, groups(1), 'parabola') .or. has_shape(values, groups(2), 'parabola'))
+      is_periodic = .not. (has_shape(values, groups(1), 'parabola') .or. has_shape(values, &
+         groups(2), 'parabola'))
       if (slot%has_value) is_periodic = slot%logical
    end function is_periodic
 
-   !> Findings about a parabola of `radius` [m]: there are two; the open domain ends inside its contact. On a periodic domain a
-   !> note: what the images do.
+   !> Findings about a parabola of `radius` [m]: there are two; the open domain ends inside its
+   !> contact. On a periodic domain a note: what the images do.
    subroutine check_parabola(values, radius, dry, findings)
       type(input_values_t), intent(in) :: values
       real(wp), intent(in) :: radius
@@ -63,7 +65,8 @@ contains
          is_smooth(i) = has_shape(values, groups(i), 'smooth')
       end do
       if (all(is_one)) then
-         call findings%add(values%line_of(groups(2), 'shape'), groups(2), 'shape', 'found a second parabola, expected one: the ' &
+         call findings%add(values%line_of(groups(2), 'shape'), groups(2), 'shape', &
+            'found a second parabola, expected one: the ' &
             // 'reduced radius is that of both bodies')
       else if (any(is_one) .and. dry%is_periodic) then
          call add_note(dry, note_on_images(dry, radius))
@@ -72,7 +75,8 @@ contains
       end if
    end subroutine check_parabola
 
-   !> Finding: an open domain that is shorter than the contact of Hertz under the largest load (what yields is wider still).
+   !> Finding: an open domain that is shorter than the contact of Hertz under the largest load (what
+   !> yields is wider still).
    subroutine check_size(values, radius, dry, findings)
       type(input_values_t), intent(in) :: values
       real(wp), intent(in) :: radius
@@ -90,14 +94,17 @@ contains
       else
          width = 2.0_wp*half_width(dry, radius)
          ! A mean pressure loads a longer domain more.
-         if (values%is_given('load', 'mean_pressure')) growth = merge(1.0_wp/2.0_wp, 2.0_wp/3.0_wp, is_line)
+         if (values%is_given('load', 'mean_pressure')) growth = merge(1.0_wp/2.0_wp, &
+            2.0_wp/3.0_wp, is_line)
       end if
       if (width <= length) return
       needed = length*(recommended_room*width/length)**(1.0_wp/(1.0_wp - growth))
       key = 'length'
       if (.not. is_line) key = trim(merge('length_x', 'length_y', dry%lengths(1) <= dry%lengths(2)))
-      call findings%add(values%line_of('domain', key), 'domain', key, 'found ' // to_text(length) // ' m, which ends inside the ' &
-         // 'contact of ' // to_text(width, 3) // ' m (Hertz), expected about ' // to_text(needed, 2) // ' m')
+      call findings%add(values%line_of('domain', key), 'domain', key, &
+         'found ' // to_text(length) // ' m, which ends inside the ' &
+         // 'contact of ' // to_text(width, 3) // ' m (Hertz), expected about '// &
+            '' // to_text(needed, 2) // ' m')
    end subroutine check_size
 
    !> Half-width or radius [m] of the contact of Hertz under the largest load.
@@ -111,12 +118,14 @@ contains
       if (dry%grid%ny == 1) then
          half_width = line_half_width(pressure*dry%lengths(1), radius, dry%reduced_modulus)
       else
-         half_width = point_radius(pressure*dry%lengths(1)*dry%lengths(2), radius, dry%reduced_modulus)
+         half_width = point_radius(pressure*dry%lengths(1)*dry%lengths(2), radius, &
+            dry%reduced_modulus)
       end if
    end function half_width
 
-   !> By how much the images of a periodic parabola raise its largest pressure. Near the contact they bend the surface like a larger
-   !> curvature 1/R + (P/(pi E')) sum 1/d^3, d the distances of the images; of a line 1/R + 4 pi w/(3 E' L^2).
+   !> By how much the images of a periodic parabola raise its largest pressure. Near the contact
+   !> they bend the surface like a larger curvature 1/R + (P/(pi E')) sum 1/d^3, d the distances of
+   !> the images; of a line 1/R + 4 pi w/(3 E' L^2).
    pure function note_on_images(dry, radius) result(note)
       type(dry_case_t), intent(in) :: dry
       real(wp), intent(in) :: radius
@@ -134,13 +143,15 @@ contains
          bending = 0.0_wp
          do j = -images, images
             do i = -images, images
-               if (i /= 0 .or. j /= 0) bending = bending + hypot(i*dry%lengths(1), j*dry%lengths(2))**(-3)
+               if (i /= 0 .or. j /= 0) bending = bending + hypot(i*dry%lengths(1), &
+                  j*dry%lengths(2))**(-3)
             end do
          end do
          bending = bending*load*dry%lengths(2)/(pi*dry%reduced_modulus)
          rise = (1.0_wp + radius*bending)**(2.0_wp/3.0_wp) - 1.0_wp
       end if
-      note = 'the parabola is repeated with the period: its images raise the largest pressure by about ' &
+      note = 'the parabola is repeated with the period: its images raise the largest pressure '// &
+         'by about ' &
              // to_text(100.0_wp*rise, 2) // ' % over that of Hertz (periodic = .false. has none)'
    end function note_on_images
 
@@ -158,15 +169,21 @@ contains
          key = 'wavelength'
          if (has_shape(values, groups(i), 'synthetic')) key = 'wavelength_short'
          spacing = dry%lengths(1)/dry%grid%nx
-         if (key == 'wavelength_short' .and. dry%grid%ny > 1) spacing = max(spacing, dry%lengths(2)/dry%grid%ny)
+         if (key == 'wavelength_short' .and. dry%grid%ny > 1) spacing = max(spacing, &
+            dry%lengths(2)/dry%grid%ny)
          wave = finest_wave(values, groups(i))
-         if (key == 'wavelength_short' .and. .not. values%is_given(groups(i), key)) wave = least_nodes*spacing
-         if (wave < (least_nodes - rounding)*spacing) call findings%add(values%line_of(groups(i), key), groups(i), key, 'found ' &
-            // to_text(wave) // ' m, expected at least two nodes a wave, ' // to_text(2.0_wp*spacing, 3) // ' m, or more intervals')
+         if (key == 'wavelength_short' .and. .not. values%is_given(groups(i), key)) wave = &
+            least_nodes*spacing
+         if (wave < (least_nodes - rounding)*spacing) call findings%add(values%line_of(groups(i), &
+            key), groups(i), key, 'found ' &
+            // to_text(wave) // ' m, expected at least two nodes a wave, ' // to_text(2.0_wp &
+               *spacing, 3) // ' m, or more intervals')
          if (wave < huge(1.0_wp)) finest = min(finest, wave/spacing)
       end do
-      if (finest < fewest_nodes - rounding .and. findings%count == 0) call add_note(dry, 'the finest waves of the surface have ' &
-         // to_text(finest, 2) // ' nodes, of ' // to_text(nint(fewest_nodes)) // ' that are needed for its contact area')
+      if (finest < fewest_nodes - rounding .and. findings%count == 0) call add_note(dry, &
+         'the finest waves of the surface have ' &
+         // to_text(finest, 2) // ' nodes, of ' // to_text(nint(fewest_nodes)) &
+            // ' that are needed for its contact area')
    end subroutine check_waves
 
    !> The shortest wave that the keys of a surface give [m]; huge: none.
@@ -177,7 +194,8 @@ contains
       type(value_t) :: slot
 
       wave = huge(1.0_wp)
-      slot = values%slot(group, trim(merge('wavelength_short', 'wavelength      ', has_shape(values, group, 'synthetic'))))
+      slot = values%slot(group, trim(merge('wavelength_short', 'wavelength      ', &
+         has_shape(values, group, 'synthetic'))))
       if (slot%is_given .and. slot%has_value) wave = minval(slot%reals)
    end function finest_wave
 

@@ -1,4 +1,5 @@
-!> The grid of a dry case from &domain, from the file of a surface or, for a wanted accuracy, the one to begin with.
+!> The grid of a dry case from &domain, from the file of a surface or, for a wanted accuracy, the
+!> one to begin with.
 module dry_grids
    use dry_case, only: dry_case_t
    use dry_checks, only: fewest_nodes, finest_wave, has_shape, is_periodic
@@ -15,14 +16,16 @@ module dry_grids
 
    public :: find_grid
 
-   !> Nodes in the shorter direction of the first grid for a wanted accuracy, of a line and of an area, and the most.
+   !> Nodes in the shorter direction of the first grid for a wanted accuracy, of a line and of an
+   !> area, and the most.
    integer, parameter :: first_nodes(2) = [64, 32], most_in_direction = 2**30
    !> Share of a node that rounding may take.
    real(wp), parameter :: rounding = 1.0e-6_wp
 
 contains
 
-   !> Nodes and lengths, from &domain or from the file of a surface. Findings: missing or contradictory sizes; the file.
+   !> Nodes and lengths, from &domain or from the file of a surface. Findings: missing or
+   !> contradictory sizes; the file.
    subroutine find_grid(values, folder, dry, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: folder
@@ -48,9 +51,12 @@ contains
          slot = values%slot('domain', trim(counts(i)))
          if (heights%grid(i) > 0) nodes(i) = heights%grid(i)
          dry%lengths(i) = nodes(i)*heights%spacing(i)
-         if (slot%is_given .and. heights%grid(i) > 0 .and. slot%integer /= nodes(i) .and. .not. dry%is_periodic) then
-            call findings%add(slot%line, 'domain', trim(counts(i)), 'found ' // to_text(slot%integer) // ', expected the ' &
-               // to_text(nodes(i)) // ' nodes of the file: without a period its heights have no Fourier series to resample')
+         if (slot%is_given .and. heights%grid(i) > 0 .and. slot%integer /= nodes(i) &
+            .and. .not. dry%is_periodic) then
+            call findings%add(slot%line, 'domain', trim(counts(i)), &
+               'found ' // to_text(slot%integer) // ', expected the ' &
+               // to_text(nodes(i)) // ' nodes of the file: without a period its heights have '// &
+                  'no Fourier series to resample')
          else if (slot%is_given) then
             nodes(i) = slot%integer
          else if (heights%grid(i) <= 0 .and. .not. values%is_given('accuracy', 'target')) then
@@ -82,7 +88,8 @@ contains
       if (.not. slot%is_given) then
          if (length > 0.0_wp) return
          if (present(file)) then
-            call report_missing(values, 'domain', key, findings, ': '//file//' has no attribute spacing, or spacing_'// &
+            call report_missing(values, 'domain', key, findings, &
+               ': '//file//' has no attribute spacing, or spacing_'// &
                trim(merge('y', 'x', key == 'length_y')))
          else
             call report_missing(values, 'domain', key, findings)
@@ -90,14 +97,16 @@ contains
       else if (length <= 0.0_wp) then
          length = slot%reals(1)
       else if (abs(slot%reals(1) - length) > same_length*length) then
-         call findings%add(slot%line, 'domain', key, 'found ' // to_text(slot%reals(1)) // ' m, expected ' // to_text(length) &
+         call findings%add(slot%line, 'domain', key, 'found ' // to_text(slot%reals(1)) // ' '// &
+            'm, expected ' // to_text(length) &
             // ' m, nodes times spacing of the file')
       end if
    end subroutine find_length
 
-   !> `nodes` with which the search for a grid begins, as many in every wave as a contact area needs: even numbers, or
-   !> the nodes of a periodic file (`in_file`) times a power of two; the heights of an open file stay on their own.
-   !> Finding: a synthetic surface whose shortest waves would be those of the grid.
+   !> `nodes` with which the search for a grid begins, as many in every wave as a contact area
+   !> needs: even numbers, or the nodes of a periodic file (`in_file`) times a power of two; the
+   !> heights of an open file stay on their own. Finding: a synthetic surface whose shortest waves
+   !> would be those of the grid.
    subroutine choose_first_grid(values, dry, in_file, nodes, findings)
       type(input_values_t), intent(in) :: values
       type(dry_case_t), intent(in) :: dry
@@ -109,8 +118,10 @@ contains
       integer :: directions, i
 
       surfaces: do i = 1, 2
-         if (values%is_given(groups(i), 'wavelength_short') .or. .not. has_shape(values, groups(i), 'synthetic')) cycle surfaces
-         call report_missing(values, groups(i), 'wavelength_short', findings, 'with &accuracy target')
+         if (values%is_given(groups(i), 'wavelength_short') .or. .not. has_shape(values, &
+            groups(i), 'synthetic')) cycle surfaces
+         call report_missing(values, groups(i), 'wavelength_short', findings, &
+            'with &accuracy target')
       end do surfaces
       if (findings%count > 0) return
       if (in_file(1) > 0 .and. .not. dry%is_periodic) return
@@ -118,12 +129,14 @@ contains
       finest = min(finest_wave(values, groups(1)), finest_wave(values, groups(2)))/fewest_nodes
       associate (lengths => dry%lengths(:directions))
          if (in_file(1) > 0) then
-            do while (any((1.0_wp - rounding)*lengths/finest > nodes(:directions)) .and. maxval(nodes) <= most_in_direction/2)
+            do while (any((1.0_wp - rounding)*lengths/finest > nodes(:directions)) &
+               .and. maxval(nodes) <= most_in_direction/2)
                nodes(:directions) = 2*nodes(:directions)
             end do
          else
             spacing = min(minval(lengths)/first_nodes(directions), finest)
-            nodes(:directions) = even_nodes((1.0_wp - rounding)*lengths/spacing, real(most_in_direction, wp))
+            nodes(:directions) = even_nodes((1.0_wp - rounding)*lengths/spacing, &
+               real(most_in_direction, wp))
          end if
       end associate
    end subroutine choose_first_grid

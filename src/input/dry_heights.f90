@@ -19,10 +19,12 @@ contains
       type(findings_t), intent(inout) :: findings
       integer :: status
 
-      associate (values => dry%recipe%values, folder => dry%recipe%folder, radius => dry%recipe%radius)
+      associate (values => dry%recipe%values, folder => dry%recipe%folder, &
+         radius => dry%recipe%radius)
          allocate (dry%height(dry%grid%nx*dry%grid%ny), source=0.0_wp, stat=status)
          if (status /= 0) then
-            call findings%add(values%line_of('domain', ''), 'domain', '', 'found no memory for the heights of the grid')
+            call findings%add(values%line_of('domain', ''), 'domain', '', &
+               'found no memory for the heights of the grid')
             return
          end if
          call add_surface(values, 'surface_1', folder, radius, dry, findings)
@@ -30,8 +32,8 @@ contains
       end associate
    end subroutine make_heights
 
-   !> The surface on `nodes` in x and y: formulas at the new nodes, synthetic and periodic heights by their Fourier series. Errors
-   !> (input_error): as the findings of `make_heights`.
+   !> The surface on `nodes` in x and y: formulas at the new nodes, synthetic and periodic heights
+   !> by their Fourier series. Errors (input_error): as the findings of `make_heights`.
    subroutine refine_heights(dry, nodes, error)
       type(dry_case_t), intent(inout) :: dry
       integer, intent(in) :: nodes(2)
@@ -45,12 +47,14 @@ contains
       if (found%count > 0) call fail(error, input_error, found%report('finer grid'))
    end subroutine refine_heights
 
-   !> False where the heights are known at the nodes of a file only: without a period they have no Fourier series.
+   !> False where the heights are known at the nodes of a file only: without a period they have no
+   !> Fourier series.
    pure function is_refinable(dry)
       type(dry_case_t), intent(in) :: dry
       logical :: is_refinable
 
-      is_refinable = dry%is_periodic .or. .not. (has_shape(dry%recipe%values, 'surface_1', 'file') .or. &
+      is_refinable = dry%is_periodic .or. .not. (has_shape(dry%recipe%values, 'surface_1', &
+         'file') .or. &
                                                  has_shape(dry%recipe%values, 'surface_2', 'file'))
    end function is_refinable
 

@@ -26,8 +26,9 @@ module dry_input
 
 contains
 
-   !> Checks the `values` of a dry problem and fills `dry`; `folder` is that of the namelist, with its slash.
-   !> Findings: missing, contradictory and unused keys; files; a load above hardness times area.
+   !> Checks the `values` of a dry problem and fills `dry`; `folder` is that of the namelist, with
+   !> its slash. Findings: missing, contradictory and unused keys; files; a load above hardness
+   !> times area.
    subroutine fill_dry_case(values, folder, dry, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: folder
@@ -63,7 +64,8 @@ contains
       key = trim(merge('intervals  ', 'intervals_x', values%problem == 'dry_line'))
       nodes = int(dry%grid%nx, int64)*dry%grid%ny
       fault = memory_fault('a grid', dry_memory([dry%grid%nx, dry%grid%ny], dry%is_periodic))
-      if (nodes > most_nodes) fault = 'found ' // to_text(nodes) // ' nodes, expected at most ' // to_text(most_nodes)
+      if (nodes > most_nodes) fault = 'found ' // to_text(nodes) // ' nodes, expected at most ' &
+         // to_text(most_nodes)
       if (fault /= '') call findings%add(values%line_of('domain', key), 'domain', key, fault)
    end subroutine check_size
 
@@ -74,9 +76,12 @@ contains
       integer :: i
 
       do i = 1, size(group_rows)
-         if (group_rows(i)%needed /= 'yes' .or. .not. has_word(group_rows(i)%problems, trim(values%problem))) cycle
-         if (.not. values%has_group(group_rows(i)%group)) call findings%add(values%last_line, trim(group_rows(i)%group), '', &
-            'found no such group, expected &' // trim(group_rows(i)%group) // ' ... / (' // trim(group_rows(i)%meaning) // ')')
+         if (group_rows(i)%needed /= 'yes' .or. .not. has_word(group_rows(i)%problems, &
+            trim(values%problem))) cycle
+         if (.not. values%has_group(group_rows(i)%group)) call findings%add(values%last_line, &
+            trim(group_rows(i)%group), '', &
+            'found no such group, expected &' // trim(group_rows(i)%group) // ' ... / (' &
+               // trim(group_rows(i)%meaning) // ')')
       end do
    end subroutine check_needed_groups
 
@@ -84,7 +89,8 @@ contains
    subroutine check_bodies(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
-      character(len=16), parameter :: parts(*) = [character(len=16) :: 'youngs_modulus_1', 'poisson_ratio_1', &
+      character(len=16), parameter :: parts(*) = [character(len=16) :: 'youngs_modulus_1', &
+         'poisson_ratio_1', &
          'youngs_modulus_2', 'poisson_ratio_2']
       logical :: has_parabola
       integer :: i
@@ -96,26 +102,34 @@ contains
       else
          do i = 1, 2
             if (.not. values%is_given('bodies', trim(parts(i)))) then
-               call report_missing(values, 'bodies', trim(parts(i)), findings, '(or reduced_modulus)')
+               call report_missing(values, 'bodies', trim(parts(i)), findings, &
+                  '(or reduced_modulus)')
             end if
          end do
-         if (values%is_given('bodies', 'youngs_modulus_2') .neqv. values%is_given('bodies', 'poisson_ratio_2')) then
-            call report_missing(values, 'bodies', trim(parts(merge(4, 3, values%is_given('bodies', 'youngs_modulus_2')))), findings)
+         if (values%is_given('bodies', 'youngs_modulus_2') .neqv. values%is_given('bodies', &
+            'poisson_ratio_2')) then
+            call report_missing(values, 'bodies', &
+               trim(parts(merge(4, 3, values%is_given('bodies', 'youngs_modulus_2')))), findings)
          end if
       end if
-      has_parabola = has_shape(values, 'surface_1', 'parabola') .or. has_shape(values, 'surface_2', 'parabola')
+      has_parabola = has_shape(values, 'surface_1', 'parabola') .or. has_shape(values, &
+         'surface_2', 'parabola')
       if (has_parabola) then
-         if (.not. (values%is_given('bodies', 'reduced_radius') .or. values%is_given('bodies', 'radius_1') &
+         if (.not. (values%is_given('bodies', 'reduced_radius') .or. values%is_given('bodies', &
+            'radius_1') &
             .and. values%is_given('bodies', 'radius_2'))) then
-            call report_missing(values, 'bodies', 'reduced_radius', findings, "(or radius_1 and radius_2) for shape = 'parabola'")
+            call report_missing(values, 'bodies', 'reduced_radius', findings, &
+               "(or radius_1 and radius_2) for shape = 'parabola'")
          else if (.not. values%is_given('bodies', 'reduced_radius')) then
             call check_radii(values, findings)
          end if
       else
-         call report_unused(values, 'bodies', 'reduced_radius', "without shape = 'parabola'", findings)
+         call report_unused(values, 'bodies', 'reduced_radius', "without shape = 'parabola'", &
+            findings)
          call report_unused(values, 'bodies', 'radius_1', "without shape = 'parabola'", findings)
          call report_unused(values, 'bodies', 'radius_2', "without shape = 'parabola'", findings)
-         call report_unused(values, 'load', 'hertz_pressure', "without shape = 'parabola'", findings)
+         call report_unused(values, 'load', 'hertz_pressure', "without shape = 'parabola'", &
+            findings)
       end if
    end subroutine check_bodies
 
@@ -127,17 +141,21 @@ contains
       integer :: given, i
 
       keys = [character(len=16) :: 'mean_pressure', 'hertz_pressure', &
-              merge('load_per_length', 'load           ', values%problem == 'dry_line'), 'separation']
+              merge('load_per_length', 'load           ', values%problem == 'dry_line'), &
+                 'separation']
       if (.not. values%has_group('load')) return
       given = 0
       do i = 1, size(keys)
          if (.not. values%is_given('load', trim(keys(i)))) cycle
          given = given + 1
-         if (given > 1) call findings%add(values%line_of('load', trim(keys(i))), 'load', trim(keys(i)), &
-            'found more than one load, expected one of mean_pressure, hertz_pressure, ' // trim(keys(3)) // ', separation')
+         if (given > 1) call findings%add(values%line_of('load', trim(keys(i))), 'load', &
+            trim(keys(i)), &
+            'found more than one load, expected one of mean_pressure, hertz_pressure, ' &
+               // trim(keys(3)) // ', separation')
       end do
       if (given == 0) call findings%add(values%line_of('load', ''), 'load', 'mean_pressure', &
-         'found nothing, expected mean_pressure [Pa], hertz_pressure [Pa], ' // trim(keys(3)) // ' or separation [m]')
+         'found nothing, expected mean_pressure [Pa], hertz_pressure [Pa], ' // trim(keys(3)) &
+            // ' or separation [m]')
    end subroutine check_one_load
 
    !> E' [Pa]: given, of both bodies, or of the first against a rigid one.
@@ -149,10 +167,12 @@ contains
          modulus = values%real_value('bodies', 'reduced_modulus')
       else if (values%is_given('bodies', 'youngs_modulus_2')) then
          modulus = reduced_modulus(values%real_value('bodies', 'youngs_modulus_1'), &
-            values%real_value('bodies', 'poisson_ratio_1'), values%real_value('bodies', 'youngs_modulus_2'), &
+            values%real_value('bodies', 'poisson_ratio_1'), values%real_value('bodies', &
+               'youngs_modulus_2'), &
             values%real_value('bodies', 'poisson_ratio_2'))
       else
-         modulus = contact_modulus(values%real_value('bodies', 'youngs_modulus_1'), values%real_value('bodies', 'poisson_ratio_1'))
+         modulus = contact_modulus(values%real_value('bodies', 'youngs_modulus_1'), &
+            values%real_value('bodies', 'poisson_ratio_1'))
       end if
    end function modulus_of
 
@@ -165,7 +185,8 @@ contains
       if (values%is_given('bodies', 'reduced_radius')) then
          radius = values%real_value('bodies', 'reduced_radius')
       else if (values%is_given('bodies', 'radius_1')) then
-         radius = reduced_radius(values%real_value('bodies', 'radius_1'), values%real_value('bodies', 'radius_2'))
+         radius = reduced_radius(values%real_value('bodies', 'radius_1'), &
+            values%real_value('bodies', 'radius_2'))
       end if
    end function radius_of
 
@@ -181,7 +202,8 @@ contains
 
       dry%loads%has_history = values%word_value('load', 'loading') == 'history'
       dry%loads%hardness = no_hardness
-      if (values%is_given('bodies', 'hardness')) dry%loads%hardness = values%real_value('bodies', 'hardness')
+      if (values%is_given('bodies', 'hardness')) dry%loads%hardness = values%real_value('bodies', &
+         'hardness')
       if (values%is_given('load', 'separation')) then
          call fill_separations(values, dry, findings)
          return
@@ -195,21 +217,26 @@ contains
       else if (values%is_given('load', 'hertz_pressure')) then
          key = 'hertz_pressure'
          if (dry%grid%ny == 1) then
-            dry%loads%mean_pressure = [line_load_from_pressure(values%real_value('load', key), radius, dry%reduced_modulus)/area]
+            dry%loads%mean_pressure = [line_load_from_pressure(values%real_value('load', key), &
+               radius, dry%reduced_modulus)/area]
          else
-            dry%loads%mean_pressure = [point_load_from_pressure(values%real_value('load', key), radius, dry%reduced_modulus)/area]
+            dry%loads%mean_pressure = [point_load_from_pressure(values%real_value('load', key), &
+               radius, dry%reduced_modulus)/area]
          end if
       else
          key = 'load_per_length'
          if (dry%grid%ny > 1) key = 'load'
          dry%loads%mean_pressure = [values%real_value('load', key)/area]
       end if
-      if (maxval(dry%loads%mean_pressure) > dry%loads%hardness) call findings%add(values%line_of('load', key), 'load', key, &
-         'found a mean pressure of ' // to_text(maxval(dry%loads%mean_pressure)) // ' Pa, expected at most the hardness, ' &
+      if (maxval(dry%loads%mean_pressure) &
+         > dry%loads%hardness) call findings%add(values%line_of('load', key), 'load', key, &
+         'found a mean pressure of ' // to_text(maxval(dry%loads%mean_pressure)) &
+            // ' Pa, expected at most the hardness, ' &
          // to_text(dry%loads%hardness) // ' Pa')
    end subroutine fill_loads
 
-   !> Separations. Findings: an open line; nothing touches; an elastic periodic surface pressed further than flat.
+   !> Separations. Findings: an open line; nothing touches; an elastic periodic surface pressed
+   !> further than flat.
    subroutine fill_separations(values, dry, findings)
       type(input_values_t), intent(in) :: values
       type(dry_case_t), intent(inout) :: dry
@@ -222,16 +249,20 @@ contains
       dry%loads%separation = slot%reals
       found = ''
       if (.not. dry%is_periodic .and. dry%grid%ny == 1) then
-         found = 'found a separation with periodic = .false., expected a load: the deflection of an open line has no datum'
+         found = 'found a separation with periodic = .false., expected a load: the deflection '// &
+            'of an open line has no datum'
       else if (.not. dry%is_periodic) then
-         if (minval(slot%reals) <= 0.0_wp) found = 'found ' // to_text(minval(slot%reals)) // ' m, expected > 0: in an open ' &
+         if (minval(slot%reals) <= 0.0_wp) found = 'found ' // to_text(minval(slot%reals)) &
+            // ' m, expected > 0: in an open ' &
             // 'area the approach of the bodies since first touch'
       else
          top = maxval(dry%height) - sum(dry%height)/size(dry%height)
          if (maxval(slot%reals) >= top) then
-            found = 'found ' // to_text(maxval(slot%reals)) // ' m, at which nothing touches, expected < ' // to_text(top) // ' m'
+            found = 'found ' // to_text(maxval(slot%reals)) // ' m, at which nothing touches, '// &
+               'expected < ' // to_text(top) // ' m'
          else if (minval(slot%reals) <= 0.0_wp .and. dry%loads%hardness >= no_hardness) then
-            found = 'found ' // to_text(minval(slot%reals)) // ' m, expected > 0: an elastic surface is flat there'
+            found = 'found ' // to_text(minval(slot%reals)) // ' m, expected > 0: an elastic '// &
+               'surface is flat there'
          end if
       end if
       if (found /= '') call findings%add(slot%line, 'load', 'separation', found)
@@ -248,18 +279,21 @@ contains
       if (dry%is_periodic) then
          dry%grid%kernel = kernel_band_limited
          if (values%word_value('domain', 'kernel') == 'element') dry%grid%kernel = kernel_element
-      else if (values%is_given('domain', 'kernel') .and. values%word_value('domain', 'kernel') == 'band_limited') then
+      else if (values%is_given('domain', 'kernel') .and. values%word_value('domain', &
+         'kernel') == 'band_limited') then
          call findings%add(values%line_of('domain', 'kernel'), 'domain', 'kernel', &
             "found 'band_limited' with periodic = .false., expected 'element'")
       end if
       dry%settings%method = method_conjugate_gradient
-      if (values%word_value('solver', 'method') == 'steepest_descent') dry%settings%method = method_steepest_descent
+      if (values%word_value('solver', 'method') == 'steepest_descent') dry%settings%method = &
+         method_steepest_descent
       dry%settings%tolerance = values%real_value('solver', 'tolerance')
       slot = values%slot('solver', 'max_cycles')
       dry%settings%max_cycles = slot%integer
       slot = values%slot('accuracy', 'error_bars')
       dry%has_error_bars = slot%logical
-      if (values%is_given('accuracy', 'target')) dry%target = values%real_value('accuracy', 'target')
+      if (values%is_given('accuracy', 'target')) dry%target = values%real_value('accuracy', &
+         'target')
    end subroutine fill_solver
 
 end module dry_input

@@ -23,7 +23,8 @@ module dry_surfaces
    real(wp), parameter :: same_length = 1.0e-3_wp
    !> Keys of one shape only.
    character(len=20), parameter :: file_keys(*) = [character(len=20) :: 'file', 'dataset']
-   character(len=20), parameter :: feature_keys(*) = [character(len=20) :: 'amplitude', 'wavelength', 'position']
+   character(len=20), parameter :: feature_keys(*) = [character(len=20) :: 'amplitude', &
+      'wavelength', 'position']
 
 contains
 
@@ -68,9 +69,11 @@ contains
       if (allocated(error)) then
          call findings%add(name%line, group, 'file', error%message)
       else if (values%problem == 'dry_line' .and. heights%grid(2) > 1) then
-         call findings%add(name%line, group, 'file', "found an area, expected a profile: problem = 'dry_area' takes areas")
+         call findings%add(name%line, group, 'file', 'found an area, expected a profile: '// &
+            "problem = 'dry_area' takes areas")
       else if (values%problem == 'dry_area' .and. heights%grid(2) == 1) then
-         call findings%add(name%line, group, 'file', "found a profile, expected an area: problem = 'dry_line' takes profiles")
+         call findings%add(name%line, group, 'file', 'found a profile, expected an area: '// &
+            "problem = 'dry_line' takes profiles")
       end if
    end subroutine load_file
 
@@ -89,8 +92,10 @@ contains
       shape = values%slot(group, 'shape')
       if (.not. shape%has_value) return
       word = trim(shape%words(1))
-      if (size(shape%words) > 1 .and. any(shape%words /= 'feature' .and. shape%words /= 'sinusoid')) then
-         call findings%add(shape%line, group, 'shape', "found several shapes, expected 'feature' and 'sinusoid' among several")
+      if (size(shape%words) > 1 .and. any(shape%words /= 'feature' &
+         .and. shape%words /= 'sinusoid')) then
+         call findings%add(shape%line, group, 'shape', 'found several shapes, expected '// &
+            "'feature' and 'sinusoid' among several")
          return
       end if
       call check_keys(values, group, word, findings)
@@ -102,7 +107,8 @@ contains
       case ('synthetic')
          call add_synthetic(values, group, dry, z, findings)
       case ('parabola')
-         z = parabola_heights(radius, positions(dry, 1), positions(dry, 2), dry%lengths, dry%is_periodic)
+         z = parabola_heights(radius, positions(dry, 1), positions(dry, 2), dry%lengths, &
+            dry%is_periodic)
       case ('feature', 'sinusoid')
          call add_features(values, group, dry, z, findings)
       case default
@@ -135,12 +141,16 @@ contains
       type(findings_t), intent(inout) :: findings
 
       if (word /= 'file') call report_unused_by_shape(values, group, file_keys, word, findings)
-      if (word /= 'feature' .and. word /= 'sinusoid') call report_unused_by_shape(values, group, feature_keys, word, findings)
-      if (word /= 'synthetic') call report_unused_by_shape(values, group, synthetic_keys, word, findings)
-      if (word == 'smooth' .or. word == 'parabola') call report_unused_by_shape(values, group, ['harmonics'], word, findings)
+      if (word /= 'feature' .and. word /= 'sinusoid') call report_unused_by_shape(values, group, &
+         feature_keys, word, findings)
+      if (word /= 'synthetic') call report_unused_by_shape(values, group, synthetic_keys, word, &
+         findings)
+      if (word == 'smooth' .or. word == 'parabola') call report_unused_by_shape(values, group, &
+         ['harmonics'], word, findings)
    end subroutine check_keys
 
-   !> Heights of the file, on a periodic domain resampled to its nodes. Findings: another length; other nodes of an open domain.
+   !> Heights of the file, on a periodic domain resampled to its nodes. Findings: another length;
+   !> other nodes of an open domain.
    subroutine add_file(values, group, folder, dry, z, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group, folder
@@ -158,15 +168,18 @@ contains
       do i = 1, merge(2, 1, dry%grid%ny > 1)
          length = heights%grid(i)*heights%spacing(i)
          if (length <= 0.0_wp .or. abs(length - dry%lengths(i)) <= same_length*dry%lengths(i)) cycle
-         call findings%add(line, group, 'file', 'found nodes times spacing ' // to_text(length) // ' m, expected the length of ' &
+         call findings%add(line, group, 'file', 'found nodes times spacing '// &
+            '' // to_text(length) // ' m, expected the length of ' &
             // 'the domain, ' // to_text(dry%lengths(i)) // ' m')
          return
       end do
       call begin_activity('making the surface')
       if (any(heights%grid /= [dry%grid%nx, dry%grid%ny])) then
          if (.not. dry%is_periodic) then
-            call findings%add(line, group, 'file', 'found ' // to_text(heights%grid(1)) // ' x ' // to_text(heights%grid(2)) &
-               // ' nodes, expected ' // to_text(dry%grid%nx) // ' x ' // to_text(dry%grid%ny) // ' as in the other surface')
+            call findings%add(line, group, 'file', 'found ' // to_text(heights%grid(1)) // ' '// &
+               'x ' // to_text(heights%grid(2)) &
+               // ' nodes, expected ' // to_text(dry%grid%nx) // ' x ' // to_text(dry%grid%ny) &
+                  // ' as in the other surface')
             return
          end if
          call resample_heights(heights%grid, [dry%grid%nx, dry%grid%ny], heights%z, error)
@@ -178,8 +191,8 @@ contains
       z = heights%z
    end subroutine add_file
 
-   !> Heights with a wanted spectrum, those of the first grid resampled. Findings: wavelengths out of order; what the synthesis
-   !> finds.
+   !> Heights with a wanted spectrum, those of the first grid resampled. Findings: wavelengths out
+   !> of order; what the synthesis finds.
    subroutine add_synthetic(values, group, dry, z, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
@@ -194,10 +207,12 @@ contains
          return
       end if
       associate (first => dry%recipe%nodes, nodes => [dry%grid%nx, dry%grid%ny])
-         call read_synthesis(values, group, maxval(dry%lengths), 2.0_wp*dry%lengths(1)/first(1), wanted, findings)
+         call read_synthesis(values, group, maxval(dry%lengths), 2.0_wp*dry%lengths(1)/first(1), &
+            wanted, findings)
          if (findings%count > 0) return
          call begin_activity('making the surface')
-         call synthetic_heights(wanted, first, dry%lengths(1), max(dry%lengths(2), tiny(1.0_wp)), z, error)
+         call synthetic_heights(wanted, first, dry%lengths(1), max(dry%lengths(2), tiny(1.0_wp)), &
+            z, error)
          if (.not. allocated(error) .and. any(nodes /= first)) then
             if (dry%is_periodic) then
                call resample_heights(first, nodes, z, error)
@@ -206,7 +221,8 @@ contains
             end if
          end if
       end associate
-      if (allocated(error)) call findings%add(values%line_of(group, 'shape'), group, 'shape', error%message)
+      if (allocated(error)) call findings%add(values%line_of(group, 'shape'), group, 'shape', &
+         error%message)
    end subroutine add_synthetic
 
    !> Ridges, dents and sinusoids. Findings: arrays that do not belong together.
@@ -230,13 +246,15 @@ contains
       n = size(amplitude%reals)
       if (size(wavelength%reals) /= n .or. (size(position%reals) /= n .and. position%is_given) &
          .or. (size(shape%words) /= n .and. size(shape%words) /= 1)) then
-         call findings%add(amplitude%line, group, 'amplitude', 'found ' // to_text(n) // ' values, expected as many of shape ' &
+         call findings%add(amplitude%line, group, 'amplitude', &
+            'found ' // to_text(n) // ' values, expected as many of shape ' &
             // '(or one), wavelength and position')
          return
       end if
       allocate (features(n))
       do i = 1, n
-         features(i) = feature_t(merge(feature_sinusoid, feature_ridge, shape%words(min(i, size(shape%words))) == 'sinusoid'), &
+         features(i) = feature_t(merge(feature_sinusoid, feature_ridge, &
+            shape%words(min(i, size(shape%words))) == 'sinusoid'), &
             amplitude%reals(i), wavelength%reals(i), position%reals(min(i, size(position%reals))))
       end do
       z = feature_heights(features, positions(dry, 1), dry%grid%ny, dry%lengths(1), dry%is_periodic)
@@ -257,9 +275,11 @@ contains
       most = dry%grid%nx/2 - 1
       if (dry%grid%ny > 1) most = min(most, dry%grid%ny/2 - 1)
       if (.not. dry%is_periodic) then
-         call findings%add(harmonics%line, group, 'harmonics', 'found a truncation with periodic = .false., expected .true.')
+         call findings%add(harmonics%line, group, 'harmonics', &
+            'found a truncation with periodic = .false., expected .true.')
       else if (harmonics%integer > most) then
-         call findings%add(harmonics%line, group, 'harmonics', 'found ' // to_text(harmonics%integer) // ', expected at most ' &
+         call findings%add(harmonics%line, group, 'harmonics', &
+            'found ' // to_text(harmonics%integer) // ', expected at most ' &
             // to_text(most) // ', half the nodes less one')
       else
          call truncate_harmonics(harmonics%integer, [dry%grid%nx, dry%grid%ny], z, error)

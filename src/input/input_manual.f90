@@ -1,6 +1,7 @@
 !> The key table as text for a terminal (`asperity --keys`) and as the page docs/input.md.
 module input_manual
-   use input_keys, only: key_rows, key_row_t, group_rows, later_rows, word_list, logical_kind, text_kind, real_kind, &
+   use input_keys, only: key_rows, key_row_t, group_rows, later_rows, word_list, logical_kind, &
+      text_kind, real_kind, &
       reals_kind, integer_kind, every
    implicit none (type, external)
    private
@@ -20,17 +21,21 @@ contains
       character(:), allocatable :: text
       integer :: group, i
 
-      text = 'Groups and keys of a namelist. Of each key: type [unit], default, range or words, meaning,' // nl &
-         // 'and the problems that use it if not all do. "chosen" = chosen by the program; "-" = no default.' // nl
+      text = 'Groups and keys of a namelist. Of each key: type [unit], default, range or '// &
+         'words, meaning,' // nl &
+         // 'and the problems that use it if not all do. "chosen" = chosen by the program; '// &
+            '"-" = no default.' // nl
       do group = 1, size(group_rows)
          text = text // nl
          if (group_rows(group)%needed == 'later') then
             text = text // '&' // trim(group_rows(group)%group) // '  (not built yet)' // nl
             cycle
          end if
-         text = text // wrapped('&' // trim(group_rows(group)%group) // '  ' // trim(group_rows(group)%meaning), 0)
+         text = text // wrapped('&' // trim(group_rows(group)%group) // '  ' &
+            // trim(group_rows(group)%meaning), 0)
          do i = 1, size(key_rows)
-            if (key_rows(i)%group == group_rows(group)%group) text = text // terminal_entry(key_rows(i))
+            if (key_rows(i)%group == group_rows(group)%group) text = &
+               text // terminal_entry(key_rows(i))
          end do
       end do
       text = text // nl // wrapped('Known, but not built yet (refused): ' // later_list(), 0)
@@ -102,7 +107,8 @@ contains
       end do
    end function later_list
 
-   !> `text` broken at blanks into lines of at most `page_width`, the later ones indented by `hanging` blanks.
+   !> `text` broken at blanks into lines of at most `page_width`, the later ones indented by
+   !> `hanging` blanks.
    pure function wrapped(text, hanging) result(lines)
       character(*), intent(in) :: text
       integer, intent(in) :: hanging
@@ -132,16 +138,21 @@ contains
          // nl // introduction()
       do group = 1, size(group_rows)
          if (group_rows(group)%needed == 'later') cycle
-         text = text // nl // '## &' // trim(group_rows(group)%group) // nl // nl // capital(trim(group_rows(group)%meaning)) &
-            // '.' // nl // nl // '| key | type | unit | default | range or words | meaning |' // nl &
+         text = text // nl // '## &' // trim(group_rows(group)%group) // nl // nl &
+            // capital(trim(group_rows(group)%meaning)) &
+            // '.' // nl // nl // '| key | type | unit | default | range or words | meaning |' &
+               // nl &
             // '|---|---|---|---|---|---|' // nl
          do i = 1, size(key_rows)
-            if (key_rows(i)%group == group_rows(group)%group) text = text // markdown_entry(key_rows(i))
+            if (key_rows(i)%group == group_rows(group)%group) text = &
+               text // markdown_entry(key_rows(i))
          end do
       end do
-      text = text // nl // '## Not built yet' // nl // nl // 'These names are known and refused as not built yet:' // nl // nl
+      text = text // nl // '## Not built yet' // nl // nl // 'These names are known and '// &
+         'refused as not built yet:' // nl // nl
       do i = 1, size(later_rows)
-         text = text // '- `&' // trim(later_rows(i)%group) // ' ' // trim(later_rows(i)%key) // '` (' &
+         text = text // '- `&' // trim(later_rows(i)%group) // ' ' // trim(later_rows(i)%key) &
+            // '` (' &
             // trim(later_rows(i)%meaning) // ')' // nl
       end do
    end function keys_markdown
@@ -150,16 +161,23 @@ contains
    pure function introduction() result(text)
       character(:), allocatable :: text
 
-      text = 'A case is a Fortran namelist file in SI units. `asperity --template ehl_line` writes a complete one with' // nl &
-         // 'comments, `asperity --check CASE.nml` checks one without computing, and every finding names file, line, group and' &
-         // nl // 'key, what was found and what is expected. All findings of a file are reported together.' // nl // nl &
-         // '- A group is `&name ... /`, an entry `key = value`, a comment begins with `!`. Names and words may be written in' &
+      text = 'A case is a Fortran namelist file in SI units. `asperity --template ehl_line` '// &
+         'writes a complete one with' // nl &
+         // 'comments, `asperity --check CASE.nml` checks one without computing, and every '// &
+            'finding names file, line, group and' &
+         // nl // 'key, what was found and what is expected. All findings of a file are '// &
+            'reported together.' // nl // nl &
+         // '- A group is `&name ... /`, an entry `key = value`, a comment begins with `!`. '// &
+            'Names and words may be written in' &
          // nl // '  capitals. Words and texts stand in quotes and close on their line.' // nl &
-         // '- Several values are separated by commas or blanks; `3*0.1` is three times 0.1; `amplitude(2) = 1e-7` sets one' // nl &
+         // '- Several values are separated by commas or blanks; `3*0.1` is three times 0.1; '// &
+            '`amplitude(2) = 1e-7` sets one' // nl &
          // '  element.' // nl &
-         // '- A key that is unknown, repeated, not used by the case or not built yet is an error: nothing is ignored.' // nl &
+         // '- A key that is unknown, repeated, not used by the case or not built yet is an '// &
+            'error: nothing is ignored.' // nl &
          // '- The file is UTF-8 text. Paths in it are relative to the file.' // nl &
-         // '- "required" must be given, "chosen" is chosen by the program, "-" has no default: the meaning says when it is' // nl &
+         // '- "required" must be given, "chosen" is chosen by the program, "-" has no '// &
+            'default: the meaning says when it is' // nl &
          // '  needed.' // nl
    end function introduction
 
@@ -171,7 +189,8 @@ contains
 
       range = trim(row%range)
       if (row%words /= '') range = words_text(row)
-      text = '| `' // trim(row%key) // '` | ' // type_text(row) // ' | ' // trim(row%unit) // ' | ' // trim(row%default) // ' | ' &
+      text = '| `' // trim(row%key) // '` | ' // type_text(row) // ' | ' // trim(row%unit) &
+         // ' | ' // trim(row%default) // ' | ' &
          // range // ' | ' // trim(row%meaning) // problems_text(row) // ' |' // nl
    end function markdown_entry
 

@@ -1,6 +1,8 @@
-!> The commented, complete namelist of `asperity --template`: every key of the table, with the values of an example.
+!> The commented, complete namelist of `asperity --template`: every key of the table, with the
+!> values of an example.
 module input_template
-   use input_keys, only: key_rows, key_row_t, group_rows, has_word, lubricated, dry_area, word_list, is_required, &
+   use input_keys, only: key_rows, key_row_t, group_rows, has_word, lubricated, dry_area, &
+      word_list, is_required, &
       is_chosen, is_optional, words_kind
    implicit none (type, external)
    private
@@ -16,7 +18,8 @@ module input_template
       logical :: is_active
    end type example_t
 
-   !> Chapter 5, Case 1 of the thesis (Table 5.1). A key with a default of the table that is not listed shows its default.
+   !> Chapter 5, Case 1 of the thesis (Table 5.1). A key with a default of the table that is not
+   !> listed shows its default.
    type(example_t), parameter :: examples(*) = [ &
       example_t('case', 'title', "'Case 1: smooth surfaces, steady'", .true.), &
       example_t('case', 'problem', "'ehl_line'", .true.), &
@@ -95,8 +98,8 @@ module input_template
       example_t('solver', 'on_film_breakdown', "'stop'", .false.), &
       example_t('accuracy', 'target', '1e-3', .false.)]
 
-   !> A synthetic rough surface, elastic-perfectly plastic, against a rigid plane, under three loads. The keys of &surface_2
-   !> are shown like those of &surface_1, all as comments.
+   !> A synthetic rough surface, elastic-perfectly plastic, against a rigid plane, under three
+   !> loads. The keys of &surface_2 are shown like those of &surface_1, all as comments.
    type(example_t), parameter :: dry_examples(*) = [ &
       example_t('case', 'title', "'Rough surface against a rigid plane'", .true.), &
       example_t('case', 'problem', "'dry_line'", .true.), &
@@ -150,10 +153,13 @@ contains
       template = '! A lubricated line contact (chapter 5, Case 1)'
       if (problem /= lubricated) template = '! A dry rough contact'
       template = template // '; asperity --keys shows the ranges too. Lines with ! in' // nl &
-         // '! the first column hold keys that are optional here or replace others. The order of all is free.' // nl
+         // '! the first column hold keys that are optional here or replace others. The order '// &
+            'of all is free.' // nl
       do i = 1, size(group_rows)
-         if (group_rows(i)%needed == 'later' .or. .not. has_word(group_rows(i)%problems, problem)) cycle
-         template = template // nl // group_text(problem, trim(group_rows(i)%group), trim(group_rows(i)%meaning))
+         if (group_rows(i)%needed == 'later' .or. .not. has_word(group_rows(i)%problems, &
+            problem)) cycle
+         template = template // nl // group_text(problem, trim(group_rows(i)%group), &
+            trim(group_rows(i)%meaning))
       end do
    end function template_text
 

@@ -1,16 +1,20 @@
-!> The values of one case, one slot for each row of the key table: defaults first, then what the user gives.
+!> The values of one case, one slot for each row of the key table: defaults first, then what the
+!> user gives.
 !>
-!> Read entry by entry, so that every failure has its line, group and key. What a value means for the case is the
-!> business of `case_input`.
+!> Read entry by entry, so that every failure has its line, group and key. What a value means for
+!> the case is the business of `case_input`.
 module input_values
    use findings, only: findings_t, quoted
-   use input_keys, only: key_rows, key_row_t, group_rows, find_key, find_group, later_meaning, expected_value, &
-      has_word, real_kind, integer_kind, logical_kind, word_kind, reals_kind, words_kind, is_required, is_chosen, &
+   use input_keys, only: key_rows, key_row_t, group_rows, find_key, find_group, later_meaning, &
+      expected_value, &
+      has_word, real_kind, integer_kind, logical_kind, word_kind, reals_kind, words_kind, &
+         is_required, is_chosen, &
       is_optional, lubricated, every
    use key_range, only: is_in_range
    use kinds, only: wp
    use namelist_text, only: namelist_text_t, entry_t
-   use namelist_values, only: piece_t, split_values, read_real, read_integer, read_logical, most_values
+   use namelist_values, only: piece_t, split_values, read_real, read_integer, read_logical, &
+      most_values
    use nearest_name, only: nearest_known
    use solver_settings, only: word_length
    use text, only: to_text, to_lower
@@ -59,7 +63,8 @@ contains
 
    !> Fills `values` with the defaults of the table and the entries of `pieces`.
    !>
-   !> Finds unknown or not built groups, keys and words, values of the wrong type or number or out of range.
+   !> Finds unknown or not built groups, keys and words, values of the wrong type or number or out
+   !> of range.
    subroutine read_values(pieces, values, findings)
       type(namelist_text_t), intent(in) :: pieces
       type(input_values_t), intent(out) :: values
@@ -74,7 +79,8 @@ contains
       do i = 1, pieces%group_count
          row = find_group(pieces%groups(i)%name)
          if (row > 0) values%group_lines(row) = pieces%groups(i)%line
-         call check_group(pieces%groups(i)%name, pieces%groups(i)%line, row, values%problem, findings)
+         call check_group(pieces%groups(i)%name, pieces%groups(i)%line, row, values%problem, &
+            findings)
       end do
       do i = 1, pieces%entry_count
          associate (entry => pieces%entries(i))
@@ -121,7 +127,8 @@ contains
       if (row > 0) then
          if (group_rows(row)%needed == 'later') call findings%add(line, name, '', &
             'found a group that is not built yet (' // trim(group_rows(row)%meaning) // ')')
-         if (group_rows(row)%needed /= 'later' .and. .not. has_word(group_rows(row)%problems, trim(problem))) then
+         if (group_rows(row)%needed /= 'later' .and. .not. has_word(group_rows(row)%problems, &
+            trim(problem))) then
             call findings%add(line, name, '', "found a group that problem = '" // trim(problem) &
                // "' does not use, expected it left out")
          end if
@@ -129,7 +136,8 @@ contains
       end if
       hint = nearest_known(name, group_rows%group)
       if (hint /= '') hint = '; did you mean &' // hint // '?'
-      call findings%add(line, name, '', 'found an unknown group, expected one of those that asperity --keys lists' // hint)
+      call findings%add(line, name, '', 'found an unknown group, expected one of those that '// &
+         'asperity --keys lists' // hint)
    end subroutine check_group
 
    !> Finding: a key that is unknown, belongs to another group, or is known and not built yet.
@@ -148,10 +156,12 @@ contains
          return
       end if
       row = find_group(entry%group)
-      if (group_rows(row)%needed == 'later' .or. .not. has_word(group_rows(row)%problems, trim(problem))) return
+      if (group_rows(row)%needed == 'later' .or. .not. has_word(group_rows(row)%problems, &
+         trim(problem))) return
       do i = 1, size(key_rows)
          if (key_rows(i)%group /= entry%group .or. key_rows(i)%key /= entry%key) cycle
-         call findings%add(entry%line, entry%group, shown, "found a key that problem = '" // trim(problem) &
+         call findings%add(entry%line, entry%group, shown, 'found a key that problem = '// &
+            "'" // trim(problem) &
             // "' does not use, expected it left out")
          return
       end do
@@ -160,13 +170,15 @@ contains
          names(i) = ''
          if (.not. has_word(key_rows(i)%problems, trim(problem))) cycle
          if (key_rows(i)%group == entry%group) names(i) = key_rows(i)%key
-         if (key_rows(i)%key == entry%key .and. hint == '') hint = '; it belongs to &' // trim(key_rows(i)%group)
+         if (key_rows(i)%key == entry%key .and. hint == '') hint = '; it belongs to &' &
+            // trim(key_rows(i)%group)
       end do
       if (hint == '') then
          hint = nearest_known(entry%key, names)
          if (hint /= '') hint = '; did you mean ' // hint // '?'
       end if
-      call findings%add(entry%line, entry%group, shown, 'found an unknown key, expected one of ' // joined(names) // hint)
+      call findings%add(entry%line, entry%group, shown, 'found an unknown key, expected one '// &
+         'of ' // joined(names) // hint)
    end subroutine report_unknown_key
 
    !> The names that are not empty, separated by commas.
@@ -192,7 +204,8 @@ contains
 
       allocate (slot%reals(0), slot%words(0), slot%is_set(0))
       slot%text = ''
-      if (row%default == is_required .or. row%default == is_chosen .or. row%default == is_optional) return
+      if (row%default == is_required .or. row%default == is_chosen &
+         .or. row%default == is_optional) return
       entry%group = trim(row%group)
       entry%key = trim(row%key)
       entry%values = trim(row%default)
@@ -202,7 +215,8 @@ contains
       allocate (slot%is_set(0))
    end subroutine read_default
 
-   !> Reads one entry into its slot. Findings: wrong number of values, wrong type, unknown word, out of range.
+   !> Reads one entry into its slot. Findings: wrong number of values, wrong type, unknown word, out
+   !> of range.
    subroutine read_entry(entry, row, slot, findings)
       type(entry_t), intent(in) :: entry
       type(key_row_t), intent(in) :: row
@@ -278,7 +292,8 @@ contains
       type(findings_t), intent(inout) :: findings
       logical :: good
 
-      if (slot%is_set(place)) call findings%add(entry%line, entry%group, entry%key, 'found element ' // to_text(place) &
+      if (slot%is_set(place)) call findings%add(entry%line, entry%group, entry%key, &
+         'found element ' // to_text(place) &
          // ' a second time, expected it once')
       slot%is_set(place) = .true.
       good = .true.
@@ -376,7 +391,8 @@ contains
       type(findings_t), intent(inout) :: findings
 
       if (.not. slot%is_given .or. all(slot%is_set)) return
-      call findings%add(slot%line, row%group, row%key, 'found element ' // to_text(size(slot%is_set)) // ' but not element ' &
+      call findings%add(slot%line, row%group, row%key, 'found element '// &
+         '' // to_text(size(slot%is_set)) // ' but not element ' &
          // to_text(findloc(slot%is_set, .false., dim=1)) // ', expected every element from 1 on')
    end subroutine check_holes
 

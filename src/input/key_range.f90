@@ -9,7 +9,8 @@ module key_range
 
 contains
 
-   !> True if `value` fulfils every comparison of the comma-separated `range`; true for an empty range.
+   !> True if `value` fulfils every comparison of the comma-separated `range`; true for an empty
+   !> range.
    pure function is_in_range(value, range) result(inside)
       real(wp), intent(in) :: value
       character(*), intent(in) :: range
@@ -38,7 +39,8 @@ contains
       blank = index(comparison, ' ')
       holds = .false.
       if (comparison == 'a power of two (times 3 or 5 or 7)') then
-         if (value >= 1.0_wp .and. value < 1.0e9_wp) holds = any(odd_part(nint(value)) == [1, 3, 5, 7])
+         if (value >= 1.0_wp .and. value < 1.0e9_wp) holds = any(odd_part(nint(value)) == [1, 3, &
+            5, 7])
          return
       end if
       call read_real(trim(comparison(blank + 1:)), bound, good)

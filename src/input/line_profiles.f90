@@ -1,4 +1,5 @@
-!> Measured and synthetic profiles of the lubricated line contact: from the keys of a surface to heights that enter the contact.
+!> Measured and synthetic profiles of the lubricated line contact: from the keys of a surface to
+!> heights that enter the contact.
 module line_profiles
    use, intrinsic :: iso_fortran_env, only: int64
    use case_record, only: beside_namelist, case_t, set_effective
@@ -26,8 +27,9 @@ module line_profiles
    real(wp), parameter :: usual_domain = 30.0_wp
    !> Smooth entry of a profile where it is not given [half-widths].
    real(wp), parameter :: usual_entry = 1.0_wp
-   !> Nodes of a profile up to which it is made at once; behind that it is put together from pieces. Then a piece has at least
-   !> 32 of the longest waves, which are at most `most_waves` times as long as the shortest.
+   !> Nodes of a profile up to which it is made at once; behind that it is put together from pieces.
+   !> Then a piece has at least 32 of the longest waves, which are at most `most_waves` times as
+   !> long as the shortest.
    integer, parameter :: most_nodes = 2**20, most_waves = most_nodes/(32*nodes_per_wave)
    !> Nodes of half a piece, at least.
    integer, parameter :: least_half = 32768
@@ -36,7 +38,8 @@ module line_profiles
 
 contains
 
-   !> Gives `surface` of `case` its entry and, for shape 'file' or 'synthetic', its profile. Findings: the file; the synthesis.
+   !> Gives `surface` of `case` its entry and, for shape 'file' or 'synthetic', its profile.
+   !> Findings: the file; the synthesis.
    subroutine add_profile(values, group, case, surface, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
@@ -49,7 +52,8 @@ contains
       shape = trim(values%word_value(group, 'shape'))
       if (case%time%is_transient) surface%entry_length = values%real_value(group, 'entry_length')
       if (shape /= 'file' .and. shape /= 'synthetic') return
-      if (case%time%is_transient .and. .not. values%is_given(group, 'entry_length')) surface%entry_length = usual_entry
+      if (case%time%is_transient .and. .not. values%is_given(group, &
+         'entry_length')) surface%entry_length = usual_entry
       allocate (surface%profile)
       if (shape == 'file') then
          call fill_from_file(values, group, case, surface%profile, findings)
@@ -61,10 +65,12 @@ contains
       position = values%slot(group, 'position')
       surface%profile%is_placed = position%is_given
       if (position%is_given) surface%profile%start = position%reals(1)
-      if (case%time%is_transient) call set_effective(case, group, 'entry_length', to_text(surface%entry_length, 17), 'half-widths')
+      if (case%time%is_transient) call set_effective(case, group, 'entry_length', &
+         to_text(surface%entry_length, 17), 'half-widths')
    end subroutine add_profile
 
-   !> Heights of the file, which are read as they are needed; with harmonics they repeat themselves and are held.
+   !> Heights of the file, which are read as they are needed; with harmonics they repeat themselves
+   !> and are held.
    subroutine fill_from_file(values, group, case, profile, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
@@ -85,7 +91,8 @@ contains
          call findings%add(name%line, group, 'file', error%message)
          return
       end if
-      if (.not. profile%spacing > 0.0_wp) call findings%add(name%line, group, 'file', 'found no spacing in '//path// &
+      if (.not. profile%spacing > 0.0_wp) call findings%add(name%line, group, 'file', &
+         'found no spacing in '//path// &
          ', expected the attribute spacing_x or spacing [m] of the dataset')
       profile%finest_wave = 2.0_wp*profile%spacing
       call set_effective(case, group, 'heights_checksum', digits, '')
@@ -94,10 +101,13 @@ contains
       if (.not. harmonics%is_given .or. findings%count > 0) return
       most = min(profile%source%nodes/2 - 1, int(most_nodes, int64))
       if (profile%source%nodes > most_truncated) then
-         call findings%add(harmonics%line, group, 'harmonics', 'found a profile of '//to_text(profile%source%nodes)// &
-            ' nodes, expected at most '//to_text(most_truncated)//': a series needs all of them at once')
+         call findings%add(harmonics%line, group, 'harmonics', 'found a profile of ' &
+            //to_text(profile%source%nodes)// &
+            ' nodes, expected at most '//to_text(most_truncated) &
+               //': a series needs all of them at once')
       else if (harmonics%integer > most) then
-         call findings%add(harmonics%line, group, 'harmonics', 'found '//to_text(harmonics%integer)//', expected at most '// &
+         call findings%add(harmonics%line, group, 'harmonics', &
+            'found '//to_text(harmonics%integer)//', expected at most '// &
             to_text(most)//', half the nodes less one')
       else
          call truncate_profile(harmonics%integer, profile, error)
@@ -115,12 +125,14 @@ contains
       call profile%source%get(0_int64, profile%heights, error)
       if (allocated(error)) return
       deallocate (profile%source)
-      call truncate_harmonics(harmonics, [size(profile%heights), 1], profile%heights, error)   ! error: the caller looks
+      call truncate_harmonics(harmonics, [size(profile%heights), 1], profile%heights, &
+         error)   ! error: the caller looks
       profile%is_periodic = .true.
       profile%finest_wave = size(profile%heights)*profile%spacing/harmonics
    end subroutine truncate_profile
 
-   !> Heights with a wanted spectrum, long enough for the whole passage; they repeat themselves behind it.
+   !> Heights with a wanted spectrum, long enough for the whole passage; they repeat themselves
+   !> behind it.
    subroutine fill_synthetic(values, group, case, surface, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
@@ -132,23 +144,29 @@ contains
       integer :: before
 
       shortest = values%real_value(group, 'wavelength_short')
-      length = max(passage(case, surface%speed), values%real_value(group, 'wavelength_long'), 4.0_wp*shortest)
+      length = max(passage(case, surface%speed), values%real_value(group, 'wavelength_long'), &
+         4.0_wp*shortest)
       longest = length
       if (length*nodes_per_wave > most_nodes*shortest) longest = most_waves*shortest
       before = findings%count
       call read_synthesis(values, group, longest, shortest, wanted, findings)
       if (wanted%wavelength_long > longest) then
-         call findings%add(values%line_of(group, 'wavelength_long'), group, 'wavelength_long', 'found '// &
-            to_text(wanted%wavelength_long)//' m, expected at most '//to_text(most_waves)//' times wavelength_short in a '// &
+         call findings%add(values%line_of(group, 'wavelength_long'), group, 'wavelength_long', &
+            'found '// &
+            to_text(wanted%wavelength_long)//' m, expected at most '//to_text(most_waves) &
+               //' times wavelength_short in a '// &
             'profile of '//to_text(length, 3)//' m, which is too long to be made at once')
       end if
       if (findings%count > before) return
       call set_effective(case, group, 'wavelength_long', to_text(wanted%wavelength_long, 17), 'm')
-      call set_effective(case, group, 'wavelength_rolloff', to_text(wanted%wavelength_rolloff, 17), 'm')
-      call synthesise(wanted, length, group, values%line_of(group, 'shape'), case, surface%profile, findings)
+      call set_effective(case, group, 'wavelength_rolloff', to_text(wanted%wavelength_rolloff, &
+         17), 'm')
+      call synthesise(wanted, length, group, values%line_of(group, 'shape'), case, &
+         surface%profile, findings)
    end subroutine fill_synthetic
 
-   !> At once, or from pieces if that needs more than `most_nodes`. Findings: what the synthesis finds.
+   !> At once, or from pieces if that needs more than `most_nodes`. Findings: what the synthesis
+   !> finds.
    subroutine synthesise(wanted, length, group, line, case, profile, findings)
       type(synthesis_t), intent(in) :: wanted
       real(wp), intent(in) :: length
@@ -167,12 +185,14 @@ contains
       if (length*nodes_per_wave > most_nodes*wanted%wavelength_short) then
          profile%spacing = wanted%wavelength_short/nodes_per_wave
          half = least_half
-         do while (half < most_nodes/(2*most_waves)*(wanted%wavelength_long/wanted%wavelength_short))
+         do while (half < most_nodes/(2*most_waves)*(wanted%wavelength_long &
+            /wanted%wavelength_short))
             half = 2*half
          end do
          profile%window = half
          allocate (pieces)
-         call new_synthetic_pieces(pieces, wanted, profile%spacing, half, ceiling(length/(half*profile%spacing), int64), error)
+         call new_synthetic_pieces(pieces, wanted, profile%spacing, half, &
+            ceiling(length/(half*profile%spacing), int64), error)
          if (.not. allocated(error)) call move_alloc(pieces, profile%source)
       else
          nodes = 2*ceiling(0.5_wp*length*nodes_per_wave/wanted%wavelength_short)
@@ -195,13 +215,16 @@ contains
 
       call new_scaling(scales, case%bodies, case%lubricant, case%load_per_length)
       length = usual_domain
-      if (case%domain%has_inlet .and. case%domain%has_outlet) length = case%domain%x_outlet - case%domain%x_inlet
-      if (case%time%is_transient) length = length + 2.0_wp*abs(speed)/scales%speed_sum*case%time%end_time
+      if (case%domain%has_inlet .and. case%domain%has_outlet) length = case%domain%x_outlet &
+         - case%domain%x_inlet
+      if (case%time%is_transient) length = length + 2.0_wp*abs(speed)/scales%speed_sum &
+         *case%time%end_time
       length = length*scales%half_width
    end function passage
 
-   !> Where a scaled surface is at time 0 (lengths in half-widths): what is given is the centre of the profile; else a moving
-   !> profile has its leading end at the end of the domain where it enters, one at rest its centre at X = 0.
+   !> Where a scaled surface is at time 0 (lengths in half-widths): what is given is the centre of
+   !> the profile; else a moving profile has its leading end at the end of the domain where it
+   !> enters, one at rest its centre at X = 0.
    pure subroutine place_surface(surface, x_inlet, x_outlet)
       type(rough_surface_t), intent(inout) :: surface
       real(wp), intent(in) :: x_inlet, x_outlet

@@ -22,21 +22,25 @@ contains
       if (.not. values%has_group('lubricant')) return
       call check_rheology(values, findings)
       if (values%has_group('moes')) then
-         call report_unused(values, 'lubricant', 'viscosity', 'with &moes, which stands for it', findings)
+         call report_unused(values, 'lubricant', 'viscosity', 'with &moes, which stands for it', &
+            findings)
          call check_moes_laws(values, findings)
          return
       end if
-      if (.not. values%is_given('lubricant', 'viscosity')) call report_missing(values, 'lubricant', 'viscosity', findings)
+      if (.not. values%is_given('lubricant', 'viscosity')) call report_missing(values, &
+         'lubricant', 'viscosity', findings)
       select case (values%word_value('lubricant', 'viscosity_law'))
       case ('roelands')
          call check_roelands(values, findings)
       case ('barus')
          if (.not. values%is_given('lubricant', 'pressure_viscosity')) then
-            call report_missing(values, 'lubricant', 'pressure_viscosity', findings, "with viscosity_law = 'barus'")
+            call report_missing(values, 'lubricant', 'pressure_viscosity', findings, &
+               "with viscosity_law = 'barus'")
          end if
          call unused_roelands(values, "with viscosity_law = 'barus'", findings)
       case ('constant')
-         call report_unused(values, 'lubricant', 'pressure_viscosity', "with viscosity_law = 'constant'", findings)
+         call report_unused(values, 'lubricant', 'pressure_viscosity', &
+            "with viscosity_law = 'constant'", findings)
          call unused_roelands(values, "with viscosity_law = 'constant'", findings)
       case default
       end select
@@ -59,12 +63,15 @@ contains
 
       select case (values%word_value('lubricant', 'rheology'))
       case ('newtonian')
-         call report_unused(values, 'lubricant', 'eyring_stress', "with rheology = 'newtonian'", findings)
+         call report_unused(values, 'lubricant', 'eyring_stress', "with rheology = 'newtonian'", &
+            findings)
       case ('eyring')
          if (.not. values%is_given('lubricant', 'eyring_stress')) then
-            call report_missing(values, 'lubricant', 'eyring_stress', findings, "with rheology = 'eyring'")
+            call report_missing(values, 'lubricant', 'eyring_stress', findings, &
+               "with rheology = 'eyring'")
          end if
-         if (values%has_group('moes')) call findings%add(values%line_of('lubricant', 'rheology'), 'lubricant', 'rheology', &
+         if (values%has_group('moes')) call findings%add(values%line_of('lubricant', 'rheology'), &
+            'lubricant', 'rheology', &
             "found 'eyring' with &moes, expected 'newtonian': the Eyring law needs SI units")
       case default
       end select
@@ -75,7 +82,8 @@ contains
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
       type(error_t), allocatable :: error
-      character(len=20), parameter :: keys(*) = [character(len=20) :: 'viscosity', 'pressure_viscosity', 'roelands_p0', &
+      character(len=20), parameter :: keys(*) = [character(len=20) :: 'viscosity', &
+         'pressure_viscosity', 'roelands_p0', &
          'roelands_z']
       character(len=20) :: last
       real(wp) :: number(size(keys))
@@ -84,7 +92,8 @@ contains
       given = 0
       last = keys(2)
       do i = 1, size(keys)
-         if (values%is_given('lubricant', trim(keys(i))) .neqv. values%has_value('lubricant', trim(keys(i)))) return
+         if (values%is_given('lubricant', trim(keys(i))) .neqv. values%has_value('lubricant', &
+            trim(keys(i)))) return
          number(i) = values%real_value('lubricant', trim(keys(i)))
          if (i == 1 .or. number(i) <= 0.0_wp) cycle
          given = given + 1
@@ -94,20 +103,26 @@ contains
       call complete_roelands(number(1), number(2), number(3), number(4), error)
       if (.not. allocated(error)) return
       if (given < 2) then
-         call findings%add(values%line_of('lubricant', trim(last)), 'lubricant', trim(last), 'found ' // to_text(given) &
-            // " of pressure_viscosity, roelands_p0 and roelands_z, expected two with viscosity_law = 'roelands'")
+         call findings%add(values%line_of('lubricant', trim(last)), 'lubricant', trim(last), &
+            'found ' // to_text(given) &
+            // ' of pressure_viscosity, roelands_p0 and roelands_z, expected two with '// &
+               "viscosity_law = 'roelands'")
       else if (number(1) <= exp(-roelands_log_shift)) then
-         call findings%add(values%line_of('lubricant', 'viscosity'), 'lubricant', 'viscosity', 'found ' // to_text(number(1)) &
-            // ', expected more than ' // to_text(exp(-roelands_log_shift), 3) // " [Pa s] with viscosity_law = 'roelands'")
+         call findings%add(values%line_of('lubricant', 'viscosity'), 'lubricant', 'viscosity', &
+            'found ' // to_text(number(1)) &
+            // ', expected more than ' // to_text(exp(-roelands_log_shift), &
+               3) // " [Pa s] with viscosity_law = 'roelands'")
       else
-         call findings%add(values%line_of('lubricant', 'pressure_viscosity'), 'lubricant', 'pressure_viscosity', 'found ' &
+         call findings%add(values%line_of('lubricant', 'pressure_viscosity'), 'lubricant', &
+            'pressure_viscosity', 'found ' &
             // to_text(number(2), 5) // ' beside roelands_p0 and roelands_z, expected ' &
-            // to_text(roelands_alpha(number(1), number(3), number(4)), 5) // ' [1/Pa] by (2.27), or only two of the three')
+            // to_text(roelands_alpha(number(1), number(3), number(4)), &
+               5) // ' [1/Pa] by (2.27), or only two of the three')
       end if
    end subroutine check_roelands
 
-   !> With &moes the pressure scale is p_h = alpha_bar/alpha. Findings: parameters that are not used then, laws that
-   !> contradict moes_l.
+   !> With &moes the pressure scale is p_h = alpha_bar/alpha. Findings: parameters that are not used
+   !> then, laws that contradict moes_l.
    subroutine check_moes_laws(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
@@ -118,12 +133,16 @@ contains
       is_compressible = values%word_value('lubricant', 'density_law') == 'dowson_higginson'
       has_l = values%real_value('moes', 'moes_l') > 0.0_wp
       if (.not. values%has_value('moes', 'moes_l')) return
-      if (has_l .and. law == 'constant') call findings%add(values%line_of('lubricant', 'viscosity_law'), 'lubricant', &
-         'viscosity_law', "found 'constant' with moes_l > 0, expected 'roelands' or 'barus', or moes_l = 0")
+      if (has_l .and. law == 'constant') call findings%add(values%line_of('lubricant', &
+         'viscosity_law'), 'lubricant', &
+         'viscosity_law', "found 'constant' with moes_l > 0, expected 'roelands' or 'barus', "// &
+            'or moes_l = 0')
       if (.not. has_l) then
          if (is_compressible .and. values%is_given('lubricant', 'density_law')) then
-            call findings%add(values%line_of('lubricant', 'density_law'), 'lubricant', 'density_law', &
-            "found 'dowson_higginson' with moes_l = 0, expected 'constant': the pressure scale is unknown")
+            call findings%add(values%line_of('lubricant', 'density_law'), 'lubricant', &
+               'density_law', &
+            "found 'dowson_higginson' with moes_l = 0, expected 'constant': the pressure "// &
+               'scale is unknown')
          end if
          call report_unused(values, 'lubricant', 'pressure_viscosity', 'with moes_l = 0', findings)
          call unused_roelands(values, 'with moes_l = 0', findings)

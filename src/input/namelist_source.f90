@@ -1,4 +1,5 @@
-!> The text of a namelist file as its parser sees it: comments taken out, strings marked, lines counted.
+!> The text of a namelist file as its parser sees it: comments taken out, strings marked, lines
+!> counted.
 module namelist_source
    use findings, only: findings_t, quoted
    implicit none (type, external)
@@ -20,11 +21,14 @@ module namelist_source
    !> Tab, form feed, carriage return.
    character(*), parameter :: blanks = achar(9) // achar(12) // achar(13)
    character(*), parameter :: byte_order_mark = char(239) // char(187) // char(191)
-   character(*), parameter :: name_characters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_'
+   character(*), &
+      parameter :: name_characters = &
+      'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_'
 
 contains
 
-   !> Takes out comments and line ends, marks strings and counts lines. Finding: a string that is not closed on its line.
+   !> Takes out comments and line ends, marks strings and counts lines. Finding: a string that is
+   !> not closed on its line.
    subroutine new_source(source, content, findings)
       type(source_t), intent(out) :: source
       character(*), intent(in) :: content
@@ -46,7 +50,8 @@ contains
          associate (byte => source%text(i:i))
             if (byte == line_feed) then
                if (mark /= ' ') then
-                  call findings%add(line, '', '', 'found the string ' // quoted(source%text(opened:i - 1)) &
+                  call findings%add(line, '', '', 'found the string '// &
+                     '' // quoted(source%text(opened:i - 1)) &
                      // ', expected its closing ' // mark // ' on the same line')
                   source%in_string(i) = .true.
                end if
@@ -83,7 +88,8 @@ contains
       position = last + 1
    end function next_equals
 
-   !> First character of the key (with its subscript) that stands before the `=` at `sign`, not before `first`.
+   !> First character of the key (with its subscript) that stands before the `=` at `sign`, not
+   !> before `first`.
    pure function key_start(text, first, sign) result(start)
       character(*), intent(in) :: text
       integer, intent(in) :: first, sign

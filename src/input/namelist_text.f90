@@ -1,8 +1,9 @@
 !> Cuts the text of a namelist file into entries, each with its group, key and line.
 !>
-!> Only the form is judged here: which keys exist and what their values mean is the business of `input_keys` and
-!> `case_input`. Accepted is standard namelist syntax: groups `&name ... /` (or `&end`), comments after `!`, several
-!> entries a line, values over several lines, blanks, tabs, CR LF line ends, a byte order mark. A string closes on its line.
+!> Only the form is judged here: which keys exist and what their values mean is the business of
+!> `input_keys` and `case_input`. Accepted is standard namelist syntax: groups `&name ... /` (or
+!> `&end`), comments after `!`, several entries a line, values over several lines, blanks, tabs, CR
+!> LF line ends, a byte order mark. A string closes on its line.
 module namelist_text
    use, intrinsic :: iso_fortran_env, only: int64
    use findings, only: findings_t, quoted
@@ -54,8 +55,9 @@ module namelist_text
 
 contains
 
-   !> Splits `content` into groups and entries. Findings: bytes that are no text, unclosed strings and groups, repeated
-   !> groups and keys, text outside groups, text that is not `key = value`. A repeated group or key is not an entry.
+   !> Splits `content` into groups and entries. Findings: bytes that are no text, unclosed strings
+   !> and groups, repeated groups and keys, text outside groups, text that is not `key = value`. A
+   !> repeated group or key is not an entry.
    subroutine split_namelist(content, pieces, findings)
       character(*), intent(in) :: content
       type(namelist_text_t), intent(out) :: pieces
@@ -66,7 +68,8 @@ contains
       allocate (pieces%groups(0), pieces%entries(0))
       bad = find_bad_byte(content)
       if (bad > 0) then
-         call findings%add(1 + count_of(line_feed, content(:bad - 1)), '', '', 'found the byte ' // hexadecimal(content(bad:bad)) &
+         call findings%add(1 + count_of(line_feed, content(:bad - 1)), '', '', &
+            'found the byte ' // hexadecimal(content(bad:bad)) &
             // ', expected a text file in UTF-8')
          return
       end if
@@ -77,8 +80,10 @@ contains
          call read_outside(source, position, findings)
          if (position <= len(source%text)) call read_group(source, position, pieces, findings)
          if (pieces%group_count < most_groups .and. pieces%entry_count < most_entries) cycle
-         call findings%add(source%line(min(position, len(source%text))), '', '', 'found more than ' // to_text(most_groups) &
-            // ' groups or ' // to_text(most_entries) // ' entries, expected a namelist of a few dozen')
+         call findings%add(source%line(min(position, len(source%text))), '', '', &
+            'found more than ' // to_text(most_groups) &
+            // ' groups or ' // to_text(most_entries) // ' entries, expected a namelist of a '// &
+               'few dozen')
          exit
       end do
    end subroutine split_namelist
@@ -96,10 +101,12 @@ contains
             last = position
             extend: do while (last < len(source%text))
                if (source%line(last + 1) /= source%line(position)) exit extend
-               if (source%text(last + 1:last + 1) == '&' .and. .not. source%in_string(last + 1)) exit extend
+               if (source%text(last + 1:last + 1) == '&' &
+                  .and. .not. source%in_string(last + 1)) exit extend
                last = last + 1
             end do extend
-            call findings%add(source%line(position), '', '', 'found ' // quoted(source%text(position:last)) &
+            call findings%add(source%line(position), '', '', &
+               'found ' // quoted(source%text(position:last)) &
                // ' outside a group, expected &group ... /' // slash_hint(source, position))
             position = last
          end if
@@ -125,7 +132,8 @@ contains
       if (source%text(before:before) == '/') hint = ' (a / that is not in quotes ends the group)'
    end function slash_hint
 
-   !> Reads one group; `position` is at its `&` and ends behind its `/`. Findings: no name, repeated, not closed.
+   !> Reads one group; `position` is at its `&` and ends behind its `/`. Findings: no name,
+   !> repeated, not closed.
    subroutine read_group(source, position, pieces, findings)
       type(source_t), intent(in) :: source
       integer, intent(inout) :: position
@@ -148,7 +156,8 @@ contains
       call find_group_end(source, position, last, name, line, findings)
       earlier = group_line(pieces, name)
       if (earlier > 0) then
-         call findings%add(line, name, '', 'found the group a second time, expected it once (line ' // to_text(earlier) // ')')
+         call findings%add(line, name, '', 'found the group a second time, expected it once '// &
+            '(line ' // to_text(earlier) // ')')
       else if (name /= '') then
          call add_group(pieces, name, line)
          call split_group(source, position, last, name, pieces, findings)
@@ -162,8 +171,8 @@ contains
       end if
    end subroutine read_group
 
-   !> Finds `last`, the last character inside the group: before its `/`, `&end`, the next `&` or the end of the file.
-   !> Finding: the group is not closed.
+   !> Finds `last`, the last character inside the group: before its `/`, `&end`, the next `&` or the
+   !> end of the file. Finding: the group is not closed.
    subroutine find_group_end(source, first, last, name, line, findings)
       type(source_t), intent(in) :: source
       integer, intent(in) :: first, line
@@ -183,7 +192,8 @@ contains
             exit
          end if
       end do
-      if (name /= '') call findings%add(line, name, '', 'found no end of the group, expected a closing /')
+      if (name /= '') call findings%add(line, name, '', 'found no end of the group, expected '// &
+         'a closing /')
    end subroutine find_group_end
 
    !> Cuts source(first:last), the inside of a group, at its `=` signs into entries.
@@ -211,8 +221,8 @@ contains
       end do
    end subroutine split_group
 
-   !> Adds the entry with its key from place(1), its `=` at place(2) and its values up to place(3) - 1.
-   !> Finds no key, a subscript that is not one positive number, a repeated key.
+   !> Adds the entry with its key from place(1), its `=` at place(2) and its values up to
+   !> place(3) - 1. Finds no key, a subscript that is not one positive number, a repeated key.
    subroutine add_entry(source, place, group, pieces, findings)
       type(source_t), intent(in) :: source
       integer, intent(in) :: place(3)
@@ -227,7 +237,8 @@ contains
 
       entry%group = group
       name = trim(source%text(place(1):place(2) - 1))
-      entry%line = source%line(min(place(1) + verify(source%text(place(1):place(2)), ' ') - 1, place(2)))
+      entry%line = source%line(min(place(1) + verify(source%text(place(1):place(2)), ' ') - 1, &
+         place(2)))
       entry%values = trim(adjustl(source%text(place(2) + 1:place(3) - 1)))
       bracket = index(name, '(')
       if (bracket > 0) then
@@ -239,7 +250,8 @@ contains
          if (good) then
             entry%first = int(first)
          else
-            call findings%add(entry%line, group, to_lower(name), 'found the subscript (' // quoted(subscript) &
+            call findings%add(entry%line, group, to_lower(name), &
+               'found the subscript (' // quoted(subscript) &
                // '), expected one number, as in ' // to_lower(name) // '(2) = ...')
             entry%is_broken = .true.
          end if
@@ -248,7 +260,8 @@ contains
       if (entry%key == '') then
          call findings%add(entry%line, group, '', 'found = without a key, expected key = value')
       else if (repeated_line(pieces, entry) > 0) then
-         call findings%add(entry%line, group, entry%key, 'found the key a second time, expected it once (line ' &
+         call findings%add(entry%line, group, entry%key, 'found the key a second time, '// &
+            'expected it once (line ' &
             // to_text(repeated_line(pieces, entry)) // ')')
       else
          call append_entry(pieces, entry)

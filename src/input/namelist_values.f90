@@ -1,4 +1,5 @@
-!> The values of one namelist entry: cut into pieces, and each piece read as a number, a logical or a word.
+!> The values of one namelist entry: cut into pieces, and each piece read as a number, a logical or
+!> a word.
 module namelist_values
    use, intrinsic :: iso_fortran_env, only: int64
    use kinds, only: wp
@@ -41,7 +42,8 @@ contains
          if (position > len(values)) exit
          if (values(position:position) == ',') then
             if (comma_before) then
-               problem = 'an empty value before a comma (a null of the Fortran standard, not taken here)'
+               problem = 'an empty value before a comma (a null of the Fortran standard, not '// &
+                  'taken here)'
                return
             end if
             comma_before = .true.
@@ -52,7 +54,8 @@ contains
          call read_repeats(values, position, repeats)
          call read_piece(values, position, piece, problem)
          if (allocated(problem)) return
-         if (scan(values(position:min(position, len(values))), ' ,') == 0 .and. position <= len(values)) then
+         if (scan(values(position:min(position, len(values))), ' ,') == 0 &
+            .and. position <= len(values)) then
             problem = 'two values without a comma or blank between them'
             return
          end if

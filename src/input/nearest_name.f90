@@ -7,7 +7,8 @@ module nearest_name
 
 contains
 
-   !> The name of `names` with the smallest edit distance to `name`; empty if none is near (a third of its letters).
+   !> The name of `names` with the smallest edit distance to `name`; empty if none is near (a third
+   !> of its letters).
    pure function nearest_known(name, names) result(found)
       character(*), intent(in) :: name
       character(*), intent(in) :: names(:)
@@ -40,7 +41,8 @@ contains
             cost = merge(0, 1, a(i:i) == b(j:j))
             d(i, j) = min(d(i - 1, j) + 1, d(i, j - 1) + 1, d(i - 1, j - 1) + cost)
             if (i > 1 .and. j > 1) then
-               if (a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)) d(i, j) = min(d(i, j), d(i - 2, j - 2) + 1)
+               if (a(i:i) == b(j - 1:j - 1) .and. a(i - 1:i - 1) == b(j:j)) d(i, &
+                  j) = min(d(i, j), d(i - 2, j - 2) + 1)
             end if
          end do
       end do

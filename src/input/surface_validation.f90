@@ -1,4 +1,5 @@
-!> Checks of &surface_1 and &surface_2: arrays that belong together, and motion that needs a transient.
+!> Checks of &surface_1 and &surface_2: arrays that belong together, and motion that needs a
+!> transient.
 module surface_validation
    use findings, only: findings_t
    use input_values, only: input_values_t, value_t
@@ -12,8 +13,10 @@ module surface_validation
    public :: check_surface
 
    !> Keys of some shapes only.
-   character(len=20), parameter :: feature_keys(*) = [character(len=20) :: 'amplitude', 'wavelength', 'position']
-   character(len=20), parameter :: file_keys(*) = [character(len=20) :: 'file', 'dataset', 'harmonics']
+   character(len=20), parameter :: feature_keys(*) = [character(len=20) :: 'amplitude', &
+      'wavelength', 'position']
+   character(len=20), parameter :: file_keys(*) = [character(len=20) :: 'file', 'dataset', &
+      'harmonics']
 
 contains
 
@@ -33,20 +36,24 @@ contains
          call check_motion(values, group, speed, findings)
          return
       end if
-      call report_unused_by_shape(values, group, [file_keys, synthetic_keys], trim(shape%words(1)), findings)
+      call report_unused_by_shape(values, group, [file_keys, synthetic_keys], &
+         trim(shape%words(1)), findings)
       if (all(shape%words == 'smooth')) then
          call report_unused_by_shape(values, group, feature_keys, 'smooth', findings)
          return
       end if
       if (any(shape%words == 'smooth')) call findings%add(shape%line, group, 'shape', &
          "found 'smooth' among other shapes, expected 'feature' or 'sinusoid' for each element")
-      if (.not. values%is_given(group, 'amplitude')) call report_missing(values, group, 'amplitude', findings)
-      if (.not. values%is_given(group, 'wavelength')) call report_missing(values, group, 'wavelength', findings)
+      if (.not. values%is_given(group, 'amplitude')) call report_missing(values, group, &
+         'amplitude', findings)
+      if (.not. values%is_given(group, 'wavelength')) call report_missing(values, group, &
+         'wavelength', findings)
       call check_lengths(values, group, findings)
       call check_motion(values, group, speed, findings)
    end subroutine check_surface
 
-   !> Findings about a surface from a file or a synthesis: several shapes, keys of others, what is missing.
+   !> Findings about a surface from a file or a synthesis: several shapes, keys of others, what is
+   !> missing.
    subroutine check_profile(values, group, shape, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
@@ -55,22 +62,28 @@ contains
       type(value_t) :: position
 
       if (size(shape%words) > 1) then
-         call findings%add(shape%line, group, 'shape', "found '"//trim(shape%words(1))//"' among several shapes, expected " &
+         call findings%add(shape%line, group, 'shape', "found '"//trim(shape%words(1)) &
+            //"' among several shapes, expected " &
             //"'feature' and 'sinusoid' among several")
          return
       end if
       call report_unused_by_shape(values, group, feature_keys(:2), trim(shape%words(1)), findings)
       if (shape%words(1) == 'file') then
          call report_unused_by_shape(values, group, synthetic_keys, 'file', findings)
-         if (.not. values%is_given(group, 'file')) call report_missing(values, group, 'file', findings)
+         if (.not. values%is_given(group, 'file')) call report_missing(values, group, 'file', &
+            findings)
       else
          call report_unused_by_shape(values, group, file_keys, 'synthetic', findings)
-         if (.not. values%is_given(group, 'rms_height')) call report_missing(values, group, 'rms_height', findings)
-         if (.not. values%is_given(group, 'wavelength_short')) call report_missing(values, group, 'wavelength_short', findings)
+         if (.not. values%is_given(group, 'rms_height')) call report_missing(values, group, &
+            'rms_height', findings)
+         if (.not. values%is_given(group, 'wavelength_short')) call report_missing(values, group, &
+            'wavelength_short', findings)
       end if
       position = values%slot(group, 'position')
-      if (position%is_given .and. size(position%reals) > 1) call findings%add(position%line, group, 'position', &
-         'found length '//to_text(size(position%reals))//', expected one value: the centre of the profile')
+      if (position%is_given .and. size(position%reals) > 1) call findings%add(position%line, &
+         group, 'position', &
+         'found length '//to_text(size(position%reals))//', expected one value: the centre of '// &
+            'the profile')
    end subroutine check_profile
 
    !> Finds an entry of a smooth surface or in a steady case.
@@ -94,7 +107,8 @@ contains
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
       type(findings_t), intent(inout) :: findings
-      character(len=12), parameter :: keys(*) = [character(len=12) :: 'shape', 'wavelength', 'position']
+      character(len=12), parameter :: keys(*) = [character(len=12) :: 'shape', 'wavelength', &
+         'position']
       type(value_t) :: amplitude, other
       integer :: i, elements
 
@@ -104,8 +118,10 @@ contains
       do i = 1, size(keys)
          other = values%slot(group, trim(keys(i)))
          if (.not. other%is_given .or. .not. other%has_value) cycle
-         if (size(other%is_set) == elements .or. (keys(i) == 'shape' .and. size(other%is_set) == 1)) cycle
-         call findings%add(other%line, group, trim(keys(i)), 'found length ' // to_text(size(other%is_set)) &
+         if (size(other%is_set) == elements .or. (keys(i) == 'shape' &
+            .and. size(other%is_set) == 1)) cycle
+         call findings%add(other%line, group, trim(keys(i)), &
+            'found length ' // to_text(size(other%is_set)) &
             // ', expected ' // to_text(elements) // ', one value for each value of amplitude')
       end do
    end subroutine check_lengths
@@ -119,8 +135,10 @@ contains
 
       transient = values%slot('time', 'transient')
       if (.not. transient%has_value .or. transient%logical) return
-      if (abs(values%real_value('bodies', speed)) > 0.0_wp) call findings%add(values%line_of(group, 'shape'), group, 'shape', &
-         'found a rough surface that moves (' // speed // ' = ' // to_text(values%real_value('bodies', speed)) &
+      if (abs(values%real_value('bodies', &
+         speed)) > 0.0_wp) call findings%add(values%line_of(group, 'shape'), group, 'shape', &
+         'found a rough surface that moves (' // speed // ' = ' &
+            // to_text(values%real_value('bodies', speed)) &
          // ' m/s) in a steady case, expected transient = .true. in &time, or ' // speed // ' = 0')
    end subroutine check_motion
 

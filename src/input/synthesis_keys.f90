@@ -11,13 +11,15 @@ module synthesis_keys
    public :: read_synthesis
 
    !> The keys of this shape only.
-   character(len=20), parameter, public :: synthetic_keys(*) = [character(len=20) :: 'seed', 'hurst', 'rms_height', &
+   character(len=20), parameter, public :: synthetic_keys(*) = [character(len=20) :: 'seed', &
+      'hurst', 'rms_height', &
       'wavelength_long', 'wavelength_rolloff', 'wavelength_short', 'skewness', 'kurtosis']
 
 contains
 
-   !> What surface `group` wants; `longest` and `shortest` are its longest and shortest wave [m] where it does not give them, and
-   !> the roll-off is at the longest then. Findings: wavelengths out of order.
+   !> What surface `group` wants; `longest` and `shortest` are its longest and shortest wave [m]
+   !> where it does not give them, and the roll-off is at the longest then. Findings: wavelengths
+   !> out of order.
    subroutine read_synthesis(values, group, longest, shortest, wanted, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
@@ -35,9 +37,11 @@ contains
       wanted%wavelength_long = given_or('wavelength_long', longest)
       wanted%wavelength_rolloff = given_or('wavelength_rolloff', wanted%wavelength_long)
       wanted%wavelength_short = given_or('wavelength_short', shortest)
-      if (wanted%wavelength_short > wanted%wavelength_rolloff .or. wanted%wavelength_rolloff > wanted%wavelength_long) then
+      if (wanted%wavelength_short > wanted%wavelength_rolloff &
+         .or. wanted%wavelength_rolloff > wanted%wavelength_long) then
          call findings%add(values%line_of(group, 'shape'), group, 'wavelength_rolloff', 'found '// &
-            to_text(wanted%wavelength_rolloff)//' m, expected wavelength_short <= wavelength_rolloff <= wavelength_long')
+            to_text(wanted%wavelength_rolloff)//' m, expected wavelength_short <= '// &
+               'wavelength_rolloff <= wavelength_long')
       end if
 
    contains

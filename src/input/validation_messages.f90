@@ -10,7 +10,8 @@ module validation_messages
 
    public :: check_radii, report_missing, report_unused, report_unused_by_shape
 
-   !> Curvature of the gap between two bodies, 1/R [1/m]: the reverse of the range of reduced_radius.
+   !> Curvature of the gap between two bodies, 1/R [1/m]: the reverse of the range of
+   !> reduced_radius.
    real(wp), parameter :: least_curvature = 1.0e-9_wp, largest_curvature = 1.0e9_wp
 
 contains
@@ -23,7 +24,8 @@ contains
       character(*), intent(in), optional :: reason
       character(:), allocatable :: message
 
-      message = 'found nothing, expected ' // expected_value(key_rows(find_key(group, key, values%problem)))
+      message = 'found nothing, expected ' // expected_value(key_rows(find_key(group, key, &
+         values%problem)))
       if (present(reason)) message = message // ' ' // reason
       call findings%add(values%line_of(group, ''), group, key, message)
    end subroutine report_missing
@@ -35,7 +37,8 @@ contains
       type(findings_t), intent(inout) :: findings
 
       if (.not. values%is_given(group, key)) return
-      call findings%add(values%line_of(group, key), group, key, 'found a key that is not used ' // reason &
+      call findings%add(values%line_of(group, key), group, key, &
+         'found a key that is not used ' // reason &
          // ', expected it left out')
    end subroutine report_unused
 
@@ -45,10 +48,15 @@ contains
       type(findings_t), intent(inout) :: findings
       real(wp) :: curvature
 
-      if (.not. (values%has_value('bodies', 'radius_1') .and. values%has_value('bodies', 'radius_2'))) return
-      curvature = 1.0_wp/values%real_value('bodies', 'radius_1') + 1.0_wp/values%real_value('bodies', 'radius_2')
-      if (curvature < least_curvature .or. curvature > largest_curvature) call findings%add(values%line_of('bodies', 'radius_1'), &
-         'bodies', 'radius_1', 'found 1/radius_1 + 1/radius_2 = ' // to_text(curvature) // ', expected 1e-9 to 1e9 [1/m]')
+      if (.not. (values%has_value('bodies', 'radius_1') .and. values%has_value('bodies', &
+         'radius_2'))) return
+      curvature = 1.0_wp/values%real_value('bodies', 'radius_1') &
+         + 1.0_wp/values%real_value('bodies', 'radius_2')
+      if (curvature < least_curvature &
+         .or. curvature > largest_curvature) call findings%add(values%line_of('bodies', &
+            'radius_1'), &
+         'bodies', 'radius_1', 'found 1/radius_1 + 1/radius_2 = ' // to_text(curvature) // ', '// &
+            'expected 1e-9 to 1e9 [1/m]')
    end subroutine check_radii
 
    !> Adds those of `keys` that are given: the shape of the surface does not use them.
@@ -61,7 +69,8 @@ contains
       integer :: i
 
       do i = 1, size(keys)
-         call report_unused(values, group, trim(keys(i)), "with shape = '" // shape // "'", findings)
+         call report_unused(values, group, trim(keys(i)), "with shape = '" // shape // "'", &
+            findings)
       end do
    end subroutine report_unused_by_shape
 

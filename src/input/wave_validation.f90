@@ -1,5 +1,6 @@
-!> Ridges, dents and sinusoids that the grid or the time step cannot hold: fewer than two nodes in a wave, or two steps in its
-!> passage. (Of measured and synthetic profiles the finest waves are told only: they may be noise.)
+!> Ridges, dents and sinusoids that the grid or the time step cannot hold: fewer than two nodes in a
+!> wave, or two steps in its passage. (Of measured and synthetic profiles the finest waves are told
+!> only: they may be noise.)
 module wave_validation
    use case_record, only: case_t
    use domain_choice, only: choose_domain
@@ -35,8 +36,10 @@ contains
       call choose_domain(contact)
       time = case%time
       call choose_time_step(contact, time)
-      call check_surface_waves(values, 'surface_1', contact%surface_1, contact, scaling%half_width, findings)
-      call check_surface_waves(values, 'surface_2', contact%surface_2, contact, scaling%half_width, findings)
+      call check_surface_waves(values, 'surface_1', contact%surface_1, contact, &
+         scaling%half_width, findings)
+      call check_surface_waves(values, 'surface_2', contact%surface_2, contact, &
+         scaling%half_width, findings)
       if (.not. time%is_transient) return
       call check_passages(values, 'surface_1', contact%surface_1, time%time_step, findings)
       call check_passages(values, 'surface_2', contact%surface_2, time%time_step, findings)
@@ -58,13 +61,18 @@ contains
       nodes = wave/dx
       if (nodes >= fewest_in_a_wave) return
       if (values%has_value('domain', 'intervals')) then
-         call findings%add(values%line_of('domain', 'intervals'), 'domain', 'intervals', 'found '// &
-            to_text(contact%domain%intervals)//', a grid with '//to_text(nodes, 2)//' nodes in the wavelength '// &
+         call findings%add(values%line_of('domain', 'intervals'), 'domain', 'intervals', &
+            'found '// &
+            to_text(contact%domain%intervals)//', a grid with '//to_text(nodes, 2) &
+               //' nodes in the wavelength '// &
             to_text(wave*half_width, 3)//' m of &'//group//', expected at least '// &
-            to_text(intervals_at_least(fewest_in_a_wave*contact%domain%intervals/nodes))//', two nodes in a wave')
+            to_text(intervals_at_least(fewest_in_a_wave*contact%domain%intervals/nodes)) &
+               //', two nodes in a wave')
       else
-         call findings%add(values%line_of(group, 'wavelength'), group, 'wavelength', 'found '//to_text(wave*half_width, 3)// &
-            ' m, '//to_text(nodes, 2)//' nodes of the finest grid that the program chooses, expected at least '// &
+         call findings%add(values%line_of(group, 'wavelength'), group, 'wavelength', &
+            'found '//to_text(wave*half_width, 3)// &
+            ' m, '//to_text(nodes, 2)//' nodes of the finest grid that the program chooses, '// &
+               'expected at least '// &
             to_text(fewest_in_a_wave*dx*half_width, 3)//' m, or intervals in &domain')
       end if
    end subroutine check_surface_waves
@@ -82,8 +90,10 @@ contains
       wave = minval(surface%features%wavelength)
       way = abs(surface%speed)*time_step
       if (wave >= fewest_in_a_wave*way) return
-      call findings%add(values%line_of('time', 'time_step'), 'time', 'time_step', 'found '//to_text(time_step, 3)// &
-         ', in which &'//group//' moves by '//to_text(way/wave, 2)//' of its wavelength, expected at most '// &
+      call findings%add(values%line_of('time', 'time_step'), 'time', 'time_step', &
+         'found '//to_text(time_step, 3)// &
+         ', in which &'//group//' moves by '//to_text(way/wave, 2) &
+            //' of its wavelength, expected at most '// &
          to_text(wave/(fewest_in_a_wave*abs(surface%speed)), 3)//' [-], half of it')
    end subroutine check_passages
 

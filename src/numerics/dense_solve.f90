@@ -1,6 +1,7 @@
 !> Dense linear systems by LAPACK.
 module dense_solve
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_procpointer, c_funptr, c_int, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_procpointer, c_funptr, c_int, &
+      c_null_char, c_null_ptr, c_ptr
    use errors, only: error_t, fail, internal_error
    use kinds, only: wp
    use text, only: to_text
@@ -42,8 +43,8 @@ module dense_solve
 
 contains
 
-   !> Keeps OpenBLAS, if that is the BLAS in use, to one thread: its threads spin between the small systems solved here and
-   !> cost more than they give. Any other BLAS is left as it is.
+   !> Keeps OpenBLAS, if that is the BLAS in use, to one thread: its threads spin between the small
+   !> systems solved here and cost more than they give. Any other BLAS is left as it is.
    subroutine use_one_blas_thread()
       procedure(set_threads_interface), pointer :: set_threads
       type(c_funptr) :: address
@@ -54,8 +55,9 @@ contains
       call set_threads(1_c_int)
    end subroutine use_one_blas_thread
 
-   !> Solves `matrix` x = `right_side` in place: the matrix (n, n) is overwritten by its factors, the right side (n) by x.
-   !> `pivots` (n) is work space. Fails (internal_error) if the matrix is singular.
+   !> Solves `matrix` x = `right_side` in place: the matrix (n, n) is overwritten by its factors,
+   !> the right side (n) by x. `pivots` (n) is work space. Fails (internal_error) if the matrix is
+   !> singular.
    subroutine solve_dense(matrix, right_side, pivots, error)
       real(wp), contiguous, intent(inout) :: matrix(:, :)
       real(wp), contiguous, intent(inout) :: right_side(:)
@@ -65,7 +67,8 @@ contains
 
       n = size(right_side)
       call dgesv(n, 1, matrix, n, pivots, right_side, n, info)
-      if (info /= 0) call fail(error, internal_error, 'dgesv: matrix is singular, info = '//to_text(info))
+      if (info /= 0) call fail(error, internal_error, 'dgesv: matrix is singular, info = ' &
+         //to_text(info))
    end subroutine solve_dense
 
 end module dense_solve

@@ -8,8 +8,9 @@ module exponential_sum
 
    public :: exponential_sum_t, fit_exponentials, sample_points
 
-   !> Number of exponentials, even; decay rates then are a factor of 3.6 apart on 1024 intervals and 10 on 2^20. Measured on up
-   !> to 2^17 intervals: with a number that grows like ln n GMRES takes the same iterations, with six it takes more.
+   !> Number of exponentials, even; decay rates then are a factor of 3.6 apart on 1024 intervals and
+   !> 10 on 2^20. Measured on up to 2^17 intervals: with a number that grows like ln n GMRES takes
+   !> the same iterations, with six it takes more.
    integer, parameter, public :: terms = 8
 
    !> kappa(j) ~ constant - sum_l weight(l) ratio(l)^j, j = 0..n.
@@ -21,7 +22,8 @@ module exponential_sum
 
    !> Decay rates are spread geometrically from `slowest`/n to `fastest`.
    real(wp), parameter :: slowest = 0.5_wp, fastest = 4.0_wp
-   !> All indices below `dense_points`, then about `sparse_points` spread logarithmically; the first ones weigh more.
+   !> All indices below `dense_points`, then about `sparse_points` spread logarithmically; the first
+   !> ones weigh more.
    integer, parameter :: dense_points = 30, sparse_points = 50, heavy_points = 3
    real(wp), parameter :: heavy_weight = 5.0_wp
    !> Singular values below this share of the largest are dropped.
@@ -51,7 +53,8 @@ contains
       integer :: count, j
 
       candidates(:dense_points) = [(j, j=0, dense_points - 1)]
-      candidates(dense_points + 1:) = [(nint(dense_points*(real(n, wp)/dense_points)**(real(j, wp)/sparse_points)), &
+      candidates(dense_points + 1:) = [(nint(dense_points*(real(n, wp)/dense_points)**(real(j, &
+         wp)/sparse_points)), &
                                         j=0, sparse_points)]
       count = 1
       do j = 2, size(candidates)
@@ -86,7 +89,8 @@ contains
       values = kernel(points)
       matrix(:heavy_points, :) = heavy_weight*matrix(:heavy_points, :)
       values(:heavy_points) = heavy_weight*values(:heavy_points)
-      call dgelsy(size(points), q + 1, 1, matrix, size(points), values, size(points), pivots, rank_tolerance, rank, &
+      call dgelsy(size(points), q + 1, 1, matrix, size(points), values, size(points), pivots, &
+         rank_tolerance, rank, &
          work, size(work), info)
       if (info /= 0) then
          call fail(error, internal_error, 'dgelsy: info = '//to_text(info))

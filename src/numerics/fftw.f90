@@ -1,17 +1,21 @@
 !> The routines of FFTW 3 that the project uses, in double (fftw_) and single precision (fftwf_).
 !>
-!> A transform of real values keeps the first half of the first (fastest) dimension of the spectrum; dimensions are given in
-!> the order of C, the fastest last. Neither direction is normalised. The real input of a transform out of place is kept, the
-!> complex one is destroyed. Planning is not safe between threads and overwrites the arrays unless by `fftw_estimate`.
+!> A transform of real values keeps the first half of the first (fastest) dimension of the spectrum;
+!> dimensions are given in the order of C, the fastest last. Neither direction is normalised. The
+!> real input of a transform out of place is kept, the complex one is destroyed. Planning is not
+!> safe between threads and overwrites the arrays unless by `fftw_estimate`.
 module fftw
-   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_float, c_float_complex, c_int, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_float, c_float_complex, &
+      c_int, c_ptr, c_size_t
    implicit none (type, external)
    private
 
    public :: fftw_alloc_real, fftw_alloc_complex, fftw_free, fftw_plan_dft_r2c, fftw_plan_dft_c2r, &
-      fftw_execute_dft_r2c, fftw_execute_dft_c2r, fftw_destroy_plan, fftw_plan_dft_r2c_1d, fftw_plan_dft_c2r_1d, &
+      fftw_execute_dft_r2c, fftw_execute_dft_c2r, fftw_destroy_plan, fftw_plan_dft_r2c_1d, &
+         fftw_plan_dft_c2r_1d, &
       fftw_plan_dft_1d, fftw_execute_dft, &
-      fftwf_alloc_real, fftwf_alloc_complex, fftwf_free, fftwf_plan_dft_r2c_1d, fftwf_plan_dft_c2r_1d, fftwf_plan_dft_1d, &
+      fftwf_alloc_real, fftwf_alloc_complex, fftwf_free, fftwf_plan_dft_r2c_1d, &
+         fftwf_plan_dft_c2r_1d, fftwf_plan_dft_1d, &
       fftwf_execute_dft, fftwf_execute_dft_r2c, fftwf_execute_dft_c2r, fftwf_destroy_plan
 
    !> Plan by rule, not by timing: a repeated run gives the same bits.
@@ -40,7 +44,8 @@ module fftw
          type(c_ptr), value :: memory
       end subroutine fftw_free
 
-      function fftw_plan_dft_r2c_1d(n, in, out, flags) bind(c, name='fftw_plan_dft_r2c_1d') result(plan)
+      function fftw_plan_dft_r2c_1d(n, in, out, flags) bind(c, &
+         name='fftw_plan_dft_r2c_1d') result(plan)
          import :: c_double, c_double_complex, c_int, c_ptr
          implicit none (type, external)
          integer(c_int), value :: n
@@ -50,7 +55,8 @@ module fftw
          type(c_ptr) :: plan
       end function fftw_plan_dft_r2c_1d
 
-      function fftw_plan_dft_c2r_1d(n, in, out, flags) bind(c, name='fftw_plan_dft_c2r_1d') result(plan)
+      function fftw_plan_dft_c2r_1d(n, in, out, flags) bind(c, &
+         name='fftw_plan_dft_c2r_1d') result(plan)
          import :: c_double, c_double_complex, c_int, c_ptr
          implicit none (type, external)
          integer(c_int), value :: n
@@ -60,7 +66,8 @@ module fftw
          type(c_ptr) :: plan
       end function fftw_plan_dft_c2r_1d
 
-      function fftw_plan_dft_r2c(rank, n, in, out, flags) bind(c, name='fftw_plan_dft_r2c') result(plan)
+      function fftw_plan_dft_r2c(rank, n, in, out, flags) bind(c, &
+         name='fftw_plan_dft_r2c') result(plan)
          import :: c_double, c_double_complex, c_int, c_ptr
          implicit none (type, external)
          integer(c_int), value :: rank
@@ -71,7 +78,8 @@ module fftw
          type(c_ptr) :: plan
       end function fftw_plan_dft_r2c
 
-      function fftw_plan_dft_c2r(rank, n, in, out, flags) bind(c, name='fftw_plan_dft_c2r') result(plan)
+      function fftw_plan_dft_c2r(rank, n, in, out, flags) bind(c, &
+         name='fftw_plan_dft_c2r') result(plan)
          import :: c_double, c_double_complex, c_int, c_ptr
          implicit none (type, external)
          integer(c_int), value :: rank
@@ -98,7 +106,8 @@ module fftw
          real(c_double), intent(out) :: out(*)
       end subroutine fftw_execute_dft_c2r
 
-      function fftw_plan_dft_1d(n, in, out, sign, flags) bind(c, name='fftw_plan_dft_1d') result(plan)
+      function fftw_plan_dft_1d(n, in, out, sign, flags) bind(c, &
+         name='fftw_plan_dft_1d') result(plan)
          import :: c_double_complex, c_int, c_ptr
          implicit none (type, external)
          integer(c_int), value :: n, sign, flags
@@ -139,7 +148,8 @@ module fftw
          type(c_ptr), value :: memory
       end subroutine fftwf_free
 
-      function fftwf_plan_dft_r2c_1d(n, in, out, flags) bind(c, name='fftwf_plan_dft_r2c_1d') result(plan)
+      function fftwf_plan_dft_r2c_1d(n, in, out, flags) bind(c, &
+         name='fftwf_plan_dft_r2c_1d') result(plan)
          import :: c_float, c_float_complex, c_int, c_ptr
          implicit none (type, external)
          integer(c_int), value :: n
@@ -149,7 +159,8 @@ module fftw
          type(c_ptr) :: plan
       end function fftwf_plan_dft_r2c_1d
 
-      function fftwf_plan_dft_c2r_1d(n, in, out, flags) bind(c, name='fftwf_plan_dft_c2r_1d') result(plan)
+      function fftwf_plan_dft_c2r_1d(n, in, out, flags) bind(c, &
+         name='fftwf_plan_dft_c2r_1d') result(plan)
          import :: c_float, c_float_complex, c_int, c_ptr
          implicit none (type, external)
          integer(c_int), value :: n
@@ -159,7 +170,8 @@ module fftw
          type(c_ptr) :: plan
       end function fftwf_plan_dft_c2r_1d
 
-      function fftwf_plan_dft_1d(n, in, out, sign, flags) bind(c, name='fftwf_plan_dft_1d') result(plan)
+      function fftwf_plan_dft_1d(n, in, out, sign, flags) bind(c, &
+         name='fftwf_plan_dft_1d') result(plan)
          import :: c_float_complex, c_int, c_ptr
          implicit none (type, external)
          integer(c_int), value :: n, sign, flags

@@ -1,5 +1,5 @@
-!> Right-preconditioned GMRES without restart (Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., section 9.3),
-!> for systems that a good preconditioner solves in a few iterations.
+!> Right-preconditioned GMRES without restart (Saad, Iterative Methods for Sparse Linear Systems,
+!> 2nd ed., section 9.3), for systems that a good preconditioner solves in a few iterations.
 module gmres
    use kinds, only: wp
    implicit none (type, external)
@@ -35,7 +35,8 @@ module gmres
       end subroutine precondition_interface
    end interface
 
-   !> Basis and preconditioned basis (n, most + 1), kept from call to call; iterations of the last call.
+   !> Basis and preconditioned basis (n, most + 1), kept from call to call; iterations of the last
+   !> call.
    type :: gmres_t
       integer :: most_iterations = 20
       integer :: iterations = 0
@@ -44,8 +45,9 @@ module gmres
 
 contains
 
-   !> Solves A x = b to |b - A x| <= tolerance |b|; `x` (n) holds b on entry. `is_solved` is false if the iteration limit is
-   !> reached or the numbers fail; x is then the best approximation, or not changed.
+   !> Solves A x = b to |b - A x| <= tolerance |b|; `x` (n) holds b on entry. `is_solved` is false
+   !> if the iteration limit is reached or the numbers fail; x is then the best approximation, or
+   !> not changed.
    subroutine solve_gmres(gmres, system, tolerance, x, is_solved)
       type(gmres_t), intent(inout) :: gmres
       class(krylov_system_t), intent(inout) :: system
@@ -53,7 +55,8 @@ contains
       real(wp), intent(inout) :: x(:)
       logical, intent(out) :: is_solved
       real(wp) :: hessenberg(gmres%most_iterations + 1, gmres%most_iterations)
-      real(wp) :: cosine(gmres%most_iterations), sine(gmres%most_iterations), rest(gmres%most_iterations + 1)
+      real(wp) :: cosine(gmres%most_iterations), sine(gmres%most_iterations), &
+         rest(gmres%most_iterations + 1)
       real(wp) :: size_of_b
       integer :: j
 
@@ -87,10 +90,12 @@ contains
          if (size(gmres%basis, 1) == n) return
          deallocate (gmres%basis, gmres%directions)
       end if
-      allocate (gmres%basis(n, gmres%most_iterations + 1), gmres%directions(n, gmres%most_iterations))
+      allocate (gmres%basis(n, gmres%most_iterations + 1), &
+         gmres%directions(n, gmres%most_iterations))
    end subroutine allocate_basis
 
-   !> Modified Gram-Schmidt: the last vector against all before it; `column` takes the products and its length.
+   !> Modified Gram-Schmidt: the last vector against all before it; `column` takes the products and
+   !> its length.
    pure subroutine orthogonalise(vectors, column)
       real(wp), intent(inout) :: vectors(:, :)
       real(wp), intent(out) :: column(:)

@@ -1,8 +1,10 @@
-!> Real Fourier transforms of a field on a uniform grid of one or two dimensions, for work that is done once.
+!> Real Fourier transforms of a field on a uniform grid of one or two dimensions, for work that is
+!> done once.
 module grid_transform
    use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_ptr
    use errors, only: error_t, fail, internal_error
-   use fftw, only: fftw_destroy_plan, fftw_estimate, fftw_execute_dft_c2r, fftw_execute_dft_r2c, fftw_plan_dft_c2r, &
+   use fftw, only: fftw_destroy_plan, fftw_estimate, fftw_execute_dft_c2r, fftw_execute_dft_r2c, &
+      fftw_plan_dft_c2r, &
       fftw_plan_dft_r2c
    use kinds, only: wp
    use text, only: to_text
@@ -13,8 +15,9 @@ module grid_transform
 
 contains
 
-   !> spectrum(k, l) = sum of z exp(-2 pi i (k m/nx + l n/ny)) over the nodes (m, n) of `grid` = nx, ny (ny = 1: a line), for
-   !> k = 0 ... nx/2, l = 0 ... ny - 1. `z` (nx*ny), x fastest. Fails (internal_error) if FFTW does.
+   !> spectrum(k, l) = sum of z exp(-2 pi i (k m/nx + l n/ny)) over the nodes (m, n) of `grid` = nx,
+   !> ny (ny = 1: a line), for k = 0 ... nx/2, l = 0 ... ny - 1. `z` (nx*ny), x fastest. Fails
+   !> (internal_error) if FFTW does.
    subroutine transform_field(grid, z, spectrum, error)
       integer, intent(in) :: grid(2)
       real(wp), intent(in) :: z(:)
@@ -32,8 +35,8 @@ contains
       call fftw_destroy_plan(plan)
    end subroutine transform_field
 
-   !> z = sum of spectrum exp(+2 pi i ...) over all k and l: `transform_field` and back multiplies by nx ny.
-   !> Fails (internal_error) if FFTW does.
+   !> z = sum of spectrum exp(+2 pi i ...) over all k and l: `transform_field` and back multiplies
+   !> by nx ny. Fails (internal_error) if FFTW does.
    subroutine transform_back(grid, spectrum, z, error)
       integer, intent(in) :: grid(2)
       complex(wp), intent(inout) :: spectrum(0:, 0:)
@@ -72,7 +75,8 @@ contains
       integer, intent(in) :: grid(2)
       type(error_t), allocatable, intent(out) :: error
 
-      if (.not. c_associated(plan)) call fail(error, internal_error, 'FFTW: no plan for a transform of ' // to_text(grid(1)) &
+      if (.not. c_associated(plan)) call fail(error, internal_error, &
+         'FFTW: no plan for a transform of ' // to_text(grid(1)) &
          // ' x ' // to_text(grid(2)))
    end subroutine check_plan
 

@@ -25,7 +25,8 @@ module iteration_report
    character(len=*), parameter, public :: phase_names(phase_count) = &
       [character(len=10) :: 'setup', 'steady', 'transient', 'output', 'error_bars']
 
-   !> Films below the floor of the film: how often, where the first one was, the smallest of all. Dimensionless.
+   !> Films below the floor of the film: how often, where the first one was, the smallest of all.
+   !> Dimensionless.
    type :: breakdown_t
       !> Solutions (time steps) with a film below the floor.
       integer :: count = 0
@@ -40,19 +41,21 @@ module iteration_report
 
    !> Outcome, history and cost of one solve.
    type :: report_t
-      !> Residual and load error are below `tolerance_effective` (of the last solve, and of every time step).
+      !> Residual and load error are below `tolerance_effective` (of the last solve, and of every
+      !> time step).
       logical :: converged = .false.
       !> Why the solver ended; 'converged', or what stood in the way.
       character(:), allocatable :: reason
       !> Method that was used, 'auto' resolved.
       character(:), allocatable :: method
-      !> What the method used, in a transient that of the time steps: bounds, sweeps, under-relaxation; 0: not used by it.
+      !> What the method used, in a transient that of the time steps: bounds, sweeps,
+      !> under-relaxation; 0: not used by it.
       real(wp) :: tolerance = 0.0_wp, relaxation = 0.0_wp, load_relaxation = 0.0_wp
       integer :: max_cycles = 0, pre_sweeps = 0, post_sweeps = 0, coarse_sweeps = 0
       !> Films below the floor.
       type(breakdown_t) :: breakdown
-      !> Nodes of the grid in the finest wave of the surfaces, steps in which the finest moving one passes a place; huge: there is
-      !> none.
+      !> Nodes of the grid in the finest wave of the surfaces, steps in which the finest moving one
+      !> passes a place; huge: there is none.
       real(wp) :: nodes_per_wave = huge(1.0_wp), steps_per_wave = huge(1.0_wp)
       !> What the reader of the result should know about it; not allocated: nothing.
       character(:), allocatable :: note
@@ -62,7 +65,8 @@ module iteration_report
       integer :: levels = 0
       !> Time steps done.
       integer :: steps = 0
-      !> Steps of the start that were taken whole since their parts found no solution: of less accuracy there.
+      !> Steps of the start that were taken whole since their parts found no solution: of less
+      !> accuracy there.
       integer :: uncut_steps = 0
       !> Last residual: max |r|/lambda over P > 0 and of max(r, 0)/lambda where P = 0 [-].
       real(wp) :: residual = huge(1.0_wp)
@@ -72,7 +76,8 @@ module iteration_report
       real(wp) :: tolerance_effective = 0.0_wp
       !> Relative error of the film thickness because the domain ends at its inlet [-].
       real(wp) :: inlet_error = 0.0_wp
-      !> Largest P of the last node before the outlet over all solutions; above 0 the outlet cuts the film off [-].
+      !> Largest P of the last node before the outlet over all solutions; above 0 the outlet cuts
+      !> the film off [-].
       real(wp) :: outlet_pressure = 0.0_wp
       !> Pairs of forward and backward transforms.
       integer(int64) :: fft_pairs = 0_int64
@@ -99,7 +104,8 @@ module iteration_report
 
 contains
 
-   !> Appends one cycle: `residual` and `load_error` [-] become the last ones, `cycles` grows by one. Storage doubles when full.
+   !> Appends one cycle: `residual` and `load_error` [-] become the last ones, `cycles` grows by
+   !> one. Storage doubles when full.
    pure subroutine add(self, residual, load_error)
       class(report_t), intent(inout) :: self
       real(wp), intent(in) :: residual

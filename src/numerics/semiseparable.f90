@@ -1,20 +1,24 @@
-!> LU of a semiseparable matrix plus two outer diagonals on each side, in O(n (q + 2)^2) and without pivoting:
+!> LU of a semiseparable matrix plus two outer diagonals on each side, in O(n (q + 2)^2) and without
+!> pivoting:
 !>
-!>     A(i,j) = sum_l lower(l,i) ratio(l)^(i-j), j < i;   diagonal(i), j = i;   sum_l upper(l,i) ratio(l)^(j-i), j > i
+!>     A(i,j) = sum_l lower(l,i) ratio(l)^(i-j), j < i;   diagonal(i), j = i;
+!>              sum_l upper(l,i) ratio(l)^(j-i), j > i
 !>
-!> and slots q+1, q+2 of `lower` and `upper` add to the entries at distance 1 and 2. One sweep eliminates, carrying the
-!> (q+2)x(q+2) matrix of what the rows above leave for those below.
-!> Idea: Vandebril, Van Barel & Mastronardi, Matrix Computations and Semiseparable Matrices, 2008, chapter 4.
+!> and slots q+1, q+2 of `lower` and `upper` add to the entries at distance 1 and 2. One sweep
+!> eliminates, carrying the (q+2)x(q+2) matrix of what the rows above leave for those below. Idea:
+!> Vandebril, Van Barel & Mastronardi, Matrix Computations and Semiseparable Matrices, 2008, chapter
+!> 4.
 module semiseparable
    use exponential_sum, only: q => terms
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: semiseparable_t, new_semiseparable, factor_semiseparable, solve_semiseparable, solve_two
+   public :: semiseparable_t, new_semiseparable, factor_semiseparable, solve_semiseparable, &
+      solve_two
 
-   !> Width of the generators: exponentials and two outer diagonals. Known to the compiler, which unrolls all loops over it: a
-   !> third less time for the factors, nearly half for a solution.
+   !> Width of the generators: exponentials and two outer diagonals. Known to the compiler, which
+   !> unrolls all loops over it: a third less time for the factors, nearly half for a solution.
    integer, parameter :: m = q + 2
 
    !> The matrix and its factors, for n rows and q exponentials.
@@ -39,9 +43,11 @@ contains
       matrix%n = n
       matrix%ratio = ratio
       if (allocated(matrix%lower)) then
-         deallocate (matrix%lower, matrix%upper, matrix%diagonal, matrix%carry, matrix%inverse_pivot)
+         deallocate (matrix%lower, matrix%upper, matrix%diagonal, matrix%carry, &
+            matrix%inverse_pivot)
       end if
-      allocate (matrix%lower(m, n), matrix%upper(m, n), matrix%diagonal(n), matrix%carry(m, n), matrix%inverse_pivot(n))
+      allocate (matrix%lower(m, n), matrix%upper(m, n), matrix%diagonal(n), matrix%carry(m, n), &
+         matrix%inverse_pivot(n))
    end subroutine new_semiseparable
 
    !> Factors the matrix in place. `smallest_pivot` is the smallest |pivot|: 0 means singular.
@@ -49,21 +55,24 @@ contains
       type(semiseparable_t), intent(inout) :: matrix
       real(wp), intent(out) :: smallest_pivot
 
-      call eliminate(matrix%n, matrix%ratio, matrix%lower, matrix%upper, matrix%diagonal, matrix%carry, matrix%inverse_pivot, &
+      call eliminate(matrix%n, matrix%ratio, matrix%lower, matrix%upper, matrix%diagonal, &
+         matrix%carry, matrix%inverse_pivot, &
          smallest_pivot)
    end subroutine factor_semiseparable
 
-   !> The sweep, on plain arrays, which the compiler knows to be apart; `upper` becomes the rows of U over their pivots.
+   !> The sweep, on plain arrays, which the compiler knows to be apart; `upper` becomes the rows of
+   !> U over their pivots.
    !>
-   !> What the rows above leave for row i is W = sum over slots r of lower(r,i) times column r: `z` its part in the
-   !> exponentials, `at` and `ahead` in the columns i and i+1.
+   !> What the rows above leave for row i is W = sum over slots r of lower(r,i) times column r: `z`
+   !> its part in the exponentials, `at` and `ahead` in the columns i and i+1.
    ! allow(too-many-arguments)  the parts of one matrix
    pure subroutine eliminate(n, rho, lower, upper, diagonal, eta, inverse_pivot, smallest_pivot)
       integer, intent(in) :: n
       real(wp), intent(in) :: rho(q), lower(m, n), diagonal(n)
       real(wp), intent(inout) :: upper(m, n)
       real(wp), intent(out) :: eta(m, n), inverse_pivot(n), smallest_pivot
-      real(wp) :: z(q, m), decay(q, q), at(m), ahead(m), sums(m), row(m), left(q), carry(m), total, next, pivot
+      real(wp) :: z(q, m), decay(q, q), at(m), ahead(m), sums(m), row(m), left(q), carry(m), &
+         total, next, pivot
       integer :: i, l, r
 
       do r = 1, q
@@ -119,19 +128,22 @@ contains
       type(semiseparable_t), intent(in) :: matrix
       real(wp), intent(inout), contiguous :: x(:)
 
-      call substitute_one(matrix%n, matrix%ratio, matrix%lower, matrix%upper, matrix%carry, matrix%inverse_pivot, x)
+      call substitute_one(matrix%n, matrix%ratio, matrix%lower, matrix%upper, matrix%carry, &
+         matrix%inverse_pivot, x)
    end subroutine solve_semiseparable
 
-   !> Solves for two right sides at once: `x` (2, n) holds them on entry. A sweep waits for one value after the other, so that
-   !> the second one costs a third of the first.
+   !> Solves for two right sides at once: `x` (2, n) holds them on entry. A sweep waits for one
+   !> value after the other, so that the second one costs a third of the first.
    pure subroutine solve_two(matrix, x)
       type(semiseparable_t), intent(in) :: matrix
       real(wp), intent(inout), contiguous :: x(:, :)
 
-      call substitute_two(matrix%n, matrix%ratio, matrix%lower, matrix%upper, matrix%carry, matrix%inverse_pivot, x)
+      call substitute_two(matrix%n, matrix%ratio, matrix%lower, matrix%upper, matrix%carry, &
+         matrix%inverse_pivot, x)
    end subroutine solve_two
 
-   !> Forward and backward substitution on plain arrays. Sums are formed in two parts, of which neither waits for the other.
+   !> Forward and backward substitution on plain arrays. Sums are formed in two parts, of which
+   !> neither waits for the other.
    pure subroutine substitute_one(n, rho, lower, upper, eta, inverse_pivot, x)
       integer, parameter :: k = 1
       include 'substitution.inc'

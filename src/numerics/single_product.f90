@@ -1,15 +1,21 @@
-!> Products with a matrix that is diagonal in Fourier space, in single precision: `grid_product.inc` for this kind of reals.
+!> Products with a matrix that is diagonal in Fourier space, in single precision: `grid_product.inc`
+!> for this kind of reals.
 !>
-!> A transform of a grid is done by its parts: rows, then columns in groups that stay in the cache while they are
-!> transformed, multiplied and transformed back, then rows. That is faster than transforms of the whole grid, rows without a
-!> listed node cost nothing, and neither do those that only pad.
+!> A transform of a grid is done by its parts: rows, then columns in groups that stay in the cache
+!> while they are transformed, multiplied and transformed back, then rows. That is faster than
+!> transforms of the whole grid, rows without a listed node cost nothing, and neither do those that
+!> only pad.
 module single_product
-   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_loc, c_null_ptr, &
+      c_ptr, c_size_t
    use, intrinsic :: iso_fortran_env, only: int64, rk => real32
    use errors, only: error_t, fail, internal_error
-   use fftw, only: alloc_complex => fftwf_alloc_complex, alloc_real => fftwf_alloc_real, destroy_plan => fftwf_destroy_plan, &
-      execute_dft => fftwf_execute_dft, execute_dft_c2r => fftwf_execute_dft_c2r, execute_dft_r2c => fftwf_execute_dft_r2c, &
-      fftw_backward, fftw_estimate, fftw_forward, free => fftwf_free, plan_dft_1d => fftwf_plan_dft_1d, &
+   use fftw, only: alloc_complex => fftwf_alloc_complex, alloc_real => fftwf_alloc_real, &
+      destroy_plan => fftwf_destroy_plan, &
+      execute_dft => fftwf_execute_dft, execute_dft_c2r => fftwf_execute_dft_c2r, &
+         execute_dft_r2c => fftwf_execute_dft_r2c, &
+      fftw_backward, fftw_estimate, fftw_forward, free => fftwf_free, &
+         plan_dft_1d => fftwf_plan_dft_1d, &
       plan_dft_c2r_1d => fftwf_plan_dft_c2r_1d, plan_dft_r2c_1d => fftwf_plan_dft_r2c_1d
    use kinds, only: wp
    use text, only: to_text

@@ -1,21 +1,26 @@
-!> Products with a matrix that is diagonal in Fourier space, on uniform grids of one or two dimensions, by FFTW.
+!> Products with a matrix that is diagonal in Fourier space, on uniform grids of one or two
+!> dimensions, by FFTW.
 !>
-!> Periodic: y = F^-1 (symbol . F x) on the grid itself. Open: x is padded with zeros to at least twice its length, which
-!> makes the discrete convolution with a kernel exact (Hockney & Eastwood, Computer Simulation Using Particles, 1988,
-!> section 6-5-4). Plans are made once, by FFTW_ESTIMATE: a repeated run gives the same bits.
+!> Periodic: y = F^-1 (symbol . F x) on the grid itself. Open: x is padded with zeros to at least
+!> twice its length, which makes the discrete convolution with a kernel exact (Hockney & Eastwood,
+!> Computer Simulation Using Particles, 1988, section 6-5-4). Plans are made once, by FFTW_ESTIMATE:
+!> a repeated run gives the same bits.
 module spectral_product
    use, intrinsic :: iso_fortran_env, only: real32
-   use double_product, only: double_product_t => grid_product_t, new_double_product => new_grid_product
+   use double_product, only: double_product_t => grid_product_t, &
+      new_double_product => new_grid_product
    use errors, only: error_t
    use grid_transform, only: transform_field
    use kinds, only: wp
-   use single_product, only: new_single_product => new_grid_product, single_product_t => grid_product_t
+   use single_product, only: new_single_product => new_grid_product, &
+      single_product_t => grid_product_t
    implicit none (type, external)
    private
 
    public :: spectral_product_t, new_spectral_product, new_convolution, padded_size
 
-   !> A product. Fields are stored flat, x fastest: (nx*ny); a line has ny = 1. Not to be copied: it owns FFTW plans.
+   !> A product. Fields are stored flat, x fastest: (nx*ny); a line has ny = 1. Not to be copied: it
+   !> owns FFTW plans.
    type :: spectral_product_t
       !> Nodes of the grid.
       integer :: nx = 0, ny = 0
@@ -35,10 +40,10 @@ module spectral_product
 
 contains
 
-   !> Plans a periodic product on a grid of `nx` x `ny` >= 1 nodes (ny = 1: a line) with the real `symbol(0:nx/2, 0:ny-1)`
-   !> in the order of the FFT: wavenumbers 0 ... nx/2, and 0 ... , -1 in y. Work is shared by `threads`.
-   !> If `is_single`, products in double precision are not planned and must not be asked for.
-   !> Fails (internal_error) if FFTW gives no memory or no plan.
+   !> Plans a periodic product on a grid of `nx` x `ny` >= 1 nodes (ny = 1: a line) with the real
+   !> `symbol(0:nx/2, 0:ny-1)` in the order of the FFT: wavenumbers 0 ... nx/2, and 0 ... , -1 in y.
+   !> Work is shared by `threads`. If `is_single`, products in double precision are not planned and
+   !> must not be asked for. Fails (internal_error) if FFTW gives no memory or no plan.
    subroutine new_spectral_product(self, nx, ny, symbol, threads, error, is_single)
       type(spectral_product_t), intent(inout) :: self
       integer, intent(in) :: nx, ny, threads
@@ -50,8 +55,9 @@ contains
       call plan_as_wanted(self, symbol, error, is_single)
    end subroutine new_spectral_product
 
-   !> Plans the product y(i) = sum over j of kernel(|i - j|) x(j) on an open grid; `kernel(0:nx-1, 0:ny-1)` is even in both
-   !> directions. `threads`, `is_single` and errors as in `new_spectral_product`.
+   !> Plans the product y(i) = sum over j of kernel(|i - j|) x(j) on an open grid; `kernel(0:nx-1,
+   !> 0:ny-1)` is even in both directions. `threads`, `is_single` and errors as in
+   !> `new_spectral_product`.
    subroutine new_convolution(self, kernel, threads, error, is_single)
       type(spectral_product_t), intent(inout) :: self
       real(wp), intent(in) :: kernel(0:, 0:)
@@ -106,15 +112,18 @@ contains
       wants_single = .false.
       if (present(is_single)) wants_single = is_single
       if (wants_single) then
-         call new_single_product(self%single, [self%nx, self%ny], [self%mx, self%my], self%threads, error)
+         call new_single_product(self%single, [self%nx, self%ny], [self%mx, self%my], &
+            self%threads, error)
          if (.not. allocated(error)) call self%single%set_symbol(symbol)
       else
-         call new_double_product(self%double, [self%nx, self%ny], [self%mx, self%my], self%threads, error)
+         call new_double_product(self%double, [self%nx, self%ny], [self%mx, self%my], &
+            self%threads, error)
          if (.not. allocated(error)) call self%double%set_symbol(symbol)
       end if
    end subroutine plan_as_wanted
 
-   !> Length of the transform of an open line of `n` nodes: the least 2^a 3^b 5^c >= 2n - 1 (1 for a single node).
+   !> Length of the transform of an open line of `n` nodes: the least 2^a 3^b 5^c >= 2n - 1 (1 for a
+   !> single node).
    pure function padded_size(n) result(m)
       integer, intent(in) :: n
       integer :: m
@@ -177,7 +186,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (self%single%is_planned()) return
-      call new_single_product(self%single, [self%nx, self%ny], [self%mx, self%my], self%threads, error)
+      call new_single_product(self%single, [self%nx, self%ny], [self%mx, self%my], self%threads, &
+         error)
       if (allocated(error)) return
       self%single%symbol = real(self%double%symbol, real32)
    end subroutine plan_single

@@ -1,13 +1,16 @@
 !> Product of a symmetric Toeplitz matrix with a vector in O(n log n) by FFTW.
 !>
-!> The matrix is embedded in a circulant, whose eigenvalues are the real, even transform of its first column
-!> (Golub & Van Loan, Matrix Computations, 4th ed., section 4.8). Plans are made once, by FFTW_ESTIMATE: its choice does
-!> not depend on timing, so that a repeated run gives the same bits.
+!> The matrix is embedded in a circulant, whose eigenvalues are the real, even transform of its
+!> first column (Golub & Van Loan, Matrix Computations, 4th ed., section 4.8). Plans are made once,
+!> by FFTW_ESTIMATE: its choice does not depend on timing, so that a repeated run gives the same
+!> bits.
 module toeplitz
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_double_complex, c_f_pointer, c_int, c_loc, c_null_ptr, &
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_double_complex, c_f_pointer, &
+      c_int, c_loc, c_null_ptr, &
       c_ptr, c_size_t
    use errors, only: error_t, fail, internal_error
-   use fftw, only: fftw_alloc_complex, fftw_alloc_real, fftw_destroy_plan, fftw_estimate, fftw_execute_dft_c2r, &
+   use fftw, only: fftw_alloc_complex, fftw_alloc_real, fftw_destroy_plan, fftw_estimate, &
+      fftw_execute_dft_c2r, &
       fftw_execute_dft_r2c, fftw_free, fftw_plan_dft_c2r_1d, fftw_plan_dft_r2c_1d
    use kinds, only: wp
    use text, only: to_text
@@ -16,8 +19,9 @@ module toeplitz
 
    public :: toeplitz_t, new_toeplitz
 
-   !> The matrix T(i,j) = column(|i-j|), i = 0..n, applied to vectors that are zero at both ends, x(0) = x(n) = 0:
-   !> a transform of length 2n is then enough. Not to be copied: it owns FFTW plans.
+   !> The matrix T(i,j) = column(|i-j|), i = 0..n, applied to vectors that are zero at both ends,
+   !> x(0) = x(n) = 0: a transform of length 2n is then enough. Not to be copied: it owns FFTW
+   !> plans.
    type :: toeplitz_t
       private
       integer :: n = 0

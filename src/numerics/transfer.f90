@@ -1,4 +1,5 @@
-!> Transfer between a grid of n intervals and one of n/2 (nodes 0..n): pure, one-dimensional, uniform.
+!> Transfer between a grid of n intervals and one of n/2 (nodes 0..n): pure, one-dimensional,
+!> uniform.
 !>
 !> Source: Trottenberg, Oosterlee & Schueller, Multigrid, 2001, section 2.3; thesis section 2.4.2.
 module transfer
@@ -48,9 +49,10 @@ contains
       fine(ubound(fine, 1)) = coarse(ubound(coarse, 1))
    end subroutine prolong_linear
 
-   !> Cubic interpolation of a pressure `coarse` (0..n/2) >= 0 to `fine` (0..n) >= 0; linear at both ends, in front of the
-   !> cavitated zone (where the slope jumps), and where the cubic would undershoot zero. Beside a spike, where the four values
-   !> differ by more than `steep` times, the cubic goes beyond neither neighbour.
+   !> Cubic interpolation of a pressure `coarse` (0..n/2) >= 0 to `fine` (0..n) >= 0; linear at both
+   !> ends, in front of the cavitated zone (where the slope jumps), and where the cubic would
+   !> undershoot zero. Beside a spike, where the four values differ by more than `steep` times, the
+   !> cubic goes beyond neither neighbour.
    pure subroutine prolong_cubic(coarse, fine)
       real(wp), intent(in) :: coarse(0:)
       real(wp), intent(out) :: fine(0:)
@@ -62,7 +64,8 @@ contains
          if (coarse(i + 2) <= 0.0_wp) cycle
          cubic = (9*(coarse(i) + coarse(i + 1)) - coarse(i - 1) - coarse(i + 2))/16
          associate (around => coarse(i - 1:i + 2), beside => coarse(i:i + 1))
-            if (maxval(around) > steep*minval(around)) cubic = min(max(cubic, minval(beside)), maxval(beside))
+            if (maxval(around) > steep*minval(around)) cubic = min(max(cubic, minval(beside)), &
+               maxval(beside))
          end associate
          if (cubic >= 0.0_wp) fine(2*i + 1) = cubic
       end do

@@ -1,19 +1,21 @@
-!> An approximate inverse of the elastic half-space on any set of nodes: a network of resistors that is a tree.
+!> An approximate inverse of the elastic half-space on any set of nodes: a network of resistors that
+!> is a tree.
 !>
-!> Pressure and deflection of a half-space are current into and potential of its surface (transfer function 1/q). Replace its
-!> inside by a tree: each node is joined by a resistor to a cell of 2 (line) or 2 x 2 (area) nodes, each cell to one twice as
-!> large, and so on. A current into one node then raises the potential of another by the resistance that their ways to the root
-!> share, which depends on their distance alone, about as in the half-space; the resistances are chosen so. Where potentials
-!> are given at some nodes and the others are left open, the currents of a tree follow exactly by one sweep to the root and
-!> one back, in work proportional to the number of nodes given.
+!> Pressure and deflection of a half-space are current into and potential of its surface (transfer
+!> function 1/q). Replace its inside by a tree: each node is joined by a resistor to a cell of 2
+!> (line) or 2 x 2 (area) nodes, each cell to one twice as large, and so on. A current into one node
+!> then raises the potential of another by the resistance that their ways to the root share, which
+!> depends on their distance alone, about as in the half-space; the resistances are chosen so. Where
+!> potentials are given at some nodes and the others are left open, the currents of a tree follow
+!> exactly by one sweep to the root and one back, in work proportional to the number of nodes given.
 !>
-!> This inverts the tree's matrix T restricted to the set F of nodes given; and if c <= x.K x/x.T x <= C for all x, so it is
-!> for all x that are zero off F: the bound C/c on the condition number does not depend on F. That of |q|, the inverse of K
-!> on all nodes, does: restricted to F it takes the nodes off F for loaded too, and its condition number grows with the number of
-!> contacts.
+!> This inverts the tree's matrix T restricted to the set F of nodes given; and if c <= x.K x/x.T
+!> x <= C for all x, so it is for all x that are zero off F: the bound C/c on the condition number
+!> does not depend on F. That of |q|, the inverse of K on all nodes, does: restricted to F it takes
+!> the nodes off F for loaded too, and its condition number grows with the number of contacts.
 !>
-!> A tree parts neighbours that lie on two sides of a large cell. The mean of two trees, one shifted by a third of the grid,
-!> does not: condition numbers of 2 to 5.
+!> A tree parts neighbours that lie on two sides of a large cell. The mean of two trees, one shifted
+!> by a third of the grid, does not: condition numbers of 2 to 5.
 module tree_network
    use constants, only: pi
    use kinds, only: wp
@@ -26,8 +28,8 @@ module tree_network
    !> Cells of a side double at most so often.
    integer, parameter :: most_levels = 31
 
-   !> One tree over a set of nodes. The cells of all levels stand one level after the other, the nodes themselves first, each
-   !> level by rows.
+   !> One tree over a set of nodes. The cells of all levels stand one level after the other, the
+   !> nodes themselves first, each level by rows.
    type :: tree_t
       !> Place of the grid's first node in the first row of smallest cells, and its row.
       integer :: shift(2) = 0
@@ -66,14 +68,15 @@ module tree_network
 
 contains
 
-   !> Prepares the trees of a grid of `nodes` (nx, ny >= 1; ny = 1: a line) at the distances `spacing` (2), in which first and
-   !> last nodes are neighbours if it `is_periodic`.
+   !> Prepares the trees of a grid of `nodes` (nx, ny >= 1; ny = 1: a line) at the distances
+   !> `spacing` (2), in which first and last nodes are neighbours if it `is_periodic`.
    pure subroutine new_tree_network(self, nodes, spacing, is_periodic)
       type(tree_network_t), intent(out) :: self
       integer, intent(in) :: nodes(2)
       real(wp), intent(in) :: spacing(2)
       logical, intent(in) :: is_periodic
-      !> Answer of a tree to a current into one half of a cell and out of the other, over that of a wave as long as the cell.
+      !> Answer of a tree to a current into one half of a cell and out of the other, over that of a
+      !> wave as long as the cell.
       real(wp), parameter :: halves = 2.0_wp*log(2.0_wp)
       real(wp) :: answer, answer_below, side(2)
       logical :: joined(2)
@@ -96,7 +99,8 @@ contains
          ! Longer sides wait until the others have caught up.
          joined = joined .and. side < 1.5_wp*minval(side, mask=joined)
          self%is_joined(:, level) = joined
-         answer = merge(1.0_wp, halves, level == 0)/pi*product(side, mask=joined)**(1.0_wp/count(joined))
+         answer = merge(1.0_wp, halves, level == 0)/pi*product(side, &
+            mask=joined)**(1.0_wp/count(joined))
          self%resistance(level) = (answer - answer_below)*product(spacing/side)
          answer_below = answer
          where (joined)
@@ -115,7 +119,8 @@ contains
       !$omp parallel do num_threads(min(self%threads, trees)) private(level, rows) schedule(static)
       do tree = 1, trees
          associate (t => self%tree(tree))
-            call make_room(t, size(node), sum(min(real(self%most(:self%levels), wp), real(size(node), wp))))
+            call make_room(t, size(node), &
+               sum(min(real(self%most(:self%levels), wp), real(size(node), wp))))
             call place_nodes(t, self%nodes, self%is_periodic, node, rows)
             do level = 0, self%levels - 1
                call join_cells(t, level, rows, self%is_joined(:, level))
@@ -134,16 +139,18 @@ contains
 
       if (allocated(tree%place)) then
          if (size(tree%place) >= n .and. size(tree%parent) >= cells) return
-         deallocate (tree%place, tree%column, tree%parent, tree%conductance, tree%current, tree%potential)
+         deallocate (tree%place, tree%column, tree%parent, tree%conductance, tree%current, &
+            tree%potential)
       end if
       ! A set that grows does not ask for more each time.
       room = int(min(1.2_wp*cells, real(huge(1), wp)))
-      allocate (tree%place(n + n/5), tree%column(room), tree%parent(room), tree%conductance(room), tree%current(room), &
+      allocate (tree%place(n + n/5), tree%column(room), tree%parent(room), &
+         tree%conductance(room), tree%current(room), &
          tree%potential(room))
    end subroutine make_room
 
-   !> The nodes in the order of the tree: with the shift, rows and columns that it moves past the end of a periodic grid come
-   !> first.
+   !> The nodes in the order of the tree: with the shift, rows and columns that it moves past the
+   !> end of a periodic grid come first.
    pure subroutine place_nodes(tree, nodes, is_periodic, node, rows)
       type(tree_t), intent(inout) :: tree
       integer, intent(in) :: nodes(2)
@@ -171,15 +178,18 @@ contains
          if (is_periodic) j = modulo(j, nodes(2))
          if (j < 0) cycle
          begin = first(j + 1)
-         if (is_periodic) begin = first(j) + count(node(first(j):first(j + 1) - 1) <= (j + 1)*nodes(1) - tree%shift(1))
-         call place_run(tree, node, begin, first(j + 1) - 1, j*nodes(1) + nodes(1) - tree%shift(1), n)
+         if (is_periodic) begin = first(j) + count(node(first(j):first(j + 1) - 1) <= (j &
+            + 1)*nodes(1) - tree%shift(1))
+         call place_run(tree, node, begin, first(j + 1) - 1, &
+            j*nodes(1) + nodes(1) - tree%shift(1), n)
          call place_run(tree, node, first(j), begin - 1, j*nodes(1) - tree%shift(1), n)
       end do
       tree%row(rows) = n + 1
       tree%first(0:1) = [1, n + 1]
    end subroutine place_nodes
 
-   !> Appends the nodes `begin` ... `end` of the list behind the `n` nodes that have a place; columns count from `before` + 1.
+   !> Appends the nodes `begin` ... `end` of the list behind the `n` nodes that have a place;
+   !> columns count from `before` + 1.
    pure subroutine place_run(tree, node, begin, end, before, n)
       type(tree_t), intent(inout) :: tree
       integer, contiguous, intent(in) :: node(:)
@@ -219,7 +229,8 @@ contains
       rows = rows_above
    end subroutine join_cells
 
-   !> Joins the cells of one row, or of two: `next` ... `ends` - 1; columns are moved by `shift` bits.
+   !> Joins the cells of one row, or of two: `next` ... `ends` - 1; columns are moved by `shift`
+   !> bits.
    pure subroutine join_rows(tree, next, ends, shift, here)
       type(tree_t), intent(inout) :: tree
       integer, intent(in) :: ends(2), shift
@@ -251,8 +262,9 @@ contains
       end associate
    end subroutine join_rows
 
-   !> Currents into the nodes of the last `settle`, in its order, that give them the potentials `given` up to a constant, or are
-   !> `given` themselves where `is_given`; the mean of the trees. They add up to zero unless all are given.
+   !> Currents into the nodes of the last `settle`, in its order, that give them the potentials
+   !> `given` up to a constant, or are `given` themselves where `is_given`; the mean of the trees.
+   !> They add up to zero unless all are given.
    subroutine solve(self, given, current, is_given)
       class(tree_network_t), intent(inout) :: self
       real(wp), contiguous, intent(in) :: given(:)
@@ -336,7 +348,8 @@ contains
       real(wp), intent(in) :: resistance(0:)
       integer :: k, level
 
-      associate (g => tree%conductance, current => tree%current, potential => tree%potential, first => tree%first, &
+      associate (g => tree%conductance, current => tree%current, potential => tree%potential, &
+         first => tree%first, &
          root => tree%first(levels))
          potential(root) = 0.0_wp
          if (g(root) > 0.0_wp) potential(root) = current(root)/g(root)

@@ -1,4 +1,5 @@
-!> What rounding cuts off a sum of two numbers, itself a number (Knuth, The Art of Computer Programming 2, section 4.2.2).
+!> What rounding cuts off a sum of two numbers, itself a number (Knuth, The Art of Computer
+!> Programming 2, section 4.2.2).
 module two_sum
    use kinds, only: wp
    implicit none (type, external)

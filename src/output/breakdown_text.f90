@@ -16,18 +16,23 @@ module breakdown_text
 
 contains
 
-   !> Where and when the first film below the floor was, in SI: 'film breakdown at x = -31.2 um (X = -0.2950), t = ...'.
+   !> Where and when the first film below the floor was, in SI: 'film breakdown at x = -31.2 um
+   !> (X = -0.2950), t = ...'.
    pure function breakdown_sentence(breakdown, film_floor, scaling) result(sentence)
       type(breakdown_t), intent(in) :: breakdown
       real(wp), intent(in) :: film_floor
       type(scaling_t), intent(in) :: scaling
       character(:), allocatable :: sentence
 
-      sentence = 'film breakdown at x = '//prefixed_text(breakdown%position*scaling%half_width, 'm')//' (X = '// &
-         number_text(breakdown%position, 4)//'), t = '//prefixed_text(breakdown%time*scaling%time, 's')//' (T = '// &
-         number_text(breakdown%time, 4)//', time step '//number_text(real(breakdown%step, wp), 9)//'): '
+      sentence = 'film breakdown at x = '//prefixed_text(breakdown%position*scaling%half_width, &
+         'm')//' (X = '// &
+         number_text(breakdown%position, 4)//'), t = ' &
+            //prefixed_text(breakdown%time*scaling%time, 's')//' (T = '// &
+         number_text(breakdown%time, 4)//', time step '//number_text(real(breakdown%step, wp), 9) &
+            //'): '
       if (breakdown%film > 0.0_wp) then
-         sentence = sentence//'film '//prefixed_text(breakdown%film*scaling%film, 'm')//', below film_floor = '// &
+         sentence = sentence//'film '//prefixed_text(breakdown%film*scaling%film, 'm') &
+            //', below film_floor = '// &
             prefixed_text(film_floor*scaling%film, 'm')
       else
          sentence = sentence//'the film would close'
@@ -43,15 +48,18 @@ contains
       call write_attribute(file, '/', 'film_breakdown', merge(1, 0, breakdown%count > 0))
       if (breakdown%count == 0) return
       call write_dataset(file, '/report/film_breakdown_count', int(breakdown%count, int64), &
-                         new_label('solutions with a film below film_floor, or that would close', '1'))
+                         new_label('solutions with a film below film_floor, or that would close', &
+                            '1'))
       call write_dataset(file, '/report/film_breakdown_step', int(breakdown%step, int64), &
                          new_label('time step of the first of them', '1'))
       call write_dataset(file, '/report/film_breakdown_time', breakdown%time, &
                          quantity_label('time of the first of them', 's', scaling%time, scaling))
       call write_dataset(file, '/report/film_breakdown_position', breakdown%position, &
-                         quantity_label('place of the smallest film of the first of them', 'm', scaling%half_width, scaling))
+                         quantity_label('place of the smallest film of the first of them', 'm', &
+                            scaling%half_width, scaling))
       call write_dataset(file, '/report/film_breakdown_film', breakdown%film, &
-                         quantity_label('smallest film of the first of them', 'm', scaling%film, scaling))
+                         quantity_label('smallest film of the first of them', 'm', scaling%film, &
+                            scaling))
       call write_dataset(file, '/report/film_breakdown_smallest_film', breakdown%smallest_film, &
                          quantity_label('smallest film of all of them', 'm', scaling%film, scaling))
    end subroutine write_breakdown

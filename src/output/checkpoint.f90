@@ -1,8 +1,9 @@
 !> Checkpoint of a transient, NAME.ckpt beside NAME.part: where the run stood after a time step.
 !>
-!> It is written under another name, brought to the disk and renamed, so that there is always the last complete one,
-!> whenever the run is killed. It ends with a seal over all its bytes (see `file_seal`), and holds the checksums of NAME.part:
-!> what is damaged is refused before anything is read.
+!> It is written under another name, brought to the disk and renamed, so that there is always the
+!> last complete one, whenever the run is killed. It ends with a seal over all its bytes (see
+!> `file_seal`), and holds the checksums of NAME.part: what is damaged is refused before anything is
+!> read.
 module checkpoint
    use, intrinsic :: iso_fortran_env, only: int64
    use build_info, only: git_commit, program_name, program_version
@@ -72,11 +73,15 @@ contains
       call write_dataset(file, '/case', checkpoint%case, new_label('the values of the case', '1'))
       call write_part(file, checkpoint%part)
       call write_figures(file, checkpoint%figures)
-      call write_dataset(file, '/intervals', int(checkpoint%intervals, int64), new_label('intervals', '1'))
-      call write_dataset(file, '/time_step', checkpoint%time_step, new_label('time step; 0: dX', '1'))
-      call write_dataset(file, '/space_scheme', trim(checkpoint%space_scheme), new_label('space scheme', '1'))
+      call write_dataset(file, '/intervals', int(checkpoint%intervals, int64), &
+         new_label('intervals', '1'))
+      call write_dataset(file, '/time_step', checkpoint%time_step, new_label('time step; 0: dX', &
+         '1'))
+      call write_dataset(file, '/space_scheme', trim(checkpoint%space_scheme), &
+         new_label('space scheme', '1'))
       call write_bars(file, checkpoint%bars)
-      call write_dataset(file, '/statistics', numbers_of(checkpoint%statistics), new_label('sums over time', '1'))
+      call write_dataset(file, '/statistics', numbers_of(checkpoint%statistics), &
+         new_label('sums over time', '1'))
       call write_march(file, checkpoint%march)
       call write_report_so_far(file, checkpoint%march%report)
       call file%close(error)
@@ -94,12 +99,16 @@ contains
    subroutine write_figures(file, figures)
       type(hdf5_file_t), intent(inout) :: file
       type(passage_figures_t), intent(in) :: figures
-      character(*), parameter :: words = 'h_min, h_min_node, h_central, p_max, x_cavitation: value, time, error, extrapolated'
+      character(*), parameter :: words = 'h_min, h_min_node, h_central, p_max, x_cavitation: '// &
+         'value, time, error, extrapolated'
 
       call write_dataset(file, '/figures/known', [real(wp) :: merge(1, 0, figures%has_counted), &
-         merge(1, 0, figures%has_earlier)], new_label('whether there are figures that count, and earlier ones', '1'))
-      if (figures%has_counted) call write_dataset(file, '/figures/counted', summary_numbers(figures%counted), new_label(words, '1'))
-      if (figures%has_earlier) call write_dataset(file, '/figures/earlier', summary_numbers(figures%earlier), new_label(words, '1'))
+         merge(1, 0, figures%has_earlier)], new_label('whether there are figures that count, '// &
+            'and earlier ones', '1'))
+      if (figures%has_counted) call write_dataset(file, '/figures/counted', &
+         summary_numbers(figures%counted), new_label(words, '1'))
+      if (figures%has_earlier) call write_dataset(file, '/figures/earlier', &
+         summary_numbers(figures%earlier), new_label(words, '1'))
    end subroutine write_figures
 
    !> The same; the times that count follow from the case.
@@ -120,16 +129,23 @@ contains
       type(hdf5_file_t), intent(inout) :: file
       type(error_bars_t), intent(in) :: bars
 
-      call write_dataset(file, '/companions/known', [real(wp) :: merge(1, 0, bars%has_half), merge(1, 0, bars%has_quarter), &
-         merge(1, 0, bars%forecast%is_known)], new_label('whether there are figures on n/2, on n/4 intervals, a forecast', '1'))
-      call write_dataset(file, '/companions/traits', [real(wp) :: merge(1, 0, bars%is_first_order), bars%starving], &
+      call write_dataset(file, '/companions/known', [real(wp) :: merge(1, 0, bars%has_half), &
+         merge(1, 0, bars%has_quarter), &
+         merge(1, 0, bars%forecast%is_known)], new_label('whether there are figures on n/2, '// &
+            'on n/4 intervals, a forecast', '1'))
+      call write_dataset(file, '/companions/traits', &
+         [real(wp) :: merge(1, 0, bars%is_first_order), bars%starving], &
          new_label('is of first order in time, starving', '1'))
       associate (f => bars%forecast)
-         if (f%is_known) call write_dataset(file, '/companions/forecast', [f%pilot, f%pilot_error, f%error, f%shift], &
-            new_label('figures of a pilot, their errors; errors of the run, what leads to the limits', '1'))
+         if (f%is_known) call write_dataset(file, '/companions/forecast', &
+            [f%pilot, f%pilot_error, f%error, f%shift], &
+            new_label('figures of a pilot, their errors; errors of the run, what leads to the '// &
+               'limits', '1'))
       end associate
-      if (bars%has_half) call write_dataset(file, '/companions/half', summary_numbers(bars%half), new_label('as summary', '1'))
-      if (bars%has_quarter) call write_dataset(file, '/companions/quarter', summary_numbers(bars%quarter), &
+      if (bars%has_half) call write_dataset(file, '/companions/half', summary_numbers(bars%half), &
+         new_label('as summary', '1'))
+      if (bars%has_quarter) call write_dataset(file, '/companions/quarter', &
+         summary_numbers(bars%quarter), &
          new_label('as summary', '1'))
    end subroutine write_bars
 
@@ -148,7 +164,8 @@ contains
       bars%starving = traits(2)
       if (bars%forecast%is_known) then
          forecast = reshape(reader%reals('/companions/forecast'), shape(forecast), pad=[0.0_wp])
-         bars%forecast = forecast_t(.true., forecast(:, 1), forecast(:, 2), forecast(:, 3), forecast(:, 4))
+         bars%forecast = forecast_t(.true., forecast(:, 1), forecast(:, 2), forecast(:, 3), &
+            forecast(:, 4))
       end if
       if (bars%has_half) bars%half = summary_from(reader%reals('/companions/half'))
       if (bars%has_quarter) bars%quarter = summary_from(reader%reals('/companions/quarter'))
@@ -159,12 +176,17 @@ contains
       type(hdf5_file_t), intent(inout) :: file
       type(march_state_t), intent(in) :: march
 
-      call write_dataset(file, '/march/step', int(march%step, int64), new_label('time steps done', '1'))
-      call write_dataset(file, '/march/size', int(march%size, int64), new_label('solutions kept', '1'))
-      call write_dataset(file, '/march/pressure', march%pressure, new_label('P of the last solutions, newest first', '1'))
-      call write_dataset(file, '/march/rigid_displacement', march%rigid_displacement, new_label('H0 of the same', '1'))
+      call write_dataset(file, '/march/step', int(march%step, int64), &
+         new_label('time steps done', '1'))
+      call write_dataset(file, '/march/size', int(march%size, int64), new_label('solutions kept', &
+         '1'))
+      call write_dataset(file, '/march/pressure', march%pressure, &
+         new_label('P of the last solutions, newest first', '1'))
+      call write_dataset(file, '/march/rigid_displacement', march%rigid_displacement, &
+         new_label('H0 of the same', '1'))
       call write_dataset(file, '/march/lengths', march%lengths, new_label('time between them', '1'))
-      call write_dataset(file, '/march/way', int(march%way, int64), new_label('way of solution of the newest', '1'))
+      call write_dataset(file, '/march/way', int(march%way, int64), &
+         new_label('way of solution of the newest', '1'))
       call write_dataset(file, '/march/mass', march%mass, new_label('rho H of the last two', '1'))
       call write_dataset(file, '/march/film', march%film, new_label('H of the newest', '1'))
    end subroutine write_march
@@ -174,20 +196,32 @@ contains
       type(hdf5_file_t), intent(inout) :: file
       type(report_t), intent(in) :: report
 
-      call write_dataset(file, '/report/method', report%method, new_label('method of solution', '1'))
-      call write_dataset(file, '/report/residual_history', report%residual_history(), new_label('after each cycle', '1'))
-      call write_dataset(file, '/report/load_error_history', report%load_error_history(), new_label('after each cycle', '1'))
+      call write_dataset(file, '/report/method', report%method, new_label('method of solution', &
+         '1'))
+      call write_dataset(file, '/report/residual_history', report%residual_history(), &
+         new_label('after each cycle', '1'))
+      call write_dataset(file, '/report/load_error_history', report%load_error_history(), &
+         new_label('after each cycle', '1'))
       associate (b => report%breakdown)
-         call write_dataset(file, '/report/breakdown', [real(wp) :: b%count, b%step, b%time, b%position, b%film, &
-            b%smallest_film], new_label('films below the floor: how often; step, time, place and film of the first; smallest', '1'))
+         call write_dataset(file, '/report/breakdown', [real(wp) :: b%count, b%step, b%time, &
+            b%position, b%film, &
+            b%smallest_film], new_label('films below the floor: how often; step, time, place '// &
+               'and film of the first; smallest', '1'))
       end associate
-      call write_dataset(file, '/report/outlet_pressure', report%outlet_pressure, new_label('largest P before the outlet', '1'))
-      call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, new_label('bound', '1'))
-      call write_dataset(file, '/report/uncut_steps', int(report%uncut_steps, int64), new_label('steps taken whole', '1'))
-      call write_dataset(file, '/report/work_units', report%work_units, new_label('sweeps of the finest level', '1'))
-      call write_dataset(file, '/report/fft_pairs', report%fft_pairs, new_label('pairs of transforms', '1'))
-      call write_dataset(file, '/report/wall_seconds', report%wall_seconds, new_label('wall time so far', 's'))
-      call write_dataset(file, '/report/phase_seconds', report%phase_seconds, new_label('wall time by phase', 's'))
+      call write_dataset(file, '/report/outlet_pressure', report%outlet_pressure, &
+         new_label('largest P before the outlet', '1'))
+      call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, &
+         new_label('bound', '1'))
+      call write_dataset(file, '/report/uncut_steps', int(report%uncut_steps, int64), &
+         new_label('steps taken whole', '1'))
+      call write_dataset(file, '/report/work_units', report%work_units, &
+         new_label('sweeps of the finest level', '1'))
+      call write_dataset(file, '/report/fft_pairs', report%fft_pairs, &
+         new_label('pairs of transforms', '1'))
+      call write_dataset(file, '/report/wall_seconds', report%wall_seconds, &
+         new_label('wall time so far', 's'))
+      call write_dataset(file, '/report/phase_seconds', report%phase_seconds, &
+         new_label('wall time by phase', 's'))
    end subroutine write_report_so_far
 
    !> The series in NAME.part.
@@ -195,9 +229,12 @@ contains
       type(hdf5_file_t), intent(inout) :: file
       type(part_t), intent(in) :: part
 
-      call write_dataset(file, '/part/records', int(part%records, int64), new_label('stored time steps and profiles', '1'))
-      call write_dataset(file, '/part/places', [part%places], new_label('places of numbers and of their count, each series', 'B'))
-      call write_dataset(file, '/part/checksums', part%digits, new_label('checksums of the series', '1'))
+      call write_dataset(file, '/part/records', int(part%records, int64), &
+         new_label('stored time steps and profiles', '1'))
+      call write_dataset(file, '/part/places', [part%places], &
+         new_label('places of numbers and of their count, each series', 'B'))
+      call write_dataset(file, '/part/checksums', part%digits, &
+         new_label('checksums of the series', '1'))
    end subroutine write_part
 
    !> The series in NAME.part.
@@ -212,7 +249,8 @@ contains
       part%digits = reader%text('/part/checksums')
    end subroutine read_part
 
-   !> Reads the checkpoint `path` for the case `case`. Error: it is damaged, of another version or of another case.
+   !> Reads the checkpoint `path` for the case `case`. Error: it is damaged, of another version or
+   !> of another case.
    subroutine read_checkpoint(path, case, checkpoint, error)
       character(*), intent(in) :: path
       character(*), intent(in) :: case
@@ -259,9 +297,12 @@ contains
       difference = ''
       version = reader%text_attribute('/', 'version')
       commit = reader%text_attribute('/', 'git_commit')
-      if (reader%integer_attribute('/', 'checkpoint_format') /= format_number .or. version /= program_version &
-         .or. commit /= git_commit()) difference = ' was written by another version, '//program_name//' '//version// &
-         ' (commit '//commit//'), this is '//program_version//' (commit '//git_commit()//')'//way_out
+      if (reader%integer_attribute('/', 'checkpoint_format') /= format_number &
+         .or. version /= program_version &
+         .or. commit /= git_commit()) difference = ' was written by another version, ' &
+            //program_name//' '//version// &
+         ' (commit '//commit//'), this is '//program_version//' (commit '//git_commit()//')' &
+            //way_out
       if (allocated(reader%failure)) difference = ''
    end function other_version
 
@@ -312,7 +353,8 @@ contains
       rigid_displacement = reader%reals('/march/rigid_displacement')
       lengths = reader%reals('/march/lengths')
       n = size(film) - 1
-      if (size(pressure) /= 3*size(film) .or. size(mass) /= 2*size(film) .or. size(rigid_displacement) /= 3 &
+      if (size(pressure) /= 3*size(film) .or. size(mass) /= 2*size(film) &
+         .or. size(rigid_displacement) /= 3 &
          .or. size(lengths) /= 2) then
          call reader%check(-1, 'solutions of different lengths')
          return
@@ -356,7 +398,8 @@ contains
       real(wp), intent(in) :: numbers(:)
       type(breakdown_t) :: breakdown
 
-      if (size(numbers) == 6) breakdown = breakdown_t(nint(numbers(1)), .false., nint(numbers(2)), numbers(3), numbers(4), &
+      if (size(numbers) == 6) breakdown = breakdown_t(nint(numbers(1)), .false., &
+         nint(numbers(2)), numbers(3), numbers(4), &
          numbers(5), numbers(6))
    end function breakdown_from
 

@@ -19,13 +19,14 @@ module dry_result
    !> Levels of the bearing curves, and steps of the height densities.
    integer, parameter :: bearing_levels = 201, density_steps = 50
    !> Figures of /sweep that /summary has of the last load.
-   character(len=21), parameter :: summary_names(*) = [character(len=21) :: 'p_max', 'contact_area_fraction', &
+   character(len=21), parameter :: summary_names(*) = [character(len=21) :: 'p_max', &
+      'contact_area_fraction', &
       'plastic_area_fraction', 'mean_separation']
 
 contains
 
-   !> Writes the figures of every load with their estimated `errors` (none: not estimated) and the fields of the last. Fails
-   !> (internal_error) if FFTW does.
+   !> Writes the figures of every load with their estimated `errors` (none: not estimated) and the
+   !> fields of the last. Fails (internal_error) if FFTW does.
    subroutine write_dry_result(file, dry, rows, errors, fields, error)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
@@ -38,12 +39,17 @@ contains
       call write_attribute(file, '/scaling', 'reduced_modulus_units', 'Pa')
       call write_fields(file, dry, fields)
       call write_sweep(file, dry, rows, errors)
-      call write_roughness(file, 'ra', 'arithmetic mean height', 'm', rows%undeformed%ra, rows%loaded%ra, rows%unloaded%ra)
-      call write_roughness(file, 'rq', 'rms height', 'm', rows%undeformed%rq, rows%loaded%rq, rows%unloaded%rq)
+      call write_roughness(file, 'ra', 'arithmetic mean height', 'm', rows%undeformed%ra, &
+         rows%loaded%ra, rows%unloaded%ra)
+      call write_roughness(file, 'rq', 'rms height', 'm', rows%undeformed%rq, rows%loaded%rq, &
+         rows%unloaded%rq)
       call write_roughness(file, 'rz', trim(merge('highest less lowest, mean of five parts', &
-         'highest less lowest                    ', dry%grid%ny == 1)), 'm', rows%undeformed%rz, rows%loaded%rz, rows%unloaded%rz)
-      call write_roughness(file, 'rsk', 'skewness', '1', rows%undeformed%rsk, rows%loaded%rsk, rows%unloaded%rsk)
-      call write_roughness(file, 'rku', 'kurtosis', '1', rows%undeformed%rku, rows%loaded%rku, rows%unloaded%rku)
+         'highest less lowest                    ', dry%grid%ny == 1)), 'm', rows%undeformed%rz, &
+            rows%loaded%rz, rows%unloaded%rz)
+      call write_roughness(file, 'rsk', 'skewness', '1', rows%undeformed%rsk, rows%loaded%rsk, &
+         rows%unloaded%rsk)
+      call write_roughness(file, 'rku', 'kurtosis', '1', rows%undeformed%rku, rows%loaded%rku, &
+         rows%unloaded%rku)
       call write_surface(file, dry, fields, error)
    end subroutine write_dry_result
 
@@ -53,16 +59,21 @@ contains
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
 
-      call write_dataset(file, '/solution/x', node_positions(dry%grid%nx, dry%lengths(1), dry%is_periodic), &
+      call write_dataset(file, '/solution/x', node_positions(dry%grid%nx, dry%lengths(1), &
+         dry%is_periodic), &
          new_label('position', 'm'))
       if (dry%grid%ny > 1) call write_dataset(file, '/solution/y', &
-         node_positions(dry%grid%ny, dry%lengths(2), dry%is_periodic), new_label('position across', 'm'))
+         node_positions(dry%grid%ny, dry%lengths(2), dry%is_periodic), &
+            new_label('position across', 'm'))
       call write_field('pressure', fields%pressure, 'contact pressure', 'Pa')
       call write_field('gap', fields%gap, 'gap between the surfaces', 'm')
-      call write_field('height_undeformed', fields%height_undeformed, 'composite height before loading', 'm')
+      call write_field('height_undeformed', fields%height_undeformed, &
+         'composite height before loading', 'm')
       call write_field('height_loaded', fields%height_loaded, 'composite height under load', 'm')
-      call write_field('height_unloaded', fields%height_unloaded, 'composite height after unloading', 'm')
-      call write_field('plastic_deformation', fields%plastic_deformation, 'plastic deformation', 'm')
+      call write_field('height_unloaded', fields%height_unloaded, &
+         'composite height after unloading', 'm')
+      call write_field('plastic_deformation', fields%plastic_deformation, 'plastic deformation', &
+         'm')
 
    contains
 
@@ -74,7 +85,8 @@ contains
          if (dry%grid%ny == 1) then
             call write_dataset(file, '/solution/' // name, values, new_label(long_name, units))
          else
-            call write_dataset(file, '/solution/' // name, reshape(values, [dry%grid%nx, dry%grid%ny]), &
+            call write_dataset(file, '/solution/' // name, &
+               reshape(values, [dry%grid%nx, dry%grid%ny]), &
                new_label(long_name, units))
          end if
       end subroutine write_field
@@ -93,31 +105,41 @@ contains
       load_unit = trim(merge('N/m', 'N  ', is_line))
       energy_unit = trim(merge('J/m', 'J  ', is_line))
       if (allocated(dry%loads%separation)) then
-         call write_estimated('mean_pressure', rows%mean_pressure, errors%mean_pressure, 'load over nominal area', 'Pa')
+         call write_estimated('mean_pressure', rows%mean_pressure, errors%mean_pressure, &
+            'load over nominal area', 'Pa')
          call write_estimated('load', rows%load, errors%load, 'load', load_unit)
       else
          call write_column('mean_pressure', rows%mean_pressure, 'load over nominal area', 'Pa')
          call write_column('load', rows%load, 'load', load_unit)
       end if
-      call write_estimated('contact_area_fraction', rows%contact_area_fraction, errors%contact_area_fraction, &
+      call write_estimated('contact_area_fraction', rows%contact_area_fraction, &
+         errors%contact_area_fraction, &
          'nodes with p > 0 over all', '1')
-      if (.not. is_line) call write_estimated('contact_area_fraction_corrected', rows%contact_area_corrected, &
-         errors%contact_area_corrected, 'contact area less (pi - 1 + ln 2)/24 of its perimeter', '1')
-      call write_estimated('plastic_area_fraction', rows%plastic_area_fraction, errors%plastic_area_fraction, &
+      if (.not. is_line) call write_estimated('contact_area_fraction_corrected', &
+         rows%contact_area_corrected, &
+         errors%contact_area_corrected, 'contact area less (pi - 1 + ln 2)/24 of its perimeter', &
+            '1')
+      call write_estimated('plastic_area_fraction', rows%plastic_area_fraction, &
+         errors%plastic_area_fraction, &
          'nodes with p = hardness over all', '1')
-      call write_estimated('plasticity_index', rows%plasticity_index, errors%plasticity_index, 'plastic over contact area', '1')
+      call write_estimated('plasticity_index', rows%plasticity_index, errors%plasticity_index, &
+         'plastic over contact area', '1')
       call write_estimated('mean_separation', rows%mean_separation, errors%mean_separation, &
          'plane to mean of the loaded surface', 'm')
       if (dry%is_periodic) then
-         call write_estimated('separation', rows%separation, errors%separation, 'plane to mean of the undeformed surface', 'm')
+         call write_estimated('separation', rows%separation, errors%separation, &
+            'plane to mean of the undeformed surface', 'm')
       else if (.not. is_line) then
-         call write_estimated('separation', rows%separation, errors%separation, 'approach of the bodies since first touch', 'm')
+         call write_estimated('separation', rows%separation, errors%separation, &
+            'approach of the bodies since first touch', 'm')
       end if
-      call write_estimated('datum', rows%datum, errors%datum, 'mean of deflection less height where 0 < p < hardness', 'm')
+      call write_estimated('datum', rows%datum, errors%datum, &
+         'mean of deflection less height where 0 < p < hardness', 'm')
       call write_estimated('p_max', rows%p_max, errors%p_max, 'largest pressure', 'Pa')
       call write_estimated('dp_max', rows%dp_max, errors%dp_max, 'largest plastic deformation', 'm')
       call write_estimated('dp_mean', rows%dp_mean, errors%dp_mean, 'mean plastic deformation', 'm')
-      call write_estimated('elastic_energy', rows%elastic_energy, errors%elastic_energy, 'stored elastic energy', energy_unit)
+      call write_estimated('elastic_energy', rows%elastic_energy, errors%elastic_energy, &
+         'stored elastic energy', energy_unit)
       call write_estimated('dissipated_energy', rows%dissipated_energy, errors%dissipated_energy, &
          'energy dissipated by plastic deformation', energy_unit)
       call write_column('kkt', rows%kkt, 'violation of the contact conditions', '1')
@@ -151,13 +173,15 @@ contains
          end if
          call write_column(name, values, long_name, units)
          call write_attribute(file, '/sweep/' // name, 'error_estimate', known)
-         if (.not. all(ieee_is_finite(known))) call write_attribute(file, '/sweep/' // name, 'no_estimate', missing)
+         if (.not. all(ieee_is_finite(known))) call write_attribute(file, '/sweep/' // name, &
+            'no_estimate', missing)
          if (.not. any(summary_names == name)) return
          associate (last => size(values))
             call write_dataset(file, '/summary/' // name, values(last), new_label(long_name, units))
             call write_attribute(file, '/summary/' // name, 'units', units)
             call write_attribute(file, '/summary/' // name, 'error_estimate', known(last))
-            if (.not. ieee_is_finite(known(last))) call write_attribute(file, '/summary/' // name, 'no_estimate', missing)
+            if (.not. ieee_is_finite(known(last))) call write_attribute(file, &
+               '/summary/' // name, 'no_estimate', missing)
          end associate
       end subroutine write_estimated
 
@@ -171,14 +195,18 @@ contains
       real(wp) :: copy(size(loaded))
 
       copy = undeformed
-      call write_dataset(file, '/sweep/' // name // '_undeformed', copy, new_label(long_name // ' before loading', units))
+      call write_dataset(file, '/sweep/' // name // '_undeformed', copy, &
+         new_label(long_name // ' before loading', units))
       copy = loaded
-      call write_dataset(file, '/sweep/' // name // '_loaded', copy, new_label(long_name // ' under load', units))
+      call write_dataset(file, '/sweep/' // name // '_loaded', copy, &
+         new_label(long_name // ' under load', units))
       copy = unloaded
-      call write_dataset(file, '/sweep/' // name // '_unloaded', copy, new_label(long_name // ' after unloading', units))
+      call write_dataset(file, '/sweep/' // name // '_unloaded', copy, &
+         new_label(long_name // ' after unloading', units))
    end subroutine write_roughness
 
-   !> /surface: slope, curvature, bearing curves, height density and spectrum of the undeformed, loaded and unloaded surface.
+   !> /surface: slope, curvature, bearing curves, height density and spectrum of the undeformed,
+   !> loaded and unloaded surface.
    subroutine write_surface(file, dry, fields, error)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
@@ -191,10 +219,13 @@ contains
          lowest = minval(z)
          highest = maxval(z)
       end associate
-      levels = [(lowest + (highest - lowest)*real(i, wp)/(bearing_levels - 1), i=0, bearing_levels - 1)]
+      levels = [(lowest + (highest - lowest)*real(i, wp)/(bearing_levels - 1), i=0, &
+         bearing_levels - 1)]
       edges = [(lowest + (highest - lowest)*real(i, wp)/density_steps, i=0, density_steps)]
-      call write_dataset(file, '/surface/level', levels, new_label('height of the bearing curves', 'm'))
-      call write_dataset(file, '/surface/density_edge', edges, new_label('ends of the steps of the height densities', 'm'))
+      call write_dataset(file, '/surface/level', levels, new_label('height of the bearing '// &
+         'curves', 'm'))
+      call write_dataset(file, '/surface/density_edge', edges, &
+         new_label('ends of the steps of the height densities', 'm'))
       call write_state(file, dry, 'undeformed', fields%height_undeformed, levels, edges, error)
       if (allocated(error)) return
       call write_state(file, dry, 'loaded', fields%height_loaded, levels, edges, error)
@@ -221,8 +252,10 @@ contains
       dy = dx
       if (dry%grid%ny > 1) dy = dry%lengths(2)/dry%grid%ny
       map = reshape(z, [dry%grid%nx, dry%grid%ny])
-      call write_dataset(file, '/surface/rms_slope_' // state, rms_slope(map, dx, dy), new_label('rms slope', '1'))
-      call write_dataset(file, '/surface/rms_curvature_' // state, rms_curvature(map, dx, dy), new_label('rms curvature', '1/m'))
+      call write_dataset(file, '/surface/rms_slope_' // state, rms_slope(map, dx, dy), &
+         new_label('rms slope', '1'))
+      call write_dataset(file, '/surface/rms_curvature_' // state, rms_curvature(map, dx, dy), &
+         new_label('rms curvature', '1/m'))
       call power_spectrum(map, power, error)
       if (allocated(error)) return
       call write_dataset(file, '/surface/power_' // state, power, &

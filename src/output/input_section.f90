@@ -16,7 +16,8 @@ module input_section
 
 contains
 
-   !> /input/effective/<group>/<key>: numbers if the value has a unit ('-': a pure number) and reads as such, else text.
+   !> /input/effective/<group>/<key>: numbers if the value has a unit ('-': a pure number) and reads
+   !> as such, else text.
    subroutine write_input(file, entry, scaling)
       class(hdf5_file_t), intent(inout) :: file
       type(effective_t), intent(in) :: entry
@@ -28,7 +29,8 @@ contains
       path = '/input/effective/'//entry%group//'/'//entry%key
       label = new_label('&'//entry%group//' '//entry%key, '1')
       if (entry%unit == 'half-widths') then
-         label = quantity_label(label%long_name//', in half-widths', 'm', scaling%half_width, scaling)
+         label = quantity_label(label%long_name//', in half-widths', 'm', scaling%half_width, &
+            scaling)
       else if (entry%unit /= '' .and. entry%unit /= '-') then
          label%si_units = entry%unit
       end if

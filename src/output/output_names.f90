@@ -1,11 +1,12 @@
-!> Whether the results of a call can have their names: no result may take the place of an input, of another result, or of a file
-!> that is no result. What is compared are files, not paths: device and inode behind all links, or folder and name of what is not
-!> there yet.
+!> Whether the results of a call can have their names: no result may take the place of an input, of
+!> another result, or of a file that is no result. What is compared are files, not paths: device and
+!> inode behind all links, or folder and name of what is not there yet.
 module output_names
    use build_info, only: program_name
    use case_record, only: beside_namelist, case_t, effective_t, result_path
    use errors, only: error_t
-   use file_identity, only: file_identity_t, is_same_file, kind_folder, kind_missing, kind_regular, look_at_file
+   use file_identity, only: file_identity_t, is_same_file, kind_folder, kind_missing, &
+      kind_regular, look_at_file
    use file_seal, only: has_seal
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    implicit none (type, external)
@@ -14,7 +15,8 @@ module output_names
    public :: folder_of, output_findings, working_endings
 
    !> What is written beside a result while it is made.
-   character(len=9), parameter :: working_endings(*) = [character(len=9) :: '.part', '.tmp', '.ckpt', '.ckpt.tmp']
+   character(len=9), parameter :: working_endings(*) = [character(len=9) :: '.part', '.tmp', &
+      '.ckpt', '.ckpt.tmp']
 
    !> An input or output, there or not yet.
    type :: place_t
@@ -30,7 +32,8 @@ module output_names
 
 contains
 
-   !> All that speaks against the results of `cases` in the folder `output_dir` (empty: where the cases say), a line each.
+   !> All that speaks against the results of `cases` in the folder `output_dir` (empty: where the
+   !> cases say), a line each.
    function output_findings(cases, output_dir) result(problems)
       type(case_t), intent(in) :: cases(:)
       character(*), intent(in) :: output_dir
@@ -56,7 +59,8 @@ contains
       type(place_t), allocatable :: places(:)
       integer :: i, j, next
 
-      allocate (places(size(cases) + sum([(count(is_file_name(cases(i)%effective)), i=1, size(cases))])))
+      allocate (places(size(cases) + sum([(count(is_file_name(cases(i)%effective)), i=1, &
+         size(cases))])))
       next = 0
       do i = 1, size(cases)
          next = next + 1
@@ -64,7 +68,8 @@ contains
          values: do j = 1, size(cases(i)%effective)
             if (.not. is_file_name(cases(i)%effective(j))) cycle values
             next = next + 1
-            places(next) = new_place(beside_namelist(cases(i), trim(cases(i)%effective(j)%value)), 'height file', i)
+            places(next) = new_place(beside_namelist(cases(i), &
+               trim(cases(i)%effective(j)%value)), 'height file', i)
          end do values
       end do
    end function inputs_of
@@ -117,11 +122,12 @@ contains
       logical :: is_same
 
       is_same = is_same_file(one%file, other%file) .or. one%path == other%path
-      if (.not. is_same .and. one%name == other%name) is_same = is_same_file(one%folder, other%folder)
+      if (.not. is_same .and. one%name == other%name) is_same = is_same_file(one%folder, &
+         other%folder)
    end function is_same_place
 
-   !> What speaks first against output `number`; empty: nothing. Of two outputs in one place the later is told, and only a result
-   !> can be in the way of another one's files.
+   !> What speaks first against output `number`; empty: nothing. Of two outputs in one place the
+   !> later is told, and only a result can be in the way of another one's files.
    function first_finding(outputs, number, inputs, cases) result(found)
       type(place_t), intent(in) :: outputs(:), inputs(:)
       integer, intent(in) :: number
@@ -133,7 +139,8 @@ contains
       associate (output => outputs(number))
          do i = 1, size(inputs)
             if (.not. is_same_place(output, inputs(i))) cycle
-            found = 'found the '//trim(inputs(i)%what)//' '//inputs(i)%path//' as its '//trim(output%what)// &
+            found = 'found the '//trim(inputs(i)%what)//' '//inputs(i)%path//' as its ' &
+               //trim(output%what)// &
                ', expected another &case output'
             return
          end do
@@ -141,16 +148,20 @@ contains
             if (outputs(i)%owner == output%owner) cycle
             if (output%what /= 'result' .and. outputs(i)%what /= 'result') cycle
             if (.not. is_same_place(output, outputs(i))) cycle
-            found = 'found the '//trim(output%what)//' '//output%path//', which is also that of '// &
+            found = 'found the '//trim(output%what)//' '//output%path &
+               //', which is also that of '// &
                cases(outputs(i)%owner)%file//', expected different names'
             return
          end do
-         if (output%what == 'result' .and. .not. is_replaceable(output)) found = 'found '//output%path// &
-            ' as its result, which is there and no result of '//program_name//', expected another &case output (or remove it)'
+         if (output%what == 'result' .and. .not. is_replaceable(output)) found = 'found ' &
+            //output%path// &
+            ' as its result, which is there and no result of '//program_name &
+               //', expected another &case output (or remove it)'
       end associate
    end function first_finding
 
-   !> Whether a result may take this place: nothing is there, or an older result. (A folder stops its own case only, later.)
+   !> Whether a result may take this place: nothing is there, or an older result. (A folder stops
+   !> its own case only, later.)
    function is_replaceable(place) result(answer)
       type(place_t), intent(in) :: place
       logical :: answer
@@ -178,12 +189,14 @@ contains
    function has_hdf5_signature(path) result(answer)
       character(*), intent(in) :: path
       logical :: answer
-      character(len=*), parameter :: signature = char(137)//'HDF'//achar(13)//achar(10)//achar(26)//achar(10)
+      character(len=*), parameter :: signature = char(137)//'HDF'//achar(13)//achar(10)//achar(26) &
+         //achar(10)
       character(len=len(signature)) :: beginning
       integer :: unit, status
 
       answer = .false.
-      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=status)
+      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', &
+         status='old', iostat=status)
       if (status /= 0) return
       read (unit, iostat=status) beginning
       answer = status == 0

@@ -1,7 +1,9 @@
-!> What the user sees while a case runs and when it is done: the only module under src/ that prints, on standard error.
+!> What the user sees while a case runs and when it is done: the only module under src/ that prints,
+!> on standard error.
 !>
-!> On a terminal one line that is updated; in a log few plain lines; with `is_quiet` nothing but what went wrong.
-!> A closed standard error is no reason to stop: the status of a write is dropped on purpose.
+!> On a terminal one line that is updated; in a log few plain lines; with `is_quiet` nothing but
+!> what went wrong. A closed standard error is no reason to stop: the status of a write is dropped
+!> on purpose.
 module progress_log
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: error_unit, int64
@@ -89,7 +91,8 @@ contains
       self%first_step = -1
    end subroutine start_case
 
-   !> In a log cycles 1, 2, 4, 8, ..., and after a long silence; on a terminal each, but not more than ten a second.
+   !> In a log cycles 1, 2, 4, 8, ..., and after a long silence; on a terminal each, but not more
+   !> than ten a second.
    subroutine on_cycle(self, cycle, residual, load_error)
       class(progress_log_t), intent(inout) :: self
       integer, intent(in) :: cycle
@@ -99,13 +102,16 @@ contains
 
       if (self%is_quiet) return
       is_due = popcnt(cycle) == 1 .or. wall_seconds() - self%last_line >= log_seconds
-      if (self%is_updating) is_due = cycle == 1 .or. wall_seconds() - self%last_line >= update_seconds
+      if (self%is_updating) is_due = cycle == 1 .or. wall_seconds() &
+         - self%last_line >= update_seconds
       if (.not. is_due) return
-      call self%update('cycle '//number_text(real(cycle, wp), 9)//'  residual '//number_text(residual, 3)// &
+      call self%update('cycle '//number_text(real(cycle, wp), 9)//'  residual ' &
+         //number_text(residual, 3)// &
                        '  load error '//number_text(load_error, 3))
    end subroutine on_cycle
 
-   !> In a log every tenth of the way, and after a long silence; on a terminal each step, but not more than ten a second.
+   !> In a log every tenth of the way, and after a long silence; on a terminal each step, but not
+   !> more than ten a second.
    subroutine on_step(self, step, steps, state, report)
       class(progress_log_t), intent(inout) :: self
       integer, intent(in) :: step
@@ -159,14 +165,17 @@ contains
       real(wp) :: remaining, h_min
 
       h_min = parabola_minimum(state%film_thickness)
-      remaining = (wall_seconds() - log%steps_start)*real(steps - step, wp)/real(step - log%first_step, wp)
-      line = 'step '//number_text(real(step, wp), 9)//'/'//number_text(real(steps, wp), 9)//'  T '//number_text(state%time, 4)
+      remaining = (wall_seconds() - log%steps_start)*real(steps - step, &
+         wp)/real(step - log%first_step, wp)
+      line = 'step '//number_text(real(step, wp), 9)//'/'//number_text(real(steps, wp), 9)//'  T ' &
+         //number_text(state%time, 4)
       if (log%scaling%is_dimensional) then
          line = line//'  h_min '//prefixed_text(h_min*log%scaling%film, 'm')
       else
          line = line//'  H_min '//number_text(h_min, 4)
       end if
-      if (report%residual > report%tolerance_effective) line = line//'  residual '//number_text(report%residual, 2)
+      if (report%residual > report%tolerance_effective) line = line//'  residual ' &
+         //number_text(report%residual, 2)
       line = line//'  '//duration_text(remaining)//' left'
    end function step_text
 
@@ -182,19 +191,24 @@ contains
       call self%clear()
       outcome = self%name//': converged'
       if (.not. report%converged) outcome = self%name//': NOT CONVERGED'
-      if (.not. report%converged .and. allocated(report%reason)) outcome = outcome//': '//trim(report%reason)
+      if (.not. report%converged .and. allocated(report%reason)) outcome = outcome//': ' &
+         //trim(report%reason)
       if (report%converged .or. .not. self%is_quiet) then
          outcome = outcome//', '//number_text(real(report%cycles, wp), 9)//' cycles'
-         if (report%steps > 0) outcome = outcome//' in '//number_text(real(report%steps, wp), 9)//' time steps'
-         if (report%uncut_steps > 0) outcome = outcome//' ('//number_text(real(report%uncut_steps, wp), 9)// &
+         if (report%steps > 0) outcome = outcome//' in '//number_text(real(report%steps, wp), 9) &
+            //' time steps'
+         if (report%uncut_steps > 0) outcome = outcome//' (' &
+            //number_text(real(report%uncut_steps, wp), 9)// &
             ' of the start not cut into parts)'
          outcome = outcome//', '//number_text(report%wall_seconds, 3)//' s'
       end if
-      if (.not. report%converged .or. .not. self%is_quiet) call self%write_line(wrapped(outcome, columns))
+      if (.not. report%converged .or. .not. self%is_quiet) call self%write_line(wrapped(outcome, &
+         columns))
       if (.not. self%is_quiet) call self%write_table(summary, report, path, times)
    end subroutine close_case
 
-   !> The closing table: figures in SI and dimensionless with their errors, residuals, the cost of the inlet, the file.
+   !> The closing table: figures in SI and dimensionless with their errors, residuals, the cost of
+   !> the inlet, the file.
    subroutine write_table(self, summary, report, path, times)
       class(progress_log_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: summary
@@ -206,14 +220,19 @@ contains
          call self%write_line('            SI              dimensionless')
          call self%write_line(figure_line('h_min', summary%h_min, self%scaling%film, 'm'))
          call self%write_line(figure_line('h_c', summary%h_central, self%scaling%film, 'm'))
-         call self%write_line(figure_line('p_max', summary%p_max, self%scaling%hertz_pressure, 'Pa'))
+         call self%write_line(figure_line('p_max', summary%p_max, self%scaling%hertz_pressure, &
+            'Pa'))
          call self%write_line('  residual  '//number_text(report%residual, 2)//'   load error '// &
-                              number_text(report%load_error, 2)//'   bound '//number_text(report%tolerance_effective, 2))
+                              number_text(report%load_error, 2)//'   bound ' &
+                                 //number_text(report%tolerance_effective, 2))
       end if
-      if (report%inlet_error > telling_inlet_error) call self%write_line('  inlet     starves the film by '// &
-                           number_text(100*report%inlet_error, 2)//' % (x_inlet further out cures it)')
+      if (report%inlet_error > telling_inlet_error) call self%write_line('  inlet     starves '// &
+         'the film by '// &
+                           number_text(100*report%inlet_error, 2) &
+                              //' % (x_inlet further out cures it)')
       if (times%counts_from > 0.0_wp) call self%write_line('  times     '//times_text(times))
-      if (allocated(report%note)) call self%write_line('  '//wrapped('note      '//report%note, columns - 2))
+      if (allocated(report%note)) call self%write_line('  '//wrapped('note      '//report%note, &
+         columns - 2))
       call self%write_line('  result    '//path)
 
    contains
@@ -236,7 +255,8 @@ contains
          else if (ieee_is_finite(summary%h_min%error_estimate)) then
             row(40:) = '+- not known'
          end if
-         if (report%steps > 0 .and. ieee_is_finite(figure%time)) row(53:) = 'at T '//number_text(figure%time, 4)
+         if (report%steps > 0 .and. ieee_is_finite(figure%time)) row(53:) = 'at T ' &
+            //number_text(figure%time, 4)
          line = trim(row)
       end function figure_line
 
@@ -247,9 +267,11 @@ contains
       type(passage_times_t), intent(in) :: times
       character(:), allocatable :: words
 
-      words = 'T '//number_text(times%counts_from, 4)//' to '//number_text(times%end_time, 4)//' count'
+      words = 'T '//number_text(times%counts_from, 4)//' to '//number_text(times%end_time, 4) &
+         //' count'
       if (times%period > 0.0_wp) words = words//', periods of '//number_text(times%period, 4)
-      if (times%settled_from > 0.0_wp) words = words//'; the start is forgotten by T '//number_text(times%settled_from, 4)
+      if (times%settled_from > 0.0_wp) words = words//'; the start is forgotten by T ' &
+         //number_text(times%settled_from, 4)
    end function times_text
 
    !> A line of its own, unless quiet.
@@ -284,7 +306,8 @@ contains
          full = full(:min(len(full), columns - 1))
          call begin_line()
          self%shown = max(self%shown, columns_of_sign())
-         write (self%unit, '(3a)', advance='no', iostat=status) achar(13), full, repeat(' ', max(self%shown - len(full), 0))
+         write (self%unit, '(3a)', advance='no', iostat=status) achar(13), full, &
+            repeat(' ', max(self%shown - len(full), 0))
          flush (self%unit, iostat=status)
          call end_line()
          self%shown = len(full)
@@ -300,7 +323,8 @@ contains
 
       call begin_line()
       self%shown = max(self%shown, columns_of_sign())
-      if (self%shown > 0) write (self%unit, '(3a)', advance='no', iostat=status) achar(13), repeat(' ', self%shown), achar(13)
+      if (self%shown > 0) write (self%unit, '(3a)', advance='no', iostat=status) achar(13), &
+         repeat(' ', self%shown), achar(13)
       self%shown = 0
       call end_line()
    end subroutine clear

@@ -21,13 +21,15 @@ module result_sections
 
 contains
 
-   !> /scaling: reference values as attributes, each with its unit in `<name>_units`; what is unknown is left out.
+   !> /scaling: reference values as attributes, each with its unit in `<name>_units`; what is
+   !> unknown is left out.
    subroutine write_scaling(file, scaling)
       class(hdf5_file_t), intent(inout) :: file
       type(scaling_t), intent(in) :: scaling
 
       call file%create_group('/scaling')
-      call write_attribute(file, '/scaling', 'about', 'reference values; Moes numbers with the mean velocity u_s/2 '// &
+      call write_attribute(file, '/scaling', 'about', 'reference values; Moes numbers with '// &
+         'the mean velocity u_s/2 '// &
                            '(the names in _sum: with u_s = u1 + u2)')
       call write_reference('lambda', scaling%lambda, '1')
       call write_reference('alpha_bar', scaling%alpha_bar, '1')
@@ -35,7 +37,8 @@ contains
       call write_reference('moes_l', scaling%moes_l, '1')
       call write_reference('moes_m_sum', moes_m_sum_from_mean(scaling%moes_m), '1')
       call write_reference('moes_l_sum', scaling%moes_l*2.0_wp**0.25_wp, '1')
-      if (scaling%hertz_pressure > 0.0_wp) call write_reference('hertz_pressure', scaling%hertz_pressure, 'Pa')
+      if (scaling%hertz_pressure > 0.0_wp) call write_reference('hertz_pressure', &
+         scaling%hertz_pressure, 'Pa')
       if (.not. scaling%is_dimensional) return
       call write_reference('half_width', scaling%half_width, 'm')
       call write_reference('reduced_radius', scaling%reduced_radius, 'm')
@@ -71,17 +74,20 @@ contains
       do i = 1, size(field_names)
          values = field_values(trim(field_names(i)), state)
          if (size(values) == 0) cycle
-         call write_dataset(file, '/solution/'//trim(field_names(i)), values, field_label(trim(field_names(i)), scaling))
+         call write_dataset(file, '/solution/'//trim(field_names(i)), values, &
+            field_label(trim(field_names(i)), scaling))
       end do
       call write_dataset(file, '/solution/rigid_displacement', state%rigid_displacement, &
-                         quantity_label('rigid displacement H0 of (2.58); h0 of (2.24) = (b^2/R)(H0 + ln(b)/2), b in m', 'm', &
+                         quantity_label('rigid displacement H0 of (2.58); h0 of (2.24) = '// &
+                            '(b^2/R)(H0 + ln(b)/2), b in m', 'm', &
                                         scaling%film, scaling))
       call write_dataset(file, '/solution/time', state%time, &
-                         quantity_label('time of these fields, T = t u_s/(2 b)', 's', scaling%time, scaling))
+                         quantity_label('time of these fields, T = t u_s/(2 b)', 's', &
+                            scaling%time, scaling))
    end subroutine write_solution
 
-   !> /summary: figures in SI; `is_transient`: extremes over the times that count, each with its time in `<name>_time`; `missing`:
-   !> why a figure whose estimate is NaN has none.
+   !> /summary: figures in SI; `is_transient`: extremes over the times that count, each with its
+   !> time in `<name>_time`; `missing`: why a figure whose estimate is NaN has none.
    subroutine write_summary(file, summary, scaling, is_transient, missing)
       class(hdf5_file_t), intent(inout) :: file
       type(line_summary_t), intent(in) :: summary
@@ -91,21 +97,31 @@ contains
       real(wp) :: moes_unit
 
       call file%create_group('/summary')
-      call write_attribute(file, '/summary', 'about', 'values in their units; attribute dimensionless: the same as H, P, '// &
-                           'X or T; error_estimate: estimated error, the sum of error_grid (grid and time step), '// &
-                           'error_domain (its length), error_iteration and error_start (of a transient); NaN = not '// &
+      call write_attribute(file, '/summary', 'about', 'values in their units; attribute '// &
+         'dimensionless: the same as H, P, '// &
+                           'X or T; error_estimate: estimated error, the sum of error_grid '// &
+                              '(grid and time step), '// &
+                           'error_domain (its length), error_iteration and error_start (of a '// &
+                              'transient); NaN = not '// &
                            'estimated, no_estimate says why')
-      call write_figure('h_min', 'smallest film thickness, parabola through three nodes', summary%h_min, film_label())
-      call write_figure('h_min_node', 'smallest film thickness of a node', summary%h_min_node, film_label())
-      call write_figure('h_central', 'film thickness at X = 0, linear between nodes'//over_time('smallest'), &
+      call write_figure('h_min', 'smallest film thickness, parabola through three nodes', &
+         summary%h_min, film_label())
+      call write_figure('h_min_node', 'smallest film thickness of a node', summary%h_min_node, &
+         film_label())
+      call write_figure('h_central', 'film thickness at X = 0, linear between nodes' &
+         //over_time('smallest'), &
                         summary%h_central, film_label())
-      call write_figure('p_max', 'largest pressure of a node', summary%p_max, field_label('pressure', scaling))
-      call write_figure('x_cavitation', 'last node with P > 0 (extrapolated: exit between nodes)'//over_time('largest'), &
+      call write_figure('p_max', 'largest pressure of a node', summary%p_max, &
+         field_label('pressure', scaling))
+      call write_figure('x_cavitation', 'last node with P > 0 (extrapolated: exit between nodes)' &
+         //over_time('largest'), &
                         summary%x_cavitation, field_label('x', scaling))
       moes_unit = 8.0_wp*scaling%moes_m/pi
-      call write_figure('h_min_moes', "h_min in units of Moes, (h/R) sqrt(E' R/(mu_0 u)), mean velocity u = u_s/2", &
+      call write_figure('h_min_moes', "h_min in units of Moes, (h/R) sqrt(E' R/(mu_0 u)), "// &
+         'mean velocity u = u_s/2', &
                         in_unit(summary%h_min), new_label('', '1'))
-      call write_figure('h_central_moes', "h_central in units of Moes, (h/R) sqrt(E' R/(mu_0 u)), mean velocity u = u_s/2", &
+      call write_figure('h_central_moes', "h_central in units of Moes, (h/R) sqrt(E' R/(mu_0 "// &
+         'u)), mean velocity u = u_s/2', &
                         in_unit(summary%h_central), new_label('', '1'))
 
    contains
@@ -150,12 +166,15 @@ contains
          character(:), allocatable :: path
 
          path = '/summary/'//name
-         call write_dataset(file, path, figure%value*scale%si_scale, new_label(long_name, scale%si_units))
+         call write_dataset(file, path, figure%value*scale%si_scale, &
+            new_label(long_name, scale%si_units))
          call write_attribute(file, path, 'units', scale%si_units)
          call write_attribute(file, path, 'dimensionless', figure%value)
          call write_errors(path, figure, scale%si_scale)
-         if (ieee_is_finite(figure%extrapolated)) call write_extrapolated(path//'_extrapolated', name, figure, scale)
-         if (is_transient .and. index(name, '_moes') == 0) call write_time(path//'_time', name, figure)
+         if (ieee_is_finite(figure%extrapolated)) call write_extrapolated(path//'_extrapolated', &
+            name, figure, scale)
+         if (is_transient .and. index(name, '_moes') == 0) call write_time(path//'_time', name, &
+            figure)
       end subroutine write_figure
 
       !> The estimated error of a figure and its parts.
@@ -169,7 +188,8 @@ contains
          call write_attribute(file, path, 'error_domain', figure%error_domain*si_scale)
          call write_attribute(file, path, 'error_iteration', figure%error_iteration*si_scale)
          call write_attribute(file, path, 'error_start', figure%error_start*si_scale)
-         if (.not. ieee_is_finite(figure%error_estimate)) call write_attribute(file, path, 'no_estimate', missing)
+         if (.not. ieee_is_finite(figure%error_estimate)) call write_attribute(file, path, &
+            'no_estimate', missing)
       end subroutine write_errors
 
       !> What a figure tends to on ever finer grids and time steps.
@@ -180,11 +200,13 @@ contains
          type(label_t), intent(in) :: scale
 
          call write_dataset(file, path, figure%extrapolated*scale%si_scale, &
-                            new_label(name//' by Richardson extrapolation from n and n/2 intervals', scale%si_units))
+                            new_label(name//' by Richardson extrapolation from n and n/2 '// &
+                               'intervals', scale%si_units))
          call write_attribute(file, path, 'units', scale%si_units)
          call write_attribute(file, path, 'dimensionless', figure%extrapolated)
          call write_attribute(file, path, 'error_estimate', figure%error_estimate*scale%si_scale)
-         if (.not. ieee_is_finite(figure%error_estimate)) call write_attribute(file, path, 'no_estimate', missing)
+         if (.not. ieee_is_finite(figure%error_estimate)) call write_attribute(file, path, &
+            'no_estimate', missing)
       end subroutine write_extrapolated
 
       !> When a figure was reached.
@@ -195,11 +217,13 @@ contains
          type(label_t) :: scale
 
          scale = quantity_label('time at which '//name//' was reached', 's', scaling%time, scaling)
-         call write_dataset(file, path, figure%time*scale%si_scale, new_label(scale%long_name, scale%si_units))
+         call write_dataset(file, path, figure%time*scale%si_scale, new_label(scale%long_name, &
+            scale%si_units))
          call write_attribute(file, path, 'units', scale%si_units)
          call write_attribute(file, path, 'dimensionless', figure%time)
          call write_attribute(file, path, 'error_estimate', ieee_value(0.0_wp, ieee_quiet_nan))
-         call write_attribute(file, path, 'no_estimate', 'one of the time steps; from one to another of nearly equal extremes '// &
+         call write_attribute(file, path, 'no_estimate', 'one of the time steps; from one to '// &
+            'another of nearly equal extremes '// &
                               'it jumps, which no grids foretell')
       end subroutine write_time
 
@@ -229,33 +253,45 @@ contains
          phases = phases//', '//trim(phase_names(i))
       end do
       call write_dataset(file, '/report/method', method, new_label('method of solution', '1'))
-      call write_count('cycles', int(report%cycles, int64), 'cycles on the finest level, time steps included')
+      call write_count('cycles', int(report%cycles, int64), &
+         'cycles on the finest level, time steps included')
       call write_count('steps', int(report%steps, int64), 'time steps')
-      call write_count('uncut_steps', int(report%uncut_steps, int64), 'steps of the start taken whole: parts without a solution')
+      call write_count('uncut_steps', int(report%uncut_steps, int64), &
+         'steps of the start taken whole: parts without a solution')
       call write_count('levels', int(report%levels, int64), 'grid levels, the finest counted')
       call write_count('fft_pairs', report%fft_pairs, 'pairs of forward and backward transforms')
       call write_dataset(file, '/report/work_units', report%work_units, &
-                         new_label('sweeps, each weighted by its share of the nodes of the finest level', '1'))
+                         new_label('sweeps, each weighted by its share of the nodes of the '// &
+                            'finest level', '1'))
       call write_dataset(file, '/report/residual', report%residual, &
-                         new_label('last residual, unit of d(rho H)/dX; dry: violation of the contact conditions', '1'))
+                         new_label('last residual, unit of d(rho H)/dX; dry: violation of the '// &
+                            'contact conditions', '1'))
       call write_dataset(file, '/report/load_error', report%load_error, &
                          new_label('last |dX sum P - pi/2|; dry: relative error of the load', '1'))
       call write_dataset(file, '/report/inlet_error', report%inlet_error, &
-                         new_label('relative error of the film thickness because the domain ends at its inlet (estimate)', '1'))
+                         new_label('relative error of the film thickness because the domain '// &
+                            'ends at its inlet (estimate)', '1'))
       call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, &
-                         new_label('bound on residual and load error: max(tolerance, 5 x round-off floor)', '1'))
-      if (report%nodes_per_wave < huge(1.0_wp)) call write_dataset(file, '/report/nodes_per_wave', report%nodes_per_wave, &
+                         new_label('bound on residual and load error: max(tolerance, 5 x '// &
+                            'round-off floor)', '1'))
+      if (report%nodes_per_wave < huge(1.0_wp)) call write_dataset(file, &
+         '/report/nodes_per_wave', report%nodes_per_wave, &
                          new_label('nodes of the grid in the finest wave of the surfaces', '1'))
-      if (report%steps_per_wave < huge(1.0_wp)) call write_dataset(file, '/report/steps_per_wave', report%steps_per_wave, &
-                         new_label('time steps in which the finest moving wave passes a place', '1'))
+      if (report%steps_per_wave < huge(1.0_wp)) call write_dataset(file, &
+         '/report/steps_per_wave', report%steps_per_wave, &
+                         new_label('time steps in which the finest moving wave passes a place', &
+                            '1'))
       if (allocated(report%note)) call write_dataset(file, '/report/note', report%note, &
-                                                     new_label('what should be known about this result', '1'))
+                                                     new_label('what should be known about '// &
+                                                        'this result', '1'))
       call write_dataset(file, '/report/residual_history', report%residual_history(), &
                          new_label('residual after each cycle', '1'))
       call write_dataset(file, '/report/load_error_history', report%load_error_history(), &
                          new_label('load error after each cycle', '1'))
-      call write_dataset(file, '/report/wall_seconds', report%wall_seconds, new_label('wall time of the solution', 's'))
-      call write_dataset(file, '/report/phase_seconds', report%phase_seconds, new_label('wall time of: '//phases, 's'))
+      call write_dataset(file, '/report/wall_seconds', report%wall_seconds, &
+         new_label('wall time of the solution', 's'))
+      call write_dataset(file, '/report/phase_seconds', report%phase_seconds, &
+         new_label('wall time of: '//phases, 's'))
       call write_attribute(file, '/report/phase_seconds', 'phases', phases)
 
    contains

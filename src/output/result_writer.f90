@@ -1,10 +1,11 @@
 !> The result file of a case, from its first line to its final name.
 !>
-!> While the case runs everything goes to NAME.part in the same folder. A steady result is completed there and renamed to NAME.
-!> The time steps of a transient are streamed into it, so that memory does not grow with their number; at the end the
-!> result is put together, compressed, in NAME.tmp, which is then renamed. (NAME.part of a transient comes from NAME.tmp too,
-!> with T = 0 in it, so that it never shows anything that is not there.) An interrupted or failed run leaves an older NAME as
-!> it was.
+!> While the case runs everything goes to NAME.part in the same folder. A steady result is completed
+!> there and renamed to NAME. The time steps of a transient are streamed into it, so that memory
+!> does not grow with their number; at the end the result is put together, compressed, in NAME.tmp,
+!> which is then renamed. (NAME.part of a transient comes from NAME.tmp too, with T = 0 in it, so
+!> that it never shows anything that is not there.) An interrupted or failed run leaves an older
+!> NAME as it was.
 module result_writer
    use breakdown_text, only: write_breakdown
    use build_info, only: git_commit, program_name, program_version
@@ -17,7 +18,8 @@ module result_writer
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: create_hdf5_file, hdf5_file_t
    use input_section, only: write_input
-   use interruption, only: forget_last_words, ignore_file_size_signal, lay_down_last_words, set_patience
+   use interruption, only: forget_last_words, ignore_file_size_signal, lay_down_last_words, &
+      set_patience
    use iteration_report, only: report_t
    use kinds, only: wp
    use life_sign, only: begin_activity
@@ -29,7 +31,8 @@ module result_writer
    use output_names, only: folder_of, working_endings
    use passage_figures, only: passage_figures_t
    use result_labels, only: field_names
-   use result_sections, only: write_report, write_scaling, write_solution, write_summary, write_times
+   use result_sections, only: write_report, write_scaling, write_solution, write_summary, &
+      write_times
    use scaling, only: scaling_t
    use statistics_section, only: write_statistics
    use text, only: to_text
@@ -42,7 +45,8 @@ module result_writer
    !> Longest name of a field.
    integer, parameter, public :: field_name_length = len(field_names)
 
-   !> The file being written. As an observer it stores time steps; `wants_stop` is set when that failed.
+   !> The file being written. As an observer it stores time steps; `wants_stop` is set when that
+   !> failed.
    type, extends(observer_t) :: result_writer_t
       !> Final name.
       character(:), allocatable :: path
@@ -50,7 +54,8 @@ module result_writer
       integer :: profile_stride = 1
       !> Profiles that are stored, names of `field_names`.
       character(len=field_name_length), allocatable :: fields(:)
-      !> Figures of the time steps so far; all of them, or those of a steady solution, when the result is finished.
+      !> Figures of the time steps so far; all of them, or those of a steady solution, when the
+      !> result is finished.
       type(passage_figures_t) :: figures
       type(line_summary_t) :: summary
       !> Companions that tell how far off the figures may be.
@@ -61,8 +66,8 @@ module result_writer
       logical :: has_checkpoint = .false.
       !> Time step of that checkpoint.
       integer, private :: kept_step = -1
-      !> /input/effective, every value as it is used, default or not: stored as numbers if it has a unit ('-': a pure number) and
-      !> reads as such, else as text.
+      !> /input/effective, every value as it is used, default or not: stored as numbers if it has a
+      !> unit ('-': a pure number) and reads as such, else as text.
       type(effective_t), allocatable :: inputs(:)
       !> The open file.
       type(hdf5_file_t) :: file
@@ -91,7 +96,8 @@ module result_writer
       procedure :: publish
       !> Closes NAME.part and leaves it for a later run to go on with.
       procedure :: suspend
-      !> Lays down what happens to the files if the program has to be ended by force; `step`: of the last checkpoint.
+      !> Lays down what happens to the files if the program has to be ended by force; `step`: of the
+      !> last checkpoint.
       procedure :: expect_interruption
       !> The same in words.
       procedure :: interruption_text
@@ -102,8 +108,8 @@ module result_writer
 
 contains
 
-   !> Starts the result `path` under its temporary name; `error` says why that cannot be. A checkpoint of an earlier run is
-   !> removed.
+   !> Starts the result `path` under its temporary name; `error` says why that cannot be. A
+   !> checkpoint of an earlier run is removed.
    subroutine open_result(writer, path, error)
       type(result_writer_t), intent(out) :: writer
       character(*), intent(in) :: path
@@ -117,8 +123,8 @@ contains
       if (allocated(error)) call give_back(writer, is_complete=.false.)
    end subroutine open_result
 
-   !> Goes on with the result `path` of an interrupted run, with what was stored of it (`part`, profiles of `nx` nodes) and its
-   !> `figures`. Error: NAME.part is not what the checkpoint says.
+   !> Goes on with the result `path` of an interrupted run, with what was stored of it (`part`,
+   !> profiles of `nx` nodes) and its `figures`. Error: NAME.part is not what the checkpoint says.
    subroutine reopen_result(writer, path, fields, part, nx, figures, error)
       type(result_writer_t), intent(out) :: writer
       character(*), intent(in) :: path
@@ -137,7 +143,8 @@ contains
       end if
       writer%fields = [character(len=field_name_length) :: fields]
       call attach_store(writer%store, path//'.part', fields, nx, part, error)
-      if (allocated(writer%store%file%failure) .and. .not. allocated(error)) error = writer%store%file%failure
+      if (allocated(writer%store%file%failure) .and. .not. allocated(error)) error = &
+         writer%store%file%failure
       if (allocated(error)) then
          call writer%suspend()
          return
@@ -148,8 +155,8 @@ contains
       writer%has_checkpoint = .true.
    end subroutine reopen_result
 
-   !> Takes the name of the result `path`, so that nobody else writes it until `give_back`. Error: somebody does; it cannot be
-   !> the name of a result.
+   !> Takes the name of the result `path`, so that nobody else writes it until `give_back`. Error:
+   !> somebody does; it cannot be the name of a result.
    subroutine hold_name(writer, path, error)
       type(result_writer_t), intent(out) :: writer
       character(*), intent(in) :: path
@@ -159,7 +166,8 @@ contains
       call take_name(writer, path, error)   ! error: handed up
    end subroutine hold_name
 
-   !> Gives a held name back. Where `path` `is_complete` what a run left beside it goes, if it was killed before it could do so.
+   !> Gives a held name back. Where `path` `is_complete` what a run left beside it goes, if it was
+   !> killed before it could do so.
    subroutine give_back(writer, is_complete)
       type(result_writer_t), intent(inout) :: writer
       logical, intent(in) :: is_complete
@@ -178,7 +186,8 @@ contains
       character(:), allocatable :: text
 
       if (self%has_checkpoint) then
-         text = 'interrupted; --resume goes on after step '//to_text(step)//' with '//self%path//'.ckpt'
+         text = 'interrupted; --resume goes on after step '//to_text(step)//' with '//self%path &
+            //'.ckpt'
       else
          text = 'interrupted without a checkpoint, nothing is kept of '//self%path
       end if
@@ -211,11 +220,13 @@ contains
       if (is_folder(path)) then
          call fail(error, output_error, 'cannot write '//path//': it is a folder')
       else if (.not. is_folder(folder_of(path))) then
-         call fail(error, output_error, 'cannot write '//path//': there is no folder '//folder_of(path))
+         call fail(error, output_error, 'cannot write '//path//': there is no folder ' &
+            //folder_of(path))
       else
          call refuse_links(path, error)
          if (allocated(error)) return
-         if (.not. writer%lock%take(path//'.part')) call fail(error, output_error, 'cannot write '//path// &
+         if (.not. writer%lock%take(path//'.part')) call fail(error, output_error, 'cannot write ' &
+            //path// &
             ': another run is writing '//path//'.part')
       end if
    end subroutine take_name
@@ -230,14 +241,17 @@ contains
       do i = 1, size(working_endings)
          associate (name => path//trim(working_endings(i)))
             file = look_at_file(name, follows=.false.)
-            if (file%kind == kind_link) call fail(error, output_error, 'cannot write '//path//': '//name//' is a link')
-            if (file%kind == kind_other) call fail(error, output_error, 'cannot write '//path//': '//name//' is no regular file')
+            if (file%kind == kind_link) call fail(error, output_error, 'cannot write '//path//': ' &
+               //name//' is a link')
+            if (file%kind == kind_other) call fail(error, output_error, 'cannot write '//path &
+               //': '//name//' is no regular file')
             if (allocated(error)) return
          end associate
       end do
    end subroutine refuse_links
 
-   !> Program, problem and title (UTF-8), the text of the input; the reference values of a lubricated contact.
+   !> Program, problem and title (UTF-8), the text of the input; the reference values of a
+   !> lubricated contact.
    subroutine describe(self, problem, title, namelist, scaling)
       class(result_writer_t), intent(inout) :: self
       character(*), intent(in) :: problem
@@ -265,7 +279,8 @@ contains
          call write_attribute(file, '/', 'git_commit', git_commit())
          call write_attribute(file, '/', 'problem', writer%problem)
          call write_attribute(file, '/', 'title', writer%title)
-         call write_dataset(file, '/input/namelist', writer%namelist, new_label('the input: as a file it repeats this run', '1'))
+         call write_dataset(file, '/input/namelist', writer%namelist, &
+            new_label('the input: as a file it repeats this run', '1'))
          if (writer%is_scaled) call write_scaling(file, writer%scaling)
       end associate
    end subroutine write_description
@@ -277,7 +292,8 @@ contains
       real(wp), intent(in) :: residual
       real(wp), intent(in) :: load_error
 
-      associate (unused_cycle => cycle, unused_residual => residual, unused_load_error => load_error)
+      associate (unused_cycle => cycle, unused_residual => residual, &
+         unused_load_error => load_error)
       end associate
       self%wants_stop = allocated(self%file%failure)
    end subroutine on_cycle
@@ -293,18 +309,22 @@ contains
 
       if (allocated(self%statistics%thresholds)) then
          if (step == 0) call add_start(self%statistics, state)
-         if (step > 0 .and. self%figures%times%counts(state%time)) call add_time(self%statistics, state)
+         if (step > 0 .and. self%figures%times%counts(state%time)) call add_time(self%statistics, &
+            state)
       end if
       summary = summary_of(state)
       call self%figures%add(summary, state%time, step == steps)
-      if (.not. self%is_transient) call start_store(self, [steps, steps/self%profile_stride] + 1, size(state%x))
-      if (.not. allocated(self%file%failure)) call self%store%append(state, summary, report, mod(step, self%profile_stride) == 0)
+      if (.not. self%is_transient) call start_store(self, [steps, steps/self%profile_stride] + 1, &
+         size(state%x))
+      if (.not. allocated(self%file%failure)) call self%store%append(state, summary, report, &
+         mod(step, self%profile_stride) == 0)
       call self%keep_failure()
       if (self%store%records() == 1) call publish_store(self)
       self%wants_stop = allocated(self%file%failure)
    end subroutine on_step
 
-   !> Makes room for `capacity` times and profiles of `nx` nodes in NAME.tmp; after that the HDF5 library leaves that file alone.
+   !> Makes room for `capacity` times and profiles of `nx` nodes in NAME.tmp; after that the HDF5
+   !> library leaves that file alone.
    subroutine start_store(writer, capacity, nx)
       class(result_writer_t), intent(inout) :: writer
       integer, intent(in) :: capacity(2), nx
@@ -329,7 +349,8 @@ contains
       is_done = writer%store_lock%take(writer%path//'.tmp')
       call writer%store_lock%allow_readers()
       if (is_done) is_done = rename_file(writer%path//'.tmp', writer%path//'.part')
-      if (.not. is_done) call fail(writer%file%failure, output_error, 'cannot rename '//writer%path//'.tmp to '//writer%path &
+      if (.not. is_done) call fail(writer%file%failure, output_error, 'cannot rename ' &
+         //writer%path//'.tmp to '//writer%path &
          //'.part')
       writer%store%file%path = writer%path//'.part'
    end subroutine publish_store
@@ -376,8 +397,9 @@ contains
       if (is_done) is_done = sync_file(self%path//'.part')
    end function sync
 
-   !> Writes the solution at the last time, the figures and the report, closes the file and gives it its final name. On an
-   !> error nothing is left but an older result (and NAME.part, if there is a checkpoint).
+   !> Writes the solution at the last time, the figures and the report, closes the file and gives it
+   !> its final name. On an error nothing is left but an older result (and NAME.part, if there is a
+   !> checkpoint).
    subroutine finish(self, state, report, error)
       class(result_writer_t), intent(inout) :: self
       type(line_state_t), intent(in) :: state
@@ -394,18 +416,21 @@ contains
          call self%store%copy_into(self%file, self%scaling)
          call self%keep_failure()
       end if
-      if (report%converged) call apply_error_bars(self%bars, report, state%x(2) - state%x(1), self%summary)
+      if (report%converged) call apply_error_bars(self%bars, report, state%x(2) - state%x(1), &
+         self%summary)
       call write_solution(self%file, state, self%scaling)
       missing = missing_estimate(self%bars, report)
-      if (report%converged .and. .not. self%figures%times%is_settled()) missing = 'the start is in the figures, see /report/note'
+      if (report%converged .and. .not. self%figures%times%is_settled()) missing = &
+         'the start is in the figures, see /report/note'
       call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing)
       if (self%is_transient) call write_times(self%file, self%figures%times)
       call write_statistics(self%file, self%statistics, self%scaling)
       call self%publish(report, error)
    end subroutine finish
 
-   !> Writes input, report and outcome, closes the file and gives it its final name. Every result of every problem ends here: one
-   !> with values that are no answer has not converged, whatever the solver says.
+   !> Writes input, report and outcome, closes the file and gives it its final name. Every result of
+   !> every problem ends here: one with values that are no answer has not converged, whatever the
+   !> solver says.
    subroutine publish(self, report, error)
       class(result_writer_t), intent(inout) :: self
       type(report_t), intent(inout) :: report
@@ -453,7 +478,8 @@ contains
       if (writer%has_checkpoint) is_done = sync_file(temporary)
       call set_patience(.true.)   ! the checkpoint goes
       if (is_done) is_done = rename_file(temporary, writer%path)
-      if (.not. is_done) call fail(error, output_error, 'cannot rename '//temporary//' to '//writer%path)
+      if (.not. is_done) call fail(error, output_error, 'cannot rename '//temporary//' to ' &
+         //writer%path)
    end subroutine give_name
 
    !> Closes NAME.part.
@@ -481,7 +507,8 @@ contains
       call self%lock%release()
    end subroutine discard
 
-   !> Removes the checkpoint and what an interrupted run may have left of the next one, and of the result.
+   !> Removes the checkpoint and what an interrupted run may have left of the next one, and of the
+   !> result.
    subroutine remove_checkpoint(self)
       class(result_writer_t), intent(inout) :: self
       logical :: is_removed

@@ -1,4 +1,5 @@
-!> Listens to a solver for three: the result file, which stores time steps, the progress log, and whoever may interrupt the run.
+!> Listens to a solver for three: the result file, which stores time steps, the progress log, and
+!> whoever may interrupt the run.
 !>
 !> Keeps a checkpoint from time to time, and when the run is interrupted.
 module run_observer
@@ -23,10 +24,12 @@ module run_observer
 
    public :: run_observer_t
 
-   !> A run of this wall time [s] gets a checkpoint behind its last step, before companions and result.
+   !> A run of this wall time [s] gets a checkpoint behind its last step, before companions and
+   !> result.
    real(wp), parameter :: long_run = 5.0_wp
 
-   !> Hands everything on to `writer` and `log`; stops the solver if nothing can be written any more or the run is interrupted.
+   !> Hands everything on to `writer` and `log`; stops the solver if nothing can be written any more
+   !> or the run is interrupted.
    type, extends(observer_t) :: run_observer_t
       type(result_writer_t) :: writer
       type(progress_log_t) :: log
@@ -98,7 +101,8 @@ contains
       if (report%breakdown%is_now .and. report%breakdown%count == 1) call self%log%say_error( &
          breakdown_sentence(report%breakdown, self%film_floor, self%scaling))
       self%wants_stop = self%writer%wants_stop .or. is_interrupted()
-      self%wants_state = is_interrupted() .or. begin - self%last_checkpoint >= self%checkpoint_interval
+      self%wants_state = is_interrupted() &
+         .or. begin - self%last_checkpoint >= self%checkpoint_interval
       if (step == steps) self%wants_state = self%wants_state .or. begin - self%start > long_run
       self%wants_state = self%wants_state .and. .not. self%writer%wants_stop
       call set_patience(self%wants_state .or. step < steps)
@@ -113,7 +117,8 @@ contains
       call self%log%on_stage(words)
    end subroutine on_stage
 
-   !> Writes a checkpoint. One that cannot be written is told and does not stop the run: the last one is still there.
+   !> Writes a checkpoint. One that cannot be written is told and does not stop the run: the last
+   !> one is still there.
    subroutine keep_state(self, history)
       class(run_observer_t), intent(inout) :: self
       type(march_state_t), intent(in) :: history
@@ -134,7 +139,8 @@ contains
          report%wall_seconds = self%earlier_seconds + begin - self%start
          report%phase_seconds(phase_output) = self%output_seconds
          report%phase_seconds(phase_transient) = 0.0_wp
-         report%phase_seconds(phase_transient) = max(report%wall_seconds - sum(report%phase_seconds), 0.0_wp)
+         report%phase_seconds(phase_transient) = max(report%wall_seconds &
+            - sum(report%phase_seconds), 0.0_wp)
       end associate
       if (allocated(self%failure)) deallocate (self%failure)
       if (self%writer%sync()) then

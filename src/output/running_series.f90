@@ -1,33 +1,24 @@
 !> Series of numbers in the HDF5 file of a run that is still going on, complete at every moment.
 !>
-!> The HDF5 library leaves a file that cannot be read while it writes, and one that may never be read again if the process
-!> is killed in between. So every series gets its place in the file before the run begins (contiguous, for as many records
-!> as there will be; the file system takes up only what is written), and the library closes the file. A record is then
-!> written straight to its place, and after it the number of records, 8 bytes in the header of the dataset. Readers may open
+!> The HDF5 library leaves a file that cannot be read while it writes, and one that may never be
+!> read again if the process is killed in between. So every series gets its place in the file before
+!> the run begins (contiguous, for as many records as there will be; the file system takes up only
+!> what is written), and the library closes the file. A record is then written straight to its
+!> place, and after it the number of records, 8 bytes in the header of the dataset. Readers may open
 !> the file at any time, and a kill at any time leaves a file with all records counted so far.
 !>
-!> Layout of the header: HDF5 File Format Specification 3.0, IV.A.1.a (version 1 object header), IV.A.2.b (dataspace) and
-!> IV.A.2.q (continuation). `create_hdf5_file` asks the library for these oldest versions, and a header of another version is an
-!> error before the run begins.
+!> Layout of the header: HDF5 File Format Specification 3.0, IV.A.1.a (version 1 object header),
+!> IV.A.2.b (dataspace) and IV.A.2.q (continuation). `create_hdf5_file` asks the library for these
+!> oldest versions, and a header of another version is an error before the run begins.
 !>
-!> Why the library does not write the records itself (the first two were tried from Python with HDF5 2.0, writers killed before a
-!> random one of their writes; the third was not):
-!>
-!> - Chunks that grow (H5Dset_extent) and H5Fflush after each record: a flush is several writes, in an order that is not promised.
-!>   Where new chunks come often, 12 of 100 files could not be read or held zeros where records were counted.
-!> - One writer, many readers (SWMR, from HDF5 1.10): 80 of 80 files were whole, but the mark of a file being written stays when
-!>   its writer is killed. All of them were refused without SWMR access; the mark is taken away by the tool h5clear, by no public
-!>   call, so a resumed run could not go on in the file. And SWMR is not for network file systems, on which clusters compute.
-!> - The same place in the file and the number of records as a dataset of its own would be whole, but the series would have the
-!>   extents of the whole run, and every reader would have to know that their ends are not there yet.
-!>
-!> As it is, 80 of 80 files of runs killed before a random write held all records counted, opened like any other file.
+!> Why the library does not write the records itself: docs/decisions.md.
 module running_series
    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t
    use, intrinsic :: iso_fortran_env, only: int64
    use checksum, only: checksum_t
    use errors, only: fail, output_error
-   use hdf5, only: h5d_alloc_time_early_f, h5d_fill_time_never_f, h5dclose_f, h5pset_alloc_time_f, h5pset_fill_time_f, &
+   use hdf5, only: h5d_alloc_time_early_f, h5d_fill_time_never_f, h5dclose_f, &
+      h5pset_alloc_time_f, h5pset_fill_time_f, &
       h5screate_simple_f, hid_t, hsize_t
    use hdf5_dataset, only: create_labelled, label_t, new_properties
    use hdf5_file, only: hdf5_file_t
@@ -38,8 +29,10 @@ module running_series
 
    public :: create_running_series, running_series_t
 
-   !> Message types of the dataspace and of a header that goes on elsewhere; the version of header and dataspace known here.
-   integer(int64), parameter :: dataspace_message = 1_int64, continuation_message = 16_int64, known_version = 1_int64
+   !> Message types of the dataspace and of a header that goes on elsewhere; the version of header
+   !> and dataspace known here.
+   integer(int64), parameter :: dataspace_message = 1_int64, continuation_message = 16_int64, &
+      known_version = 1_int64
    !> Numbers that are read at once.
    integer, parameter :: block_numbers = 131072
    !> Bytes of the header before its first message, and of a message before its content.
@@ -83,7 +76,8 @@ module running_series
          integer(c_int64_t) :: place
       end function h5dget_offset
 
-      !> H5O_info1_t of an object; its second number is the place of the object header in the file [bytes].
+      !> H5O_info1_t of an object; its second number is the place of the object header in the file
+      !> [bytes].
       function h5oget_info1(object, info) bind(c, name='H5Oget_info1') result(status)
          import :: c_int, c_int64_t
          implicit none (type, external)
@@ -195,25 +189,29 @@ contains
       series%records = records
    end subroutine read_back
 
-   !> Finds where the number of records stands and sets it to `records`. (With none, newer HDF5 libraries refuse the dataset.)
+   !> Finds where the number of records stands and sets it to `records`. (With none, newer HDF5
+   !> libraries refuse the dataset.)
    subroutine begin(self, file, records)
       class(running_series_t), intent(inout) :: self
       type(positional_file_t), intent(inout) :: file
       integer, intent(in) :: records
 
       if (self%count_place == 0_int64) then
-         if (file%number_at(self%header_place, 1) == known_version) self%count_place = count_in_block(file, &
+         if (file%number_at(self%header_place, 1) == known_version) self%count_place = &
+            count_in_block(file, &
             self%header_place + header_bytes, file%number_at(self%header_place + 8, 4))
       end if
-      if (self%count_place == 0_int64 .and. .not. allocated(file%failure)) call fail(file%failure, output_error, 'cannot write ' &
+      if (self%count_place == 0_int64 &
+         .and. .not. allocated(file%failure)) call fail(file%failure, output_error, &
+            'cannot write ' &
          //file%path//' ('//self%path//'): the HDF5 library made a header of an unknown version')
       if (allocated(file%failure)) return
       if (records /= self%records) call read_back(self, file, records)
       call file%write_number(self%count_place, int(records, int64))
    end subroutine begin
 
-   !> Place of the first extent of the dataspace, if that is described in the `bytes` of a header from `start` on, or in a
-   !> block in which it goes on; 0: it is not.
+   !> Place of the first extent of the dataspace, if that is described in the `bytes` of a header
+   !> from `start` on, or in a block in which it goes on; 0: it is not.
    recursive function count_in_block(file, start, bytes) result(place)
       type(positional_file_t), intent(inout) :: file
       integer(int64), intent(in) :: start, bytes
@@ -222,7 +220,8 @@ contains
 
       place = 0_int64
       message = start
-      do while (message + message_bytes <= start + bytes .and. place == 0_int64 .and. .not. allocated(file%failure))
+      do while (message + message_bytes <= start + bytes .and. place == 0_int64 &
+         .and. .not. allocated(file%failure))
          content = message + message_bytes
          select case (file%number_at(message, 2))
          case (dataspace_message)
@@ -259,7 +258,8 @@ contains
       call file%write_number(self%count_place, int(self%records, int64))
    end subroutine count_record
 
-   !> Reads the records from number `first` (1 = the first) into `values` (row_length or 1, number of records).
+   !> Reads the records from number `first` (1 = the first) into `values` (row_length or 1, number
+   !> of records).
    subroutine get(self, file, first, values)
       class(running_series_t), intent(in) :: self
       type(positional_file_t), intent(inout) :: file

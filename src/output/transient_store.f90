@@ -1,6 +1,8 @@
-!> /transient of a result: in NAME.part while the run goes on (see `running_series`), compressed in the result at its end.
+!> /transient of a result: in NAME.part while the run goes on (see `running_series`), compressed in
+!> the result at its end.
 !>
-!> Series of one number hold every time step; profiles may be stored of some steps only, and have times of their own.
+!> Series of one number hold every time step; profiles may be stored of some steps only, and have
+!> times of their own.
 module transient_store
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
@@ -23,7 +25,8 @@ module transient_store
 
    !> Longest name of a series.
    integer, parameter :: name_length = 24
-   !> Series of one number for each time step. Time is counted last, and cut back first: there are never more times than values.
+   !> Series of one number for each time step. Time is counted last, and cut back first: there are
+   !> never more times than values.
    character(len=name_length), parameter :: number_names(5) = [character(len=name_length) :: &
       'time', 'rigid_displacement', 'h_min', 'p_max', 'residual']
    !> Times of the stored profiles, for which the same holds.
@@ -31,11 +34,13 @@ module transient_store
    !> Mark of the time steps with a film below the floor, to be named like a field.
    character(*), parameter, public :: breakdown_name = 'film_breakdown'
    !> What to do about a file that does not fit its checkpoint.
-   character(*), parameter :: way_out = '; delete the checkpoint, and the run starts at the beginning'
+   character(*), parameter :: way_out = '; delete the checkpoint, and the run starts at the '// &
+      'beginning'
    !> Numbers that are moved at once into the result.
    integer, parameter :: block_numbers = 131072
 
-   !> What is kept of NAME.part in a checkpoint: enough to find the series in it again, and to know that they are the same.
+   !> What is kept of NAME.part in a checkpoint: enough to find the series in it again, and to know
+   !> that they are the same.
    type :: part_t
       !> Time steps and profiles.
       integer :: records(2) = 0
@@ -66,8 +71,8 @@ module transient_store
 
 contains
 
-   !> Makes room in an open HDF5 file for `capacity` times and profiles of `nx` nodes; `fields` are names of `field_names`, or
-   !> `breakdown_name`.
+   !> Makes room in an open HDF5 file for `capacity` times and profiles of `nx` nodes; `fields` are
+   !> names of `field_names`, or `breakdown_name`.
    subroutine create_store(store, file, fields, capacity, nx, scaling)
       type(transient_store_t), intent(out) :: store
       class(hdf5_file_t), intent(inout) :: file
@@ -79,12 +84,14 @@ contains
       call name_series(store, fields)
       do i = 1, size(store%names)
          call create_running_series(store%series(i), file, '/transient/'//trim(store%names(i)), &
-            row_length(store%names(i), nx), capacity(kind_of(store, i)), series_label(trim(store%names(i)), scaling))
+            row_length(store%names(i), nx), capacity(kind_of(store, i)), &
+               series_label(trim(store%names(i)), scaling))
       end do
    end subroutine create_store
 
-   !> Goes on in `path` where the series of an earlier run stood: `part`, with profiles of `nx` nodes. Their bytes are read again,
-   !> the HDF5 library does not look at the file. Error: they are not what they were.
+   !> Goes on in `path` where the series of an earlier run stood: `part`, with profiles of `nx`
+   !> nodes. Their bytes are read again, the HDF5 library does not look at the file. Error: they are
+   !> not what they were.
    subroutine attach_store(store, path, fields, nx, part, error)
       type(transient_store_t), intent(out) :: store
       character(*), intent(in) :: path
@@ -102,7 +109,8 @@ contains
          return
       end if
       do i = 1, size(store%names)
-         call store%series(i)%take_up(store%file, '/transient/'//trim(store%names(i)), row_length(store%names(i), nx), &
+         call store%series(i)%take_up(store%file, '/transient/'//trim(store%names(i)), &
+            row_length(store%names(i), nx), &
             part%places(:, i), part%records(kind_of(store, i)))
       end do
       if (allocated(store%file%failure)) then
@@ -111,7 +119,8 @@ contains
       end if
       found = store%part()
       if (found%digits /= part%digits) then
-         call fail(error, input_error, path//' is damaged: its checksum is not that of the checkpoint'//way_out)
+         call fail(error, input_error, path//' is damaged: its checksum is not that of the '// &
+            'checkpoint'//way_out)
          return
       end if
       call begin_series(store, part%records)
@@ -152,7 +161,8 @@ contains
       end do
    end function part_of
 
-   !> Stores one time step, with its profiles if `has_profiles`. Whatever happens in between, the file holds whole records.
+   !> Stores one time step, with its profiles if `has_profiles`. Whatever happens in between, the
+   !> file holds whole records.
    subroutine append(self, state, summary, report, has_profiles)
       class(transient_store_t), intent(inout) :: self
       type(line_state_t), intent(in) :: state
@@ -208,7 +218,8 @@ contains
       do i = 1, size(self%series)
          associate (series => self%series(i))
             call begin_activity('writing the result, '//self%names(i))
-            call create_series(copy, file, series%path, series%row_length, series_label(trim(self%names(i)), scaling))
+            call create_series(copy, file, series%path, series%row_length, &
+               series_label(trim(self%names(i)), scaling))
             most = max(block_numbers/max(series%row_length, 1), 1)
             do first = 1, series%records, most
                last = min(first + most - 1, series%records)
@@ -227,7 +238,8 @@ contains
       character(*), intent(in) :: fields(:)
 
       associate (is_mark => fields == breakdown_name)
-         store%names = [character(len=name_length) :: number_names, pack(fields, is_mark), profile_time_name, &
+         store%names = [character(len=name_length) :: number_names, pack(fields, is_mark), &
+            profile_time_name, &
             pack(fields, .not. is_mark)]
          store%first_profile = size(number_names) + count(is_mark) + 1
       end associate
@@ -262,11 +274,13 @@ contains
       case ('time')
          label = quantity_label('time of every step, T = t u_s/(2 b)', 's', scaling%time, scaling)
       case (profile_time_name)
-         label = quantity_label('time of the stored profiles, T = t u_s/(2 b)', 's', scaling%time, scaling)
+         label = quantity_label('time of the stored profiles, T = t u_s/(2 b)', 's', &
+            scaling%time, scaling)
       case ('rigid_displacement')
          label = quantity_label('rigid displacement H0 of (2.58)', 'm', scaling%film, scaling)
       case ('h_min')
-         label = quantity_label('smallest film thickness, parabola through three nodes', 'm', scaling%film, scaling)
+         label = quantity_label('smallest film thickness, parabola through three nodes', 'm', &
+            scaling%film, scaling)
       case ('p_max')
          label = quantity_label('largest pressure of a node', 'Pa', scaling%hertz_pressure, scaling)
       case ('residual')

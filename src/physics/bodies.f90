@@ -20,7 +20,8 @@ contains
 
    !> Reduced radius of curvature R [m]:  1/R = 1/R1 + 1/R2, in (2.24).
    !>
-   !> `radius_1`, `radius_2` [m]: positive for convex bodies; a negative one (conformal) must be the larger in size.
+   !> `radius_1`, `radius_2` [m]: positive for convex bodies; a negative one (conformal) must be the
+   !> larger in size.
    pure elemental function reduced_radius(radius_1, radius_2) result(radius)
       real(wp), intent(in) :: radius_1, radius_2
       real(wp) :: radius
@@ -28,10 +29,13 @@ contains
       radius = radius_1*radius_2/(radius_1 + radius_2)
    end function reduced_radius
 
-   !> Effective modulus E' [Pa] of the convention of the field:  2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, in (2.25).
+   !> Effective modulus E' [Pa] of the convention of the field:
+   !> 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, in (2.25).
    !>
-   !> `modulus_1`, `modulus_2` [Pa] > 0; `poisson_1`, `poisson_2` [-] in -1 ... 0.5. Not Hertz' E* = E'/2.
-   pure elemental function reduced_modulus(modulus_1, poisson_1, modulus_2, poisson_2) result(modulus)
+   !> `modulus_1`, `modulus_2` [Pa] > 0; `poisson_1`, `poisson_2` [-] in -1 ... 0.5. Not Hertz'
+   !> E* = E'/2.
+   pure elemental function reduced_modulus(modulus_1, poisson_1, modulus_2, &
+      poisson_2) result(modulus)
       real(wp), intent(in) :: modulus_1, poisson_1, modulus_2, poisson_2
       real(wp) :: modulus
 

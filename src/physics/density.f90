@@ -6,9 +6,11 @@ module density
 
    public :: dowson_higginson_density, dowson_higginson_densities, dowson_higginson_density_values
 
-   !> Pressure constant C1 [Pa] of (2.28), (2.63); D. Dowson and G. R. Higginson, Elasto-hydrodynamic lubrication, 1966.
+   !> Pressure constant C1 [Pa] of (2.28), (2.63); D. Dowson and G. R. Higginson,
+   !> Elasto-hydrodynamic lubrication, 1966.
    real(wp), parameter, public :: dowson_higginson_c1 = 5.9e8_wp
-   !> Density ratio C2 [-] of (2.28), (2.63) to which the law tends at infinite pressure; same source.
+   !> Density ratio C2 [-] of (2.28), (2.63) to which the law tends at infinite pressure; same
+   !> source.
    real(wp), parameter, public :: dowson_higginson_c2 = 1.34_wp
 
 contains
@@ -49,7 +51,8 @@ contains
       end do
    end subroutine dowson_higginson_density_values
 
-   !> The formula of `dowson_higginson_density`; private, so that also position-independent code has it inlined in the loops.
+   !> The formula of `dowson_higginson_density`; private, so that also position-independent code has
+   !> it inlined in the loops.
    pure elemental subroutine dowson_higginson(p, c1, rho, drho)
       real(wp), intent(in) :: p, c1
       real(wp), intent(out) :: rho, drho

@@ -1,4 +1,5 @@
-!> Reference values of dry contacts: the only place where they pass from SI to dimensionless numbers.
+!> Reference values of dry contacts: the only place where they pass from SI to dimensionless
+!> numbers.
 module dry_scaling
    use kinds, only: wp
    implicit none (type, external)
@@ -6,7 +7,8 @@ module dry_scaling
 
    public :: dry_scaling_t, new_dry_scaling, contact_modulus
 
-   !> Lengths x L, heights x s, pressures x E' s/(4 L): then 1/q is the transfer function of the half-space.
+   !> Lengths x L, heights x s, pressures x E' s/(4 L): then 1/q is the transfer function of the
+   !> half-space.
    type :: dry_scaling_t
       !> L, length of the domain in x [m].
       real(wp) :: length

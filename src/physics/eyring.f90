@@ -1,6 +1,7 @@
 !> Slip factor S of the Reynolds-Eyring equation, as ln S with its derivatives.
 !>
-!> Effective viscosity mu/S: S >= 1, and S -> 1 (Newtonian) for an infinite Eyring stress. S itself overflows at
+!> Effective viscosity mu/S: S >= 1, and S -> 1 (Newtonian) for an infinite Eyring stress. S itself
+!> overflows at
 !> |Sigma| = 722.5, hence the logarithm.
 module eyring
    use kinds, only: wp
@@ -10,29 +11,37 @@ module eyring
 
    public :: slip_factor, slip_factors, slip_values, ln_slip_factor, ln_slip_factors
 
-   !> A value of ln B that stands for B = 0 (equal surface speeds): far below any ln B that can change S [-].
+   !> A value of ln B that stands for B = 0 (equal surface speeds): far below any ln B that can
+   !> change S [-].
    real(wp), parameter, public :: ln_b_of_no_sliding = -1.0e4_wp
 
    !> Larger |Sigma| and |ln B| count as this large, so that no power of them overflows [-].
    real(wp), parameter :: largest_argument = 1.0e60_wp
 
-   !> Where ln(B exp(-|Sigma|)) lies outside these two bounds, the 1 or the other term under the root vanishes [-].
+   !> Where ln(B exp(-|Sigma|)) lies outside these two bounds, the 1 or the other term under the
+   !> root vanishes [-].
    real(wp), parameter :: lowest_exponent = -300.0_wp, highest_exponent = 100.0_wp
 
-   !> Nodes worked on at a time, so that what is kept for the derivatives stays in fixed small arrays.
+   !> Nodes worked on at a time, so that what is kept for the derivatives stays in fixed small
+   !> arrays.
    integer, parameter :: block_size = 64
 
-   !> Taylor coefficients of 3 (x cosh x - sinh x)/x^3 = sum c_m x^(2m), c_m = 6 (m + 1)/(2m + 3)!, m = 0 ... 8.
+   !> Taylor coefficients of 3 (x cosh x - sinh x)/x^3 = sum c_m x^(2m), c_m = 6 (m + 1)/(2m + 3)!,
+   !> m = 0 ... 8.
    real(wp), parameter :: c(0:8) = [ &
-                          1.0_wp, 1.0_wp/10.0_wp, 1.0_wp/280.0_wp, 1.0_wp/15120.0_wp, 1.0_wp/1330560.0_wp, &
-                          1.0_wp/172972800.0_wp, 1.0_wp/31135104000.0_wp, 1.0_wp/7410154752000.0_wp, &
+                          1.0_wp, 1.0_wp/10.0_wp, 1.0_wp/280.0_wp, 1.0_wp/15120.0_wp, &
+                             1.0_wp/1330560.0_wp, &
+                          1.0_wp/172972800.0_wp, 1.0_wp/31135104000.0_wp, &
+                             1.0_wp/7410154752000.0_wp, &
                           1.0_wp/2252687044608000.0_wp]
 
    !> Coefficients of its derivative by x, divided by x: 2 m c_m, m = 1 ... 8, and a zero.
-   real(wp), parameter :: dc(0:8) = 2.0_wp*[c(1), 2.0_wp*c(2), 3.0_wp*c(3), 4.0_wp*c(4), 5.0_wp*c(5), 6.0_wp*c(6), &
+   real(wp), parameter :: dc(0:8) = 2.0_wp*[c(1), 2.0_wp*c(2), 3.0_wp*c(3), 4.0_wp*c(4), &
+      5.0_wp*c(5), 6.0_wp*c(6), &
                                             7.0_wp*c(7), 8.0_wp*c(8), 0.0_wp]
 
-   !> What the derivatives need again of a block: exp(-2|Sigma|), shear and ratio without their powers of |Sigma|, and t^2.
+   !> What the derivatives need again of a block: exp(-2|Sigma|), shear and ratio without their
+   !> powers of |Sigma|, and t^2.
    type :: parts_t
       real(wp), dimension(block_size) :: decay, curve, inverse_sinh, t_squared
    end type parts_t
@@ -41,13 +50,15 @@ contains
 
    !> ln S with its derivatives by Sigma and by ln B.
    !>
-   !> S = 3 (Sigma cosh Sigma - sinh Sigma)/Sigma^3 sqrt(1 + B^2 Sigma^2/sinh^2 Sigma), (A.5); (2.19) prints the same
-   !> with a wrong sign of the numerator. K. L. Johnson and J. L. Tevaarwerk, Proc. R. Soc. Lond. A 356, 1977, 215;
-   !> T. F. Conry, S. Wang and C. Cusano, J. Tribol. 109, 1987, 648.
+   !> S = 3 (Sigma cosh Sigma - sinh Sigma)/Sigma^3 sqrt(1 + B^2 Sigma^2/sinh^2 Sigma), (A.5);
+   !> (2.19) prints the same with a wrong sign of the numerator. K. L. Johnson and J. L. Tevaarwerk,
+   !> Proc. R. Soc. Lond. A 356, 1977, 215; T. F. Conry, S. Wang and C. Cusano, J. Tribol. 109,
+   !> 1987, 648.
    !>
-   !> `sigma` = h/(2 tau_0) dp/dx [-]; `ln_b` = ln B, B = mu |u2 - u1|/(tau_0 h) [-] (`ln_b_of_no_sliding` for B = 0).
-   !> Every finite argument is valid (beyond 1e60 in size it counts as 1e60). `ln_s` >= 0 and `dln_s_dln_b` (0 ... 1)
-   !> are even in sigma, `dln_s_dsigma` is odd. In loops use `slip_factors`, which is vectorised.
+   !> `sigma` = h/(2 tau_0) dp/dx [-]; `ln_b` = ln B, B = mu |u2 - u1|/(tau_0 h) [-]
+   !> (`ln_b_of_no_sliding` for B = 0). Every finite argument is valid (beyond 1e60 in size it
+   !> counts as 1e60). `ln_s` >= 0 and `dln_s_dln_b` (0 ... 1) are even in sigma, `dln_s_dsigma` is
+   !> odd. In loops use `slip_factors`, which is vectorised.
    pure elemental subroutine slip_factor(sigma, ln_b, ln_s, dln_s_dsigma, dln_s_dln_b)
       real(wp), intent(in) :: sigma, ln_b
       real(wp), intent(out) :: ln_s, dln_s_dsigma, dln_s_dln_b
@@ -68,8 +79,9 @@ contains
       ln_s = value(1)
    end function ln_slip_factor
 
-   !> S = exp(growth) factor on arrays (n), with the derivatives of `slip_factor`, in loops that the compiler vectorises. S as a
-   !> product spares the callers its logarithm, B = scale exp(ln_b) that of the film; `scale` 1e-40 ... 1e40.
+   !> S = exp(growth) factor on arrays (n), with the derivatives of `slip_factor`, in loops that the
+   !> compiler vectorises. S as a product spares the callers its logarithm, B = scale exp(ln_b) that
+   !> of the film; `scale` 1e-40 ... 1e40.
    pure subroutine slip_factors(sigma, ln_b, scale, growth, factor, dln_s_dsigma, dln_s_dln_b)
       real(wp), intent(in), contiguous :: sigma(:), ln_b(:), scale(:)
       real(wp), intent(out), contiguous :: growth(:), factor(:), dln_s_dsigma(:), dln_s_dln_b(:)
@@ -79,9 +91,11 @@ contains
       do first = 1, size(sigma), block_size
          last = min(first + block_size - 1, size(sigma))
          m = last - first + 1
-         call block_values(sigma(first:last), ln_b(first:last), scale(first:last), growth(first:last), factor(first:last), parts)
+         call block_values(sigma(first:last), ln_b(first:last), scale(first:last), &
+            growth(first:last), factor(first:last), parts)
          dln_s_dln_b(first:last) = parts%t_squared(:m)/(1.0_wp + parts%t_squared(:m))
-         call block_slopes(sigma(first:last), dln_s_dln_b(first:last), parts, dln_s_dsigma(first:last))
+         call block_slopes(sigma(first:last), dln_s_dln_b(first:last), parts, &
+            dln_s_dsigma(first:last))
       end do
    end subroutine slip_factors
 
@@ -94,7 +108,8 @@ contains
 
       do first = 1, size(sigma), block_size
          last = min(first + block_size - 1, size(sigma))
-         call block_values(sigma(first:last), ln_b(first:last), scale(first:last), growth(first:last), factor(first:last), parts)
+         call block_values(sigma(first:last), ln_b(first:last), scale(first:last), &
+            growth(first:last), factor(first:last), parts)
       end do
    end subroutine slip_values
 
@@ -110,10 +125,10 @@ contains
 
    !> S = exp(growth) factor of one block (m <= block_size), B = scale exp(ln_b).
    !>
-   !> With x = |Sigma|, 3 (x cosh x - sinh x)/x^3 = exp(shift) shear and x/sinh x = exp(-shift) ratio:
-   !> S = exp(shift) shear sqrt(1 + t^2), t = B ratio exp(-shift). Series and closed form are both evaluated, at arguments that
-   !> are safe for them, and the right one is picked by a weight of 0 or 1: of `merge` gfortran makes a branch round a division,
-   !> which it cannot vectorise.
+   !> With x = |Sigma|, 3 (x cosh x - sinh x)/x^3 = exp(shift) shear and x/sinh x = exp(-shift)
+   !> ratio: S = exp(shift) shear sqrt(1 + t^2), t = B ratio exp(-shift). Series and closed form are
+   !> both evaluated, at arguments that are safe for them, and the right one is picked by a weight
+   !> of 0 or 1: of `merge` gfortran makes a branch round a division, which it cannot vectorise.
    pure subroutine block_values(sigma, ln_b, scale, growth, factor, parts)
       real(wp), intent(in), contiguous :: sigma(:), ln_b(:), scale(:)
       real(wp), intent(out), contiguous :: growth(:), factor(:)
@@ -128,8 +143,10 @@ contains
          y = min(x, series_limit)**2
          inverse = 1.0_wp/max(x, series_limit)
          parts%decay(i) = exp(-2.0_wp*max(series_limit, min(x, highest_exponent)))
-         parts%curve(i) = is_small*polynomial(c, y) + is_large*((1.0_wp - inverse) + (1.0_wp + inverse)*parts%decay(i))
-         parts%inverse_sinh(i) = 1.0_wp/(is_small*polynomial(s, y) + is_large*(1.0_wp - parts%decay(i)))
+         parts%curve(i) = is_small*polynomial(c, y) + is_large*((1.0_wp - inverse) &
+            + (1.0_wp + inverse)*parts%decay(i))
+         parts%inverse_sinh(i) = 1.0_wp/(is_small*polynomial(s, &
+            y) + is_large*(1.0_wp - parts%decay(i)))
          shift = is_large*x
          shear = parts%curve(i)*(is_small + is_large*1.5_wp*inverse*inverse)
          ratio = parts%inverse_sinh(i)*(is_small + 2.0_wp*shift)
@@ -141,8 +158,8 @@ contains
       end do
    end subroutine block_values
 
-   !> d ln S/d Sigma of one block from the results of `block_values`: the derivatives of ln( 3 (x cosh x - sinh x)/x^3 ) and
-   !> of ln( x/sinh x ), the second times `weight` = t^2/(1 + t^2).
+   !> d ln S/d Sigma of one block from the results of `block_values`: the derivatives of ln( 3 (x
+   !> cosh x - sinh x)/x^3 ) and of ln( x/sinh x ), the second times `weight` = t^2/(1 + t^2).
    pure subroutine block_slopes(sigma, weight, parts, slope)
       real(wp), intent(in), contiguous :: sigma(:), weight(:)
       type(parts_t), intent(in) :: parts
@@ -160,7 +177,8 @@ contains
          dln_shear = (is_small*small*polynomial(dc, y) &
             + is_large*((1.0_wp - parts%decay(i)) - 3.0_wp*inverse*parts%curve(i)))/parts%curve(i)
          dln_ratio = is_large*inverse &
-            - (is_small*small*polynomial(ds, y) + is_large*(1.0_wp + parts%decay(i)))*parts%inverse_sinh(i)
+            - (is_small*small*polynomial(ds, y) + is_large*(1.0_wp + parts%decay(i))) &
+               *parts%inverse_sinh(i)
          slope(i) = sign(1.0_wp, sigma(i))*(dln_shear + weight(i)*dln_ratio)
       end do
    end subroutine block_slopes
@@ -170,7 +188,8 @@ contains
       real(wp), intent(in) :: a(0:8), y
       real(wp) :: value
 
-      value = a(0) + y*(a(1) + y*(a(2) + y*(a(3) + y*(a(4) + y*(a(5) + y*(a(6) + y*(a(7) + y*a(8))))))))
+      value = a(0) &
+         + y*(a(1) + y*(a(2) + y*(a(3) + y*(a(4) + y*(a(5) + y*(a(6) + y*(a(7) + y*a(8))))))))
    end function polynomial
 
 end module eyring

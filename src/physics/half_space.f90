@@ -1,5 +1,6 @@
-!> Elastic half-space in plane strain: surface deflection under a pressure that is constant over each cell of a
-!> uniform grid. The logarithmic kernel is integrated exactly, so that the matrix is Toeplitz.
+!> Elastic half-space in plane strain: surface deflection under a pressure that is constant over
+!> each cell of a uniform grid. The logarithmic kernel is integrated exactly, so that the matrix is
+!> Toeplitz.
 module half_space
    use constants, only: pi
    use kinds, only: wp
@@ -8,15 +9,16 @@ module half_space
 
    public :: line_kernel, line_deflection_coefficients
 
-   !> From this cell distance on the series is used: its terms up to j^-12 leave 1e-18 there, while the closed form loses
-   !> digits by cancellation in proportion to j.
+   !> From this cell distance on the series is used: its terms up to j^-12 leave 1e-18 there, while
+   !> the closed form loses digits by cancellation in proportion to j.
    integer, parameter, public :: series_start = 10
 
 contains
 
    !> Integral of ln|t| over the cell [j - 1/2, j + 1/2], j = 0 ... `n` (cell widths):
    !>
-   !> kappa_j = (j + 1/2)(ln|j + 1/2| - 1) - (j - 1/2)(ln|j - 1/2| - 1) = ln j - sum_m 1/( 2m (2m + 1) (2j)^(2m) ).
+   !> kappa_j = (j + 1/2)(ln|j + 1/2| - 1) - (j - 1/2)(ln|j - 1/2| - 1) = ln j - sum_m 1/( 2m
+   !> (2m + 1) (2j)^(2m) ).
    !>
    !> It is K_ij of (2.68) over dX, less ln dX. (2.68) lacks the outer signs in print: its terms are
    !> (d + dX/2)(ln|d + dX/2| - 1) - (d - dX/2)(ln|d - dX/2| - 1), d = X_i - X_j.
@@ -38,9 +40,11 @@ contains
       end do
    end function line_kernel
 
-   !> k_j = K_j/pi = dX (ln dX + kappa_j)/pi, j = 0 ... `n` [-], with `dx` > 0 the grid spacing in half-widths.
+   !> k_j = K_j/pi = dX (ln dX + kappa_j)/pi, j = 0 ... `n` [-], with `dx` > 0 the grid spacing in
+   !> half-widths.
    !>
-   !> Deflection in (2.58), (2.67): D_i = - sum_j k_|i-j| P_j (minus: (2.67) brings it to the left side).
+   !> Deflection in (2.58), (2.67): D_i = - sum_j k_|i-j| P_j (minus: (2.67) brings it to the left
+   !> side).
    pure function line_deflection_coefficients(n, dx) result(k)
       integer, intent(in) :: n
       real(wp), intent(in) :: dx

@@ -1,10 +1,11 @@
-!> Elastic half-space under dry contact: surface deflection under a pressure, for lines (plane strain) and areas, periodic
-!> and open.
+!> Elastic half-space under dry contact: surface deflection under a pressure, for lines (plane
+!> strain) and areas, periodic and open.
 !>
-!> All kernels belong to the operator G whose transfer function is 1/q, q the wavenumber: u = (4/E') G p, with
-!> 2/E' = (1-nu_1^2)/E_1 + (1-nu_2^2)/E_2. (The thesis prints 4/(n E') in (3.8), (3.9), (3.13) and 2/(E' sqrt(n^2 + m^2))
-!> in (3.14): wavenumbers without their 2 pi/L, and in (3.14) a factor of 2 less.) In space G is -(1/pi) ln|x| for a line and
-!> 1/(2 pi r) for an area (K. L. Johnson, Contact Mechanics, 1985, sections 2.3, 3.2, 13.2). The deflection at wavenumber 0 is a
+!> All kernels belong to the operator G whose transfer function is 1/q, q the wavenumber: u = (4/E')
+!> G p, with 2/E' = (1-nu_1^2)/E_1 + (1-nu_2^2)/E_2. (The thesis prints 4/(n E') in (3.8), (3.9),
+!> (3.13) and 2/(E' sqrt(n^2 + m^2)) in (3.14): wavenumbers without their 2 pi/L, and in (3.14) a
+!> factor of 2 less.) In space G is -(1/pi) ln|x| for a line and 1/(2 pi r) for an area (K. L.
+!> Johnson, Contact Mechanics, 1985, sections 2.3, 3.2, 13.2). The deflection at wavenumber 0 is a
 !> free constant, taken as 0.
 module half_space_response
    use constants, only: pi
@@ -13,10 +14,12 @@ module half_space_response
    implicit none (type, external)
    private
 
-   public :: wavenumbers, band_limited_response, element_response, open_line_kernel, open_area_kernel
+   public :: wavenumbers, band_limited_response, element_response, open_line_kernel, &
+      open_area_kernel
 
-   !> Beyond this many element widths the kernel of an element is a series in its size: its terms up to the fourth power
-   !> leave 1e-12 there, while the closed form loses digits in proportion to the square of the distance.
+   !> Beyond this many element widths the kernel of an element is a series in its size: its terms up
+   !> to the fourth power leave 1e-12 there, while the closed form loses digits in proportion to the
+   !> square of the distance.
    real(wp), parameter :: series_start = 40.0_wp
    !> Images of the wavenumber on either side that the element kernel sums, under a smooth window.
    integer, parameter :: images = 24
@@ -25,8 +28,8 @@ module half_space_response
 
 contains
 
-   !> Wavenumbers q(0:nx/2, 0:ny-1) [1/m] of a periodic cell `length_x` x `length_y` in the order of the FFT;
-   !> `ny` = 1 is a line.
+   !> Wavenumbers q(0:nx/2, 0:ny-1) [1/m] of a periodic cell `length_x` x `length_y` in the order of
+   !> the FFT; `ny` = 1 is a line.
    pure function wavenumbers(nx, ny, length_x, length_y) result(q)
       integer, intent(in) :: nx, ny
       real(wp), intent(in) :: length_x, length_y
@@ -35,13 +38,14 @@ contains
 
       do j = 0, ny - 1
          do i = 0, nx/2
-            q(i, j) = 2.0_wp*pi*hypot(real(i, wp)/length_x, real(merge(j, j - ny, 2*j <= ny), wp)/length_y)
+            q(i, j) = 2.0_wp*pi*hypot(real(i, wp)/length_x, real(merge(j, j - ny, 2*j <= ny), &
+               wp)/length_y)
          end do
       end do
    end function wavenumbers
 
-   !> Band-limited response 1/q (0:nx/2, 0:ny-1) [m]: the transfer function at the wavenumbers of the grid, 0 at q = 0
-   !> (H. M. Stanley and T. Kato, J. Tribol. 119, 1997, 481).
+   !> Band-limited response 1/q (0:nx/2, 0:ny-1) [m]: the transfer function at the wavenumbers of
+   !> the grid, 0 at q = 0 (H. M. Stanley and T. Kato, J. Tribol. 119, 1997, 481).
    pure function band_limited_response(nx, ny, length_x, length_y) result(response)
       integer, intent(in) :: nx, ny
       real(wp), intent(in) :: length_x, length_y
@@ -53,9 +57,10 @@ contains
       response(0, 0) = 0.0_wp
    end function band_limited_response
 
-   !> Response (0:nx/2, 0:ny-1) [m] to a pressure that is constant over each element round a node, deflection at the nodes:
-   !> the sum of sinc(q_x dx/2) sinc(q_y dy/2)/q over all images q + 2 pi (k/dx, l/dy) of the wavenumber. The terms of the
-   !> sum alternate; a smooth window over `images` of them leaves 1e-8 of it.
+   !> Response (0:nx/2, 0:ny-1) [m] to a pressure that is constant over each element round a node,
+   !> deflection at the nodes: the sum of sinc(q_x dx/2) sinc(q_y dy/2)/q over all images q + 2 pi
+   !> (k/dx, l/dy) of the wavenumber. The terms of the sum alternate; a smooth window over `images`
+   !> of them leaves 1e-8 of it.
    pure function element_response(nx, ny, length_x, length_y) result(response)
       integer, intent(in) :: nx, ny
       real(wp), intent(in) :: length_x, length_y
@@ -73,8 +78,10 @@ contains
          if (ny == 1) part_y = 1.0_wp
          do i = 0, nx/2
             do l = -images_y, images_y
-               response(i, j) = response(i, j) + sum(part_x(:, i)*part_y(l)/(tiny(1.0_wp) + 2.0_wp*pi &
-                  *[(hypot((real(i, wp) + k*nx)/length_x, (real(j, wp) + l*ny)/length_y), k=-images, images)]))
+               response(i, j) = response(i, &
+                  j) + sum(part_x(:, i)*part_y(l)/(tiny(1.0_wp) + 2.0_wp*pi &
+                  *[(hypot((real(i, wp) + k*nx)/length_x, (real(j, wp) + l*ny)/length_y), &
+                     k=-images, images)]))
             end do
          end do
          if (j > 0) response(:, ny - j) = response(:, j)
@@ -107,8 +114,9 @@ contains
       window = 0.5_wp*erfc(steepness*(2.0_wp*abs(x) - 1.0_wp))
    end function window
 
-   !> Kernel of an open line (0:n-1, 0:0) [m]: deflection at element distance j under unit pressure on one element of width
-   !> `dx` [m], by the logarithm integrated exactly; up to a constant, x in the unit of `dx`.
+   !> Kernel of an open line (0:n-1, 0:0) [m]: deflection at element distance j under unit pressure
+   !> on one element of width `dx` [m], by the logarithm integrated exactly; up to a constant, x in
+   !> the unit of `dx`.
    pure function open_line_kernel(n, dx) result(kernel)
       integer, intent(in) :: n
       real(wp), intent(in) :: dx
@@ -117,8 +125,9 @@ contains
       kernel(:, 0) = -line_deflection_coefficients(n - 1, dx)
    end function open_line_kernel
 
-   !> Kernel of an open area (0:nx-1, 0:ny-1) [m]: deflection at element distance (i, j) under unit pressure on one
-   !> rectangle `dx` x `dy` [m] (A. E. H. Love, Phil. Trans. R. Soc. A 228, 1929, 377).
+   !> Kernel of an open area (0:nx-1, 0:ny-1) [m]: deflection at element distance (i, j) under unit
+   !> pressure on one rectangle `dx` x `dy` [m] (A. E. H. Love, Phil. Trans. R. Soc. A 228, 1929,
+   !> 377).
    pure function open_area_kernel(nx, ny, dx, dy) result(kernel)
       integer, intent(in) :: nx, ny
       real(wp), intent(in) :: dx, dy
@@ -140,20 +149,24 @@ contains
 
       r2 = x*x + y*y
       if (r2 <= (series_start*max(dx, dy))**2) then
-         integral = corner(x + dx/2, y + dy/2) - corner(x - dx/2, y + dy/2) - corner(x + dx/2, y - dy/2) &
+         integral = corner(x + dx/2, y + dy/2) - corner(x - dx/2, y + dy/2) - corner(x + dx/2, &
+            y - dy/2) &
                     + corner(x - dx/2, y - dy/2)
       else
          ! Taylor series of 1/r about the centre, averaged over the rectangle.
          c2 = x*x/r2
          s2 = y*y/r2
-         integral = dx*dy/sqrt(r2)*(1.0_wp + (dx*dx*(3.0_wp*c2 - 1.0_wp) + dy*dy*(3.0_wp*s2 - 1.0_wp))/(24.0_wp*r2) &
-            + (dx**4*(105.0_wp*c2*c2 - 90.0_wp*c2 + 9.0_wp) + dy**4*(105.0_wp*s2*s2 - 90.0_wp*s2 + 9.0_wp))/(1920.0_wp*r2*r2) &
+         integral = dx*dy/sqrt(r2)*(1.0_wp + (dx*dx*(3.0_wp*c2 - 1.0_wp) &
+            + dy*dy*(3.0_wp*s2 - 1.0_wp))/(24.0_wp*r2) &
+            + (dx**4*(105.0_wp*c2*c2 - 90.0_wp*c2 + 9.0_wp) + dy**4*(105.0_wp*s2*s2 - 90.0_wp*s2 &
+               + 9.0_wp))/(1920.0_wp*r2*r2) &
             + dx*dx*dy*dy*(105.0_wp*c2*s2 - 12.0_wp)/(576.0_wp*r2*r2))
       end if
       integral = integral/(2.0_wp*pi)
    end function rectangle
 
-   !> Integral of 1/r over the rectangle between the origin and (x, y): x asinh(y/|x|) + y asinh(x/|y|).
+   !> Integral of 1/r over the rectangle between the origin and (x, y): x asinh(y/|x|) + y
+   !> asinh(x/|y|).
    pure elemental function corner(x, y)
       real(wp), intent(in) :: x, y
       real(wp) :: corner

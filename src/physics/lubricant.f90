@@ -1,8 +1,10 @@
-!> The lubricant in SI, and the same in dimensionless form with its laws evaluated on arrays of nodes.
+!> The lubricant in SI, and the same in dimensionless form with its laws evaluated on arrays of
+!> nodes.
 module lubricant
    use density, only: dowson_higginson_densities, dowson_higginson_density_values
    use kinds, only: wp
-   use viscosity, only: barus_ln_viscosities, barus_viscosities, roelands_ln_viscosities, roelands_viscosities
+   use viscosity, only: barus_ln_viscosities, barus_viscosities, roelands_ln_viscosities, &
+      roelands_viscosities
    implicit none (type, external)
    private
 
@@ -51,7 +53,8 @@ module lubricant
       integer :: rheology
       !> Sigma = sigma_scale H dP/dX: b p_h/(2 R tau_0) [-], from (2.12) and (2.51).
       real(wp) :: sigma_scale
-      !> ln B = ln_b_scale + ln(mu/mu_0) - ln H: ln( mu_0 |u2 - u1| R/(tau_0 b^2) ) [-], from (2.14) and (2.51).
+      !> ln B = ln_b_scale + ln(mu/mu_0) - ln H: ln( mu_0 |u2 - u1| R/(tau_0 b^2) ) [-], from (2.14)
+      !> and (2.51).
       real(wp) :: ln_b_scale
    end type fluid_t
 

@@ -1,8 +1,9 @@
-!> Moes' parameters M, L of the smooth lubricated line contact, in both conventions, and the films that they give.
+!> Moes' parameters M, L of the smooth lubricated line contact, in both conventions, and the films
+!> that they give.
 !>
-!> The thesis (2.53, 2.54) uses the mean speed (u1 + u2)/2: M_mean, L_mean. Venner and Lubrecht, and all film formulas
-!> here, use the sum of the speeds: M_sum = M_mean/sqrt(2), L_sum = L_mean 2^(1/4). Names say which one is meant;
-!> the product L sqrt(M) is the same in both.
+!> The thesis (2.53, 2.54) uses the mean speed (u1 + u2)/2: M_mean, L_mean. Venner and Lubrecht, and
+!> all film formulas here, use the sum of the speeds: M_sum = M_mean/sqrt(2), L_sum = L_mean
+!> 2^(1/4). Names say which one is meant; the product L sqrt(M) is the same in both.
 module moes
    use constants, only: pi
    use kinds, only: wp
@@ -10,11 +11,13 @@ module moes
    private
 
    public :: moes_m_mean_from_sum, moes_l_mean_from_sum, moes_m_sum_from_mean, moes_l_sum_from_mean
-   public :: lambda_from_moes_sum, moes_m_sum_from_lambda, alpha_bar_from_moes, moes_l_from_alpha_bar
+   public :: lambda_from_moes_sum, moes_m_sum_from_lambda, alpha_bar_from_moes, &
+      moes_l_from_alpha_bar
    public :: film_from_moes_units, central_film, rigid_film
 
-   !> Film of the rigid isoviscous contact times M_sum, in Moes units [-]; H. M. Martin, Engineering 102, 1916, 119
-   !> (with the free cavitation boundary; the value 3 that is often quoted is 23 % high).
+   !> Film of the rigid isoviscous contact times M_sum, in Moes units [-]; H. M. Martin, Engineering
+   !> 102, 1916, 119 (with the free cavitation boundary; the value 3 that is often quoted is 23 %
+   !> high).
    real(wp), parameter, public :: martin_film = 2.4475_wp
 
 contains
@@ -51,9 +54,11 @@ contains
       l_sum = l_mean*sqrt(sqrt(2.0_wp))
    end function moes_l_sum_from_mean
 
-   !> Speed parameter lambda [-] of (2.57):  lambda = 3 pi^2/(8 M_sum^2) = 3 pi^2/(4 M_mean^2); `m_sum` > 0.
+   !> Speed parameter lambda [-] of (2.57):  lambda = 3 pi^2/(8 M_sum^2) = 3 pi^2/(4 M_mean^2);
+   !> `m_sum` > 0.
    !>
-   !> From (2.53) and (2.55), whose right-hand form lacks the factor 1/8 in print: lambda = 3 pi^2 mu_0 u_s R E'/(8 w^2).
+   !> From (2.53) and (2.55), whose right-hand form lacks the factor 1/8 in print: lambda = 3 pi^2
+   !> mu_0 u_s R E'/(8 w^2).
    pure elemental function lambda_from_moes_sum(m_sum) result(lambda)
       real(wp), intent(in) :: m_sum
       real(wp) :: lambda
@@ -69,7 +74,8 @@ contains
       m_sum = pi*sqrt(3.0_wp/(8.0_wp*lambda))
    end function moes_m_sum_from_lambda
 
-   !> alpha p_h [-] from M > 0 and L >= 0, both in the same convention, whichever:  L sqrt(M/(2 pi)), from (2.53, 2.54, 2.56).
+   !> alpha p_h [-] from M > 0 and L >= 0, both in the same convention, whichever:  L sqrt(M/(2
+   !> pi)), from (2.53, 2.54, 2.56).
    pure elemental function alpha_bar_from_moes(m, l) result(alpha_bar)
       real(wp), intent(in) :: m, l
       real(wp) :: alpha_bar
@@ -77,7 +83,8 @@ contains
       alpha_bar = l*sqrt(m/(2.0_wp*pi))
    end function alpha_bar_from_moes
 
-   !> L [-] from alpha p_h >= 0 and M > 0 [-], in the convention of the given M; inverse of `alpha_bar_from_moes`.
+   !> L [-] from alpha p_h >= 0 and M > 0 [-], in the convention of the given M; inverse of
+   !> `alpha_bar_from_moes`.
    pure elemental function moes_l_from_alpha_bar(alpha_bar, m) result(l)
       real(wp), intent(in) :: alpha_bar, m
       real(wp) :: l
@@ -85,7 +92,8 @@ contains
       l = alpha_bar*sqrt(2.0_wp*pi/m)
    end function moes_l_from_alpha_bar
 
-   !> Film thickness in b^2/R [-] from Moes units, (h/R) sqrt(E' R/(mu_0 u_s)) with the sum of speeds:  pi/(8 M_sum).
+   !> Film thickness in b^2/R [-] from Moes units, (h/R) sqrt(E' R/(mu_0 u_s)) with the sum of
+   !> speeds:  pi/(8 M_sum).
    pure elemental function film_from_moes_units(film_moes, m_sum) result(film)
       real(wp), intent(in) :: film_moes, m_sum
       real(wp) :: film
@@ -95,13 +103,14 @@ contains
 
    !> Central film thickness H_c in b^2/R [-] of the smooth incompressible Newtonian contact.
    !>
-   !> Fit of G. Nijenbanning, C. H. Venner and H. Moes, Wear 176, 1994, 217, for line contacts (H. Moes): rigid or
-   !> elastic, isoviscous or piezoviscous asymptotes joined smoothly. Within 5 % for M >= 5; about 20 % high near
-   !> M = 1, L = 10. `m_sum` > 0; `l_sum` >= 0 (0 = isoviscous).
+   !> Fit of G. Nijenbanning, C. H. Venner and H. Moes, Wear 176, 1994, 217, for line contacts (H.
+   !> Moes): rigid or elastic, isoviscous or piezoviscous asymptotes joined smoothly. Within 5 % for
+   !> M >= 5; about 20 % high near M = 1, L = 10. `m_sum` > 0; `l_sum` >= 0 (0 = isoviscous).
    pure elemental function central_film(m_sum, l_sum) result(film)
       real(wp), intent(in) :: m_sum, l_sum
       real(wp) :: film
-      real(wp) :: rigid_iso, elastic_iso, rigid_piezo, elastic_piezo, power, isoviscous, lower, piezoviscous
+      real(wp) :: rigid_iso, elastic_iso, rigid_piezo, elastic_piezo, power, isoviscous, lower, &
+         piezoviscous
 
       rigid_iso = martin_film/m_sum
       elastic_iso = 2.621_wp*m_sum**(-0.2_wp)
@@ -109,13 +118,16 @@ contains
       elastic_piezo = 1.311_wp*m_sum**(-0.125_wp)*l_sum**0.75_wp
       power = (7.0_wp + 8.0_wp*exp(-2.0_wp*min(elastic_iso/rigid_iso, 100.0_wp)))/5.0_wp
       isoviscous = (rigid_iso**(7.0_wp/3.0_wp) + elastic_iso**(7.0_wp/3.0_wp))**(3.0_wp/7.0_wp)
-      ! (a^(-7/2) + b^(-7/2))^(-2/7) with the smaller one taken out, so that L = 0 is no special case
+      ! (a^(-7/2) + b^(-7/2))^(-2/7) with the smaller one taken out, so that L = 0 is no special
+      ! case
       lower = min(rigid_piezo, elastic_piezo)
-      piezoviscous = lower/(1.0_wp + (lower/max(rigid_piezo, elastic_piezo, tiny(1.0_wp)))**3.5_wp)**(2.0_wp/7.0_wp)
+      piezoviscous = lower/(1.0_wp + (lower/max(rigid_piezo, elastic_piezo, &
+         tiny(1.0_wp)))**3.5_wp)**(2.0_wp/7.0_wp)
       film = film_from_moes_units((isoviscous**power + piezoviscous**power)**(1.0_wp/power), m_sum)
    end function central_film
 
-   !> Film thickness in b^2/R [-] of rigid bodies and constant viscosity: 2.4475/M_sum in Moes units (`martin_film`).
+   !> Film thickness in b^2/R [-] of rigid bodies and constant viscosity: 2.4475/M_sum in Moes units
+   !> (`martin_film`).
    pure elemental function rigid_film(m_sum) result(film)
       real(wp), intent(in) :: m_sum
       real(wp) :: film

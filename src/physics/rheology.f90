@@ -1,7 +1,9 @@
-!> How the lubricant thins under shear: the slip factor S of the flow between the surfaces, by the rheology of the fluid.
+!> How the lubricant thins under shear: the slip factor S of the flow between the surfaces, by the
+!> rheology of the fluid.
 !>
-!> The flow that H dP/dX drives is S >= 1 times that of the viscosity mu alone; S = 1 for a Newtonian lubricant. A solver asks
-!> whether the fluid thins (`thins`), for S, and how large the stress is beside the stress scale of the fluid (`wall_stress`).
+!> The flow that H dP/dX drives is S >= 1 times that of the viscosity mu alone; S = 1 for a
+!> Newtonian lubricant. A solver asks whether the fluid thins (`thins`), for S, and how large the
+!> stress is beside the stress scale of the fluid (`wall_stress`).
 module rheology
    use eyring, only: ln_slip_factor, slip_factor, slip_factors, slip_values
    use kinds, only: wp
@@ -15,10 +17,11 @@ module rheology
    !> Places evaluated at a time, at most.
    integer, parameter, public :: slip_block = 128
 
-   !> S = exp(growth) factor at up to `slip_block` places, and the derivatives of ln S by the drive H dP/dX, by ln(mu/mu_0), and
-   !> by ln H where dP/dX stays.
+   !> S = exp(growth) factor at up to `slip_block` places, and the derivatives of ln S by the drive
+   !> H dP/dX, by ln(mu/mu_0), and by ln H where dP/dX stays.
    type :: slip_t
-      real(wp), dimension(slip_block) :: growth = 0.0_wp, factor = 1.0_wp, by_drive = 0.0_wp, by_ln_mu = 0.0_wp, by_ln_film = 0.0_wp
+      real(wp), dimension(slip_block) :: growth = 0.0_wp, factor = 1.0_wp, by_drive = 0.0_wp, &
+         by_ln_mu = 0.0_wp, by_ln_film = 0.0_wp
    end type slip_t
 
 contains
@@ -31,8 +34,8 @@ contains
       thins = fluid%rheology /= rheology_newtonian
    end function thins
 
-   !> Shear stress at the walls, h/2 |dp/dx|, over the stress scale of the fluid [-], with the sign of the `drive` H dP/dX: Sigma of
-   !> module eyring; 0 where nothing thins.
+   !> Shear stress at the walls, h/2 |dp/dx|, over the stress scale of the fluid [-], with the sign
+   !> of the `drive` H dP/dX: Sigma of module eyring; 0 where nothing thins.
    pure elemental function wall_stress(fluid, drive) result(stress)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: drive
@@ -42,7 +45,8 @@ contains
       if (thins(fluid)) stress = fluid%sigma_scale*drive
    end function wall_stress
 
-   !> S at m <= `slip_block` places with the `drive` H dP/dX, 1/H and ln(mu/mu_0); derivatives are left as they are.
+   !> S at m <= `slip_block` places with the `drive` H dP/dX, 1/H and ln(mu/mu_0); derivatives are
+   !> left as they are.
    pure subroutine evaluate_slip(fluid, drive, inverse_film, ln_mu, slip)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in), contiguous :: drive(:), inverse_film(:), ln_mu(:)
@@ -69,7 +73,8 @@ contains
       m = size(drive)
       sigma(:m) = fluid%sigma_scale*drive
       ln_b(:m) = fluid%ln_b_scale + ln_mu
-      call slip_factors(sigma(:m), ln_b(:m), inverse_film, slip%growth(:m), slip%factor(:m), by_sigma(:m), slip%by_ln_mu(:m))
+      call slip_factors(sigma(:m), ln_b(:m), inverse_film, slip%growth(:m), slip%factor(:m), &
+         by_sigma(:m), slip%by_ln_mu(:m))
       slip%by_drive(:m) = by_sigma(:m)*fluid%sigma_scale
       slip%by_ln_film(:m) = by_sigma(:m)*sigma(:m) - slip%by_ln_mu(:m)
    end subroutine evaluate_slip_slopes
@@ -81,7 +86,8 @@ contains
       real(wp) :: ln_s
 
       ln_s = 0.0_wp
-      if (fluid%rheology == rheology_eyring) ln_s = ln_slip_factor(fluid%sigma_scale*drive, fluid%ln_b_scale + ln_mu - log(film))
+      if (fluid%rheology == rheology_eyring) ln_s = ln_slip_factor(fluid%sigma_scale*drive, &
+         fluid%ln_b_scale + ln_mu - log(film))
    end function ln_slip
 
    !> `ln_slip` with its derivative by the drive.
@@ -94,7 +100,8 @@ contains
       ln_s = 0.0_wp
       by_drive = 0.0_wp
       if (fluid%rheology /= rheology_eyring) return
-      call slip_factor(fluid%sigma_scale*drive, fluid%ln_b_scale + ln_mu - log(film), ln_s, by_drive, by_ln_b)
+      call slip_factor(fluid%sigma_scale*drive, fluid%ln_b_scale + ln_mu - log(film), ln_s, &
+         by_drive, by_ln_b)
       by_drive = by_drive*fluid%sigma_scale
    end subroutine ln_slip_with_slope
 
@@ -109,8 +116,8 @@ contains
       eased%ln_b_scale = fluid%ln_b_scale - log(factor)
    end function eased_fluid
 
-   !> Slide-to-roll ratio |u2 - u1|/((u1 + u2)/2) of a contact with the speed parameter `lambda` whose fluid thins:
-   !> 6 B H/(lambda mu Sigma/(H dP/dX)).
+   !> Slide-to-roll ratio |u2 - u1|/((u1 + u2)/2) of a contact with the speed parameter `lambda`
+   !> whose fluid thins: 6 B H/(lambda mu Sigma/(H dP/dX)).
    pure function slide_to_roll(fluid, lambda) result(ratio)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda

@@ -1,4 +1,5 @@
-!> The relation between the three parameters of Roelands' law and the ambient viscosity, (2.27): two of them give the third.
+!> The relation between the three parameters of Roelands' law and the ambient viscosity, (2.27): two
+!> of them give the third.
 module roelands_relation
    use errors, only: error_t, fail, input_error
    use kinds, only: wp
@@ -8,8 +9,8 @@ module roelands_relation
 
    public :: roelands_alpha, roelands_p0, roelands_z, complete_roelands
 
-   !> Minus the logarithm of the viscosity [Pa s] to which every oil tends on Roelands' chart (6.31e-5 Pa s) [-];
-   !> (2.27), C. J. A. Roelands, thesis, Delft 1966.
+   !> Minus the logarithm of the viscosity [Pa s] to which every oil tends on Roelands' chart
+   !> (6.31e-5 Pa s) [-]; (2.27), C. J. A. Roelands, thesis, Delft 1966.
    real(wp), parameter, public :: roelands_log_shift = 9.67_wp
 
    !> Largest relative disagreement of alpha, P0 and z when all three are given [-].
@@ -29,7 +30,8 @@ contains
 
    !> Roelands' reference pressure P0 [Pa] from (2.27): P0 = z (ln mu_0 + 9.67)/alpha.
    !>
-   !> (2.62) is the same equation in dimensionless form. `mu_0` [Pa s] > 6.4e-5; `alpha` [1/Pa] > 0; `z` [-] > 0.
+   !> (2.62) is the same equation in dimensionless form. `mu_0` [Pa s] > 6.4e-5; `alpha` [1/Pa] > 0;
+   !> `z` [-] > 0.
    pure elemental function roelands_p0(mu_0, alpha, z) result(p0)
       real(wp), intent(in) :: mu_0, alpha, z
       real(wp) :: p0
@@ -47,11 +49,13 @@ contains
       z = alpha*p0/(log(mu_0) + roelands_log_shift)
    end function roelands_z
 
-   !> Completes alpha [1/Pa], P0 [Pa] and z [-] by (2.27) from any two of them; a value <= 0 means "not given".
+   !> Completes alpha [1/Pa], P0 [Pa] and z [-] by (2.27) from any two of them; a value <= 0 means
+   !> "not given".
    !>
-   !> `mu_0` [Pa s] is the ambient viscosity. Error (input): fewer than two are given, three are given that disagree by
-   !> more than `roelands_agreement`, or mu_0 is so small that (2.27) gives no positive value.
-   !> The thesis's Table 5.1 gives P0 and z (so alpha = 2.3345e-8), Table 6.1 alpha and P0 (so z = 0.5397).
+   !> `mu_0` [Pa s] is the ambient viscosity. Error (input): fewer than two are given, three are
+   !> given that disagree by more than `roelands_agreement`, or mu_0 is so small that (2.27) gives
+   !> no positive value. The thesis's Table 5.1 gives P0 and z (so alpha = 2.3345e-8), Table 6.1
+   !> alpha and P0 (so z = 0.5397).
    pure subroutine complete_roelands(mu_0, alpha, p0, z, error)
       real(wp), intent(in) :: mu_0
       real(wp), intent(inout) :: alpha, p0, z
@@ -59,7 +63,8 @@ contains
       real(wp) :: expected
 
       if (count([alpha, p0, z] > 0.0_wp) < 2) then
-         call fail(error, input_error, 'the Roelands law needs two of pressure_viscosity, roelands_p0 and roelands_z')
+         call fail(error, input_error, 'the Roelands law needs two of pressure_viscosity, '// &
+            'roelands_p0 and roelands_z')
          return
       end if
       if (mu_0 <= exp(-roelands_log_shift)) then
@@ -76,8 +81,10 @@ contains
       else
          expected = roelands_alpha(mu_0, p0, z)
          if (abs(alpha - expected) > roelands_agreement*expected) then
-            call fail(error, input_error, 'pressure_viscosity, roelands_p0 and roelands_z contradict each other: '// &
-                      'the viscosity, roelands_p0 and roelands_z give pressure_viscosity = '//to_text(expected, 5)// &
+            call fail(error, input_error, 'pressure_viscosity, roelands_p0 and roelands_z '// &
+               'contradict each other: '// &
+                      'the viscosity, roelands_p0 and roelands_z give pressure_viscosity = ' &
+                         //to_text(expected, 5)// &
                       ' 1/Pa, found '//to_text(alpha, 5)//'; give only two of the three')
          end if
       end if

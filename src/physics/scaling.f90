@@ -1,4 +1,5 @@
-!> Reference values that turn the equations dimensionless: the only place where SI and dimensionless meet.
+!> Reference values that turn the equations dimensionless: the only place where SI and dimensionless
+!> meet.
 module scaling
    use bodies, only: bodies_t
    use density, only: dowson_higginson_c1
@@ -14,8 +15,9 @@ module scaling
 
    public :: new_scaling, new_moes_scaling, scaled_fluid
 
-   !> Scales of (2.51, 2.52) and dimensionless groups of (2.53 - 2.56). Where `is_dimensional` is false (input by Moes'
-   !> numbers) only lambda, alpha_bar, moes_m and moes_l mean anything, and hertz_pressure if alpha is known; the rest is 0.
+   !> Scales of (2.51, 2.52) and dimensionless groups of (2.53 - 2.56). Where `is_dimensional` is
+   !> false (input by Moes' numbers) only lambda, alpha_bar, moes_m and moes_l mean anything, and
+   !> hertz_pressure if alpha is known; the rest is 0.
    type, public :: scaling_t
       !> b [m], unit of x.
       real(wp) :: half_width
@@ -47,8 +49,9 @@ contains
 
    !> Scaling of a contact given in SI.
    !>
-   !> lambda = 6 u_s R^2 mu_0/(p_h b^3), the left form of (2.55); the right one lacks a factor 1/8 in print
-   !> (3 pi^2 mu_0 u_s R E'/(8 w^2)). `load_per_length` w [N/m] > 0; ranges of `bodies` and `lubricant` as in their types.
+   !> lambda = 6 u_s R^2 mu_0/(p_h b^3), the left form of (2.55); the right one lacks a factor 1/8
+   !> in print (3 pi^2 mu_0 u_s R E'/(8 w^2)). `load_per_length` w [N/m] > 0; ranges of `bodies` and
+   !> `lubricant` as in their types.
    pure subroutine new_scaling(scaling, bodies, lubricant, load_per_length)
       type(scaling_t), intent(out) :: scaling
       type(bodies_t), intent(in) :: bodies
@@ -59,8 +62,10 @@ contains
       scaling%reduced_radius = bodies%reduced_radius
       scaling%reduced_modulus = bodies%reduced_modulus
       scaling%load_per_length = load_per_length
-      scaling%half_width = line_half_width(load_per_length, bodies%reduced_radius, bodies%reduced_modulus)
-      scaling%hertz_pressure = line_peak_pressure(load_per_length, bodies%reduced_radius, bodies%reduced_modulus)
+      scaling%half_width = line_half_width(load_per_length, bodies%reduced_radius, &
+         bodies%reduced_modulus)
+      scaling%hertz_pressure = line_peak_pressure(load_per_length, bodies%reduced_radius, &
+         bodies%reduced_modulus)
       scaling%film = scaling%half_width**2/bodies%reduced_radius
       scaling%speed_sum = bodies%speed_1 + bodies%speed_2
       scaling%time = 2.0_wp*scaling%half_width/scaling%speed_sum
@@ -75,10 +80,11 @@ contains
       scaling%moes_l = moes_l_from_alpha_bar(scaling%alpha_bar, scaling%moes_m)
    end subroutine new_scaling
 
-   !> Scaling of a smooth Newtonian contact given by Moes' numbers of (2.53, 2.54), mean speed; no SI scale is known
-   !> but p_h = alpha_bar/alpha, for laws that need it.
+   !> Scaling of a smooth Newtonian contact given by Moes' numbers of (2.53, 2.54), mean speed; no
+   !> SI scale is known but p_h = alpha_bar/alpha, for laws that need it.
    !>
-   !> `moes_m_mean` > 0; `moes_l_mean` >= 0, 0 = constant viscosity. Of `lubricant` only the laws, alpha, P0 and z are used.
+   !> `moes_m_mean` > 0; `moes_l_mean` >= 0, 0 = constant viscosity. Of `lubricant` only the laws,
+   !> alpha, P0 and z are used.
    pure subroutine new_moes_scaling(scaling, moes_m_mean, moes_l_mean, lubricant)
       type(scaling_t), intent(out) :: scaling
       real(wp), intent(in) :: moes_m_mean, moes_l_mean
@@ -105,9 +111,9 @@ contains
 
    !> The lubricant in dimensionless form.
    !>
-   !> An unknown or vanishing Hertz pressure (Moes input with L = 0) makes viscosity and density constant: the limit of
-   !> their laws. Eyring needs a scaling from SI; otherwise the fluid is Newtonian. Parameters that a law does not use
-   !> are 1, so that no NaN is carried about.
+   !> An unknown or vanishing Hertz pressure (Moes input with L = 0) makes viscosity and density
+   !> constant: the limit of their laws. Eyring needs a scaling from SI; otherwise the fluid is
+   !> Newtonian. Parameters that a law does not use are 1, so that no NaN is carried about.
    pure function scaled_fluid(scaling, lubricant, bodies) result(fluid)
       type(scaling_t), intent(in) :: scaling
       type(lubricant_t), intent(in) :: lubricant
@@ -127,7 +133,8 @@ contains
          fluid%z = lubricant%roelands_z
       end if
       fluid%c1 = 1.0_wp
-      if (fluid%density_law == density_dowson_higginson) fluid%c1 = dowson_higginson_c1/scaling%hertz_pressure
+      if (fluid%density_law == density_dowson_higginson) fluid%c1 = dowson_higginson_c1 &
+         /scaling%hertz_pressure
       fluid%rheology = rheology_newtonian
       if (scaling%is_dimensional) fluid%rheology = lubricant%rheology
       fluid%sigma_scale = 0.0_wp
@@ -135,7 +142,8 @@ contains
       if (fluid%rheology == rheology_eyring) then
          fluid%sigma_scale = scaling%half_width*scaling%hertz_pressure &
                              /(2.0_wp*scaling%reduced_radius*lubricant%eyring_stress)
-         sliding = scaling%viscosity*abs(bodies%speed_2 - bodies%speed_1)/(lubricant%eyring_stress*scaling%film)
+         sliding = scaling%viscosity*abs(bodies%speed_2 - bodies%speed_1)/(lubricant%eyring_stress &
+            *scaling%film)
          if (sliding > 0.0_wp) fluid%ln_b_scale = log(sliding)
       end if
    end function scaled_fluid

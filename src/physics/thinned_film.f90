@@ -1,21 +1,26 @@
-!> Central film of the smooth line contact of a shear-thinning lubricant: for the choice of grids and starts only.
+!> Central film of the smooth line contact of a shear-thinning lubricant: for the choice of grids
+!> and starts only.
 !>
-!> The film builds up in front of the contact over a length s, where the gap has opened by about the film itself: s ~ H^(2/3) in
-!> front of a Hertzian contact (gap ~ s^(3/2)), s ~ H^(1/2) between rigid cylinders (gap ~ s^2), which is the longer one for a
-!> thick film. Over it the pressure rises to P ~ s^(1/2) with P' ~ s^(-1/2) along Hertz's profile, or to P ~ 1/s with
-!> P' ~ 1/s^2 where the load rests on s. The flow must then carry about the film away:
+!> The film builds up in front of the contact over a length s, where the gap has opened by about the
+!> film itself: s ~ H^(2/3) in front of a Hertzian contact (gap ~ s^(3/2)), s ~ H^(1/2) between
+!> rigid cylinders (gap ~ s^2), which is the longer one for a thick film. Over it the pressure rises
+!> to P ~ s^(1/2) with P' ~ s^(-1/2) along Hertz's profile, or to P ~ 1/s with P' ~ 1/s^2 where the
+!> load rests on s. The flow must then carry about the film away:
 !>
-!>     H^3 S(Sigma, B) P'/mu = 0.7 lambda H ,     P = 0.75 min(H^(1/3), H^(-1/2)) ,     P' = min(H^(-1/3), 1/H)
+!>     H^3 S(Sigma, B) P'/mu = 0.7 lambda H ,     P = 0.75 min(H^(1/3), H^(-1/2)) ,
+!>     P' = min(H^(-1/3), 1/H)
 !>
-!> with Sigma and B of this H, P and P' (module eyring). Where S = B, mu drops out: H = 0.6 (lambda H/B)^(3/2), B H being
-!> constant, whatever L. With H_e the solution for this S, H_1 that for S = 1, and H_N the Newtonian film of Moes:
+!> with Sigma and B of this H, P and P' (module eyring). Where S = B, mu drops out: H = 0.6 (lambda
+!> H/B)^(3/2), B H being constant, whatever L. With H_e the solution for this S, H_1 that for S = 1,
+!> and H_N the Newtonian film of Moes:
 !>
 !>     H = [ H_N^(-0.7) + H_e^(-0.7) - H_1^(-0.7) ]^(-1/0.7)
 !>
-!> The four numbers are fitted to every fifth of 1616 solutions on 8192 intervals (M 0.03-2000, L 2.5-40, tau_0 1, 3.3 and 10
-!> MPa, slide-to-roll 0, 0.2, 5/3, 4), in which the film falls to 0.0008 of Moes'. In every second of them H is off by 0.2 in
-!> the mean square of ln H, in 98 % by -0.38 to 0.63, at most by 0.97; where the film is thick and yet thinned by much, which is
-!> rare, by up to 2.3.
+!> The four numbers are fitted to every fifth of 1616 solutions on 8192 intervals (M 0.03-2000, L
+!> 2.5-40, tau_0 1, 3.3 and 10 MPa, slide-to-roll 0, 0.2, 5/3, 4), in which the film falls to 0.0008
+!> of Moes'. In every second of them H is off by 0.2 in the mean square of ln H, in 98 % by -0.38 to
+!> 0.63, at most by 0.97; where the film is thick and yet thinned by much, which is rare, by up to
+!> 2.3.
 module thinned_film
    use kinds, only: wp
    use lubricant, only: fluid_ln_viscosity, fluid_t
@@ -33,8 +38,8 @@ module thinned_film
 
 contains
 
-   !> Central film [b^2/R] of a contact with the speed parameter `lambda` > 0, whose Newtonian film is `newtonian` > 0 [b^2/R]:
-   !> never more than that.
+   !> Central film [b^2/R] of a contact with the speed parameter `lambda` > 0, whose Newtonian film
+   !> is `newtonian` > 0 [b^2/R]: never more than that.
    pure function thinned_central_film(fluid, lambda, newtonian) result(film)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, newtonian
@@ -43,11 +48,13 @@ contains
 
       film = newtonian
       if (.not. thins(fluid)) return
-      resistance = inlet_film(fluid, lambda, .true.)**(-power) - inlet_film(fluid, lambda, .false.)**(-power)
+      resistance = inlet_film(fluid, lambda, .true.)**(-power) - inlet_film(fluid, lambda, &
+         .false.)**(-power)
       film = (newtonian**(-power) + max(resistance, 0.0_wp))**(-1/power)
    end function thinned_central_film
 
-   !> H_e (`is_thinning`) or H_1, by bisection; where the equation has no solution, the thickest film.
+   !> H_e (`is_thinning`) or H_1, by bisection; where the equation has no solution, the thickest
+   !> film.
    pure function inlet_film(fluid, lambda, is_thinning) result(film)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda
@@ -81,7 +88,8 @@ contains
       pressure = pressure_share*exp(min(ln_film/3, -ln_film/2))
       call fluid_ln_viscosity(fluid, [pressure], ln_mu)
       excess = 2*ln_film + ln_slope - ln_mu(1) - log(flow_share*lambda)
-      if (is_thinning) excess = excess + ln_slip(fluid, exp(ln_film + ln_slope), exp(ln_film), ln_mu(1))
+      if (is_thinning) excess = excess + ln_slip(fluid, exp(ln_film + ln_slope), exp(ln_film), &
+         ln_mu(1))
    end function excess_flow
 
 end module thinned_film

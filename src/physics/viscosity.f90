@@ -1,7 +1,8 @@
 !> Pressure-viscosity laws, each as ln(mu/mu_0) with its derivative by pressure.
 !>
-!> The laws take pressure, 1/alpha and P0 in one and the same unit: SI, or all divided by the Hertz pressure.
-!> The logarithm is returned because mu itself passes 1e300 within the valid range of alpha p.
+!> The laws take pressure, 1/alpha and P0 in one and the same unit: SI, or all divided by the Hertz
+!> pressure. The logarithm is returned because mu itself passes 1e300 within the valid range of
+!> alpha p.
 module viscosity
    use kinds, only: wp
    implicit none (type, external)
@@ -23,7 +24,8 @@ contains
       call roelands(p, alpha, p0, z, ln_mu, dln_mu)
    end subroutine roelands_viscosity
 
-   !> Barus' law on arrays (n):  ln(mu/mu_0) = alpha p; C. Barus, Am. J. Sci. 45, 1893, 87; the limit z = 1 of (2.26).
+   !> Barus' law on arrays (n):  ln(mu/mu_0) = alpha p; C. Barus, Am. J. Sci. 45, 1893, 87; the
+   !> limit z = 1 of (2.26).
    !>
    !> `p` >= 0; `alpha` >= 0; realistic below about 0.3 GPa. Results as in `roelands_viscosity`.
    pure subroutine barus_viscosities(p, alpha, ln_mu, dln_mu)
@@ -69,7 +71,8 @@ contains
       end do
    end subroutine roelands_ln_viscosities
 
-   !> The formula of `roelands_viscosity`; private, so that also position-independent code has it inlined in the loops.
+   !> The formula of `roelands_viscosity`; private, so that also position-independent code has it
+   !> inlined in the loops.
    pure elemental subroutine roelands(p, alpha, p0, z, ln_mu, dln_mu)
       real(wp), intent(in) :: p, alpha, p0, z
       real(wp), intent(out) :: ln_mu, dln_mu

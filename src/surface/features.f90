@@ -30,26 +30,28 @@ module features
       logical :: is_placed = .true.
    end type feature_t
 
-   !> A surface: the sum of its features; none (size 0 or not allocated) = smooth. In contact/ it is dimensionless: heights in
-   !> b^2/R, lengths in b, speed 2 u_i/u_s per unit of T.
+   !> A surface: the sum of its features; none (size 0 or not allocated) = smooth. In contact/ it is
+   !> dimensionless: heights in b^2/R, lengths in b, speed 2 u_i/u_s per unit of T.
    type, public :: rough_surface_t
       type(feature_t), allocatable :: features(:)
       !> Speed at which the features move in x.
       real(wp) :: speed
       !> Measured or synthetic heights, which move with the features.
       type(profile_t), allocatable :: profile
-      !> Smooth entry: everything rises over this length behind a front that moves with the surface and is at
-      !> `entry_position` at time 0; of a surface at rest over this time. 0: everything is there from the start.
+      !> Smooth entry: everything rises over this length behind a front that moves with the surface
+      !> and is at `entry_position` at time 0; of a surface at rest over this time. 0: everything is
+      !> there from the start.
       real(wp) :: entry_length = 0.0_wp
       real(wp) :: entry_position = 0.0_wp
    end type rough_surface_t
 
 contains
 
-   !> Height psi of the surface at `x` (n) and `time`, positive out of the material: a ridge closes the gap.
+   !> Height psi of the surface at `x` (n) and `time`, positive out of the material: a ridge closes
+   !> the gap.
    !>
-   !> Enters the film thickness with a minus, H = ... - Psi_1 - Psi_2; (2.24) and (2.58) print a plus, against (2.72), (A.27)
-   !> and the text of chapter 6.
+   !> Enters the film thickness with a minus, H = ... - Psi_1 - Psi_2; (2.24) and (2.58) print a
+   !> plus, against (2.72), (A.27) and the text of chapter 6.
    pure function surface_height(surface, x, time) result(psi)
       type(rough_surface_t), intent(in) :: surface
       real(wp), intent(in) :: x(:), time
@@ -59,14 +61,17 @@ contains
       psi = 0.0_wp
       if (allocated(surface%features)) then
          do i = 1, size(surface%features)
-            call add_feature(surface%features(i), x - (surface%features(i)%position + surface%speed*time), psi)
+            call add_feature(surface%features(i), &
+               x - (surface%features(i)%position + surface%speed*time), psi)
          end do
       end if
-      if (allocated(surface%profile)) psi = psi + profile_height(surface%profile, x - surface%speed*time)
+      if (allocated(surface%profile)) psi = psi + profile_height(surface%profile, &
+         x - surface%speed*time)
       if (surface%entry_length > 0.0_wp) psi = psi*entered_share(surface, x, time)
    end function surface_height
 
-   !> How far a surface has risen where it enters: 0 before the front, 1 from `entry_length` behind it on.
+   !> How far a surface has risen where it enters: 0 before the front, 1 from `entry_length` behind
+   !> it on.
    pure elemental function entered_share(surface, x, time) result(share)
       type(rough_surface_t), intent(in) :: surface
       real(wp), intent(in) :: x, time
@@ -100,10 +105,11 @@ contains
       end select
    end subroutine add_feature
 
-   !> Ridge of (5.4), (A.9):  A 10^(-10 s^2) cos(2 pi s) at `waves` s = (x - xc)/Lambda from its centre [-].
+   !> Ridge of (5.4), (A.9):  A 10^(-10 s^2) cos(2 pi s) at `waves` s = (x - xc)/Lambda from its
+   !> centre [-].
    !>
-   !> C. H. Venner and A. A. Lubrecht, J. Tribol. 116, 1994, 186. `amplitude` A > 0 ridge, < 0 dent. Without a branch, so that
-   !> the loop is vectorised.
+   !> C. H. Venner and A. A. Lubrecht, J. Tribol. 116, 1994, 186. `amplitude` A > 0 ridge, < 0 dent.
+   !> Without a branch, so that the loop is vectorised.
    pure elemental function ridge(amplitude, waves) result(height)
       real(wp), intent(in) :: amplitude, waves
       real(wp) :: height

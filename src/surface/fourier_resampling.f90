@@ -1,4 +1,5 @@
-!> Periodic heights on another number of nodes: the same Fourier series, as far as both grids can carry it.
+!> Periodic heights on another number of nodes: the same Fourier series, as far as both grids can
+!> carry it.
 module fourier_resampling
    use constants, only: pi
    use errors, only: error_t
@@ -11,12 +12,12 @@ module fourier_resampling
 
 contains
 
-   !> Takes the periodic heights `z` (nx*ny) from the grid `old` = nx, ny to the grid `new`, of the same lengths; both have a node
-   !> at 0.
+   !> Takes the periodic heights `z` (nx*ny) from the grid `old` = nx, ny to the grid `new`, of the
+   !> same lengths; both have a node at 0.
    !>
-   !> More nodes interpolate: where the grids share a node its height stays. Fewer nodes drop the harmonics from half their
-   !> number on. The highest harmonic of an even number of old nodes is taken for a cosine, half of it at +n/2 and half at -n/2.
-   !> Fails (internal_error) if FFTW does.
+   !> More nodes interpolate: where the grids share a node its height stays. Fewer nodes drop the
+   !> harmonics from half their number on. The highest harmonic of an even number of old nodes is
+   !> taken for a cosine, half of it at +n/2 and half at -n/2. Fails (internal_error) if FFTW does.
    subroutine resample_heights(old, new, z, error)
       integer, intent(in) :: old(2), new(2)
       real(wp), allocatable, intent(inout) :: z(:)
@@ -25,7 +26,8 @@ contains
       call resample(old, new, [0.0_wp, 0.0_wp], z, error)   ! error: the caller looks
    end subroutine resample_heights
 
-   !> The same for nodes at the centres of cells: the first one lies half a spacing from 0. Fails (internal_error) if FFTW does.
+   !> The same for nodes at the centres of cells: the first one lies half a spacing from 0. Fails
+   !> (internal_error) if FFTW does.
    subroutine resample_centres(old, new, z, error)
       integer, intent(in) :: old(2), new(2)
       real(wp), allocatable, intent(inout) :: z(:)
@@ -53,9 +55,11 @@ contains
          do k = 0, new(1)/2
             share_x = share_of(k, old(1), new(1))
             spectrum(k, l) = (0.0_wp, 0.0_wp)
-            if (share_x*share_y > 0.0_wp) spectrum(k, l) = share_x*share_y/nodes*coarse(k, modulo(signed(l, new(2)), old(2)))
+            if (share_x*share_y > 0.0_wp) spectrum(k, l) = share_x*share_y/nodes*coarse(k, &
+               modulo(signed(l, new(2)), old(2)))
             angle = 2.0_wp*pi*(k*shift(1) + signed(l, new(2))*shift(2))
-            if (abs(angle) > 0.0_wp) spectrum(k, l) = spectrum(k, l)*cmplx(cos(angle), sin(angle), wp)
+            if (abs(angle) > 0.0_wp) spectrum(k, l) = spectrum(k, l)*cmplx(cos(angle), &
+               sin(angle), wp)
          end do
       end do
       call transform_back(new, spectrum, z, error)

@@ -1,4 +1,5 @@
-!> Where the heights of a profile come from that is too long to be held: any stretch of them, asked for in any order.
+!> Where the heights of a profile come from that is too long to be held: any stretch of them, asked
+!> for in any order.
 module height_source
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t

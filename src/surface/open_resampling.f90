@@ -8,8 +8,9 @@ module open_resampling
 
 contains
 
-   !> Takes the heights `z` (nx*ny) at cell centres of the grid `old` = nx, ny (4 or more cells in a direction, or 1) to the centres
-   !> of the grid `new` of the same lengths, by the cubic through four neighbours in each direction.
+   !> Takes the heights `z` (nx*ny) at cell centres of the grid `old` = nx, ny (4 or more cells in a
+   !> direction, or 1) to the centres of the grid `new` of the same lengths, by the cubic through
+   !> four neighbours in each direction.
    pure subroutine interpolate_heights(old, new, z)
       integer, intent(in) :: old(2), new(2)
       real(wp), allocatable, intent(inout) :: z(:)
@@ -36,8 +37,8 @@ contains
       end do
    end subroutine interpolate_heights
 
-   !> The `first` of the four old cells round the centre of the new cell `i`, and Lagrange's weights of all four; of a single
-   !> old cell the first weight alone.
+   !> The `first` of the four old cells round the centre of the new cell `i`, and Lagrange's weights
+   !> of all four; of a single old cell the first weight alone.
    pure subroutine neighbours(i, old, new, first, weights)
       integer, intent(in) :: i, old, new
       integer, intent(out) :: first
@@ -50,7 +51,8 @@ contains
       t = (real(i, wp) - 0.5_wp)*old/new + 0.5_wp
       first = min(max(int(t) - 1, 1), old - 3)
       t = t - first
-      weights = [-(t - 1)*(t - 2)*(t - 3)/6, t*(t - 2)*(t - 3)/2, -t*(t - 1)*(t - 3)/2, t*(t - 1)*(t - 2)/6]
+      weights = [-(t - 1)*(t - 2)*(t - 3)/6, t*(t - 2)*(t - 3)/2, -t*(t - 1)*(t - 3)/2, &
+         t*(t - 1)*(t - 2)/6]
    end subroutine neighbours
 
 end module open_resampling

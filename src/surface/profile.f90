@@ -1,7 +1,8 @@
 !> A measured or synthetic profile: heights at equal distances, between which a cubic runs.
 !>
-!> A long profile stays where it comes from; only a window of its heights is held, which `load_window` moves along. What the
-!> profile is does not depend on the window: the same heights at the same places, to the bit.
+!> A long profile stays where it comes from; only a window of its heights is held, which
+!> `load_window` moves along. What the profile is does not depend on the window: the same heights at
+!> the same places, to the bit.
 module profile
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t
@@ -14,7 +15,8 @@ module profile
 
    !> Lengths in any unit, the same for spacing, start and x.
    type :: profile_t
-      !> Heights of the window (m), positive out of the material; without a source all of them, at least 2.
+      !> Heights of the window (m), positive out of the material; without a source all of them, at
+      !> least 2.
       real(wp), allocatable :: heights(:)
       !> Number of the first height of the window; those of the profile count from 0.
       integer(int64) :: first = 0_int64
@@ -39,9 +41,11 @@ module profile
 
 contains
 
-   !> Height of the profile at `x`, which must count from where the profile is at time 0 and lie in the window.
+   !> Height of the profile at `x`, which must count from where the profile is at time 0 and lie in
+   !> the window.
    !>
-   !> Between two heights the cubic of Catmull and Rom (1974): through the heights, with the slope of the neighbours there.
+   !> Between two heights the cubic of Catmull and Rom (1974): through the heights, with the slope
+   !> of the neighbours there.
    pure function profile_height(profile, x) result(z)
       type(profile_t), intent(in) :: profile
       real(wp), intent(in) :: x(:)
@@ -60,7 +64,8 @@ contains
          k = min(int(nodes, int64), n - 1)
          t = nodes - k
          h = profile%heights(neighbours(profile, k, n))
-         z(i) = h(2) + 0.5_wp*t*(h(3) - h(1) + t*(2*h(1) - 5*h(2) + 4*h(3) - h(4) + t*(3*(h(2) - h(3)) + h(4) - h(1))))
+         z(i) = h(2) + 0.5_wp*t*(h(3) - h(1) + t*(2*h(1) - 5*h(2) + 4*h(3) - h(4) &
+            + t*(3*(h(2) - h(3)) + h(4) - h(1))))
          if (profile%is_periodic .or. .not. profile%end_length > 0.0_wp) cycle
          s = min(nodes, last - nodes)*profile%spacing/profile%end_length
          z(i) = z(i)*smooth_ramp(s)
@@ -81,7 +86,8 @@ contains
       end if
    end function neighbours
 
-   !> Moves the window to where `profile_height` can be asked for any x of x_low ... x_high. Error: the source has one.
+   !> Moves the window to where `profile_height` can be asked for any x of x_low ... x_high. Error:
+   !> the source has one.
    subroutine load_window(profile, x_low, x_high, error)
       type(profile_t), intent(inout) :: profile
       real(wp), intent(in) :: x_low, x_high
@@ -122,7 +128,8 @@ contains
       place = from - profile%first
       if (profile%is_periodic) place = modulo(place, profile%source%nodes)
       holds = place >= 0 .and. place + needed <= size(profile%heights, kind=int64)
-      if (profile%is_periodic) holds = holds .or. size(profile%heights, kind=int64) == profile%source%nodes
+      if (profile%is_periodic) holds = holds .or. size(profile%heights, &
+         kind=int64) == profile%source%nodes
    end function holds
 
    !> Fills the window with `count` heights; one that repeats itself goes on with its beginning.
@@ -138,7 +145,8 @@ contains
       if (.not. allocated(profile%heights)) allocate (profile%heights(count))
       before_end = min(count, profile%source%nodes - profile%first)
       call profile%source%get(profile%first, profile%heights(:before_end), error)
-      if (.not. allocated(error) .and. before_end < count) call profile%source%get(0_int64, profile%heights(before_end + 1:), error)
+      if (.not. allocated(error) .and. before_end < count) call profile%source%get(0_int64, &
+         profile%heights(before_end + 1:), error)
       if (allocated(error)) then
          deallocate (profile%heights)
       else

@@ -1,7 +1,8 @@
 !> Random numbers that are the same on every machine: Philox4x32-10, a counter-based generator.
 !>
-!> J. K. Salmon, M. A. Moraes, R. O. Dror and D. E. Shaw, Parallel random numbers: as easy as 1, 2, 3, Proc. SC11, 2011.
-!> Number i of a seed needs no number before it. All products are split into halves of 16 bits: nothing overflows.
+!> J. K. Salmon, M. A. Moraes, R. O. Dror and D. E. Shaw, Parallel random numbers: as easy as 1, 2,
+!> 3, Proc. SC11, 2011. Number i of a seed needs no number before it. All products are split into
+!> halves of 16 bits: nothing overflows.
 module random_numbers
    use, intrinsic :: iso_fortran_env, only: int64
    use constants, only: pi
@@ -30,7 +31,8 @@ contains
       do i = 1, rounds
          call multiply(multipliers(1), words(1), high(1), low(1))
          call multiply(multipliers(2), words(3), high(2), low(2))
-         words = [ieor(ieor(high(2), words(2)), round_key(1)), low(2), ieor(ieor(high(1), words(4)), round_key(2)), low(1)]
+         words = [ieor(ieor(high(2), words(2)), round_key(1)), low(2), &
+            ieor(ieor(high(1), words(4)), round_key(2)), low(1)]
          round_key = iand(round_key + weyl, low_32)
       end do
    end function philox
@@ -52,8 +54,8 @@ contains
       low = ior(shiftl(iand(low, low_16), 16), iand(carry, low_16))
    end subroutine multiply
 
-   !> `n` independent normal numbers (mean 0, variance 1) of a `seed` >= 0, by the transform of Box and Muller. Each `series`
-   !> (0 ... 2^32 - 1) of a seed has other ones.
+   !> `n` independent normal numbers (mean 0, variance 1) of a `seed` >= 0, by the transform of Box
+   !> and Muller. Each `series` (0 ... 2^32 - 1) of a seed has other ones.
    pure function normal_numbers(n, seed, series) result(values)
       integer, intent(in) :: n, seed
       integer(int64), intent(in) :: series

@@ -1,4 +1,5 @@
-!> Roughness parameters of profiles and areas (chapter 4 of the thesis; ISO 4287, ISO 25178), about the arithmetic mean.
+!> Roughness parameters of profiles and areas (chapter 4 of the thesis; ISO 4287, ISO 25178), about
+!> the arithmetic mean.
 module roughness
    use errors, only: error_t
    use grid_transform, only: transform_field
@@ -6,7 +7,8 @@ module roughness
    implicit none (type, external)
    private
 
-   public :: roughness_t, roughness_of, bearing_ratio, height_density, rms_slope, rms_curvature, power_spectrum
+   public :: roughness_t, roughness_of, bearing_ratio, height_density, rms_slope, rms_curvature, &
+      power_spectrum
 
    !> Equal parts of a profile over which Rz is averaged.
    integer, parameter :: parts = 5
@@ -25,8 +27,8 @@ module roughness
 
 contains
 
-   !> Parameters of the heights `z` (nx*ny), a profile if `is_line`. Parts of a profile differ by at most one node, the
-   !> longer ones first.
+   !> Parameters of the heights `z` (nx*ny), a profile if `is_line`. Parts of a profile differ by at
+   !> most one node, the longer ones first.
    pure function roughness_of(z, is_line) result(values)
       real(wp), intent(in) :: z(:)
       logical, intent(in) :: is_line
@@ -48,12 +50,14 @@ contains
       first = 1
       do i = 1, parts
          nodes = n/parts + merge(1, 0, i <= mod(n, parts))
-         values%rz = values%rz + (maxval(z(first:first + nodes - 1)) - minval(z(first:first + nodes - 1)))/parts
+         values%rz = values%rz + (maxval(z(first:first + nodes - 1)) &
+            - minval(z(first:first + nodes - 1)))/parts
          first = first + nodes
       end do
    end function roughness_of
 
-   !> Share of the nodes that are at or above each of `levels`, which rise (Abbott and Firestone, Mech. Eng. 55, 1933, 569).
+   !> Share of the nodes that are at or above each of `levels`, which rise (Abbott and Firestone,
+   !> Mech. Eng. 55, 1933, 569).
    pure function bearing_ratio(z, levels) result(ratio)
       real(wp), intent(in) :: z(:), levels(:)
       real(wp) :: ratio(size(levels))
@@ -77,7 +81,8 @@ contains
       ratio = [(real(sum(below(i:)), wp)/size(z), i=1, size(levels))]
    end function bearing_ratio
 
-   !> Share of the nodes between each two neighbouring `edges`, which rise and are evenly spaced, over their distance.
+   !> Share of the nodes between each two neighbouring `edges`, which rise and are evenly spaced,
+   !> over their distance.
    pure function height_density(z, edges) result(density)
       real(wp), intent(in) :: z(:), edges(:)
       real(wp) :: density(size(edges) - 1)
@@ -94,7 +99,8 @@ contains
       end do
    end function height_density
 
-   !> Root mean square of the slope of a periodic surface (nx, ny) from differences of neighbours; of an area of the gradient.
+   !> Root mean square of the slope of a periodic surface (nx, ny) from differences of neighbours;
+   !> of an area of the gradient.
    pure function rms_slope(z, dx, dy) result(slope)
       real(wp), intent(in) :: z(:, :), dx, dy
       real(wp) :: slope
@@ -104,19 +110,21 @@ contains
       slope = sqrt(slope/size(z))
    end function rms_slope
 
-   !> Root mean square of the second difference of a periodic surface (nx, ny); of an area of half the Laplacian.
+   !> Root mean square of the second difference of a periodic surface (nx, ny); of an area of half
+   !> the Laplacian.
    pure function rms_curvature(z, dx, dy) result(curvature)
       real(wp), intent(in) :: z(:, :), dx, dy
       real(wp) :: curvature
       real(wp) :: second(size(z, 1), size(z, 2))
 
       second = (cshift(z, 1, 1) - 2.0_wp*z + cshift(z, -1, 1))/dx**2
-      if (size(z, 2) > 1) second = 0.5_wp*(second + (cshift(z, 1, 2) - 2.0_wp*z + cshift(z, -1, 2))/dy**2)
+      if (size(z, 2) > 1) second = 0.5_wp*(second + (cshift(z, 1, 2) - 2.0_wp*z + cshift(z, -1, &
+         2))/dy**2)
       curvature = sqrt(sum(second**2)/size(z))
    end function rms_curvature
 
-   !> Mean square of the heights in harmonic 1 ... nx/2 along x of a periodic surface (nx, ny), averaged over y: its sum is
-   !> the variance of the profiles. Fails (internal_error) if FFTW does.
+   !> Mean square of the heights in harmonic 1 ... nx/2 along x of a periodic surface (nx, ny),
+   !> averaged over y: its sum is the variance of the profiles. Fails (internal_error) if FFTW does.
    subroutine power_spectrum(z, power, error)
       real(wp), contiguous, intent(in) :: z(:, :)
       real(wp), allocatable, intent(out) :: power(:)
@@ -130,7 +138,8 @@ contains
          call transform_field([n, 1], z(:, j), spectrum, error)
          if (allocated(error)) return
          do k = 1, n/2
-            power(k) = power(k) + merge(1.0_wp, 2.0_wp, 2*k == n)*(real(spectrum(k, 0))**2 + aimag(spectrum(k, 0))**2)
+            power(k) = power(k) + merge(1.0_wp, 2.0_wp, 2*k == n)*(real(spectrum(k, 0))**2 &
+               + aimag(spectrum(k, 0))**2)
          end do
       end do
       power = power/(real(n, wp)**2*size(z, 2))

@@ -10,9 +10,10 @@ module surface_scaling
 
 contains
 
-   !> `surface` with amplitude [m] over b^2/R, wavelength [m] over b, speed u_i [m/s] as 2 u_i/u_s per unit of
-   !> T = t u_s/(2 b), (2.51); heights and spacing of a profile likewise. Positions and the lengths of entry and
-   !> ends are in half-widths from the start. `scaling` must be dimensional.
+   !> `surface` with amplitude [m] over b^2/R, wavelength [m] over b, speed u_i [m/s] as 2 u_i/u_s
+   !> per unit of T = t u_s/(2 b), (2.51); heights and spacing of a profile likewise. Positions and
+   !> the lengths of entry and ends are in half-widths from the start. `scaling` must be
+   !> dimensional.
    function scaled_surface(surface, scaling) result(scaled)
       type(rough_surface_t), intent(in) :: surface
       type(scaling_t), intent(in) :: scaling
@@ -27,7 +28,8 @@ contains
       scaled%entry_position = surface%entry_position
       if (.not. allocated(surface%profile)) return
       scaled%profile = surface%profile
-      if (allocated(surface%profile%heights)) scaled%profile%heights = surface%profile%heights/scaling%film
+      if (allocated(surface%profile%heights)) scaled%profile%heights = surface%profile%heights &
+         /scaling%film
       scaled%profile%unit = scaling%film
       scaled%profile%spacing = surface%profile%spacing/scaling%half_width
       scaled%profile%finest_wave = surface%profile%finest_wave/scaling%half_width

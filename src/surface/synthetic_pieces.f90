@@ -1,9 +1,11 @@
-!> A synthetic profile of any length, put together from pieces that are made when they are asked for.
+!> A synthetic profile of any length, put together from pieces that are made when they are asked
+!> for.
 !>
-!> Piece k is a periodic Gaussian profile of its own random numbers; it covers half of piece k - 1 and half of piece k + 1. In
-!> the overlap the old one fades out as cos(a), the new one fades in as sin(a): the sum of two independent Gaussian heights with
-!> these weights is Gaussian with the same variance, so that nothing tells where the pieces meet. Behind the last piece comes the
-!> first. The spectrum is that of a piece, blurred by about one wave in its length.
+!> Piece k is a periodic Gaussian profile of its own random numbers; it covers half of piece k - 1
+!> and half of piece k + 1. In the overlap the old one fades out as cos(a), the new one fades in as
+!> sin(a): the sum of two independent Gaussian heights with these weights is Gaussian with the same
+!> variance, so that nothing tells where the pieces meet. Behind the last piece comes the first. The
+!> spectrum is that of a piece, blurred by about one wave in its length.
 module synthetic_pieces
    use, intrinsic :: iso_fortran_env, only: int64
    use constants, only: pi
@@ -30,8 +32,9 @@ module synthetic_pieces
 
 contains
 
-   !> A profile of `halves` >= 2 half pieces of `half` heights, `spacing` [m] apart. Skewness and kurtosis are those of piece 0; the
-   !> rms height is that of each piece. Errors (input_error): as in `synthetic_heights`.
+   !> A profile of `halves` >= 2 half pieces of `half` heights, `spacing` [m] apart. Skewness and
+   !> kurtosis are those of piece 0; the rms height is that of each piece. Errors (input_error): as
+   !> in `synthetic_heights`.
    subroutine new_synthetic_pieces(source, wanted, spacing, half, halves, error)
       type(synthetic_pieces_t), intent(out) :: source
       type(synthesis_t), intent(in) :: wanted
@@ -88,7 +91,8 @@ contains
       real(wp), allocatable, intent(out) :: z(:)
       type(error_t), allocatable, intent(out) :: error
 
-      call gaussian_heights(self%wanted, [2*self%half, 1], 2*self%half*self%spacing, tiny(1.0_wp), k, z, error)
+      call gaussian_heights(self%wanted, [2*self%half, 1], 2*self%half*self%spacing, &
+         tiny(1.0_wp), k, z, error)
    end subroutine make_piece
 
 end module synthetic_pieces

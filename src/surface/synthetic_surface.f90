@@ -1,4 +1,5 @@
-!> Surfaces with a wanted spectrum: self-affine with roll-off and cut-offs, wanted rms height, skewness and kurtosis.
+!> Surfaces with a wanted spectrum: self-affine with roll-off and cut-offs, wanted rms height,
+!> skewness and kurtosis.
 module synthetic_surface
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
@@ -9,7 +10,8 @@ module synthetic_surface
    implicit none (type, external)
    private
 
-   public :: bend_t, bent, find_bend, gaussian_heights, synthesis_t, synthetic_heights, truncate_harmonics
+   public :: bend_t, bent, find_bend, gaussian_heights, synthesis_t, synthetic_heights, &
+      truncate_harmonics
 
    !> What is wanted. Lengths [m].
    type :: synthesis_t
@@ -18,8 +20,8 @@ module synthetic_surface
       real(wp) :: hurst = 0.8_wp
       !> Rq [m].
       real(wp) :: rms_height = 0.0_wp
-      !> No longer waves than `wavelength_long`, power law below `wavelength_rolloff`, no shorter waves than
-      !> `wavelength_short` [m].
+      !> No longer waves than `wavelength_long`, power law below `wavelength_rolloff`, no shorter
+      !> waves than `wavelength_short` [m].
       real(wp) :: wavelength_long = 0.0_wp, wavelength_rolloff = 0.0_wp, wavelength_short = 0.0_wp
       !> Rsk and Rku of the heights (Gaussian: 0 and 3).
       real(wp) :: skewness = 0.0_wp, kurtosis = 3.0_wp
@@ -37,13 +39,15 @@ module synthetic_surface
 
 contains
 
-   !> Heights z (nx*ny) [m] of mean 0 on a periodic grid `length_x` x `length_y` [m]; ny = 1 is a line.
+   !> Heights z (nx*ny) [m] of mean 0 on a periodic grid `length_x` x `length_y` [m]; ny = 1 is a
+   !> line.
    !>
-   !> White Gaussian noise is given the spectrum C ~ const up to the roll-off, then q^(-2H - d), d = 1 (line), 2 (area)
-   !> (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1). Then each height goes through one rising function that
-   !> gives skewness and kurtosis, Tukey's g and h (D. C. Hoaglin, in Exploring Data Tables, Trends, and Shapes, 1985), with the
-   !> moments of this surface itself.
-   !> Errors (input_error): no wave fits the grid; a skewness and kurtosis that no such function gives.
+   !> White Gaussian noise is given the spectrum C ~ const up to the roll-off, then q^(-2H - d),
+   !> d = 1 (line), 2 (area) (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1). Then
+   !> each height goes through one rising function that gives skewness and kurtosis, Tukey's g and h
+   !> (D. C. Hoaglin, in Exploring Data Tables, Trends, and Shapes, 1985), with the moments of this
+   !> surface itself. Errors (input_error): no wave fits the grid; a skewness and kurtosis that no
+   !> such function gives.
    subroutine synthetic_heights(wanted, grid, length_x, length_y, z, error)
       type(synthesis_t), intent(in) :: wanted
       integer, intent(in) :: grid(2)
@@ -59,8 +63,8 @@ contains
       z = wanted%rms_height*bent(z, bend)
    end subroutine synthetic_heights
 
-   !> Gaussian heights z (nx*ny) of mean 0 and rms 1 with the spectrum of `wanted`, from one `series` of random numbers of the
-   !> seed. Error (input_error): no wave fits the grid.
+   !> Gaussian heights z (nx*ny) of mean 0 and rms 1 with the spectrum of `wanted`, from one
+   !> `series` of random numbers of the seed. Error (input_error): no wave fits the grid.
    subroutine gaussian_heights(wanted, grid, length_x, length_y, series, z, error)
       type(synthesis_t), intent(in) :: wanted
       integer, intent(in) :: grid(2)
@@ -83,7 +87,8 @@ contains
          end do
       end do
       if (all(symbol <= 0.0_wp)) then
-         call fail(error, input_error, 'found no wave between wavelength_short and wavelength_long on the grid')
+         call fail(error, input_error, 'found no wave between wavelength_short and '// &
+            'wavelength_long on the grid')
          return
       end if
       call new_spectral_product(filter, nx, ny, symbol, 1, error)
@@ -93,7 +98,8 @@ contains
       z = z/(norm2(z)/sqrt(real(size(z), wp)))
    end subroutine gaussian_heights
 
-   !> Amplitude, the root of the spectrum, at `waves` [1/m] in d = `dimensions`; 0 outside the cut-offs.
+   !> Amplitude, the root of the spectrum, at `waves` [1/m] in d = `dimensions`; 0 outside the
+   !> cut-offs.
    pure function amplitude_at(wanted, waves, dimensions) result(amplitude)
       type(synthesis_t), intent(in) :: wanted
       real(wp), intent(in) :: waves, dimensions
@@ -101,12 +107,13 @@ contains
       real(wp), parameter :: slack = 1.0_wp + 1.0e-9_wp
 
       amplitude = 0.0_wp
-      if (waves <= 0.0_wp .or. waves*wanted%wavelength_long*slack < 1.0_wp .or. waves*wanted%wavelength_short > slack) return
+      if (waves <= 0.0_wp .or. waves*wanted%wavelength_long*slack < 1.0_wp &
+         .or. waves*wanted%wavelength_short > slack) return
       amplitude = max(1.0_wp, waves*wanted%wavelength_rolloff)**(-wanted%hurst - 0.5_wp*dimensions)
    end function amplitude_at
 
-   !> The function that gives heights `z` of mean 0 and rms 1 the wanted skewness and kurtosis; mean and rms stay.
-   !> Error (input_error): there is none.
+   !> The function that gives heights `z` of mean 0 and rms 1 the wanted skewness and kurtosis; mean
+   !> and rms stay. Error (input_error): there is none.
    subroutine find_bend(wanted, z, bend, error)
       type(synthesis_t), intent(in) :: wanted
       real(wp), intent(in) :: z(:)
@@ -127,13 +134,15 @@ contains
          slope(:, 2) = (moments(tukey(z, g, h + delta)) - goal - miss)/delta
          determinant = slope(1, 1)*slope(2, 2) - slope(1, 2)*slope(2, 1)
          if (.not. abs(determinant) > 0.0_wp) exit
-         change = [slope(2, 2)*miss(1) - slope(1, 2)*miss(2), slope(1, 1)*miss(2) - slope(2, 1)*miss(1)]/determinant
+         change = [slope(2, 2)*miss(1) - slope(1, 2)*miss(2), slope(1, 1)*miss(2) - slope(2, &
+            1)*miss(1)]/determinant
          change = change/max(1.0_wp, maxval(abs(change))/longest_step)
          g = g - change(1)
          h = h - change(2)
       end do
       if (.not. maxval(abs(miss)) < 1.0e-6_wp .or. .not. is_rising(z, g, h)) then
-         call fail(error, input_error, 'found skewness ' // to_text(wanted%skewness) // ' and kurtosis ' &
+         call fail(error, input_error, 'found skewness ' // to_text(wanted%skewness) // ' and '// &
+            'kurtosis ' &
             // to_text(wanted%kurtosis) // ', which this Gaussian surface cannot be given')
          return
       end if
@@ -148,7 +157,8 @@ contains
       type(synthesis_t), intent(in) :: wanted
       logical :: is_gaussian
 
-      is_gaussian = .not. (abs(wanted%skewness) > 0.0_wp .or. abs(wanted%kurtosis - 3.0_wp) > 0.0_wp)
+      is_gaussian = .not. (abs(wanted%skewness) > 0.0_wp &
+         .or. abs(wanted%kurtosis - 3.0_wp) > 0.0_wp)
    end function is_gaussian
 
    !> The function of a height.
@@ -190,8 +200,9 @@ contains
       is_rising = all(tukey(z, g, h)*h*z + exp(g*z + 0.5_wp*h*z**2) > 0.0_wp)
    end function is_rising
 
-   !> Keeps the harmonics 1 ... `harmonics` of the periodic heights `z` (nx*ny) and drops the mean, (4.1); of an area those
-   !> with hypot of the two numbers of waves up to it. Fails (internal_error) if FFTW does.
+   !> Keeps the harmonics 1 ... `harmonics` of the periodic heights `z` (nx*ny) and drops the mean,
+   !> (4.1); of an area those with hypot of the two numbers of waves up to it. Fails
+   !> (internal_error) if FFTW does.
    subroutine truncate_harmonics(harmonics, grid, z, error)
       integer, intent(in) :: harmonics, grid(2)
       real(wp), allocatable, intent(inout) :: z(:)
@@ -203,7 +214,8 @@ contains
       allocate (symbol(0:grid(1)/2, 0:grid(2) - 1), source=0.0_wp)
       do j = 0, grid(2) - 1
          do i = 0, grid(1)/2
-            if (i**2 + merge(j, j - grid(2), 2*j <= grid(2))**2 <= harmonics**2) symbol(i, j) = 1.0_wp
+            if (i**2 + merge(j, j - grid(2), 2*j <= grid(2))**2 <= harmonics**2) symbol(i, &
+               j) = 1.0_wp
          end do
       end do
       symbol(0, 0) = 0.0_wp

@@ -1,7 +1,9 @@
-!> The memory that a case needs at most, known before any of it is allocated, so that none of its allocations fails.
+!> The memory that a case needs at most, known before any of it is allocated, so that none of its
+!> allocations fails.
 !>
-!> The numbers are the highest measured on the peaks of processes of every size and method. Of 58 other, random cases none took more
-!> than its bound, and where they took more than 40 MB the bound was 1.06 to 1.7 times that.
+!> The numbers are the highest measured on the peaks of processes of every size and method. Of 58
+!> other, random cases none took more than its bound, and where they took more than 40 MB the bound
+!> was 1.06 to 1.7 times that.
 module case_memory
    use kinds, only: wp
    use system_limits, only: memory_t, of_program
@@ -10,11 +12,13 @@ module case_memory
 
    public :: dry_memory, file_memory, lubricated_memory
 
-   !> Largest number of nodes of an area: the padded transforms of an open one count four times as many in 32 bits.
+   !> Largest number of nodes of an area: the padded transforms of an open one count four times as
+   !> many in 32 bits.
    integer, parameter, public :: most_nodes = 536870911
 
-   !> Bytes a node of dry lines and areas, periodic and open; bytes an interval of lubricated lines, steady and in time; bytes a
-   !> time step, most of them the history of residuals; bytes a node of a file of heights.
+   !> Bytes a node of dry lines and areas, periodic and open; bytes an interval of lubricated lines,
+   !> steady and in time; bytes a time step, most of them the history of residuals; bytes a node of
+   !> a file of heights.
    real(wp), parameter :: of_line(2) = [430.0_wp, 460.0_wp], of_area(2) = [330.0_wp, 460.0_wp], &
       of_interval(2) = [1000.0_wp, 1400.0_wp], of_step = 1000.0_wp, of_height = 100.0_wp
    !> Bytes a number of a dense matrix.
@@ -32,7 +36,8 @@ contains
       integer :: kind
 
       kind = merge(1, 2, is_periodic)
-      need%used = of_program + product(real(nodes, wp))*merge(of_line(kind), of_area(kind), nodes(2) == 1)
+      need%used = of_program + product(real(nodes, wp))*merge(of_line(kind), of_area(kind), &
+         nodes(2) == 1)
       need%reserved = need%used
    end function dry_memory
 
@@ -43,7 +48,8 @@ contains
       logical, intent(in) :: is_dense
       type(memory_t) :: need
 
-      need%used = of_program + merge(of_interval(2), of_interval(1), steps > 0.0_wp)*intervals + of_step*steps
+      need%used = of_program + merge(of_interval(2), of_interval(1), steps > 0.0_wp)*intervals &
+         + of_step*steps
       if (is_dense) need%used = need%used + of_number*real(intervals, wp)**2
       need%reserved = need%used + of_blas
    end function lubricated_memory

@@ -1,4 +1,5 @@
-!> The memory that the control groups of this process leave it (Linux, cgroups(7)), as batch systems and containers set them.
+!> The memory that the control groups of this process leave it (Linux, cgroups(7)), as batch systems
+!> and containers set them.
 module control_group
    use kinds, only: wp
    use number_text, only: read_real
@@ -12,8 +13,8 @@ module control_group
 
 contains
 
-   !> The least limit of the group of this process and of those around it, version 1 and 2 [bytes]; huge: none. `root` stands before
-   !> /proc and /sys.
+   !> The least limit of the group of this process and of those around it, version 1 and 2 [bytes];
+   !> huge: none. `root` stands before /proc and /sys.
    function group_memory(root) result(bytes)
       character(*), intent(in) :: root
       real(wp) :: bytes
@@ -21,7 +22,8 @@ contains
       integer :: first, second, status, unit
 
       bytes = huge(bytes)
-      open (newunit=unit, file=root//'/proc/self/cgroup', action='read', status='old', iostat=status)
+      open (newunit=unit, file=root//'/proc/self/cgroup', action='read', status='old', &
+         iostat=status)
       if (status /= 0) return
       do
          ! number:controllers:path
@@ -31,16 +33,20 @@ contains
          second = first + index(line(first + 1:), ':')
          if (first == 0 .or. second == first) cycle
          if (line(:second) == '0::') then
-            bytes = min(bytes, least_around(root//'/sys/fs/cgroup', trim(line(second + 1:)), 'memory.max'))
-            bytes = min(bytes, least_around(root//'/sys/fs/cgroup/unified', trim(line(second + 1:)), 'memory.max'))
+            bytes = min(bytes, least_around(root//'/sys/fs/cgroup', trim(line(second + 1:)), &
+               'memory.max'))
+            bytes = min(bytes, least_around(root//'/sys/fs/cgroup/unified', &
+               trim(line(second + 1:)), 'memory.max'))
          else if (index(','//line(first + 1:second - 1)//',', ',memory,') > 0) then
-            bytes = min(bytes, least_around(root//'/sys/fs/cgroup/memory', trim(line(second + 1:)), 'memory.limit_in_bytes'))
+            bytes = min(bytes, least_around(root//'/sys/fs/cgroup/memory', &
+               trim(line(second + 1:)), 'memory.limit_in_bytes'))
          end if
       end do
       close (unit, iostat=status)
    end function group_memory
 
-   !> The least number in the files `name` of the folder `path` below `mount` and of all folders up to `mount`.
+   !> The least number in the files `name` of the folder `path` below `mount` and of all folders up
+   !> to `mount`.
    function least_around(mount, path, name) result(bytes)
       character(*), intent(in) :: mount, path, name
       real(wp) :: bytes

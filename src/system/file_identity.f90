@@ -1,14 +1,17 @@
-!> Which file a path leads to (Linux: statx(2), whose answer looks the same on every processor): two paths that name one file are
-!> told by device and inode, whatever links and folders they go through.
+!> Which file a path leads to (Linux: statx(2), whose answer looks the same on every processor): two
+!> paths that name one file are told by device and inode, whatever links and folders they go
+!> through.
 module file_identity
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int16_t, c_int32_t, c_int64_t, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int16_t, c_int32_t, c_int64_t, &
+      c_null_char
    implicit none (type, external)
    private
 
    public :: file_fault, file_identity_t, is_same_file, look_at_file, look_at_open_file
 
    !> What a path leads to; `kind_other`: a pipe, a device, a socket.
-   integer, parameter, public :: kind_missing = 0, kind_regular = 1, kind_folder = 2, kind_link = 3, kind_other = 4
+   integer, parameter, public :: kind_missing = 0, kind_regular = 1, kind_folder = 2, &
+      kind_link = 3, kind_other = 4
 
    !> A file as the operating system knows it.
    type :: file_identity_t
@@ -29,9 +32,11 @@ module file_identity
    end type statx_t
 
    !> AT_FDCWD, AT_SYMLINK_NOFOLLOW, AT_EMPTY_PATH, STATX_BASIC_STATS.
-   integer(c_int), parameter :: current_folder = -100_c_int, no_follow = 256_c_int, empty_path = 4096_c_int, basic = 2047_c_int
+   integer(c_int), parameter :: current_folder = -100_c_int, no_follow = 256_c_int, &
+      empty_path = 4096_c_int, basic = 2047_c_int
    !> The part of the mode that is the kind of file (S_IFMT), and its values.
-   integer, parameter :: kind_bits = 61440, bits_folder = 16384, bits_regular = 32768, bits_link = 40960
+   integer, parameter :: kind_bits = 61440, bits_folder = 16384, bits_regular = 32768, &
+      bits_link = 40960
 
    interface
       !> statx(2).
@@ -48,7 +53,8 @@ module file_identity
 
 contains
 
-   !> What `path` leads to, or with `follows` false a link itself. What cannot be looked at counts as missing.
+   !> What `path` leads to, or with `follows` false a link itself. What cannot be looked at counts
+   !> as missing.
    function look_at_file(path, follows) result(identity)
       character(*), intent(in) :: path
       logical, intent(in) :: follows

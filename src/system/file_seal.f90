@@ -1,6 +1,7 @@
-!> The seal of a file that this program will read again: a line behind its last byte, with the number of bytes before it and their
-!> checksum. It covers everything in the file, names, attributes and structure too, and is looked at before the HDF5 library is,
-!> which does not survive every damaged file. HDF5 and its tools do not see what lies behind the end of their own data; a program
+!> The seal of a file that this program will read again: a line behind its last byte, with the
+!> number of bytes before it and their checksum. It covers everything in the file, names, attributes
+!> and structure too, and is looked at before the HDF5 library is, which does not survive every
+!> damaged file. HDF5 and its tools do not see what lies behind the end of their own data; a program
 !> that changes the file takes the line away.
 module file_seal
    use, intrinsic :: iso_fortran_env, only: int64
@@ -63,7 +64,8 @@ contains
       answer = answer .and. .not. allocated(file%failure)
    end function is_whole
 
-   !> The last line of `path`: bytes before it and their checksum; `is_there`: it is a seal, and as long as it says.
+   !> The last line of `path`: bytes before it and their checksum; `is_there`: it is a seal, and as
+   !> long as it says.
    subroutine read_seal(path, bytes, digits, is_there)
       character(*), intent(in) :: path
       integer(int64), intent(out) :: bytes

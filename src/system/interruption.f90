@@ -1,30 +1,37 @@
-!> Signals (POSIX) that ask the program to end: SIGINT (Ctrl-C), SIGTERM, SIGHUP (a terminal that is gone), SIGUSR1, SIGUSR2 and
-!> SIGXCPU (batch systems). Others must not end it.
+!> Signals (POSIX) that ask the program to end: SIGINT (Ctrl-C), SIGTERM, SIGHUP (a terminal that is
+!> gone), SIGUSR1, SIGUSR2 and SIGXCPU (batch systems). Others must not end it.
 !>
-!> The first request is noted; the program looks at the note between cycles and time steps, keeps where it stands and ends. Where it
-!> does not look soon (a factorisation, a library, a large file, a dry contact, which has nothing to keep) a timer ends it: the
-!> last words that were laid down for that are said, the files named with them are removed, exit status 4. A second SIGINT or
-!> SIGTERM does the same at once.
+!> The first request is noted; the program looks at the note between cycles and time steps, keeps
+!> where it stands and ends. Where it does not look soon (a factorisation, a library, a large file,
+!> a dry contact, which has nothing to keep) a timer ends it: the last words that were laid down for
+!> that are said, the files named with them are removed, exit status 4. A second SIGINT or SIGTERM
+!> does the same at once.
 !>
-!> Note and last words are the variables of the program that outlive a call: a signal handler has no arguments through which it
-!> could reach anything else. It only calls what POSIX allows there (write, unlink, setitimer, signal, _exit), and allocates
-!> nothing.
+!> Note and last words are the variables of the program that outlive a call: a signal handler has no
+!> arguments through which it could reach anything else. It only calls what POSIX allows there
+!> (write, unlink, setitimer, signal, _exit), and allocates nothing.
 module interruption
-   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, c_long, c_null_char, c_null_ptr, c_size_t
-   use signal_calls, only: c_exit, c_setitimer, c_signal, c_unlink, c_write, one_second, standard_error
+   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, c_long, &
+      c_null_char, c_null_ptr, c_size_t
+   use signal_calls, only: c_exit, c_setitimer, c_signal, c_unlink, c_write, one_second, &
+      standard_error
    implicit none (type, external)
    private
 
-   public :: forget_last_words, ignore_file_size_signal, is_interrupted, lay_down_last_words, listen_to_signals, set_patience
+   public :: forget_last_words, ignore_file_size_signal, is_interrupted, lay_down_last_words, &
+      listen_to_signals, set_patience
 
-   !> Signals with the same number on every POSIX system; SIGUSR1, SIGUSR2, SIGXCPU and SIGXFSZ as on Linux.
-   integer(c_int), parameter :: signal_hangup = 1_c_int, signal_interrupt = 2_c_int, signal_pipe = 13_c_int, &
-      signal_alarm = 14_c_int, signal_terminate = 15_c_int, signal_user_1 = 10_c_int, signal_user_2 = 12_c_int, &
+   !> Signals with the same number on every POSIX system; SIGUSR1, SIGUSR2, SIGXCPU and SIGXFSZ as
+   !> on Linux.
+   integer(c_int), parameter :: signal_hangup = 1_c_int, signal_interrupt = 2_c_int, &
+      signal_pipe = 13_c_int, &
+      signal_alarm = 14_c_int, signal_terminate = 15_c_int, signal_user_1 = 10_c_int, &
+         signal_user_2 = 12_c_int, &
       signal_processor_time = 24_c_int, signal_file_size = 25_c_int
    !> SIG_DFL and SIG_IGN as addresses.
    integer(c_intptr_t), parameter :: default_address = 0_c_intptr_t, ignore_address = 1_c_intptr_t
-   !> ITIMER_REAL; time within which the program looks at the note if it looks at all, time that a time step or the writing of a
-   !> result gets, time for the last words themselves [us].
+   !> ITIMER_REAL; time within which the program looks at the note if it looks at all, time that a
+   !> time step or the writing of a result gets, time for the last words themselves [us].
    integer(c_int), parameter :: wall_timer = 0_c_int
    integer(c_long), parameter :: soon = 500000_c_long, patience = 20000000_c_long
    integer(c_int), parameter :: status_interrupted = 4_c_int
@@ -39,7 +46,8 @@ module interruption
    logical, volatile :: has_come(64) = .false.
    !> A checkpoint or a result is about to be written; that has been said.
    logical, volatile :: is_patient = .false., is_waiting = .false.
-   !> The last words and the files that go with them, twice: one set is valid while the other one is written.
+   !> The last words and the files that go with them, twice: one set is valid while the other one is
+   !> written.
    type :: last_words_t
       integer :: length = 0, files = 0
       character(kind=c_char, len=longest_words) :: words = ''
@@ -50,8 +58,9 @@ module interruption
 
 contains
 
-   !> From now on the first request is noted instead of ending the program. A signal that was ignored (nohup, a job in the
-   !> background) stays ignored. That nobody reads what the program says any more (SIGPIPE) is no reason to end.
+   !> From now on the first request is noted instead of ending the program. A signal that was
+   !> ignored (nohup, a job in the background) stays ignored. That nobody reads what the program
+   !> says any more (SIGPIPE) is no reason to end.
    subroutine listen_to_signals()
       type(c_funptr) :: previous
 
@@ -66,7 +75,8 @@ contains
       call listen_to(signal_processor_time)
    end subroutine listen_to_signals
 
-   !> A write beyond the allowed file size (`ulimit -f`) fails from now on instead of ending the program without a word.
+   !> A write beyond the allowed file size (`ulimit -f`) fails from now on instead of ending the
+   !> program without a word.
    subroutine ignore_file_size_signal()
       call ignore(signal_file_size)
    end subroutine ignore_file_size_signal
@@ -98,7 +108,8 @@ contains
       call lay_down_last_words(usual_words, [character(len=1) ::])
    end subroutine forget_last_words
 
-   !> Whether what is going on is worth waiting for: a time step, after which a checkpoint is kept, or the writing of a result.
+   !> Whether what is going on is worth waiting for: a time step, after which a checkpoint is kept,
+   !> or the writing of a result.
    subroutine set_patience(is_worth_it)
       logical, intent(in) :: is_worth_it
 
@@ -129,12 +140,14 @@ contains
       if (transfer(previous, 0_c_intptr_t) == ignore_address) previous = c_signal(number, previous)
    end subroutine listen_to
 
-   !> The handler of requests: notes the first one and sets the timer; ends the program where a user or batch system insists.
-   !> (Others may come in numbers: SIGXCPU does each second, SIGHUP from terminal and shell.)
+   !> The handler of requests: notes the first one and sets the timer; ends the program where a user
+   !> or batch system insists. (Others may come in numbers: SIGXCPU does each second, SIGHUP from
+   !> terminal and shell.)
    subroutine note(number) bind(c)
       integer(c_int), value :: number
 
-      if (has_come(number) .and. (number == signal_interrupt .or. number == signal_terminate)) call say_last_words()
+      if (has_come(number) .and. (number == signal_interrupt &
+         .or. number == signal_terminate)) call say_last_words()
       has_come(number) = .true.
       if (noted /= 0_c_int) return
       noted = number
@@ -157,7 +170,8 @@ contains
       call say_last_words()
    end subroutine end_at_last
 
-   !> Removes the files, says the words and ends the program; words that nobody takes must not hold it up.
+   !> Removes the files, says the words and ends the program; words that nobody takes must not hold
+   !> it up.
    subroutine say_last_words()
       type(c_funptr) :: previous
       integer(c_size_t) :: written
@@ -180,7 +194,8 @@ contains
       integer(c_long), intent(in) :: time
       integer(c_int) :: status
 
-      status = c_setitimer(wall_timer, [0_c_long, 0_c_long, time/one_second, modulo(time, one_second)], c_null_ptr)
+      status = c_setitimer(wall_timer, [0_c_long, 0_c_long, time/one_second, &
+         modulo(time, one_second)], c_null_ptr)
    end subroutine set_timer
 
 end module interruption

@@ -1,13 +1,15 @@
 !> A line where the program would be silent for long: what it is doing, and for how many seconds.
 !>
-!> Solvers tell their cycles and steps, but reading, planning of transforms, factorising, compressing and the like are calls of
-!> libraries, or loops that tell nobody. So a timer counts the processor time since the last line, and its signal handler writes
-!> the next one: the words that were laid down last.
+!> Solvers tell their cycles and steps, but reading, planning of transforms, factorising,
+!> compressing and the like are calls of libraries, or loops that tell nobody. So a timer counts the
+!> processor time since the last line, and its signal handler writes the next one: the words that
+!> were laid down last.
 !>
-!> The variables outlive a call for the reason that is given in `interruption`, and the handler does no more than that one:
-!> it calls time, write and setitimer, and allocates nothing.
+!> The variables outlive a call for the reason that is given in `interruption`, and the handler does
+!> no more than that one: it calls time, write and setitimer, and allocates nothing.
 module life_sign
-   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_long, c_null_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_long, c_null_ptr, &
+      c_size_t
    use quantity_text, only: shortened
    use signal_calls, only: c_setitimer, c_signal, c_time, c_write, one_second, standard_error
    implicit none (type, external)
@@ -17,16 +19,20 @@ module life_sign
 
    !> ITIMER_PROF, processor time of all threads, and its signal, with the number of Linux.
    integer(c_int), parameter :: processor_timer = 2_c_int, signal_timer = 27_c_int
-   !> Silence that is broken [us of processor time]. Many threads spend it fast: at most one line a second.
+   !> Silence that is broken [us of processor time]. Many threads spend it fast: at most one line a
+   !> second.
    integer(c_long), parameter :: longest_silence = 4000000_c_long
    !> Longest subject and words, so that the line fits on a terminal.
-   integer, parameter :: longest_subject = 20, longest_words = 48, longest_line = longest_subject + longest_words + 11
-   character(kind=c_char), parameter :: carriage_return = achar(13), blank = ' ', line_end = new_line('a')
+   integer, parameter :: longest_subject = 20, longest_words = 48, longest_line = longest_subject &
+      + longest_words + 11
+   character(kind=c_char), parameter :: carriage_return = achar(13), blank = ' ', &
+      line_end = new_line('a')
 
    logical, volatile :: is_watching = .false., is_updating = .false.
    !> The rest of the program is writing a line: none may come in between.
    logical, volatile :: is_writing = .false.
-   !> What is being worked on, and what is done with it; both twice: one is valid while the other one is written.
+   !> What is being worked on, and what is done with it; both twice: one is valid while the other
+   !> one is written.
    type :: activity_t
       integer :: length = 0
       character(kind=c_char, len=longest_line) :: words = ''
@@ -167,7 +173,8 @@ contains
       integer(c_long), intent(in) :: time
       integer(c_int) :: status
 
-      status = c_setitimer(processor_timer, [0_c_long, 0_c_long, time/one_second, modulo(time, one_second)], c_null_ptr)
+      status = c_setitimer(processor_timer, [0_c_long, 0_c_long, time/one_second, &
+         modulo(time, one_second)], c_null_ptr)
    end subroutine set_timer
 
 end module life_sign

@@ -1,12 +1,14 @@
 !> The few services of the operating system that Fortran lacks, through the C library (POSIX).
 module operating_system
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr, &
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_loc, c_null_char, &
+      c_null_ptr, c_ptr, &
       c_size_t
    use file_identity, only: is_same_file, look_at_file, look_at_open_file
    implicit none (type, external)
    private
 
-   public :: closed, is_folder, is_terminal, lock_t, opened, remove_file, rename_file, set_environment, start_again, &
+   public :: closed, is_folder, is_terminal, lock_t, opened, remove_file, rename_file, &
+      set_environment, start_again, &
       sync_file, sync_folder
 
    !> File descriptor of standard error.
@@ -21,7 +23,8 @@ module operating_system
    type :: lock_t
       type(c_ptr), private :: stream = c_null_ptr
    contains
-      !> Takes the lock for writing, making the file if there is none; false if another process reads or writes the file.
+      !> Takes the lock for writing, making the file if there is none; false if another process
+      !> reads or writes the file.
       procedure :: take
       !> Lets others read the file, but not take the lock.
       procedure :: allow_readers
@@ -123,7 +126,8 @@ module operating_system
          integer(c_int) :: status
       end function c_setenv
 
-      !> readlink(2): what a link points to, without a zero at its end; its length, -1 if there is none.
+      !> readlink(2): what a link points to, without a zero at its end; its length, -1 if there is
+      !> none.
       function c_readlink(path, buffer, bytes) bind(c, name='readlink') result(length)
          import :: c_char, c_size_t
          implicit none (type, external)
@@ -170,8 +174,9 @@ contains
       inquire (file=path//'/.', exist=answer)
    end function is_folder
 
-   !> Takes the lock on `path`. A file system that knows no locks counts as taken. A file that its last owner has renamed or removed
-   !> between opening and locking is not the one meant any more: then once more.
+   !> Takes the lock on `path`. A file system that knows no locks counts as taken. A file that its
+   !> last owner has renamed or removed between opening and locking is not the one meant any more:
+   !> then once more.
    function take(self, path) result(is_taken)
       class(lock_t), intent(inout) :: self
       character(*), intent(in) :: path
@@ -187,7 +192,8 @@ contains
          if (c_flock(descriptor, lock_exclusive) /= 0_c_int) exit
          if (is_same_file(look_at_open_file(descriptor), look_at_file(path, follows=.true.))) return
       end do
-      is_taken = c_flock(descriptor, lock_none) /= 0_c_int   ! releasing what one does not have always works
+      ! releasing what one does not have always works
+      is_taken = c_flock(descriptor, lock_none) /= 0_c_int
       if (.not. is_taken) call self%release()
    end function take
 
@@ -208,7 +214,8 @@ contains
       self%stream = c_null_ptr
    end subroutine release
 
-   !> Descriptor of an existing file or folder, for reading or for both; below 0: it cannot be opened.
+   !> Descriptor of an existing file or folder, for reading or for both; below 0: it cannot be
+   !> opened.
    function opened(path, for_writing) result(descriptor)
       character(*), intent(in) :: path
       logical, intent(in) :: for_writing
@@ -238,7 +245,8 @@ contains
       status = c_close(descriptor)
    end function sync_file
 
-   !> Waits until the names in the folder of `path` are on the disk; file systems that cannot do that are left as they are.
+   !> Waits until the names in the folder of `path` are on the disk; file systems that cannot do
+   !> that are left as they are.
    subroutine sync_folder(path)
       character(*), intent(in) :: path
       logical :: is_done
@@ -259,8 +267,8 @@ contains
       status = c_setenv(name//c_null_char, value//c_null_char, 1_c_int)
    end subroutine set_environment
 
-   !> The same program once more in place of this one, with the same arguments, and with the environment as it is now. Comes back if
-   !> that does not work.
+   !> The same program once more in place of this one, with the same arguments, and with the
+   !> environment as it is now. Comes back if that does not work.
    subroutine start_again()
       character(len=4096, kind=c_char) :: path
       character(len=:, kind=c_char), allocatable, target :: words
@@ -268,7 +276,8 @@ contains
       integer :: i, length, longest
       integer(c_int) :: status
 
-      length = int(c_readlink('/proc/self/exe'//c_null_char, path, len(path, kind=c_size_t) - 1_c_size_t))
+      length = int(c_readlink('/proc/self/exe'//c_null_char, path, &
+         len(path, kind=c_size_t) - 1_c_size_t))
       if (length <= 0) return
       path(length + 1:length + 1) = c_null_char
       longest = 0

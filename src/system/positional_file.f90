@@ -1,5 +1,6 @@
-!> A file whose bytes are read and written at stated places, without a buffer in between (POSIX pread and pwrite): what was
-!> written survives the process, and a full disk shows at once. (The FLUSH of Fortran does not tell a failure.)
+!> A file whose bytes are read and written at stated places, without a buffer in between (POSIX
+!> pread and pwrite): what was written survives the process, and a full disk shows at once. (The
+!> FLUSH of Fortran does not tell a failure.)
 module positional_file
    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_loc, c_ptr, c_size_t
    use, intrinsic :: iso_fortran_env, only: int64, int8
@@ -64,7 +65,8 @@ contains
 
       file%path = path
       file%descriptor = opened(path, for_writing)
-      if (file%descriptor < 0_c_int) call fail(file%failure, output_error, 'cannot '//trim(merge('write', 'read ', for_writing))// &
+      if (file%descriptor < 0_c_int) call fail(file%failure, output_error, &
+         'cannot '//trim(merge('write', 'read ', for_writing))// &
          ' '//path//': it cannot be opened')
    end subroutine open_positional_file
 
@@ -105,7 +107,8 @@ contains
          byte = int(ibits(number, 8*(i - 1), 8))
          bytes(i) = int(merge(byte - 256, byte, byte > 127), int8)
       end do
-      call self%check(c_pwrite(self%descriptor, c_loc(bytes), 8_c_size_t, place) == 8_c_size_t, 'write')
+      call self%check(c_pwrite(self%descriptor, c_loc(bytes), 8_c_size_t, place) == 8_c_size_t, &
+         'write')
    end subroutine write_number
 
    !> The number of the `n` bytes from `place` on; 0 after a failure.

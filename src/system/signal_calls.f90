@@ -1,4 +1,5 @@
-!> What signal handlers need of the operating system, all of it allowed in a handler (POSIX, async-signal-safe functions).
+!> What signal handlers need of the operating system, all of it allowed in a handler (POSIX,
+!> async-signal-safe functions).
 module signal_calls
    use, intrinsic :: iso_c_binding, only: c_char, c_funptr, c_int, c_long, c_ptr, c_size_t
    implicit none (type, external)
@@ -21,7 +22,8 @@ module signal_calls
          type(c_funptr) :: previous
       end function c_signal
 
-      !> setitimer(2): `setting` is struct itimerval, the interval and the time until the first signal, seconds and microseconds.
+      !> setitimer(2): `setting` is struct itimerval, the interval and the time until the first
+      !> signal, seconds and microseconds.
       function c_setitimer(timer, setting, old) bind(c, name='setitimer') result(status)
          import :: c_int, c_long, c_ptr
          implicit none (type, external)

@@ -1,4 +1,5 @@
-!> Text for standard output. (Fortran's own output tells neither a full device nor a reader that is gone.)
+!> Text for standard output. (Fortran's own output tells neither a full device nor a reader that is
+!> gone.)
 module standard_output
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_size_t
    use errors, only: error_t, fail, output_error
@@ -9,7 +10,8 @@ module standard_output
    public :: print_text, settle_standard_streams
 
    !> File descriptors of standard output and standard error.
-   integer(c_int), parameter :: standard_output_descriptor = 1_c_int, standard_error_descriptor = 2_c_int
+   integer(c_int), parameter :: standard_output_descriptor = 1_c_int, &
+      standard_error_descriptor = 2_c_int
 
    interface
       !> write(2).
@@ -38,13 +40,15 @@ contains
          done = done + written
       end do
       if (done == len(text)) then
-         if (closed(standard_output_descriptor)) return   ! some file systems tell a full disk only here
+         ! some file systems tell a full disk only here
+         if (closed(standard_output_descriptor)) return
       end if
-      call fail(error, output_error, 'cannot write to standard output: the disk is full, or nobody reads it')
+      call fail(error, output_error, 'cannot write to standard output: the disk is full, or '// &
+         'nobody reads it')
    end subroutine print_text
 
-   !> Standard streams that are closed lead nowhere from now on: else the next files to be opened would take their places, and
-   !> messages would go into a result.
+   !> Standard streams that are closed lead nowhere from now on: else the next files to be opened
+   !> would take their places, and messages would go into a result.
    subroutine settle_standard_streams()
       integer(c_int) :: descriptor
       logical :: is_closed

@@ -1,4 +1,5 @@
-!> What this machine and the limits of this process leave to a case (Linux): memory, stack, processors.
+!> What this machine and the limits of this process leave to a case (Linux): memory, stack,
+!> processors.
 module system_limits
    use, intrinsic :: iso_c_binding, only: c_int, c_long
    use, intrinsic :: iso_fortran_env, only: int64
@@ -75,15 +76,17 @@ module system_limits
 
 contains
 
-   !> "found ..., expected ..." for something, `what`, that needs more memory than there is; empty if there is enough. Physical
-   !> memory, that of the control group, address space, data: each has its limit.
+   !> "found ..., expected ..." for something, `what`, that needs more memory than there is; empty
+   !> if there is enough. Physical memory, that of the control group, address space, data: each has
+   !> its limit.
    function memory_fault(what, need) result(fault)
       character(*), intent(in) :: what
       type(memory_t), intent(in) :: need
       character(:), allocatable :: fault
 
       fault = ''
-      call compare(need%used, real(c_sysconf(pages), wp)*real(c_sysconf(page_size), wp), 'the memory of this machine')
+      call compare(need%used, real(c_sysconf(pages), wp)*real(c_sysconf(page_size), wp), &
+         'the memory of this machine')
       call compare(need%used, group_memory(''), 'the limit of its control group')
       call compare(need%reserved, limit_of(limit_data), 'the limit of data (ulimit -d)')
       call compare(need%reserved, limit_of(limit_memory) - library_memory(), &
@@ -96,7 +99,8 @@ contains
          real(wp), intent(in) :: bytes, most
          character(*), intent(in) :: name
 
-         if (fault == '' .and. bytes > most) fault = 'found '//what//' that needs up to '//megabytes(bytes)// &
+         if (fault == '' .and. bytes > most) fault = 'found '//what//' that needs up to ' &
+            //megabytes(bytes)// &
             ' of memory, expected at most '//megabytes(max(most, 0.0_wp))//', '//name
       end subroutine compare
 
@@ -113,7 +117,8 @@ contains
       if (limit%present_value >= 0_c_long) bytes = real(limit%present_value, wp)
    end function limit_of
 
-   !> Address space of the program and its libraries, without what they have allocated [bytes]; 0: not known.
+   !> Address space of the program and its libraries, without what they have allocated [bytes]; 0:
+   !> not known.
    function library_memory() result(bytes)
       real(wp) :: bytes
       character(len=200) :: line
@@ -150,9 +155,10 @@ contains
       status = 0
    end subroutine split_integers
 
-   !> Sees to it that libraries can live with a limit of address space or data, if there is one. OpenBLAS takes 134 MB a thread when
-   !> it is loaded and waits for ever where it gets none: the program starts again with one thread of it. The C library takes 64 MB
-   !> of address space a thread: one pool does for all. Error (input_error): not even the program has room.
+   !> Sees to it that libraries can live with a limit of address space or data, if there is one.
+   !> OpenBLAS takes 134 MB a thread when it is loaded and waits for ever where it gets none: the
+   !> program starts again with one thread of it. The C library takes 64 MB of address space a
+   !> thread: one pool does for all. Error (input_error): not even the program has room.
    subroutine settle_memory(error)
       type(error_t), allocatable, intent(out) :: error
       character(len=8) :: threads
@@ -206,7 +212,8 @@ contains
          limit%present_value = least_stack
          if (c_setrlimit(limit_stack, limit) == 0_c_int) return
       end if
-      call fail(error, input_error, 'found a stack of '//to_text(int(limit%present_value/1024_c_long))//' kB, expected at '// &
+      call fail(error, input_error, 'found a stack of ' &
+         //to_text(int(limit%present_value/1024_c_long))//' kB, expected at '// &
          'least '//to_text(int(least_stack/1024_c_long))//' kB (ulimit -s)')
    end subroutine check_stack
 

@@ -16,7 +16,8 @@ contains
 
    !> Reads `file` into `content`, byte for byte.
    !>
-   !> Errors (input_error): the file does not exist, is a folder, a pipe or a device, cannot be read, is larger than 16 MB.
+   !> Errors (input_error): the file does not exist, is a folder, a pipe or a device, cannot be
+   !> read, is larger than 16 MB.
    subroutine read_text_file(file, content, error)
       character(*), intent(in) :: file
       character(:), allocatable, intent(out) :: content
@@ -30,7 +31,8 @@ contains
          call fail(error, input_error, file // ': ' // file_fault(file))
          return
       end if
-      open (newunit=unit, file=file, access='stream', form='unformatted', action='read', status='old', &
+      open (newunit=unit, file=file, access='stream', form='unformatted', action='read', &
+         status='old', &
          iostat=status, iomsg=message)
       if (status /= 0) then
          call fail(error, input_error, file // ': cannot be opened: ' // trim(message))
@@ -38,18 +40,20 @@ contains
       end if
       inquire (unit=unit, size=bytes)
       if (bytes > largest_file) then
-         call fail(error, input_error, file // ': found ' // to_text(bytes) // ' bytes, expected a namelist of at most 16 MB')
+         call fail(error, input_error, file // ': found ' // to_text(bytes) // ' bytes, '// &
+            'expected a namelist of at most 16 MB')
       else if (bytes > 0) then
          deallocate (content)
          allocate (character(len=bytes) :: content)
          read (unit, iostat=status, iomsg=message) content
-         if (status /= 0) call fail(error, input_error, file // ': cannot be read: ' // trim(message))
+         if (status /= 0) call fail(error, input_error, file // ': cannot be read: '// &
+            '' // trim(message))
       end if
       close (unit, iostat=status)
    end subroutine read_text_file
 
-   !> Position of the first byte of `content` that is not UTF-8 text (0: none). Tab, line feed, form feed and
-   !> carriage return are text; other control characters are not.
+   !> Position of the first byte of `content` that is not UTF-8 text (0: none). Tab, line feed, form
+   !> feed and carriage return are text; other control characters are not.
    pure function find_bad_byte(content) result(position)
       character(*), intent(in) :: content
       integer :: position

@@ -21,7 +21,8 @@ module text_lines
       integer(int64) :: number = 0_int64
       character(:), allocatable :: file
       integer, private :: unit = -1
-      !> Bytes of the file; the part of it that is held, from byte `base` on, filled up to `filled`, read up to `used`.
+      !> Bytes of the file; the part of it that is held, from byte `base` on, filled up to `filled`,
+      !> read up to `used`.
       integer(int64), private :: bytes = 0_int64, base = 1_int64
       character(len=longest_line), private :: buffer = ''
       integer, private :: filled = 0, used = 0
@@ -49,7 +50,8 @@ contains
          call fail(error, input_error, file//': '//file_fault(file))
          return
       end if
-      open (newunit=lines%unit, file=file, access='stream', form='unformatted', action='read', status='old', iostat=status, &
+      open (newunit=lines%unit, file=file, access='stream', form='unformatted', action='read', &
+         status='old', iostat=status, &
          iomsg=message)
       if (status == 0) inquire (unit=lines%unit, size=lines%bytes)
       if (status /= 0) call fail(error, input_error, file//': cannot be opened: '//trim(message))
@@ -85,8 +87,10 @@ contains
       if (length < 0) then
          is_there = self%filled > 0
          self%length = self%filled
-         if (self%filled == len(self%buffer) .and. self%base + self%filled <= self%bytes) call fail(error, input_error, &
-            self%file//':'//to_text(self%number)//': found a line of more than '//to_text(len(self%buffer))//' characters')
+         if (self%filled == len(self%buffer) .and. self%base &
+            + self%filled <= self%bytes) call fail(error, input_error, &
+            self%file//':'//to_text(self%number)//': found a line of more than ' &
+               //to_text(len(self%buffer))//' characters')
       else
          self%length = length
       end if
@@ -110,7 +114,8 @@ contains
       more = int(min(int(len(self%buffer) - rest, int64), self%bytes - (self%base + rest) + 1))
       self%filled = rest
       if (more <= 0) return
-      read (self%unit, pos=self%base + rest, iostat=status, iomsg=message) self%buffer(rest + 1:rest + more)
+      read (self%unit, pos=self%base + rest, iostat=status, iomsg=message) self%buffer(rest &
+         + 1:rest + more)
       self%filled = rest + more
       if (status /= 0) call fail(error, input_error, self%file//': cannot be read: '//trim(message))
    end subroutine refill
