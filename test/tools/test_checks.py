@@ -19,24 +19,35 @@ def check(tool, folder, **sources):
 
 
 def test_layers_may_be_used_from_the_right_only(tmp_path):
-    good = {"base__kinds": "module kinds\nend module\n", "io__files": "module files\nuse kinds, only: wp\nend module\n"}
+    good = {"base__kinds": "module kinds\nend module\n", "hdf5__files": "module files\nuse kinds, only: wp\nend module\n"}
     assert check("check_layers.py", tmp_path, **good) == (0, "")
     status, output = check(
         "check_layers.py",
         tmp_path,
-        contact__film="module film\nuse files, only: x\nend module\n",
+        film__film="module film\nuse files, only: x\nend module\n",
         physics__laws="module laws\nuse, intrinsic :: iso_c_binding\nend module\n",
+        dry__area="module area\nuse film, only: x\nend module\n",
         numerics__fft="module transform\nuse laws, only: x\nend module\n",
         other__thing="module thing\nend module\n",
     )
     assert status == 1
     found = sorted(line.split("src/")[1] for line in output.splitlines())
     assert [line.split(":")[0:2] for line in found] == [
-        ["contact/film.f90", "2"],
+        ["dry/area.f90", "2"],
+        ["film/film.f90", "2"],
         ["numerics/fft.f90", "1"],
         ["numerics/fft.f90", "2"],
         ["other/thing.f90", "1"],
     ]
+
+
+def test_a_chain_of_modules_is_bounded():
+    tool = [sys.executable, str(TOOLS / "use_graph.py")]
+    told = subprocess.run(tool, capture_output=True, text=True, check=True).stdout.splitlines()
+    depth = int(told[0].split()[-1])
+    assert len(told) == depth + 1
+    assert subprocess.run([*tool, "--most", str(depth)], check=False).returncode == 0
+    assert subprocess.run([*tool, "--most", str(depth - 1)], capture_output=True, check=False).returncode == 1
 
 
 def test_no_sources_is_a_finding(tmp_path):
