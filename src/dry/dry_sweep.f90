@@ -25,8 +25,8 @@ module dry_sweep
       real(wp) :: plasticity_index
       !> Plane to mean of the loaded surface [m].
       real(wp) :: mean_separation
-      !> Periodic: plane to mean of the undeformed surface. Open area: approach of the bodies since
-      !> first touch [m]. Open line: 0.
+      !> Plane to mean of the undeformed surface of a periodic domain; of an open area the approach
+      !> of the bodies since first touch [m]; of an open line 0.
       real(wp) :: separation
       !> Mean of u - z under 0 < p < H [m].
       real(wp) :: datum

@@ -241,8 +241,8 @@ contains
       end if
    end subroutine adopt
 
-   !> Block-Jacobi: H relaxed with P (thesis) where that converges, recomputed before each sweep
-   !> where the contact is heavy.
+   !> The cycle with Block-Jacobi sweeps. H is relaxed with P (thesis) where that converges, and
+   !> recomputed before each sweep where the contact is heavy.
    pure function block_jacobi(is_heavy) result(choice)
       logical, intent(in) :: is_heavy
       type(relaxation_t) :: choice

@@ -75,7 +75,7 @@ contains
       end if
    end subroutine check_parabola
 
-   !> Finding: an open domain that is shorter than the contact of Hertz under the largest load (what
+   !> Finds an open domain that is shorter than the contact of Hertz under the largest load (what
    !> yields is wider still).
    subroutine check_size(values, radius, dry, findings)
       type(input_values_t), intent(in) :: values
@@ -155,7 +155,7 @@ contains
              // to_text(100.0_wp*rise, 2) // ' % over that of Hertz (periodic = .false. has none)'
    end function note_on_images
 
-   !> Finding: waves of a surface with fewer than two nodes. A note where they have few.
+   !> Finds waves of a surface with fewer than two nodes. A note where they have few.
    subroutine check_waves(values, dry, findings)
       type(input_values_t), intent(in) :: values
       type(dry_case_t), intent(inout) :: dry

@@ -14,7 +14,7 @@ module lubricant
    integer, parameter, public :: viscosity_constant = 0, viscosity_barus = 1, viscosity_roelands = 2
    !> Density laws: rho = rho_0; Dowson and Higginson (module density).
    integer, parameter, public :: density_constant = 0, density_dowson_higginson = 1
-   !> Rheologies: mu whatever the shear; Eyring (module eyring).
+   !> Rheology laws: mu whatever the shear; Eyring (module eyring).
    integer, parameter, public :: rheology_newtonian = 0, rheology_eyring = 1
 
    !> The lubricant as the user describes it.
