@@ -30,3 +30,13 @@ for text in include/*.inc; do
     find build/gfortran_*/ -name "$source.o.digest" ! -newer "$text" -exec rm -f {} + 2> /dev/null || true
   done
 done
+
+# Objects of sources that are gone or have moved would stay in the library: they go, and the library with them.
+sources=$(echo src/*/*.f90 | tr / _)
+for object in build/gfortran_*/asperity/src_*.f90.o; do
+  source=${object##*/}
+  case " $sources " in
+  *" ${source%.o} "*) ;;
+  *) rm -f "$object" "$object".* build/gfortran_*/asperity/libasperity.a ;;
+  esac
+done
