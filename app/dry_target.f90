@@ -82,8 +82,7 @@ contains
       start = wall_seconds()
       call begin_activity('solving')
       sweep = dry_sweep_t(dry%grid, dry%height, new_dry_scaling(dry%height, dry%lengths(1), &
-         dry%reduced_modulus), dry%loads, &
-         dry%settings)
+         dry%reduced_modulus), dry%loads, dry%settings)
       call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, sweep%settings, &
          outcome, error)
       if (allocated(error)) return
@@ -105,9 +104,8 @@ contains
 
       associate (report => outcome%solution%report)
          spent = spent + [outcome%cpu_prepare, outcome%cpu_solve, outcome%wall_solve, &
-            report%wall_seconds, &
-                          report%phase_seconds(phase_steady), &
-                             report%phase_seconds(phase_error_bars)]
+            report%wall_seconds, report%phase_seconds(phase_steady), &
+            report%phase_seconds(phase_error_bars)]
          outcome%cpu_prepare = spent(1)
          outcome%cpu_solve = spent(2)
          outcome%wall_solve = spent(3)

@@ -9,10 +9,11 @@ program asperity
    use input_template, only: template_text
    use interruption, only: is_interrupted, listen_to_signals
    use life_sign, only: watch_silence
-   use operating_system, only: is_terminal, standard_error_descriptor
+   use operating_system, only: is_terminal
    use progress_log, only: new_progress_log, progress_log_t
    use read_cases, only: read_all_cases
    use run_case, only: run_one_case
+   use signal_calls, only: standard_error
    use standard_output, only: print_text, settle_standard_streams
    use system_limits, only: check_stack, settle_memory
    implicit none (type, external)
@@ -60,7 +61,7 @@ contains
          call print_text(keys_markdown(), error)
       case default
          call listen_to_signals()
-         if (.not. command%is_quiet) call watch_silence(is_terminal(standard_error_descriptor))
+         if (.not. command%is_quiet) call watch_silence(is_terminal(standard_error))
          call read_all_cases(command%files, command%output_dir, cases, error)
          if (allocated(error)) return
          if (command%action == 'check') then

@@ -22,8 +22,8 @@ module outlet_check
 
 contains
 
-   !> Both ends of the domain of the solved `contact`; `open`: the contact as it was posed. Error:
-   !> memory or a library failed.
+   !> Both ends of the domain of the solved `contact`, for the error bars of the result; `open`: the
+   !> contact as it was posed. Error: memory or a library failed.
    subroutine check_ends(case, open, contact, watcher, report, error)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: open, contact
@@ -32,44 +32,42 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
 
-      if (case%accuracy%has_error_bars .and. report%converged) then
-         bars = watcher%writer%bars
+      if (.not. report%converged) return
+      bars = watcher%writer%bars
+      if (case%accuracy%has_error_bars) then
          call run_farther(bars, contact, case%solver, watcher, error)
          if (allocated(error)) return
-         watcher%writer%bars = bars
       end if
-      call check_outlet(case, open, contact, watcher, report, error)   ! error: the caller looks
+      if (report%outlet_pressure > 0.0_wp) then
+         bars%is_cut = .true.
+         if (case%accuracy%has_error_bars) then
+            call run_longer(bars, contact, case%solver, case%time, watcher, error)
+            if (allocated(error)) return
+         end if
+         call tell_outlet(case, open, contact%domain%x_outlet, outlet_error(bars), watcher, &
+            report)
+      end if
+      watcher%writer%bars = bars
    end subroutine check_ends
 
-   !> Where the film of the solved `contact` is still under pressure at the last node before the
-   !> outlet, finds what that changes if there are error bars, for their part of the domain, and
-   !> adds a note to the report unless it is little. `open`: the contact as it was posed. Error:
-   !> memory or a library failed.
-   subroutine check_outlet(case, open, contact, watcher, report, error)
+   !> Adds a note to the report that the outlet cuts the film off, unless that is known to change
+   !> the figures by little only; `change`: by how much, NaN if it is not known.
+   subroutine tell_outlet(case, open, x_outlet, change, watcher, report)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: open, contact
+      type(line_contact_t), intent(in) :: open
+      real(wp), intent(in) :: x_outlet, change
       type(run_observer_t), intent(inout) :: watcher
       type(report_t), intent(inout) :: report
-      type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: note
-      real(wp) :: change
 
-      if (.not. (report%converged .and. report%outlet_pressure > 0.0_wp)) return
-      associate (bars => watcher%writer%bars)
-         bars%is_cut = .true.
-         if (case%accuracy%has_error_bars) call run_longer(bars, contact, case%solver, case%time, &
-            watcher, error)
-         if (allocated(error)) return
-         change = outlet_error(bars)
-      end associate
       if (ieee_is_finite(change)) then
          if (change <= telling_change) return
       end if
-      note = outlet_note(open, contact%domain%x_outlet, change)
+      note = outlet_note(open, x_outlet, change)
       call watcher%log%say(case%file//': '//note)
       if (allocated(report%note)) note = report%note//'; '//note
       call move_alloc(note, report%note)
-   end subroutine check_outlet
+   end subroutine tell_outlet
 
    !> What is wrong with the outlet, and what cures it; `change`: of the figures, NaN if it is not
    !> known.

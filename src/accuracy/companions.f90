@@ -89,7 +89,6 @@ contains
       type(line_contact_t) :: longer
       integer :: doubling
 
-      bars%is_cut = .true.
       if (.not. bars%has_half) return
       collector%watcher => watcher
       longer = contact
@@ -199,7 +198,6 @@ contains
       own_settings%wants_companions = .true.
       is_known = .false.
       collector%figures = passage_figures_t(new_passage_times(own, time))
-      collector%passed = [line_summary_t ::]
       call solve_ehl_line(own, own_settings, time, collector, state, report, error)
       if (allocated(error)) return
       is_known = report%converged

@@ -3,10 +3,9 @@
 !> small enough. Nothing is solved twice.
 module steady_target
    use coarser_solutions, only: coarser_summaries, level_summary
-   use domain_choice, only: choose_domain, inlet_error, lengthen_outlet
+   use domain_choice, only: choose_domain, lengthen_outlet
    use ehl_line_solver, only: begin_solution, end_solution, solve_ehl_line, take_steady_state, &
-      tell_steady_solution, &
-      wants_longer_outlet
+      tell_steady_solution, wants_longer_outlet
    use ehl_line_steady, only: solve_steady
    use error_bars, only: domain_error, error_bars_t, estimated_error, new_error_bars, take_coarser
    use errors, only: error_t
@@ -71,8 +70,8 @@ contains
       call begin_solution(contact, settings, at_rest, report, error)
       if (allocated(error)) return
       rest = settings
-      if (.not. open%has_inlet) rest%target = max(settings%target &
-         - domain_error(inlet_error(contact)), 0.0_wp)
+      if (.not. open%has_inlet) rest%target = &
+         max(settings%target - domain_error(report%inlet_error), 0.0_wp)
       call solve_to_accuracy(hierarchy, contact, rest, watcher, report, error)
       if (allocated(error)) return
       call take_steady_state(hierarchy, contact, state, report)

@@ -21,8 +21,7 @@ module ehl_line_solver
    private
 
    public :: begin_solution, end_solution, solve_ehl_line, take_steady_state, &
-      tell_steady_solution, &
-      wants_longer_outlet
+      tell_steady_solution, wants_longer_outlet
 
 contains
 

@@ -8,8 +8,8 @@ module ehl_line_steady
    use kinds, only: wp
    use expected_film, only: film_estimate
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: line_hierarchy_t, method_fas, method_newton_krylov, &
-      new_hierarchy, pose_coarser_levels, pose_steady_problem, relaxation_t, roughness_at
+   use line_hierarchy, only: line_hierarchy_t, method_fas, method_newton_krylov, new_hierarchy, &
+      pose_coarser_levels, pose_steady_problem, relaxation_t, roughness_at
    use line_level, only: line_level_t
    use nested_start, only: full_multigrid_start, hertz_start
    use observer, only: lookout_t, observer_t

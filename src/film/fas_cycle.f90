@@ -11,8 +11,7 @@ module fas_cycle
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: count_work, line_hierarchy_t, smoother_block_jacobi, &
-      smoother_gauss_seidel, &
-      smoother_hybrid, smoother_line
+      smoother_gauss_seidel, smoother_hybrid, smoother_line
    use line_level, only: film_of, largest_pressure, line_level_t, load_defect, thinnest_film, &
       update_film
    use newton_line, only: solve_newton

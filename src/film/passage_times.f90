@@ -10,9 +10,8 @@
 !>
 !> A passage of nothing but waves becomes periodic: its figures are those of the last whole periods.
 module passage_times
-   use entry_zone, only: half_ridge, has_something_inside, has_waves, is_cut, is_moving, &
-      is_ridge, is_wave, last_passage, &
-      zone_of, zone_t
+   use entry_zone, only: half_ridge, has_something_inside, has_waves, is_cut, is_moving, is_ridge, &
+      is_wave, last_passage, zone_of, zone_t
    use features, only: feature_ridge, rough_surface_t
    use kinds, only: wp
    use line_contact, only: line_contact_t

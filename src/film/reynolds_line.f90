@@ -27,8 +27,7 @@ module reynolds_line
    private
 
    public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, reynolds_diagonals, &
-      residual_t, measure_residual, &
-      third_order_share, third_order_slope, wedge_weights
+      residual_t, measure_residual, third_order_share, third_order_slope, wedge_weights
 
    !> Curvature kappa at which half of the third order is left in the flow of the sharp scheme.
    real(wp), parameter :: strong_curvature = 1.0_wp

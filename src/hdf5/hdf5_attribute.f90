@@ -4,10 +4,8 @@ module hdf5_attribute
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use hdf5, only: h5aclose_f, h5acreate_f, h5awrite_f, h5oclose_f, h5oopen_f, h5s_scalar_f, &
-      h5sclose_f, h5screate_f, &
-      h5screate_simple_f, h5t_c_s1, h5t_cset_utf8_f, h5t_str_nullpad_f, h5tclose_f, h5tcopy_f, &
-         h5tset_cset_f, h5tset_size_f, &
-      h5tset_strpad_f, hid_t, hsize_t, size_t
+      h5sclose_f, h5screate_f, h5screate_simple_f, h5t_c_s1, h5t_cset_utf8_f, h5t_str_nullpad_f, &
+      h5tclose_f, h5tcopy_f, h5tset_cset_f, h5tset_size_f, h5tset_strpad_f, hid_t, hsize_t, size_t
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    implicit none (type, external)

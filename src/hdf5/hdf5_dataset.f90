@@ -6,9 +6,8 @@ module hdf5_dataset
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use hdf5, only: h5dclose_f, h5dcreate_f, h5dwrite_f, h5p_dataset_create_f, h5pclose_f, &
-      h5pcreate_f, h5pset_chunk_f, &
-      h5pset_fletcher32_f, h5pset_obj_track_times_f, h5s_scalar_f, h5sclose_f, h5screate_f, &
-         h5screate_simple_f, hid_t, hsize_t
+      h5pcreate_f, h5pset_chunk_f, h5pset_fletcher32_f, h5pset_obj_track_times_f, h5s_scalar_f, &
+      h5sclose_f, h5screate_f, h5screate_simple_f, hid_t, hsize_t
    use hdf5_attribute, only: attach_real, attach_string, close_type, new_string_type
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp

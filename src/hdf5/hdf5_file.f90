@@ -10,10 +10,9 @@ module hdf5_file
    use errors, only: error_t, output_error
    use hdf5, only: h5f_acc_trunc_f, h5f_close_strong_f, h5f_scope_global_f, h5fclose_f, &
       h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5kind_to_type, h5_integer_kind, &
-         h5_real_kind, &
-      h5p_file_access_f, h5p_link_create_f, h5pclose_f, h5pcreate_f, h5pset_create_inter_group_f, &
-         h5pset_fclose_degree_f, &
-      h5pset_libver_bounds_f, h5f_libver_earliest_f, h5f_libver_latest_f, hid_t
+      h5_real_kind, h5p_file_access_f, h5p_link_create_f, h5pclose_f, h5pcreate_f, &
+      h5pset_create_inter_group_f, h5pset_fclose_degree_f, h5pset_libver_bounds_f, &
+      h5f_libver_earliest_f, h5f_libver_latest_f, hid_t
    use hdf5_library, only: start_hdf5
    use hdf5_reason, only: keep_hdf5_failure
    use kinds, only: wp

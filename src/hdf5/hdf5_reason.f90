@@ -2,8 +2,7 @@
 !> error stack.
 module hdf5_reason
    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_funloc, c_funptr, c_int, &
-      c_int64_t, c_loc, c_ptr, &
-      c_associated, c_size_t
+      c_int64_t, c_loc, c_ptr, c_associated, c_size_t
    use errors, only: error_t, fail
    implicit none (type, external)
    private

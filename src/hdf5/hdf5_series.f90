@@ -3,10 +3,8 @@
 module hdf5_series
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
    use hdf5, only: h5dget_space_f, h5dset_extent_f, h5dwrite_f, h5pset_chunk_f, h5pset_deflate_f, &
-      h5pset_shuffle_f, &
-      h5s_select_set_f, h5s_unlimited_f, h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, &
-         h5z_filter_deflate_f, &
-      h5zfilter_avail_f, hid_t, hsize_t
+      h5pset_shuffle_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, h5screate_simple_f, &
+      h5sselect_hyperslab_f, h5z_filter_deflate_f, h5zfilter_avail_f, hid_t, hsize_t
    use hdf5_dataset, only: create_labelled, label_t, new_properties
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp

@@ -5,12 +5,11 @@ module hdf5_source
    use, intrinsic :: iso_c_binding, only: c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use hdf5, only: h5aget_space_f, h5aget_type_f, h5aread_f, h5d_chunked_f, h5d_virtual_f, &
-      h5dget_create_plist_f, h5dget_space_f, &
-      h5dget_storage_size_f, h5dget_type_f, h5dread_f, h5pclose_f, h5pget_chunk_f, &
-         h5pget_external_count_f, h5pget_layout_f, &
-      h5sclose_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, &
-      h5t_float_f, h5t_integer_f, h5t_string_f, h5tclose_f, h5tget_class_f, &
-      h5tget_size_f, h5tis_variable_str_f, hid_t, hsize_t, size_t
+      h5dget_create_plist_f, h5dget_space_f, h5dget_storage_size_f, h5dget_type_f, h5dread_f, &
+      h5pclose_f, h5pget_chunk_f, h5pget_external_count_f, h5pget_layout_f, h5sclose_f, &
+      h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, h5t_float_f, h5t_integer_f, &
+      h5t_string_f, h5tclose_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, hid_t, &
+      hsize_t, size_t
    use kinds, only: wp
    use text, only: to_text
    implicit none (type, external)

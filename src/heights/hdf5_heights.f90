@@ -7,8 +7,7 @@ module hdf5_heights
    use errors, only: error_t, fail, input_error
    use findings, only: quoted
    use hdf5, only: h5dget_space_f, h5dread_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
-      h5sselect_hyperslab_f, &
-      h5t_native_double, hid_t, hsize_t
+      h5sselect_hyperslab_f, h5t_native_double, hid_t, hsize_t
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use hdf5_source, only: fault_of_size, hdf5_source_t, number_class
    use height_limits, only: scale_fault, spacing_fault

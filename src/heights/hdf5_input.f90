@@ -8,9 +8,8 @@ module hdf5_input
    use errors, only: error_t, fail, input_error
    use file_identity, only: file_fault
    use hdf5, only: h5aclose_f, h5aexists_f, h5aopen_by_name_f, h5aopen_f, h5dclose_f, &
-      h5dget_space_f, h5dopen_f, h5f_acc_rdonly_f, &
-      h5fclose_f, h5fopen_f, h5kind_to_type, h5_integer_kind, h5_real_kind, h5lexists_f, &
-         h5sclose_f, h5sget_simple_extent_dims_f, &
+      h5dget_space_f, h5dopen_f, h5f_acc_rdonly_f, h5fclose_f, h5fopen_f, h5kind_to_type, &
+      h5_integer_kind, h5_real_kind, h5lexists_f, h5sclose_f, h5sget_simple_extent_dims_f, &
       h5sget_simple_extent_ndims_f, h5tclose_f, hid_t, hsize_t
    use hdf5_library, only: start_hdf5
    use hdf5_reason, only: keep_hdf5_failure

@@ -2,8 +2,7 @@
 module case_effective
    use case_record, only: case_t, set_effective
    use input_keys, only: key_rows, key_row_t, real_kind, integer_kind, logical_kind, word_kind, &
-      reals_kind, words_kind, &
-      is_chosen, has_word, lubricated
+      reals_kind, words_kind, is_chosen, has_word, lubricated
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
    use lubricant, only: viscosity_constant, viscosity_roelands, density_constant

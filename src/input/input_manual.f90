@@ -1,8 +1,7 @@
 !> The key table as text for a terminal (`asperity --keys`) and as the page docs/input.md.
 module input_manual
    use input_keys, only: key_rows, key_row_t, group_rows, later_rows, word_list, logical_kind, &
-      text_kind, real_kind, &
-      reals_kind, integer_kind, every
+      text_kind, real_kind, reals_kind, integer_kind, every
    implicit none (type, external)
    private
 

@@ -2,8 +2,7 @@
 !> values of an example.
 module input_template
    use input_keys, only: key_rows, key_row_t, group_rows, has_word, lubricated, dry_area, &
-      word_list, is_required, &
-      is_chosen, is_optional, words_kind
+      word_list, is_required, is_chosen, is_optional, words_kind
    implicit none (type, external)
    private
 

@@ -6,10 +6,8 @@
 module input_values
    use findings, only: findings_t, quoted
    use input_keys, only: key_rows, key_row_t, group_rows, find_key, find_group, later_meaning, &
-      expected_value, &
-      has_word, real_kind, integer_kind, logical_kind, word_kind, reals_kind, words_kind, &
-         is_required, is_chosen, &
-      is_optional, lubricated, every
+      expected_value, has_word, real_kind, integer_kind, logical_kind, word_kind, reals_kind, &
+      words_kind, is_required, is_chosen, is_optional, lubricated, every
    use key_range, only: is_in_range
    use kinds, only: wp
    use namelist_text, only: namelist_text_t, entry_t

@@ -6,12 +6,11 @@ module double_product
    use, intrinsic :: iso_fortran_env, only: int64, rk => real64
    use errors, only: error_t, fail, internal_error
    use fftw, only: alloc_complex => fftw_alloc_complex, alloc_real => fftw_alloc_real, &
-      destroy_plan => fftw_destroy_plan, &
-      execute_dft => fftw_execute_dft, execute_dft_c2r => fftw_execute_dft_c2r, &
-         execute_dft_r2c => fftw_execute_dft_r2c, &
+      destroy_plan => fftw_destroy_plan, execute_dft => fftw_execute_dft, &
+      execute_dft_c2r => fftw_execute_dft_c2r, execute_dft_r2c => fftw_execute_dft_r2c, &
       fftw_backward, fftw_estimate, fftw_forward, free => fftw_free, &
-         plan_dft_1d => fftw_plan_dft_1d, &
-      plan_dft_c2r_1d => fftw_plan_dft_c2r_1d, plan_dft_r2c_1d => fftw_plan_dft_r2c_1d
+      plan_dft_1d => fftw_plan_dft_1d, plan_dft_c2r_1d => fftw_plan_dft_c2r_1d, &
+      plan_dft_r2c_1d => fftw_plan_dft_r2c_1d
    use kinds, only: wp
    use text, only: to_text
    use work_shares, only: share_end

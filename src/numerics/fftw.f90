@@ -12,11 +12,10 @@ module fftw
 
    public :: fftw_alloc_real, fftw_alloc_complex, fftw_free, fftw_plan_dft_r2c, fftw_plan_dft_c2r, &
       fftw_execute_dft_r2c, fftw_execute_dft_c2r, fftw_destroy_plan, fftw_plan_dft_r2c_1d, &
-         fftw_plan_dft_c2r_1d, &
-      fftw_plan_dft_1d, fftw_execute_dft, &
-      fftwf_alloc_real, fftwf_alloc_complex, fftwf_free, fftwf_plan_dft_r2c_1d, &
-         fftwf_plan_dft_c2r_1d, fftwf_plan_dft_1d, &
-      fftwf_execute_dft, fftwf_execute_dft_r2c, fftwf_execute_dft_c2r, fftwf_destroy_plan
+      fftw_plan_dft_c2r_1d, fftw_plan_dft_1d, fftw_execute_dft, fftwf_alloc_real, &
+      fftwf_alloc_complex, fftwf_free, fftwf_plan_dft_r2c_1d, fftwf_plan_dft_c2r_1d, &
+      fftwf_plan_dft_1d, fftwf_execute_dft, fftwf_execute_dft_r2c, fftwf_execute_dft_c2r, &
+      fftwf_destroy_plan
 
    !> Plan by rule, not by timing: a repeated run gives the same bits.
    integer(c_int), parameter, public :: fftw_estimate = 64_c_int

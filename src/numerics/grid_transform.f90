@@ -4,8 +4,7 @@ module grid_transform
    use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_ptr
    use errors, only: error_t, fail, internal_error
    use fftw, only: fftw_destroy_plan, fftw_estimate, fftw_execute_dft_c2r, fftw_execute_dft_r2c, &
-      fftw_plan_dft_c2r, &
-      fftw_plan_dft_r2c
+      fftw_plan_dft_c2r, fftw_plan_dft_r2c
    use kinds, only: wp
    use text, only: to_text
    implicit none (type, external)

@@ -6,12 +6,11 @@
 !> bits.
 module toeplitz
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_double_complex, c_f_pointer, &
-      c_int, c_loc, c_null_ptr, &
-      c_ptr, c_size_t
+      c_int, c_loc, c_null_ptr, c_ptr, c_size_t
    use errors, only: error_t, fail, internal_error
    use fftw, only: fftw_alloc_complex, fftw_alloc_real, fftw_destroy_plan, fftw_estimate, &
-      fftw_execute_dft_c2r, &
-      fftw_execute_dft_r2c, fftw_free, fftw_plan_dft_c2r_1d, fftw_plan_dft_r2c_1d
+      fftw_execute_dft_c2r, fftw_execute_dft_r2c, fftw_free, fftw_plan_dft_c2r_1d, &
+      fftw_plan_dft_r2c_1d
    use kinds, only: wp
    use text, only: to_text
    implicit none (type, external)

@@ -13,10 +13,11 @@ module progress_log
    use line_state, only: line_state_t
    use line_summary, only: figure_t, line_summary_t, parabola_minimum
    use observer, only: observer_t
-   use operating_system, only: is_terminal, standard_error_descriptor
+   use operating_system, only: is_terminal
    use passage_times, only: passage_times_t
    use quantity_text, only: duration_text, number_text, prefixed_text, shortened, wrapped
    use scaling, only: scaling_t
+   use signal_calls, only: standard_error
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -75,7 +76,7 @@ contains
       type(progress_log_t) :: log
 
       log%is_quiet = is_quiet
-      log%is_updating = is_terminal(standard_error_descriptor)
+      log%is_updating = is_terminal(standard_error)
    end function new_progress_log
 
    !> Sets the name of the case (its file) and its scales.

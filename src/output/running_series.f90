@@ -17,9 +17,8 @@ module running_series
    use, intrinsic :: iso_fortran_env, only: int64
    use checksum, only: checksum_t
    use errors, only: fail, output_error
-   use hdf5, only: h5d_alloc_time_early_f, h5d_fill_time_never_f, h5dclose_f, &
-      h5pset_alloc_time_f, h5pset_fill_time_f, &
-      h5screate_simple_f, hid_t, hsize_t
+   use hdf5, only: h5d_alloc_time_early_f, h5d_fill_time_never_f, h5dclose_f, h5pset_alloc_time_f, &
+      h5pset_fill_time_f, h5screate_simple_f, hid_t, hsize_t
    use hdf5_dataset, only: create_labelled, label_t, new_properties
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp

@@ -12,8 +12,8 @@
 !> (write, unlink, setitimer, signal, _exit), and allocates nothing.
 module interruption
    use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, c_long, &
-      c_null_char, c_null_ptr, c_size_t
-   use signal_calls, only: c_exit, c_setitimer, c_signal, c_unlink, c_write, one_second, &
+      c_null_char, c_size_t
+   use signal_calls, only: c_exit, c_signal, c_unlink, c_write, one_second, set_timer, &
       standard_error
    implicit none (type, external)
    private
@@ -151,7 +151,7 @@ contains
       has_come(number) = .true.
       if (noted /= 0_c_int) return
       noted = number
-      call set_timer(soon)
+      call set_timer(wall_timer, soon)
    end subroutine note
 
    !> The handler of the timer.
@@ -163,7 +163,7 @@ contains
       end associate
       if (is_patient .and. .not. is_waiting) then
          is_waiting = .true.
-         call set_timer(patience)
+         call set_timer(wall_timer, patience)
          written = c_write(standard_error, waiting_words, len(waiting_words, kind=c_size_t))
          return
       end if
@@ -179,7 +179,7 @@ contains
       integer :: i
 
       previous = c_signal(signal_alarm, transfer(default_address, previous))
-      call set_timer(one_second)
+      call set_timer(wall_timer, one_second)
       associate (set => sets(current))
          do i = 1, set%files
             status = c_unlink(set%names(i))
@@ -188,14 +188,5 @@ contains
       end associate
       call c_exit(status_interrupted)
    end subroutine say_last_words
-
-   !> SIGALRM after `time` [us].
-   subroutine set_timer(time)
-      integer(c_long), intent(in) :: time
-      integer(c_int) :: status
-
-      status = c_setitimer(wall_timer, [0_c_long, 0_c_long, time/one_second, &
-         modulo(time, one_second)], c_null_ptr)
-   end subroutine set_timer
 
 end module interruption

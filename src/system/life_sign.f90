@@ -11,7 +11,7 @@ module life_sign
    use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_long, c_null_ptr, &
       c_size_t
    use quantity_text, only: shortened
-   use signal_calls, only: c_setitimer, c_signal, c_time, c_write, one_second, standard_error
+   use signal_calls, only: c_signal, c_time, c_write, one_second, set_timer, standard_error
    implicit none (type, external)
    private
 
@@ -92,7 +92,7 @@ contains
    subroutine end_line()
       columns = 0
       last_line = c_time(c_null_ptr)
-      if (is_watching) call set_timer(longest_silence)
+      if (is_watching) call set_timer(processor_timer, longest_silence)
       is_writing = .false.
    end subroutine end_line
 
@@ -115,14 +115,14 @@ contains
       if (.not. is_watching) return
       now = c_time(c_null_ptr)
       if (is_writing .or. now == last_line) then
-         call set_timer(one_second)
+         call set_timer(processor_timer, one_second)
          return
       end if
       call compose(activities(current), now, line, length)
       is_watching = c_write(standard_error, line, int(length, c_size_t)) == length
       last_line = now
       if (is_updating) columns = length - 1
-      if (is_watching) call set_timer(longest_silence)
+      if (is_watching) call set_timer(processor_timer, longest_silence)
    end subroutine give_sign
 
    !> The line of an activity: on a terminal in place of the last one, which it covers.
@@ -167,14 +167,5 @@ contains
       end subroutine put
 
    end subroutine compose
-
-   !> The signal after `time` of processor time [us].
-   subroutine set_timer(time)
-      integer(c_long), intent(in) :: time
-      integer(c_int) :: status
-
-      status = c_setitimer(processor_timer, [0_c_long, 0_c_long, time/one_second, &
-         modulo(time, one_second)], c_null_ptr)
-   end subroutine set_timer
 
 end module life_sign

@@ -1,18 +1,14 @@
 !> The few services of the operating system that Fortran lacks, through the C library (POSIX).
 module operating_system
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_loc, c_null_char, &
-      c_null_ptr, c_ptr, &
-      c_size_t
+      c_null_ptr, c_ptr, c_size_t
    use file_identity, only: is_same_file, look_at_file, look_at_open_file
+   use signal_calls, only: c_unlink
    implicit none (type, external)
    private
 
    public :: closed, is_folder, is_terminal, lock_t, opened, remove_file, rename_file, &
-      set_environment, start_again, &
-      sync_file, sync_folder
-
-   !> File descriptor of standard error.
-   integer, parameter, public :: standard_error_descriptor = 2
+      set_environment, start_again, sync_file, sync_folder
 
    !> LOCK_EX + LOCK_NB, LOCK_SH + LOCK_NB, LOCK_UN of flock(2).
    integer(c_int), parameter :: lock_exclusive = 6_c_int, lock_shared = 5_c_int, lock_none = 8_c_int
@@ -40,14 +36,6 @@ module operating_system
          character(kind=c_char), intent(in) :: new(*)
          integer(c_int) :: status
       end function c_rename
-
-      !> unlink(2): removes the name of a file.
-      function c_unlink(path) bind(c, name='unlink') result(status)
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int) :: status
-      end function c_unlink
 
       !> isatty(3).
       function c_isatty(descriptor) bind(c, name='isatty') result(answer)

@@ -1,16 +1,17 @@
 !> What signal handlers need of the operating system, all of it allowed in a handler (POSIX,
 !> async-signal-safe functions).
 module signal_calls
-   use, intrinsic :: iso_c_binding, only: c_char, c_funptr, c_int, c_long, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_funptr, c_int, c_long, c_null_ptr, c_ptr, &
+      c_size_t
    implicit none (type, external)
    private
 
-   public :: c_exit, c_setitimer, c_signal, c_time, c_unlink, c_write
+   public :: c_exit, c_signal, c_time, c_unlink, c_write, one_second, set_timer
 
    !> File descriptor of standard error.
    integer(c_int), parameter, public :: standard_error = 2_c_int
    !> A second in the unit of timers [us].
-   integer(c_long), parameter, public :: one_second = 1000000_c_long
+   integer(c_long), parameter :: one_second = 1000000_c_long
 
    interface
       !> signal(2): sets what a signal does.
@@ -66,5 +67,17 @@ module signal_calls
          integer(c_long) :: seconds
       end function c_time
    end interface
+
+contains
+
+   !> The signal of `timer` (ITIMER_...) after `time` [us].
+   subroutine set_timer(timer, time)
+      integer(c_int), intent(in) :: timer
+      integer(c_long), intent(in) :: time
+      integer(c_int) :: status
+
+      status = c_setitimer(timer, [0_c_long, 0_c_long, time/one_second, modulo(time, one_second)], &
+         c_null_ptr)
+   end subroutine set_timer
 
 end module signal_calls

@@ -1,29 +1,17 @@
 !> Text for standard output. (Fortran's own output tells neither a full device nor a reader that is
 !> gone.)
 module standard_output
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_int, c_size_t
    use errors, only: error_t, fail, output_error
    use operating_system, only: closed, opened
+   use signal_calls, only: c_write, standard_error
    implicit none (type, external)
    private
 
    public :: print_text, settle_standard_streams
 
-   !> File descriptors of standard output and standard error.
-   integer(c_int), parameter :: standard_output_descriptor = 1_c_int, &
-      standard_error_descriptor = 2_c_int
-
-   interface
-      !> write(2).
-      function c_write(descriptor, text, bytes) bind(c, name='write') result(written)
-         import :: c_char, c_int, c_size_t
-         implicit none (type, external)
-         integer(c_int), value :: descriptor
-         character(kind=c_char), intent(in) :: text(*)
-         integer(c_size_t), value :: bytes
-         integer(c_size_t) :: written
-      end function c_write
-   end interface
+   !> File descriptor of standard output.
+   integer(c_int), parameter :: standard_output_descriptor = 1_c_int
 
 contains
 
@@ -55,9 +43,9 @@ contains
 
       do
          descriptor = opened('/dev/null', for_writing=.false.)
-         if (descriptor < 0_c_int .or. descriptor > standard_error_descriptor) exit
+         if (descriptor < 0_c_int .or. descriptor > standard_error) exit
       end do
-      if (descriptor > standard_error_descriptor) is_closed = closed(descriptor)
+      if (descriptor > standard_error) is_closed = closed(descriptor)
    end subroutine settle_standard_streams
 
 end module standard_output
