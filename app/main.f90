@@ -7,7 +7,7 @@ program asperity
    use errors, only: error_t, output_error
    use input_manual, only: keys_markdown, keys_text
    use input_template, only: template_text
-   use interruption, only: is_interrupted, listen_to_signals
+   use interruption, only: is_interrupted, listen_to_signals, stop_listening, take_last_words
    use life_sign, only: watch_silence
    use operating_system, only: is_terminal
    use progress_log, only: new_progress_log, progress_log_t
@@ -36,6 +36,7 @@ program asperity
       call log%say(error%message)
       status = merge(status_not_written, status_bad_input, error%kind == output_error)
    end if
+   call stop_listening()
    if (status /= 0) stop status, quiet=.true.
 
 contains
@@ -97,6 +98,7 @@ contains
       do i = 1, size(cases)
          if (is_interrupted()) then
             log = new_progress_log(command%is_quiet)
+            call take_last_words()
             if (this_status /= status_interrupted) call log%say_error('interrupted before ' &
                // cases(i)%file)
             status = status_interrupted

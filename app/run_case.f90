@@ -12,6 +12,7 @@ module run_case
    use errors, only: error_t, fail, input_error
    use features, only: rough_surface_t
    use input_keys, only: lubricated
+   use interruption, only: take_last_words
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
    use life_sign, only: begin_activity, begin_subject
@@ -328,7 +329,8 @@ contains
       status = status_interrupted
       if (allocated(watcher%failure)) status = status_not_written
       words = watcher%writer%interruption_text(watcher%checkpoint_step)
-      call watcher%log%say_error(words)   ! first: the time to do so is short
+      call take_last_words()
+      call watcher%log%say_error(words)
       if (watcher%writer%has_checkpoint) then
          call watcher%writer%suspend()
       else

@@ -1,5 +1,6 @@
 """Long runs survive: interrupted or killed at any moment, they go on to the same bits. The long form is kill_and_resume.py."""
 
+import os
 import random
 import re
 import signal
@@ -349,6 +350,21 @@ def test_interrupted_in_the_nested_start_of_a_large_grid(program, tmp_path):
     assert message.endswith("asperity: interrupted without a checkpoint, nothing is kept of case.h5\n")
     assert "cycle" not in message
     assert names(tmp_path) == ["case.nml"]
+
+
+def test_the_end_is_said_once_however_long_it_takes(program, tmp_path):
+    """The timer (SIGALRM) that would end a hanging program fires after the program has said its last words."""
+    write(tmp_path, "case.nml", STEADY.replace("intervals = 256", "intervals = 1048576"))
+    for _ in range(3):
+        with subprocess.Popen([program, "case.nml", "--quiet"], cwd=tmp_path, stderr=subprocess.PIPE) as running:
+            wait_for(tmp_path / "case.h5.part", running)
+            running.send_signal(signal.SIGTERM)
+            message = os.read(running.stderr.fileno(), 1000)
+            running.send_signal(signal.SIGALRM)
+            message += running.stderr.read()
+        assert running.returncode == 4
+        assert message == b"asperity: interrupted without a checkpoint, nothing is kept of case.h5\n"
+        assert names(tmp_path) == ["case.nml"]
 
 
 def test_part_is_readable_while_the_run_writes(program, tmp_path):

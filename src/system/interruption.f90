@@ -19,7 +19,7 @@ module interruption
    private
 
    public :: forget_last_words, ignore_file_size_signal, is_interrupted, lay_down_last_words, &
-      listen_to_signals, set_patience
+      listen_to_signals, set_patience, stop_listening, take_last_words
 
    !> Signals with the same number on every POSIX system; SIGUSR1, SIGUSR2, SIGXCPU and SIGXFSZ as
    !> on Linux.
@@ -46,6 +46,8 @@ module interruption
    logical, volatile :: has_come(64) = .false.
    !> A checkpoint or a result is about to be written; that has been said.
    logical, volatile :: is_patient = .false., is_waiting = .false.
+   !> The program says the last words itself: the handlers only end it.
+   logical, volatile :: is_taken = .false.
    !> The last words and the files that go with them, twice: one set is valid while the other one is
    !> written.
    type :: last_words_t
@@ -107,6 +109,19 @@ contains
       call set_patience(.false.)
       call lay_down_last_words(usual_words, [character(len=1) ::])
    end subroutine forget_last_words
+
+   !> The program is about to say itself that it was interrupted: the handlers no longer say it, so
+   !> that it is said once however long the rest of the end takes.
+   subroutine take_last_words()
+      call set_timer(wall_timer, merge(patience, soon, is_waiting))   ! first: time to say it
+      is_taken = .true.
+   end subroutine take_last_words
+
+   !> Everything is done and said: the timer ends nothing any more.
+   subroutine stop_listening()
+      call set_timer(wall_timer, 0_c_long)
+      is_taken = .true.
+   end subroutine stop_listening
 
    !> Whether what is going on is worth waiting for: a time step, after which a checkpoint is kept,
    !> or the writing of a result.
@@ -184,7 +199,7 @@ contains
          do i = 1, set%files
             status = c_unlink(set%names(i))
          end do
-         written = c_write(standard_error, set%words, int(set%length, c_size_t))
+         if (.not. is_taken) written = c_write(standard_error, set%words, int(set%length, c_size_t))
       end associate
       call c_exit(status_interrupted)
    end subroutine say_last_words
