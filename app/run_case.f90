@@ -376,8 +376,8 @@ contains
       call set_effective(case, 'domain', 'intervals', to_text(contact%domain%intervals), '-')
       if (case%time%is_transient) call set_effective(case, 'time', 'time_step', &
          to_text(case%time%time_step, all_digits), '-')
-      call set_effective(case, 'solver', 'space_scheme', trim(merge('sharp '// &
-         '', 'thesis', case%solver%space_scheme == 'sharp')), '')
+      call set_effective(case, 'solver', 'space_scheme', trim(merge('kappa  ', &
+         'upwind2', case%solver%space_scheme == 'kappa')), '')
       call set_effective(case, 'solver', 'levels', to_text(report%levels), '-')
       call set_effective(case, 'solver', 'tolerance', to_text(report%tolerance, all_digits), '-')
       call set_effective(case, 'solver', 'max_cycles', to_text(report%max_cycles), '-')

@@ -8,7 +8,7 @@ the intervals and a fourth of the step; with backward Euler too, against the sam
 whether it is met, and the wall time, choice included, beside that of the best fixed choice: the fewest 2^k intervals (1 %: 64 to
 1024, 0.1 %: to 4096) with dT = dX and the thesis's space scheme from which on all meet it; for 1 % also beside the cheaper one of
 the two best fixed choices with either space scheme. The exact answer is that of the thesis's scheme on 2048 intervals, for 0.1 %
-that of the sharp one on 4096 with dT = dX/2. Writes accuracy_time.csv, cost_time.csv and conclusion_time.txt.
+that of the kappa scheme on 4096 with dT = dX/2. Writes accuracy_time.csv, cost_time.csv and conclusion_time.txt.
 """
 
 from __future__ import annotations
@@ -52,9 +52,9 @@ class Wanted:
 
 
 WANTED = (
-    Wanted(1e-2, 40, 1024, ("thesis", "sharp"), {"intervals": 2048}),
+    Wanted(1e-2, 40, 1024, ("upwind2", "kappa"), {"intervals": 2048}),
     Wanted(
-        1e-3, 20, 4096, ("thesis",), {"intervals": 4096, "time": {"time_step": 5.5 / 8192}, "solver": {"space_scheme": "sharp"}}
+        1e-3, 20, 4096, ("upwind2",), {"intervals": 4096, "time": {"time_step": 5.5 / 8192}, "solver": {"space_scheme": "kappa"}}
     ),
 )
 
@@ -141,8 +141,8 @@ class Cost:
     # The best fixed choice with each space scheme; NaN: there is none, or it was not looked for.
     best_intervals: float
     best_seconds: float
-    sharp_intervals: float
-    sharp_seconds: float
+    kappa_intervals: float
+    kappa_seconds: float
 
     @property
     def ratio(self) -> float:
@@ -152,7 +152,7 @@ class Cost:
     @property
     def ratio_to_either(self) -> float:
         """Time over that of the cheaper one of the best fixed choices with both schemes."""
-        return self.seconds / min(self.best_seconds, self.sharp_seconds)
+        return self.seconds / min(self.best_seconds, self.kappa_seconds)
 
 
 def costs(wanted: Wanted, cases: list[Passage]) -> list[Cost]:
@@ -169,14 +169,14 @@ def costs(wanted: Wanted, cases: list[Passage]) -> list[Cost]:
         answers = bench_program.run(jobs)
         exact = answers["exact"]["h_min"] if answers["exact"].converged else math.nan
         error = {name: abs(each["h_min"] / exact - 1) if each.converged else math.inf for name, each in answers.items()}
-        best = {"thesis": (math.nan, math.nan), "sharp": (math.nan, math.nan)}
+        best = {"upwind2": (math.nan, math.nan), "kappa": (math.nan, math.nan)}
         for scheme in wanted.schemes:
             good = [n for n in sizes if all(error[f"{scheme}{m}"] <= wanted.target for m in sizes if m >= n)]
             if good:
                 best[scheme] = good[0], least_seconds(answers[f"{scheme}{good[0]}"])
         own = answers["wanted"]
         chosen = int(own["intervals"]), int(own["steps"])
-        found.append(Cost(case.name, wanted.target, error["wanted"], *chosen, least_seconds(own), *best["thesis"], *best["sharp"]))
+        found.append(Cost(case.name, wanted.target, error["wanted"], *chosen, least_seconds(own), *best["upwind2"], *best["kappa"]))
     return found
 
 
@@ -218,7 +218,7 @@ def cost_text(found: list[Cost]) -> str:
     )
     if len(known) < len(found):
         text += f" (without {len(found) - len(known)} passages for which no fixed choice does)"
-    either = [cost.ratio_to_either for cost in known if cost.sharp_seconds > 0]
+    either = [cost.ratio_to_either for cost in known if cost.kappa_seconds > 0]
     if either:
         text += f"; over the cheaper one of both space schemes: median {statistics.median(either):.2f}"
     return text + "\n"

@@ -2,7 +2,7 @@
 """Charts the error of every method over its wall time: steady, in time, heavily loaded.
 
 The error is the true one, against the contact on at least four times the intervals of the finest grid shown (steady ones
-with the sharp space scheme, whose error is smaller still), to a tolerance far below. Steady panels: the larger one of the
+with the kappa space scheme, whose error is smaller still), to a tolerance far below. Steady panels: the larger one of the
 relative errors of h_min and h at X = 0. In time: the largest error in P over all nodes and times. Times are of one core, the
 least of many runs, without planning, input and output. Each run writes chart.png, .pdf, chart.csv and conclusion.txt, which
 is made from the same numbers.
@@ -40,8 +40,8 @@ METHODS: dict[str, dict[str, object]] = {
     "block_jacobi": {"method": "block_jacobi"},
 }
 # The other space scheme, in the steady panels.
-SHARP = "auto, sharp scheme"
-SHARP_SCHEME = {"space_scheme": "sharp"}
+KAPPA = "auto, kappa scheme"
+KAPPA_SCHEME = {"space_scheme": "kappa"}
 LOOKS = {
     "auto": {"color": "#f0b000", "linestyle": "-", "linewidth": 4.0, "marker": "", "zorder": 1},
     **dict(zip(list(METHODS)[1:], style.SERIES, strict=True)),
@@ -57,7 +57,7 @@ LOOKS = {
         "markeredgewidth": 0.8,
         "zorder": 1.5,
     },
-    SHARP: {"color": "#008080", "linestyle": "-", "linewidth": 1.2, "marker": "d", "markersize": 4.5},
+    KAPPA: {"color": "#008080", "linestyle": "-", "linewidth": 1.2, "marker": "d", "markersize": 4.5},
     "auto, backward Euler": {"color": "#d02060", "linestyle": "-", "marker": "P", "markersize": 5},
 }
 # Nothing larger is tried: their cost grows with the cube and faster.
@@ -113,9 +113,9 @@ def largest_grid(method: str, sizes: list[int]) -> list[int]:
 def steady_panel(panel: Panel, text: object, sizes: list[int], effort: dict[str, float]) -> list[Answer]:
     """Solves a steady contact by all methods; `text(intervals, solver, accuracy)` makes its namelist."""
     finest = 4 * sizes[-1]
-    jobs: list[Job] = [job("reference", text(finest, {"method": "newton_krylov", "tolerance": 1e-12} | SHARP_SCHEME))]
+    jobs: list[Job] = [job("reference", text(finest, {"method": "newton_krylov", "tolerance": 1e-12} | KAPPA_SCHEME))]
     names = {}
-    for method, solver in (METHODS | {SHARP: SHARP_SCHEME}).items():
+    for method, solver in (METHODS | {KAPPA: KAPPA_SCHEME}).items():
         for n in largest_grid(method, sizes):
             names[f"{method}:{n}"] = (method, n)
             jobs.append(job(f"{method}:{n}".replace(" ", "_"), text(n, solver), **effort))
@@ -285,7 +285,7 @@ def who_is_first(panel: Panel) -> str:
 def orders(panel: Panel) -> str:
     """Order of the error between the last two grids of each method that has its own discretisation."""
     texts = []
-    for method in ("auto", SHARP, "auto, backward Euler"):
+    for method in ("auto", KAPPA, "auto, backward Euler"):
         points = panel.curves.get(method, [])
         if len(points) > 1:
             coarse, fine = points[-2:]

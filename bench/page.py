@@ -63,8 +63,8 @@ discretisation error. Numbers at the points are intervals. In the steady panels 
 h_min and of h at X = 0; in time it is the largest error in P over all nodes and times. On grids that are no finer than its coarsest
 level a cycle is nothing but its exact solution: there the curves of FAS are those of dense Newton. `auto, extrapolated` is the
 Richardson value that `/summary` holds beside every figure, at the time of the run with error bars; `auto, target given` lets the
-program choose the grid (`&accuracy target`), at the time of the choice and the solution. `auto, sharp scheme` has
-`&solver space_scheme = 'sharp'`, without error bars; the reference of the steady panels has it too.
+program choose the grid (`&accuracy target`), at the time of the choice and the solution. `auto, kappa scheme` has
+`&solver space_scheme = 'kappa'`, without error bars; the reference of the steady panels has it too.
 
 ```text
 {chart}
@@ -90,8 +90,8 @@ slide-to-roll -1.9 to 4, on 256 and on 128 intervals with dT = dX, against four 
 both schemes); fitted samples and fresh ones. Columns as above; `error`: median of the true error, relative. The wanted accuracy
 counts everything, pilot runs included, beside the fewest 2^k intervals (1 %: 64 to 1024, 0.1 %: to 4096) with dT = dX and the space
 scheme of the thesis from which on all meet it; where it says so, beside the cheaper one of such choices with either space scheme:
-the program takes the sharp one. Errors of grid and time step of opposite signs often make a fixed choice good by chance, which no
-program can know beforehand: these are the cases with the largest ratios.
+the program takes the kappa scheme. Errors of grid and time step of opposite signs often make a fixed choice good by chance,
+which no program can know beforehand: these are the cases with the largest ratios.
 
 ```text
 {accuracy_time}

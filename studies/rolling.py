@@ -131,8 +131,8 @@ def order_table(runner: Runner, best: float) -> Table:
     found = {key: linear[job] for key, job in jobs.items()}
     marched = {nodes: run for nodes, run in runs.items() if run.intervals < FINEST}
     other = {"euler": with_nodes(64, scheme="backward_euler"), "bdf2_half": with_nodes(64, steps=2)}
-    sharp = {nodes: replace(run, space="sharp") for nodes, run in marched.items()}
-    responses = run_all(runner, [*marched.values(), *other.values(), *sharp.values()])
+    kappa = {nodes: replace(run, space="kappa") for nodes, run in marched.items()}
+    responses = run_all(runner, [*marched.values(), *other.values(), *kappa.values()])
     table = Table(
         nodes="intervals on a wave",
         marched="A_d/A_i by the program, BDF2, dT = dX",
@@ -144,14 +144,14 @@ def order_table(runner: Runner, best: float) -> Table:
         characteristic="along the characteristics",
         marched_euler="by the program, backward Euler, dT = dX",
         marched_half="by the program, BDF2, dT = dX/2",
-        marched_sharp="by the program with its sharp space scheme, BDF2, dT = dX",
+        marched_kappa="by the program with its kappa space scheme, BDF2, dT = dX",
     )
     for nodes in runs:
         row = {kind: found.get((kind, nodes)) for kind in kinds}
         if 2 * nodes in runs:
             row["order"] = math.log2((best - row["bdf2"]) / (best - found["bdf2", 2 * nodes]))
         if nodes in marched:
-            row |= {"marched": responses[marched[nodes]].swing, "marched_sharp": responses[sharp[nodes]].swing}
+            row |= {"marched": responses[marched[nodes]].swing, "marched_kappa": responses[kappa[nodes]].swing}
         if nodes == 64:
             row |= {"marched_euler": responses[other["euler"]].swing, "marched_half": responses[other["bdf2_half"]].swing}
         table.add(nodes=nodes, **row)

@@ -41,7 +41,7 @@ def base_case(name: str) -> Case:
     case = f90nml.read(ROOT / "input" / f"{name}.nml").todict()
     if case["case"]["problem"] == "ehl_line":
         case["accuracy"] = {"error_bars": False}
-        case["solver"] = {**case.get("solver", {}), "space_scheme": "thesis"}
+        case["solver"] = {**case.get("solver", {}), "space_scheme": "upwind2"}
     return case
 
 

@@ -41,7 +41,7 @@ class Waviness:
     entry: float = 0.0
     scheme: str = "bdf2"
     steps: int = 1
-    space: str = "thesis"
+    space: str = "upwind2"
 
     @property
     def spacing(self) -> float:

@@ -39,10 +39,10 @@ module error_bars
    real(wp), parameter :: steady_safety = 1.3_wp
    !> Bounds of the observed order in space.
    real(wp), parameter :: orders(2) = [1.0_wp, 2.0_wp]
-   !> The same of h_min and of h_central in the sharp scheme: at a spike the order of the one is
+   !> The same of h_min and of h_central in the kappa scheme: at a spike the order of the one is
    !> chance, and the other falls faster (60 heavy contacts on 512 to 4096 intervals).
-   real(wp), parameter :: sharp_orders_min(2) = [1.0_wp, 1.0_wp], &
-      sharp_orders_central(2) = [1.0_wp, 2.5_wp]
+   real(wp), parameter :: kappa_orders_min(2) = [1.0_wp, 1.0_wp], &
+      kappa_orders_central(2) = [1.0_wp, 2.5_wp]
    !> Error of the exit between two nodes, in spacings: rms 0.2, at most 0.6 in 32 solutions of 8
    !> contacts.
    real(wp), parameter :: exit_jitter = 0.2_wp
@@ -496,9 +496,9 @@ contains
       if (contact%fluid%viscosity_law == viscosity_constant) bars%starving = starved_isoviscous
       if (contact%domain%inlet == 'tail') bars%starving = pressure_behind_tail
       bars%is_first_order = time%is_transient .and. time%scheme == 'backward_euler'
-      if (space_scheme == 'sharp') then
-         bars%orders_min = sharp_orders_min
-         bars%orders_central = sharp_orders_central
+      if (space_scheme == 'kappa') then
+         bars%orders_min = kappa_orders_min
+         bars%orders_central = kappa_orders_central
       end if
       bars%unseen = unseen_waves(contact, time)
    end function new_error_bars

@@ -105,7 +105,7 @@ contains
 
       bars = new_error_bars(contact, time_settings_t(), settings%space_scheme)
       allocate (ways, source=steady_attempts(contact, solver_settings_t(method='newton_krylov')))
-      hierarchy%is_sharp = settings%space_scheme == 'sharp'
+      hierarchy%is_kappa = settings%space_scheme == 'kappa'
       do i = 1, size(ways)
          if (ways(i)%first_stress > 1.0_wp) cycle
          call new_growing_hierarchy(hierarchy, contact, most_chosen(settings), error)
@@ -127,7 +127,7 @@ contains
          if (allocated(error)) return
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
       end if
-      hierarchy%levels(hierarchy%finest)%is_sharp = hierarchy%is_sharp
+      hierarchy%levels(hierarchy%finest)%is_kappa = hierarchy%is_kappa
       call solve_steady(hierarchy, contact, settings, watcher, report, &
          is_started=settings%levels == 0)
    end subroutine solve_to_accuracy
@@ -197,7 +197,7 @@ contains
          call new_hierarchy(hierarchy, contact, settings%levels, error)
          if (allocated(error)) return
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
-         hierarchy%levels(hierarchy%finest)%is_sharp = hierarchy%is_sharp
+         hierarchy%levels(hierarchy%finest)%is_kappa = hierarchy%is_kappa
          call solve_steady(hierarchy, contact, settings, watcher, report)
          if (watcher%wants_stop) return
          if (2*contact%domain%intervals > most_chosen(settings)) return

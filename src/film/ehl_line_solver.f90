@@ -53,8 +53,8 @@ contains
       if (allocated(error)) return
       call new_hierarchy(hierarchy, contact, settings%levels, error)
       if (allocated(error)) return
-      hierarchy%is_sharp = settings%space_scheme == 'sharp'
-      hierarchy%levels(hierarchy%finest)%is_sharp = hierarchy%is_sharp
+      hierarchy%is_kappa = settings%space_scheme == 'kappa'
+      hierarchy%levels(hierarchy%finest)%is_kappa = hierarchy%is_kappa
       hierarchy%work_units = report%work_units
       call add_phase(report, phase_setup, start)
       if (.not. allocated(time%resume_from)) then

@@ -32,7 +32,7 @@ module ehl_line_steady
    integer, parameter :: most_refinement = 8, largest_blame = 2**16, blame_cycles = 40
    !> Default bound on the residuals of a steady solution.
    real(wp), parameter :: default_tolerance = 1.0e-8_wp
-   !> Accuracy and cycles of the thesis's scheme as start of the sharp one.
+   !> Accuracy and cycles of the thesis's scheme as start of the kappa scheme.
    real(wp), parameter :: rough_tolerance = 1.0e-3_wp
    integer, parameter :: rough_cycles = 40
 
@@ -93,7 +93,7 @@ contains
       report%reason = failures
    end subroutine solve_steady
 
-   !> Start of the sharp scheme from the solution of the thesis's scheme on the same level.
+   !> Start of the kappa scheme from the solution of the thesis's scheme on the same level.
    subroutine start_from_thesis(hierarchy, contact, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -103,10 +103,10 @@ contains
 
       lookout%watcher => watcher
       associate (level => hierarchy%levels(hierarchy%finest))
-         level%is_sharp = .false.
+         level%is_kappa = .false.
          call iterate(hierarchy, contact, cycle_limits_t(rough_tolerance, rough_cycles, &
             rough_cycles), report, lookout)
-         level%is_sharp = .true.
+         level%is_kappa = .true.
       end associate
    end subroutine start_from_thesis
 
@@ -181,7 +181,7 @@ contains
       call pose_steady_problem(hierarchy, contact, with_roughness)
       settings%method = 'newton_krylov'
       settings%space_scheme = space_scheme
-      hierarchy%levels(hierarchy%finest)%is_sharp = space_scheme == 'sharp'
+      hierarchy%levels(hierarchy%finest)%is_kappa = space_scheme == 'kappa'
       settings%max_cycles = blame_cycles
       call solve_steady(hierarchy, contact, settings, lookout, report)
       is_solved = report%converged

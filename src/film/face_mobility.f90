@@ -1,4 +1,4 @@
-!> Mobility e(i-1/2) = rho H^3 S/mu between two nodes by the mean of the sharp space scheme, with
+!> Mobility e(i-1/2) = rho H^3 S/mu between two nodes by the mean of the kappa space scheme, with
 !> its derivatives:
 !>
 !>     e(i-1/2) = L(1/mu(i-1), 1/mu(i)) sqrt( rho(i-1) H(i-1)^3 rho(i) H(i)^3 ) S,

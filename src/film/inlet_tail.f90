@@ -144,7 +144,7 @@ contains
       i = min(max(maxloc(level%pressure, 1) - 1, 1), level%n - 1)
       associate (p => level%pressure)
          mass = level%density(i - 1:i + 1)*level%film(i - 1:i + 1)
-         if (level%is_sharp) then
+         if (level%is_kappa) then
             flow = (2*mass(3) + 5*mass(2) - mass(1))/6
          else
             flow = 0.5_wp*(3*mass(2) - mass(1))

@@ -50,7 +50,7 @@ module line_hierarchy
       !> The first solution sought is that of an Eyring stress higher by this factor, which is then
       !> lowered in steps.
       real(wp) :: first_stress = 1.0_wp
-      !> Sharp scheme: the finest level is first solved by the thesis's scheme.
+      !> Kappa scheme: the finest level is first solved by the thesis's scheme.
       logical :: thesis_first = .false.
       !> Where Newton's method fails on a level it follows the pressure in pseudo-time.
       logical :: follows_time = .false.
@@ -74,8 +74,8 @@ module line_hierarchy
       type(newton_t) :: newton
       !> Bound on the Reynolds residual that the cycles are to reach; 0: not known.
       real(wp) :: goal = 0.0_wp
-      !> The answer is that of the sharp space scheme: companions are too (module reynolds_line).
-      logical :: is_sharp = .false.
+      !> The answer is that of the kappa space scheme: companions are too (module reynolds_line).
+      logical :: is_kappa = .false.
       !> The nested start solves the two levels below the finest well enough to be compared with it.
       logical :: wants_companions = .false.
       !> Wall time that the levels of a growing hierarchy took to set up [s].

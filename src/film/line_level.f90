@@ -26,8 +26,8 @@ module line_level
       integer :: n = 0
       !> Spacing dX [b].
       real(wp) :: dx = 0.0_wp
-      !> Space scheme: the sharp one, else that of the thesis (module reynolds_line).
-      logical :: is_sharp = .false.
+      !> Space scheme: kappa, else that of the thesis (module reynolds_line).
+      logical :: is_kappa = .false.
       !> 1/dT of the time step, 0 in the steady problem.
       real(wp) :: inverse_time_step = 0.0_wp
       !> Pressure and film are the solution of the original problem on this grid, accurate enough to

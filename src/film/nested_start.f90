@@ -135,19 +135,19 @@ contains
       class(observer_t), intent(inout), optional :: watcher
 
       associate (level => hierarchy%levels(k))
-         level%is_sharp = .false.
+         level%is_kappa = .false.
          call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, &
             tolerance, nested_steps, watcher)
          is_sound = hierarchy%newton%is_converged
          level%is_companion = is_sound .and. tolerance <= companion_tolerance
-         if (level%is_companion .and. hierarchy%is_sharp) call sharpen(hierarchy, contact, k, &
-            tolerance, watcher)
+         if (level%is_companion .and. hierarchy%is_kappa) call start_kappa_scheme(hierarchy, &
+            contact, k, tolerance, watcher)
       end associate
    end subroutine solve_level
 
-   !> From the solution of the thesis's scheme on level k to that of the sharp one; where that
+   !> From the solution of the thesis's scheme on level k to that of the kappa scheme; where that
    !> fails, the first stays, which is no companion.
-   subroutine sharpen(hierarchy, contact, k, tolerance, watcher)
+   subroutine start_kappa_scheme(hierarchy, contact, k, tolerance, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: k
@@ -158,17 +158,17 @@ contains
       associate (level => hierarchy%levels(k))
          level%pressure_start = level%pressure
          rigid_displacement = hierarchy%rigid_displacement
-         level%is_sharp = .true.
+         level%is_kappa = .true.
          call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, &
             tolerance, nested_steps, watcher)
          level%is_companion = hierarchy%newton%is_converged
          if (level%is_companion) return
-         level%is_sharp = .false.
+         level%is_kappa = .false.
          level%pressure = level%pressure_start
          hierarchy%rigid_displacement = rigid_displacement
          call film_of(level, rigid_displacement, level%film)
       end associate
-   end subroutine sharpen
+   end subroutine start_kappa_scheme
 
    !> The Hertz pressure (a wide bump for a thick film) on the finest level.
    subroutine hertz_start(hierarchy, contact)

@@ -270,7 +270,7 @@ contains
       integer :: i
 
       largest = 0.0_wp
-      if (level%is_sharp) then
+      if (level%is_kappa) then
          do i = 2, level%n - 1
             largest = max(largest, abs(2*level%film(i)*(newton%step(i) - newton%step(i - 1))))
          end do

@@ -25,7 +25,7 @@ module reynolds_jacobian
       !> Diagonal of the elastic Jacobian JP - JH K (0:n), negative in a sound state.
       real(wp), allocatable :: diagonal(:)
       type(mobility_slopes_t) :: slopes
-      !> Mobility of the faces in the sharp scheme; allocated when first used.
+      !> Mobility of the faces in the kappa scheme; allocated when first used.
       type(face_slopes_t) :: faces
    end type reynolds_jacobian_t
 
@@ -93,7 +93,7 @@ contains
       type(reynolds_jacobian_t), intent(inout) :: jacobian
 
       associate (slopes => jacobian%slopes)
-         if (level%is_sharp) then
+         if (level%is_kappa) then
             if (.not. allocated(jacobian%faces%e)) call new_faces(jacobian%faces, level%n)
             call fluid_face_slopes(contact%fluid, level%dx, level%pressure, level%film, &
                jacobian%faces, slopes%rho, slopes%rho_p, &
@@ -114,7 +114,7 @@ contains
    end subroutine evaluate_slopes
 
    !> Derivatives of the flux e(i-1/2) (P(i) - P(i-1))/dX^2 through the face left of node i, with
-   !> what the sharp scheme has more of the flow rH there, by P(i-2..i+1) and H(i-2..i).
+   !> what the kappa scheme has more of the flow rH there, by P(i-2..i+1) and H(i-2..i).
    pure subroutine differentiate_flux(contact, level, jacobian, i, flux_p, flux_h)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
@@ -125,7 +125,7 @@ contains
 
       slope = (level%pressure(i) - level%pressure(i - 1))/level%dx**2
       conductance = level%face_mobility(i)/level%dx**2
-      if (level%is_sharp) then
+      if (level%is_kappa) then
          associate (faces => jacobian%faces)
             flux_p = [0.0_wp, faces%by_p_left(i)*slope - conductance, &
                faces%by_p_right(i)*slope + conductance, 0.0_wp]
@@ -152,15 +152,15 @@ contains
       real(wp), intent(in) :: rho_p(-2:0)
       real(wp), intent(inout) :: flux_p(-2:0), flux_h(-2:0)
       real(wp), parameter :: second(-2:0) = [1.0_wp, -2.0_wp, 1.0_wp]
-      real(wp) :: factor, kappa, share
+      real(wp) :: factor, curvature, share
 
       associate (p => level%pressure(i - 2:i), h => level%film(i - 2:i), &
          rho => level%density(i - 2:i), &
          alpha => contact%fluid%alpha_bar)
          factor = contact%lambda/(3*level%dx)
-         kappa = alpha*dot_product(second, p)
-         share = third_order_share(kappa)
-         flux_p = flux_p - factor*second*(share*rho_p*h + alpha*third_order_slope(kappa) &
+         curvature = alpha*dot_product(second, p)
+         share = third_order_share(curvature)
+         flux_p = flux_p - factor*second*(share*rho_p*h + alpha*third_order_slope(curvature) &
             *dot_product(second, rho*h))
          flux_h = flux_h - factor*second*share*rho
       end associate

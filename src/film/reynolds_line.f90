@@ -6,7 +6,7 @@
 !> with e = rho H^3 S/mu, e(i+-1/2) the arithmetic mean, rH = rho H, and the first-order wedge at
 !> node 1. The old film of a time step is in the right side: L_R = -lambda rH_old/dT.
 !>
-!> The sharp scheme (`level%is_sharp`) takes e(i+-1/2) from module face_mobility, and the flow rH at
+!> The kappa scheme (`level%is_kappa`) takes e(i+-1/2) from module face_mobility, and the flow rH at
 !> a face from one node downstream too,
 !>
 !>     rH(i+1/2) = ( 3 rH(i) - rH(i-1) )/2 + theta(i)/3 ( rH(i+1) - 2 rH(i) + rH(i-1) )
@@ -29,7 +29,7 @@ module reynolds_line
    public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, reynolds_diagonals, &
       residual_t, measure_residual, third_order_share, third_order_slope, wedge_weights
 
-   !> Curvature kappa at which half of the third order is left in the flow of the sharp scheme.
+   !> Curvature c at which half of the third order is left in the flow of the kappa scheme.
    real(wp), parameter :: strong_curvature = 1.0_wp
 
    !> Residuals of the original problem in the unit of d(rho H)/dX, see `measure_residual`.
@@ -52,7 +52,7 @@ contains
       type(fluid_t), intent(in) :: fluid
       type(line_level_t), intent(inout) :: level
 
-      if (level%is_sharp) then
+      if (level%is_kappa) then
          call fluid_face_mobility(fluid, level%dx, level%pressure, level%film, &
             level%face_mobility, level%density, &
             level%pressure_rest)
@@ -73,27 +73,27 @@ contains
       if (i == 1) weights = [0.0_wp, -1.0_wp, 1.0_wp]
    end function wedge_weights
 
-   !> Share theta of the third order in the flow rH at a face, 1/(1 + (kappa/kappa_s)^2), by the
-   !> curvature kappa = alpha_bar (P(i-1) - 2 P(i) + P(i+1)) at the node upstream, the change of the
+   !> Share theta of the third order in the flow rH at a face, 1/(1 + (c/c_0)^2), by the
+   !> curvature c = alpha_bar (P(i-1) - 2 P(i) + P(i+1)) at the node upstream, the change of the
    !> slope of ln mu from interval to interval.
    !>
    !> Where oil is as good as solid, rH is the same at all faces. The third order would let it be so
    !> with a rest of H that changes its sign from node to node and falls upstream by 2.7 a node, of
    !> any size: a zigzag of the pressure in front of the spike, and several solutions. (What the
    !> flow upstream alone leaves falls downstream, by 3 a node.) 1 - theta is of fourth order in dX.
-   pure elemental function third_order_share(kappa) result(share)
-      real(wp), intent(in) :: kappa
+   pure elemental function third_order_share(curvature) result(share)
+      real(wp), intent(in) :: curvature
       real(wp) :: share
 
-      share = 1/(1 + (kappa/strong_curvature)**2)
+      share = 1/(1 + (curvature/strong_curvature)**2)
    end function third_order_share
 
-   !> d theta/d kappa.
-   pure elemental function third_order_slope(kappa) result(slope)
-      real(wp), intent(in) :: kappa
+   !> d theta/dc.
+   pure elemental function third_order_slope(curvature) result(slope)
+      real(wp), intent(in) :: curvature
       real(wp) :: slope
 
-      slope = -2*kappa/strong_curvature**2*third_order_share(kappa)**2
+      slope = -2*curvature/strong_curvature**2*third_order_share(curvature)**2
    end function third_order_slope
 
    !> Coefficients, then the operator L_R at nodes 1..n-1 (0 at both ends).
@@ -133,11 +133,11 @@ contains
             flow(i) = flow(i) - level%exit_conductance*(p(i) - level%pressure_start(i))
          end if
       end associate
-      if (level%is_sharp) call add_third_order(contact, level)
+      if (level%is_kappa) call add_third_order(contact, level)
       if (allocated(level%pressure_rest)) call add_flow_of_rest(level)
    end subroutine apply_reynolds
 
-   !> Adds what the sharp scheme has more of the flow rH at the faces (in the work space of the
+   !> Adds what the kappa scheme has more of the flow rH at the faces (in the work space of the
    !> level, by the node upstream).
    pure subroutine add_third_order(contact, level)
       type(line_contact_t), intent(in) :: contact

@@ -49,7 +49,7 @@ contains
       if (is_automatic(settings)) then
          attempts = newton_starts(contact, films)
          if (contact%domain%intervals >= intervals_for_film(contact) &
-            .and. settings%space_scheme /= 'sharp') then
+            .and. settings%space_scheme /= 'kappa') then
             attempts = [attempts, last_resort(is_heavy, films(1))]
          end if
       else if (settings%method == 'newton_krylov') then
@@ -61,7 +61,7 @@ contains
             [attempts, gentler(stated_way(settings, is_heavy=.true.), 0.2_wp, 10)]
          attempts%start_film = films(1)
       end if
-      if (settings%space_scheme == 'sharp') then
+      if (settings%space_scheme == 'kappa') then
          attempts = [attempts(1), attempts]
          attempts(2:)%thesis_first = .true.
       end if
@@ -149,7 +149,7 @@ contains
       if (is_automatic(settings)) then
          attempts = [one_level(method_newton_krylov), gauss_seidel_in_time(0.6_wp, 3), &
             w_cycle(gauss_seidel_in_time(0.5_wp, 5))]
-         if (settings%space_scheme == 'sharp') attempts = attempts(:1)
+         if (settings%space_scheme == 'kappa') attempts = attempts(:1)
          if (contact%domain%intervals <= largest_dense) attempts = [attempts, &
             one_level(method_newton_dense)]
       else if (settings%smoother == 'gauss_seidel') then

@@ -62,9 +62,9 @@ module solver_settings
       character(len=word_length) :: method = 'auto'
       !> 'auto', 'block_jacobi', 'gauss_seidel', 'line' or 'hybrid'.
       character(len=word_length) :: smoother = 'auto'
-      !> Space discretisation: 'thesis', or 'sharp' (module reynolds_line), which needs a Newton
-      !> method; 'auto' is the first one, where pilots choose the resolution of a transient the
-      !> better one.
+      !> Space discretisation (module reynolds_line): 'upwind2', that of the thesis, or 'kappa',
+      !> which needs a Newton method; 'auto': upwind2, but kappa where pilot runs choose the
+      !> resolution of a transient.
       character(len=word_length) :: space_scheme = 'auto'
       !> Relative error of h_min for which the grid of a steady contact is chosen; zero: the grid is
       !> that of the domain.

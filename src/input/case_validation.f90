@@ -283,7 +283,8 @@ contains
                "with method = '" // method // "'", findings)
          end do
       end if
-      if (values%word_value('solver', 'space_scheme') == 'sharp') call check_sharp(values, findings)
+      if (values%word_value('solver', 'space_scheme') == 'kappa') call check_kappa_scheme(values, &
+         findings)
       if (values%has_group('moes')) call report_unused(values, 'solver', 'film_floor', no_units, &
          findings)
       if (.not. values%is_given('solver', 'film_floor')) call report_unused(values, 'solver', &
@@ -316,12 +317,12 @@ contains
       if (fault /= '') call findings%add(intervals%line, 'domain', 'intervals', fault)
    end subroutine check_fineness
 
-   !> Finds a method or smoother that cannot solve the sharp space scheme.
-   subroutine check_sharp(values, findings)
+   !> Finds a method or smoother that cannot solve the kappa space scheme.
+   subroutine check_kappa_scheme(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
       character(*), parameter :: needs = "', expected 'auto', 'newton_krylov' or "// &
-         "'newton_dense' with space_scheme = 'sharp'"
+         "'newton_dense' with space_scheme = 'kappa'"
       character(:), allocatable :: method
 
       method = trim(values%word_value('solver', 'method'))
@@ -329,9 +330,9 @@ contains
          call findings%add(values%line_of('solver', 'method'), 'solver', 'method', &
             "found '" // method // needs)
       else if (values%word_value('solver', 'smoother') /= 'auto') then
-         call report_unused(values, 'solver', 'smoother', "with space_scheme = 'sharp'", findings)
+         call report_unused(values, 'solver', 'smoother', "with space_scheme = 'kappa'", findings)
       end if
-   end subroutine check_sharp
+   end subroutine check_kappa_scheme
 
    !> Finds keys of a transient in a steady case; a field named twice.
    subroutine check_output(values, findings)

@@ -62,6 +62,12 @@ module input_keys
       character(len=40) :: meaning
    end type later_row_t
 
+   !> A word of a key that has got another name.
+   type, public :: renamed_word_t
+      character(len=20) :: key
+      character(len=16) :: old, new
+   end type renamed_word_t
+
    type(group_row_t), parameter, public :: group_rows(*) = [ &
       group_row_t('case', 'yes', 'what is computed and where the result goes', every), &
       group_row_t('bodies', 'yes', &
@@ -212,9 +218,9 @@ module input_keys
             'block_jacobi: up to 8192 intervals'), &
       key_row_t('solver', 'smoother', word_kind, '', "'auto'", &
          '', 'auto block_jacobi gauss_seidel line hybrid', '', 'smoother of the multigrid cycle'), &
-      key_row_t('solver', 'space_scheme', word_kind, '', "'auto'", '', 'auto thesis sharp', '', &
-         'of the thesis, or a sharper one (Newton methods); auto: thesis, with a target of '// &
-            'a transient sharp'), &
+      key_row_t('solver', 'space_scheme', word_kind, '', "'auto'", '', 'auto upwind2 kappa', '', &
+         'upwind2 (thesis), or kappa (Newton methods); auto: upwind2, of a transient with a '// &
+            'target kappa'), &
       key_row_t('solver', 'start', word_kind, '', "'fmg'", '', 'fmg hertz', '', &
          'first guess: full multigrid, or the Hertz pressure on the finest grid'), &
       key_row_t('solver', 'tolerance', real_kind, '-', is_chosen, '>= 1e-15, <= 1e-2', '', '', &
@@ -381,6 +387,11 @@ module input_keys
    !> Keys that are known but not built yet; those of the surfaces hold for both.
    type(later_row_t), parameter, public :: later_rows(*) = [ &
       later_row_t('output', 'adequacy', 'lean models')]
+
+   !> Words that were renamed; the old one is refused, and the message names the new one.
+   type(renamed_word_t), parameter, public :: renamed_words(*) = [ &
+      renamed_word_t('space_scheme', 'thesis', 'upwind2'), &
+      renamed_word_t('space_scheme', 'sharp', 'kappa')]
 
 contains
 

@@ -5,7 +5,8 @@
 !> the case is the business of `case_input`.
 module input_values
    use findings, only: findings_t, quoted
-   use input_keys, only: key_rows, key_row_t, group_rows, find_key, find_group, later_meaning, &
+   use input_keys, only: key_rows, key_row_t, group_rows, find_key, find_group, &
+      later_meaning, renamed_words, &
       expected_value, has_word, real_kind, integer_kind, logical_kind, word_kind, reals_kind, &
       words_kind, is_required, is_chosen, is_optional, lubricated, every
    use key_range, only: is_in_range
@@ -337,7 +338,8 @@ contains
       end if
    end subroutine store_word
 
-   !> "; did you mean 'word'?" with the word of the row nearest to `word`, or nothing.
+   !> "; 'word' is the new name" of a renamed `word`, "; did you mean 'word'?" with the word of the
+   !> row nearest to it, or nothing.
    function nearest_word(row, word) result(hint)
       type(key_row_t), intent(in) :: row
       character(*), intent(in) :: word
@@ -346,6 +348,11 @@ contains
       character(:), allocatable :: words
       integer :: i, blank
 
+      do i = 1, size(renamed_words)
+         if (renamed_words(i)%key /= row%key .or. renamed_words(i)%old /= word) cycle
+         hint = "; '" // trim(renamed_words(i)%new) // "' is its new name"
+         return
+      end do
       candidates = ''
       words = trim(row%words)
       do i = 1, size(candidates)

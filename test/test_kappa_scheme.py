@@ -1,4 +1,4 @@
-"""The sharp space scheme has one solution at a pressure spike, whatever the start, and no zigzag in front of it."""
+"""The kappa space scheme has one solution at a pressure spike, whatever the start, and no zigzag in front of it."""
 
 import random
 import sys
@@ -21,7 +21,7 @@ def pressures(asperity, folder, moes, law, intervals):
         text = namelists.moes(
             *moes,
             intervals,
-            {"space_scheme": "sharp"} | solver,
+            {"space_scheme": "kappa"} | solver,
             lubricant=law,
             domain=namelists.WINDOW,
             accuracy={"error_bars": bars},

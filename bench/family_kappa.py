@@ -1,6 +1,6 @@
-"""The sharp space scheme at pressure spikes; and contacts of wide ranges with the default solver.
+"""The kappa space scheme at pressure spikes; and contacts of wide ranges with the default solver.
 
-Heavy contacts on given grids by the sharp scheme are judged by the thesis's on many more intervals of the same domain. Wide
+Heavy contacts on given grids by the kappa scheme are judged by the thesis's on many more intervals of the same domain. Wide
 contacts are heavy, fast and slide far (M to 3000, L to 60, tau_0 0.5 to 20 MPa, slide-to-roll ratios to 20).
 """
 
@@ -20,12 +20,12 @@ FINE = {"intervals": 2**15, "inlet": "zero", "x_inlet": -20.0, "x_outlet": 2.0}
 
 
 def spiked(source: random.Random, count: int) -> list[Member]:
-    """Heavy contacts on given grids, by the sharp scheme."""
+    """Heavy contacts on given grids, by the kappa scheme."""
     found = []
     for i in range(count):
         m, l, n = 10 ** source.uniform(1.3, 3), source.uniform(5, 30), source.choice((512, 1024, 2048, 4096))  # noqa: E741
         moes = {"moes": {"moes_m": m, "moes_l": l, "velocity": "sum"}, "lubricant": LAWS[i % 4]}
-        groups = moes | {"domain": namelists.WINDOW | {"intervals": n}, "solver": {"space_scheme": "sharp"}}
+        groups = moes | {"domain": namelists.WINDOW | {"intervals": n}, "solver": {"space_scheme": "kappa"}}
         truth = moes | {"domain": namelists.WINDOW | {"intervals": SPIKE_FINE}, "accuracy": NO_BARS}
         found.append(Member(f"{i:03d}", namelists.namelist(groups), namelists.namelist(truth)))
     return found
@@ -47,6 +47,6 @@ def wide(source: random.Random, count: int) -> list[Member]:
 
 
 FAMILIES = [
-    Family("sharp_spikes", "Spikes by the sharp scheme, given grids", (*FILMS, "summary/p_max"), spiked, estimate="error_grid"),
+    Family("kappa_spikes", "Spikes by the kappa scheme, given grids", (*FILMS, "summary/p_max"), spiked, estimate="error_grid"),
     Family("wide", "Heavy, fast and sliding contacts, chosen domain and grid", FILMS, wide),
 ]
