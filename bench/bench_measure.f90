@@ -188,7 +188,7 @@ contains
             do batch = 1, product_batches
                start = wall_seconds()
                do call = 1, product_calls
-                  call level%convolution%apply(level%pressure, level%deflection)
+                  call level%convolution%apply(level%state%pressure, level%deflection)
                end do
                least = min(least, (wall_seconds() - start)/product_calls)
             end do

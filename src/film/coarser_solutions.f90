@@ -39,7 +39,7 @@ contains
       type(line_level_t), intent(in) :: level
       type(line_summary_t) :: summary
 
-      summary = summary_of_fields(level%x, level%pressure, level%film, 0.0_wp)
+      summary = summary_of_fields(level%x, level%state%pressure, level%state%film, 0.0_wp)
    end function level_summary
 
 end module coarser_solutions

@@ -1,15 +1,14 @@
 !> Repeats cycles until the residuals of the original problem are below their bounds, or says why
 !> they are not.
 module cycle_control
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use cycle_limits, only: cycle_limits_t
    use fas_cycle, only: cycle_from, is_newton_alone
+   use film_state, only: film_state_t, keep_finite
    use inlet_tail, only: close_inlet
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: count_work, line_hierarchy_t, method_newton_dense, method_newton_krylov
-   use line_level, only: line_level_t
    use observer, only: observer_t
    use reynolds_line, only: measure_residual, residual_t
    use text, only: to_text
@@ -69,10 +68,10 @@ contains
       associate (level => hierarchy%levels(hierarchy%finest))
          if (is_newton_alone(hierarchy) .and. level%n > largest_plain &
             .and. .not. level%inverse_time_step > 0.0_wp) then
-            allocate (level%pressure_rest(0:level%n), source=0.0_wp)
+            allocate (level%state%compensation(0:level%n), source=0.0_wp)
          end if
          call run_cycles(hierarchy, contact, limits, report, watcher)
-         if (allocated(level%pressure_rest)) deallocate (level%pressure_rest)
+         if (allocated(level%state%compensation)) deallocate (level%state%compensation)
       end associate
    end subroutine iterate
 
@@ -84,19 +83,17 @@ contains
       type(report_t), intent(inout) :: report
       class(observer_t), intent(inout), optional :: watcher
       type(residual_t) :: residual
-      real(wp), allocatable :: pressure(:), film(:)
+      type(film_state_t) :: before
       type(course_t) :: course
       integer :: cycle
 
       report%converged = .false.
       hierarchy%goal = limits%tolerance
       do cycle = 1, limits%max_cycles
-         pressure = hierarchy%levels(hierarchy%finest)%pressure
-         film = hierarchy%levels(hierarchy%finest)%film
+         before = hierarchy%levels(hierarchy%finest)%state
          call cycle_from(hierarchy, contact, hierarchy%finest)
          call measure_residual(contact, hierarchy%levels(hierarchy%finest), &
-            hierarchy%rigid_displacement, residual, &
-            film_is_exact=is_newton_alone(hierarchy))
+            residual, film_is_exact=is_newton_alone(hierarchy))
          call count_work(hierarchy, hierarchy%finest, 1)
          call report%add(residual%reynolds, residual%load)
          report%tolerance_effective = effective_tolerance(limits%tolerance, residual)
@@ -125,11 +122,12 @@ contains
       function obstacle(cycle) result(reason)
          integer, intent(in) :: cycle
          character(:), allocatable :: reason
+         logical :: is_restored
 
          reason = ''
-         call keep_finite(hierarchy%levels(hierarchy%finest), pressure, film, reason)
-         if (.not. ieee_is_finite(hierarchy%rigid_displacement)) reason = &
-            'divergence: the rigid displacement is not a number'
+         call keep_finite(hierarchy%levels(hierarchy%finest)%state, before, is_restored)
+         if (is_restored) reason = 'divergence: pressure, film or rigid displacement '// &
+            'outgrew all numbers; the state before is kept'
          if (is_lost(course, cycle)) reason = 'divergence: the residual has grown to ' &
             //to_text(course%last, 2)
          if (len(reason) > 0 .or. cycle - course%progress_cycle < merge(2, limits%patience, &
@@ -197,18 +195,5 @@ contains
          .and. .not. hierarchy%levels(hierarchy%finest)%has_tail &
          .and. any(hierarchy%relaxation%method == [method_newton_krylov, method_newton_dense])
    end function steps_at_round_off
-
-   !> Where pressure or film of the level are no numbers any more, gives them back those of before,
-   !> and a reason to stop.
-   pure subroutine keep_finite(level, pressure, film, reason)
-      type(line_level_t), intent(inout) :: level
-      real(wp), intent(in) :: pressure(0:), film(0:)
-      character(:), allocatable, intent(inout) :: reason
-
-      if (all(ieee_is_finite(level%pressure)) .and. all(ieee_is_finite(level%film))) return
-      level%pressure = pressure
-      level%film = film
-      reason = 'divergence: pressure or film outgrew all numbers; the state before is kept'
-   end subroutine keep_finite
 
 end module cycle_control

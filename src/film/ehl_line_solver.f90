@@ -104,8 +104,7 @@ contains
       type(line_state_t), intent(inout) :: state
       type(report_t), intent(inout) :: report
 
-      call fill_state(contact, hierarchy%levels(hierarchy%finest), hierarchy%rigid_displacement, &
-         0.0_wp, state)
+      call fill_state(contact, hierarchy%levels(hierarchy%finest), 0.0_wp, state)
       report%outlet_pressure = state%pressure(size(state%pressure) - 1)
    end subroutine take_steady_state
 

@@ -13,12 +13,14 @@ module ehl_line_transient
    use cycle_limits, only: cycle_limits_t
    use errors, only: error_t
    use film_breakdown, only: look_for_breakdown
+   use film_equation, only: take_film
+   use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: fewest_in_wave, intervals_for_waves, line_contact_t, move_profiles
    use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, roughness_at, &
       total_products
-   use line_level, only: film_of, line_level_t
+   use line_level, only: line_level_t
    use line_state, only: line_state_t
    use march_history, only: extrapolate, foretelling, remember
    use march_state, only: march_state_t
@@ -83,13 +85,12 @@ contains
          call watcher%on_stage('time steps on '//to_text(level%n)//' intervals')
          if (allocated(time%resume_from)) then
             history = time%resume_from
-            call take_up(history, level, hierarchy%rigid_displacement)
-            call fill_state(contact, level, hierarchy%rigid_displacement, history%step*time_step, &
-               state)
+            call take_up(history, level%state)
+            call fill_state(contact, level, history%step*time_step, state)
          else
             call begin_march(contact, settings, hierarchy, history, report)
             if (.not. report%converged) return
-            call fill_state(contact, level, hierarchy%rigid_displacement, 0.0_wp, state)
+            call fill_state(contact, level, 0.0_wp, state)
             call watcher%on_step(0, steps, state, report)
             call hand_out(history, hierarchy, report, watcher)
          end if
@@ -107,12 +108,13 @@ contains
                      //coarse_wave_text(contact))
                return
             end if
-            call look_for_breakdown(level%x, level%film, settings, step, step*time_step, report)
+            call look_for_breakdown(level%x, level%state%film, settings, step, step*time_step, &
+               report)
             if (.not. report%converged) return
-            report%outlet_pressure = max(report%outlet_pressure, level%pressure(level%n - 1))
+            report%outlet_pressure = max(report%outlet_pressure, level%state%pressure(level%n - 1))
             history%step = step
             report%steps = step
-            call fill_state(contact, level, hierarchy%rigid_displacement, step*time_step, state)
+            call fill_state(contact, level, step*time_step, state)
             call watcher%on_step(step, steps, state, report)
             call hand_out(history, hierarchy, report, watcher)
          end do
@@ -131,12 +133,13 @@ contains
 
       associate (level => hierarchy%levels(hierarchy%finest))
          level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, 0.0_wp)
-         call film_of(level, hierarchy%rigid_displacement, level%film)
-         call look_for_breakdown(level%x, level%film, settings, 0, 0.0_wp, report)
-         if (any(level%film <= 0.0_wp)) report%reason = 'film closed at T = 0: the surfaces '// &
+         call take_film(level)
+         call look_for_breakdown(level%x, level%state%film, settings, 0, 0.0_wp, report)
+         if (any(level%state%film <= 0.0_wp)) report%reason = &
+            'film closed at T = 0: the surfaces '// &
             'at their start are higher than '// &
             'the smooth film; '//report%reason
-         call remember(history, contact, level, hierarchy%rigid_displacement, 0.0_wp)
+         call remember(history, contact, level, 0.0_wp)
       end associate
    end subroutine begin_march
 
@@ -173,22 +176,21 @@ contains
       class(observer_t), intent(inout) :: watcher
 
       if (.not. watcher%wants_state) return
-      history%film = hierarchy%levels(hierarchy%finest)%film
+      history%film = hierarchy%levels(hierarchy%finest)%state%film
       history%report = report
       history%report%fft_pairs = report%fft_pairs + total_products(hierarchy)
       history%report%work_units = hierarchy%work_units
       call watcher%keep_state(history)
    end subroutine hand_out
 
-   !> Puts the newest solution of `history` on the level.
-   pure subroutine take_up(history, level, rigid_displacement)
+   !> The newest solution of `history` becomes the state.
+   pure subroutine take_up(history, state)
       type(march_state_t), intent(in) :: history
-      type(line_level_t), intent(inout) :: level
-      real(wp), intent(out) :: rigid_displacement
+      type(film_state_t), intent(inout) :: state
 
-      level%pressure = history%pressure(:, 1)
-      level%film = history%film
-      rigid_displacement = history%rigid_displacement(1)
+      state%pressure = history%pressure(:, 1)
+      state%film = history%film
+      state%rigid_displacement = history%rigid_displacement(1)
    end subroutine take_up
 
    !> Marks the report as not converged for a reason.
@@ -210,7 +212,7 @@ contains
       type(report_t), intent(inout) :: report
       type(step_plan_t) :: whole
       type(march_state_t) :: start
-      real(wp), allocatable :: film(:)
+      type(film_state_t) :: state
 
       if (size(plan%ends) == 1) then
          ! whole steps are easier for a smoother than their parts
@@ -219,12 +221,12 @@ contains
          return
       end if
       start = history
-      film = hierarchy%levels(hierarchy%finest)%film
+      state = hierarchy%levels(hierarchy%finest)%state
       call take_parts(hierarchy, contact, plan, history, report)
       if (report%converged) return
       history = start
       history%way = 1
-      hierarchy%levels(hierarchy%finest)%film(:) = film
+      hierarchy%levels(hierarchy%finest)%state = state
       whole = plan
       whole%ends = [1.0_wp]
       call take_parts(hierarchy, contact, whole, history, report)
@@ -255,7 +257,7 @@ contains
             call begin_step(contact, level, history, new_time, length, plan%scheme)
             call solve_step(hierarchy, contact, plan, length, history, report)
             if (.not. report%converged) return
-            call remember(history, contact, level, hierarchy%rigid_displacement, length)
+            call remember(history, contact, level, length)
          end do
       end associate
    end subroutine take_parts
@@ -293,22 +295,22 @@ contains
       integer :: attempt, first, count
 
       associate (level => hierarchy%levels(hierarchy%finest))
-         old_minimum = minval(level%film)
+         old_minimum = minval(level%state%film)
          first = min(history%way, size(plan%attempts))
          count = foretelling(history)
          do attempt = merge(first - 1, first - 2, count == history%size), size(plan%attempts)
             if (attempt == first - 1) count = history%size
             call adopt(hierarchy, plan%attempts(max(attempt, first)))
             if (attempt < first) then
-               call extrapolate(history, count, length, level, hierarchy%rigid_displacement)
+               call extrapolate(history, count, length, level%state)
             else
-               level%pressure = history%pressure(:, 1)
-               hierarchy%rigid_displacement = history%rigid_displacement(1)
+               level%state%pressure = history%pressure(:, 1)
+               level%state%rigid_displacement = history%rigid_displacement(1)
             end if
-            call film_of(level, hierarchy%rigid_displacement, level%film)
-            if (any(level%film <= 0.0_wp)) then
+            call take_film(level)
+            if (any(level%state%film <= 0.0_wp)) then
                if (attempt < first) cycle
-               call lift(level, hierarchy%rigid_displacement, old_minimum)
+               call lift(level%state, old_minimum)
             end if
             call iterate(hierarchy, contact, plan%limits, report)
             if (report%converged) then
@@ -321,15 +323,14 @@ contains
 
    !> Raises a film that a fast feature has closed under the old pressure, so that the cycles have a
    !> positive start.
-   pure subroutine lift(level, rigid_displacement, film)
-      type(line_level_t), intent(inout) :: level
-      real(wp), intent(inout) :: rigid_displacement
+   pure subroutine lift(state, film)
+      type(film_state_t), intent(inout) :: state
       real(wp), intent(in) :: film
       real(wp) :: rise
 
-      rise = 0.5_wp*film - minval(level%film)
-      level%film = level%film + rise
-      rigid_displacement = rigid_displacement + rise
+      rise = 0.5_wp*film - minval(state%film)
+      state%film = state%film + rise
+      state%rigid_displacement = state%rigid_displacement + rise
    end subroutine lift
 
 end module ehl_line_transient

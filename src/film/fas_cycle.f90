@@ -8,12 +8,13 @@
 !> cut by P >= 0; a coarse correction falls to zero where the finest grid has P = 0, which need not
 !> be a coarse node.
 module fas_cycle
+   use film_equation, only: evaluate_deflection, film_of, update_film
+   use force_balance, only: carried_load, load_defect, relax_load
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: count_work, line_hierarchy_t, smoother_block_jacobi, &
       smoother_gauss_seidel, smoother_hybrid, smoother_line
-   use line_level, only: film_of, largest_pressure, line_level_t, load_defect, thinnest_film, &
-      update_film
+   use line_level, only: largest_pressure, line_level_t, thinnest_film
    use newton_line, only: solve_newton
    use reynolds_line, only: evaluate_reynolds, reynolds_diagonals
    use smoothers, only: block_jacobi_sweep, gauss_seidel_sweep, line_sweep
@@ -67,8 +68,7 @@ contains
       do i = 1, sweeps
          call sweep(hierarchy, contact, k, smoother)
       end do
-      if (smoother == smoother_line) call update_film(hierarchy%levels(k), &
-         hierarchy%rigid_displacement)
+      if (smoother == smoother_line) call update_film(hierarchy%levels(k))
       call count_work(hierarchy, k, sweeps)
    end subroutine smooth
 
@@ -80,19 +80,18 @@ contains
       real(wp) :: kernel_diagonal
 
       associate (level => hierarchy%levels(k), choice => hierarchy%relaxation)
-         if (maxval(level%pressure) >= largest_pressure) return
+         if (maxval(level%state%pressure) >= largest_pressure) return
          kernel_diagonal = min(level%kernel(0), -choice%kernel_bound*level%dx)
          if (choice%film_is_recomputed) then
-            call update_film(level, hierarchy%rigid_displacement)
+            call update_film(level)
          else
-            call film_of(level, hierarchy%rigid_displacement, level%work)
+            call evaluate_deflection(level)
          end if
          call evaluate_reynolds(contact, level)
          call reynolds_diagonals(contact%lambda, level, kernel_diagonal)
          select case (smoother)
          case (smoother_block_jacobi)
-            call block_jacobi_sweep(level, hierarchy%rigid_displacement, kernel_diagonal, &
-               choice%relaxation)
+            call block_jacobi_sweep(level, kernel_diagonal, choice%relaxation)
          case (smoother_gauss_seidel)
             call gauss_seidel_sweep(level, contact%lambda, kernel_diagonal, choice%relaxation)
          case default
@@ -109,18 +108,16 @@ contains
       integer :: i, k
 
       k = hierarchy%coarsest
-      if (maxval(hierarchy%levels(k)%pressure) >= largest_pressure) return
+      if (maxval(hierarchy%levels(k)%state%pressure) >= largest_pressure) return
       if (hierarchy%relaxation%coarse_sweeps <= 0) then
          call solve_newton(hierarchy%newton, contact, hierarchy%levels(k), &
-            hierarchy%rigid_displacement, &
             coarse_tolerance, hierarchy%relaxation%coarse_steps, goal=hierarchy%goal, &
-               film_is_exact=is_newton_alone(hierarchy))
+            film_is_exact=is_newton_alone(hierarchy))
          return
       end if
       do i = 1, hierarchy%relaxation%coarse_sweeps
          call smooth(hierarchy, contact, k, 1, is_last_leg=.true.)
-         hierarchy%rigid_displacement = hierarchy%rigid_displacement &
-            - hierarchy%relaxation%load_relaxation*load_defect(hierarchy%levels(k))
+         call relax_load(hierarchy%levels(k), hierarchy%relaxation%load_relaxation)
       end do
    end subroutine solve_coarsest
 
@@ -142,23 +139,22 @@ contains
       integer, intent(in) :: k
 
       associate (fine => hierarchy%levels(k), coarse => hierarchy%levels(k - 1))
-         call inject(fine%pressure, coarse%pressure)
-         call inject(fine%film, coarse%film)
-         coarse%pressure_start = coarse%pressure
-         coarse%film_start = coarse%film
+         call inject(fine%state%pressure, coarse%state%pressure)
+         call inject(fine%state%film, coarse%state%film)
+         coarse%state%rigid_displacement = fine%state%rigid_displacement
+         coarse%start = coarse%state
          coarse%inverse_time_step = fine%inverse_time_step
          coarse%has_tail = .false.
-         coarse%rhs_load = coarse%dx*sum(coarse%pressure) + load_defect(fine)
-         call film_of(fine, hierarchy%rigid_displacement, fine%work)
-         fine%work = fine%work - fine%film
+         coarse%rhs_load = carried_load(coarse) + load_defect(fine)
+         call film_of(fine, fine%work)
+         fine%work = fine%work - fine%state%film
          call full_weighting(fine%work, coarse%rhs_film)
          call evaluate_reynolds(contact, fine)
          call evaluate_reynolds(contact, coarse)
          call restrict_exit(fine, coarse)
          call restrict_reynolds(fine, coarse)
-         call coarse%convolution%apply(coarse%pressure, coarse%deflection)
-         coarse%products = coarse%products + 1
-         coarse%rhs_film = coarse%rhs_film + coarse%film - hierarchy%rigid_displacement &
+         call evaluate_deflection(coarse)
+         coarse%rhs_film = coarse%rhs_film + coarse%state%film - coarse%state%rigid_displacement &
             + coarse%deflection
       end associate
       call count_work(hierarchy, k, 1)
@@ -175,7 +171,7 @@ contains
       real(wp) :: exit
       integer :: last
 
-      last = findloc(fine%pressure > 0.0_wp, .true., 1, back=.true.) - 1
+      last = findloc(fine%state%pressure > 0.0_wp, .true., 1, back=.true.) - 1
       exit = 0.5_wp*(last + merge(fine%exit_distance, 1.0_wp, last == fine%exit_node))
       coarse%exit_node = ceiling(exit) - 1
       coarse%exit_distance = exit - coarse%exit_node
@@ -195,10 +191,10 @@ contains
       fine%work = fine%rhs_reynolds - fine%operator
       fine%work(0) = 0.0_wp
       fine%work(fine%n) = 0.0_wp
-      fine%correction = merge(fine%work, 0.0_wp, fine%pressure > 0.0_wp)
+      fine%correction = merge(fine%work, 0.0_wp, fine%state%pressure > 0.0_wp)
       call full_weighting(fine%correction, coarse%rhs_reynolds)
       do concurrent (i=1:n - 1)
-         if (coarse%pressure(i) <= 0.0_wp) coarse%rhs_reynolds(i) = fine%work(2*i)
+         if (coarse%state%pressure(i) <= 0.0_wp) coarse%rhs_reynolds(i) = fine%work(2*i)
       end do
       coarse%rhs_reynolds = coarse%rhs_reynolds + coarse%operator
    end subroutine restrict_reynolds
@@ -210,18 +206,21 @@ contains
       type(line_level_t), intent(inout) :: coarse
       real(wp) :: share
 
-      coarse%work = coarse%pressure - coarse%pressure_start
-      coarse%correction = coarse%film - coarse%film_start
+      coarse%work = coarse%state%pressure - coarse%start%pressure
+      coarse%correction = coarse%state%film - coarse%start%film
       call prolong_linear(coarse%work, fine%work)
       call prolong_linear(coarse%correction, fine%correction)
       share = 1.0_wp
       do while (share > smallest_share)
-         if (all(fine%film + share*fine%correction >= smallest_film_share*fine%film) .and. &
-            all(abs(share*fine%work) <= largest_step*max(1.0_wp, fine%pressure))) exit
+         if (all(fine%state%film + share*fine%correction >= smallest_film_share &
+            *fine%state%film) .and. &
+            all(abs(share*fine%work) <= largest_step*max(1.0_wp, fine%state%pressure))) exit
          share = 0.5_wp*share
       end do
-      fine%pressure = max(fine%pressure + share*fine%work, 0.0_wp)
-      fine%film = max(fine%film + share*fine%correction, smallest_film_share*fine%film, &
+      fine%state%rigid_displacement = coarse%state%rigid_displacement
+      fine%state%pressure = max(fine%state%pressure + share*fine%work, 0.0_wp)
+      fine%state%film = max(fine%state%film + share*fine%correction, &
+         smallest_film_share*fine%state%film, &
          thinnest_film)
    end subroutine prolong
 

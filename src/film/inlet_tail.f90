@@ -15,7 +15,7 @@ module inlet_tail
    use constants, only: pi
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_level, only: line_level_t
+   use line_level, only: contact_load, line_level_t
    use lubricant, only: fluid_t, viscosity_constant
    use rheology, only: ln_slip_with_slope, thins
    implicit none (type, external)
@@ -43,9 +43,9 @@ contains
 
       if (.not. level%has_tail) return
       call tail_of(contact, level, pressure, load)
-      level%film = level%film - (pressure - level%pressure(0))*level%kernel
-      level%pressure(0) = pressure
-      level%rhs_load = 0.5_wp*pi - load
+      level%state%film = level%state%film - (pressure - level%state%pressure(0))*level%kernel
+      level%state%pressure(0) = pressure
+      level%rhs_load = contact_load - load
    end subroutine close_inlet
 
    !> The load in front of the grid, for the force balance.
@@ -70,12 +70,12 @@ contains
       flow = flow_at_peak(contact, level)
       pressure = 0.0_wp
       load = 0.0_wp
-      associate (x_a => level%x(0), p => level%pressure)
+      associate (x_a => level%x(0), p => level%state%pressure)
          share = sum(p)
          centre = sum(p*level%x)/share
          share = level%dx*share/pi
          ! of the smooth surfaces
-         first_film = level%film(0) - level%rhs_film(0) + 0.5_wp*x_a**2
+         first_film = level%state%film(0) - level%rhs_film(0) + 0.5_wp*x_a**2
          drive = 0.0_wp
          gain = 0.0_wp
          do i = 1, points
@@ -141,9 +141,9 @@ contains
       real(wp) :: flow, mass(3)
       integer :: i
 
-      i = min(max(maxloc(level%pressure, 1) - 1, 1), level%n - 1)
-      associate (p => level%pressure)
-         mass = level%density(i - 1:i + 1)*level%film(i - 1:i + 1)
+      i = min(max(maxloc(level%state%pressure, 1) - 1, 1), level%n - 1)
+      associate (p => level%state%pressure)
+         mass = level%density(i - 1:i + 1)*level%state%film(i - 1:i + 1)
          if (level%is_kappa) then
             flow = (2*mass(3) + 5*mass(2) - mass(1))/6
          else

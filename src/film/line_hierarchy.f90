@@ -59,7 +59,7 @@ module line_hierarchy
       logical :: film_is_recomputed = .true.
    end type relaxation_t
 
-   !> All grids and the one unknown that they share.
+   !> All grids, and what their solution works with.
    type :: line_hierarchy_t
       !> Levels 1 (coarsest of the nested start) to `top`; a growing hierarchy has room for more.
       type(line_level_t), allocatable :: levels(:)
@@ -67,8 +67,6 @@ module line_hierarchy
       !> Coarsest level of the present method's cycles (the finest for a method on one level), the
       !> same for FAS, and the finest level in use.
       integer :: coarsest = 1, fas_coarsest = 1, finest = 1
-      !> Rigid displacement H0, one number common to all levels.
-      real(wp) :: rigid_displacement = 0.0_wp
       type(relaxation_t) :: relaxation
       !> Exact solver of the coarsest level.
       type(newton_t) :: newton

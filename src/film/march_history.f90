@@ -1,5 +1,6 @@
 !> The last solutions of a transient: a new one enters, and the first guess of the next comes out.
 module march_history
+   use film_state, only: film_state_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t
@@ -37,39 +38,38 @@ contains
 
    !> P (cut at 0) and H0 at the end of a step of `length`, by the curve of lowest degree through
    !> the last `count` solutions.
-   pure subroutine extrapolate(history, count, length, level, rigid_displacement)
+   pure subroutine extrapolate(history, count, length, state)
       type(march_state_t), intent(in) :: history
       integer, intent(in) :: count
       real(wp), intent(in) :: length
-      type(line_level_t), intent(inout) :: level
-      real(wp), intent(out) :: rigid_displacement
+      type(film_state_t), intent(inout) :: state
       real(wp) :: weights(3), last
 
       last = merge(history%lengths(1), 1.0_wp, history%size > 1)
       weights = parabola_weights(count, length/last, history%lengths(2)/last)
       associate (p => history%pressure, h0 => history%rigid_displacement)
-         level%pressure = max(weights(1)*p(:, 1) + weights(2)*p(:, 2) + weights(3)*p(:, 3), 0.0_wp)
-         rigid_displacement = dot_product(weights, h0)
+         state%pressure = max(weights(1)*p(:, 1) + weights(2)*p(:, 2) + weights(3)*p(:, 3), 0.0_wp)
+         state%rigid_displacement = dot_product(weights, h0)
       end associate
    end subroutine extrapolate
 
    !> Takes the present solution, at the end of a step of `length`, into the history.
-   pure subroutine remember(history, contact, level, rigid_displacement, length)
+   pure subroutine remember(history, contact, level, length)
       type(march_state_t), intent(inout) :: history
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
-      real(wp), intent(in) :: rigid_displacement, length
+      real(wp), intent(in) :: length
 
       if (.not. allocated(history%pressure)) allocate (history%pressure(0:level%n, 3), &
          history%mass(0:level%n, 2), source=0.0_wp)
       history%pressure(:, 3) = history%pressure(:, 2)
       history%pressure(:, 2) = history%pressure(:, 1)
-      history%pressure(:, 1) = level%pressure
+      history%pressure(:, 1) = level%state%pressure
       history%lengths = [length, history%lengths(1)]
-      history%rigid_displacement = [rigid_displacement, history%rigid_displacement(1:2)]
-      call fluid_density_value(contact%fluid, level%pressure, level%density)
+      history%rigid_displacement = [level%state%rigid_displacement, history%rigid_displacement(1:2)]
+      call fluid_density_value(contact%fluid, level%state%pressure, level%density)
       history%mass(:, 2) = history%mass(:, 1)
-      history%mass(:, 1) = level%density*level%film
+      history%mass(:, 1) = level%density*level%state%film
       history%size = min(history%size + 1, 3)
    end subroutine remember
 

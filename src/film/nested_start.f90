@@ -1,14 +1,16 @@
 !> First approximations: nested exact solutions and full multigrid, or the Hertz pressure.
 module nested_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use constants, only: pi
    use fas_cycle, only: cycle_from
+   use film_equation, only: take_film
+   use film_state, only: film_state_t
+   use force_balance, only: scale_to_load
    use hertz, only: line_pressure
    use kinds, only: wp
    use expected_film, only: film_estimate
    use line_contact, only: line_contact_t
    use line_hierarchy, only: coarsest_for_film, count_work, line_hierarchy_t
-   use line_level, only: film_of, line_level_t, start_from_pressure
+   use line_level, only: contact_load, line_level_t
    use line_summary, only: exit_between_nodes
    use newton_line, only: solve_newton
    use observer, only: is_stopped, observer_t
@@ -136,8 +138,7 @@ contains
 
       associate (level => hierarchy%levels(k))
          level%is_kappa = .false.
-         call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, &
-            tolerance, nested_steps, watcher)
+         call solve_newton(hierarchy%newton, contact, level, tolerance, nested_steps, watcher)
          is_sound = hierarchy%newton%is_converged
          level%is_companion = is_sound .and. tolerance <= companion_tolerance
          if (level%is_companion .and. hierarchy%is_kappa) call start_kappa_scheme(hierarchy, &
@@ -153,20 +154,16 @@ contains
       integer, intent(in) :: k
       real(wp), intent(in) :: tolerance
       class(observer_t), intent(inout), optional :: watcher
-      real(wp) :: rigid_displacement
+      type(film_state_t) :: thesis
 
       associate (level => hierarchy%levels(k))
-         level%pressure_start = level%pressure
-         rigid_displacement = hierarchy%rigid_displacement
+         thesis = level%state
          level%is_kappa = .true.
-         call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, &
-            tolerance, nested_steps, watcher)
+         call solve_newton(hierarchy%newton, contact, level, tolerance, nested_steps, watcher)
          level%is_companion = hierarchy%newton%is_converged
          if (level%is_companion) return
          level%is_kappa = .false.
-         level%pressure = level%pressure_start
-         hierarchy%rigid_displacement = rigid_displacement
-         call film_of(level, rigid_displacement, level%film)
+         level%state = thesis
       end associate
    end subroutine start_kappa_scheme
 
@@ -190,20 +187,21 @@ contains
       integer :: pass
 
       associate (level => hierarchy%levels(k))
-         call prolong_cubic(hierarchy%levels(k - 1)%pressure, level%pressure)
+         level%state%rigid_displacement = hierarchy%levels(k - 1)%state%rigid_displacement
+         call prolong_cubic(hierarchy%levels(k - 1)%state%pressure, level%state%pressure)
          call place_exit(hierarchy%levels(k - 1), level)
          level%has_tail = contact%domain%inlet == 'tail'
          if (level%has_tail) level%rhs_load = hierarchy%levels(k - 1)%rhs_load &
-            - 0.5_wp*level%dx*level%pressure(0)
+            - 0.5_wp*level%dx*level%state%pressure(0)
          do pass = 0, most_smoothings
-            call film_of(level, hierarchy%rigid_displacement, level%film)
+            call take_film(level)
             if (.not. thins(contact%fluid)) exit
             if (wall_stress(contact%fluid, &
-               maxval(abs(level%film(1:level%n - 1)*(level%pressure(2:) &
-               - level%pressure(:level%n - 2)))))/(2*level%dx) < largest_sigma) exit
-            level%pressure(1:level%n - 1) = 0.25_wp*(level%pressure(:level%n - 2) &
-               + 2*level%pressure(1:level%n - 1) &
-               + level%pressure(2:))
+               maxval(abs(level%state%film(1:level%n - 1)*(level%state%pressure(2:) &
+               - level%state%pressure(:level%n - 2)))))/(2*level%dx) < largest_sigma) exit
+            level%state%pressure(1:level%n - 1) = 0.25_wp*(level%state%pressure(:level%n - 2) &
+               + 2*level%state%pressure(1:level%n - 1) &
+               + level%state%pressure(2:))
          end do
       end associate
       call count_work(hierarchy, k, 1)
@@ -218,15 +216,15 @@ contains
       real(wp) :: exit, slope
       integer :: i, last
 
-      exit = exit_between_nodes(coarse%x, coarse%pressure)
-      last = findloc(coarse%pressure > 0.0_wp, .true., 1, back=.true.) - 1
+      exit = exit_between_nodes(coarse%x, coarse%state%pressure)
+      last = findloc(coarse%state%pressure > 0.0_wp, .true., 1, back=.true.) - 1
       if (last < 1 .or. .not. ieee_is_finite(exit)) return
       if (exit <= coarse%x(last)) return
-      fine%pressure(2*last - 1) = 0.25_wp*(sqrt(coarse%pressure(last - 1)) &
-         + sqrt(coarse%pressure(last)))**2
-      slope = sqrt(coarse%pressure(last))/(exit - coarse%x(last))
+      fine%state%pressure(2*last - 1) = 0.25_wp*(sqrt(coarse%state%pressure(last - 1)) &
+         + sqrt(coarse%state%pressure(last)))**2
+      slope = sqrt(coarse%state%pressure(last))/(exit - coarse%x(last))
       do i = 2*last + 1, min(2*last + 4, fine%n - 1)
-         fine%pressure(i) = (slope*max(exit - fine%x(i), 0.0_wp))**2
+         fine%state%pressure(i) = (slope*max(exit - fine%x(i), 0.0_wp))**2
       end do
    end subroutine place_exit
 
@@ -244,22 +242,23 @@ contains
       width = sqrt(2*film)
       associate (level => hierarchy%levels(k))
          if (film > thick_film) then
-            level%pressure = merge(1/(1 + ((level%x + 0.5_wp*width)/width)**2)**2, 0.0_wp, &
+            level%state%pressure = merge(1/(1 + ((level%x + 0.5_wp*width)/width)**2)**2, 0.0_wp, &
                level%x < width)
          else
-            level%pressure = line_pressure(level%x)
+            level%state%pressure = line_pressure(level%x)
          end if
          level%has_tail = contact%domain%inlet == 'tail'
-         if (level%has_tail) level%rhs_load = 0.5_wp*pi
-         level%pressure(0) = 0.0_wp
-         level%pressure(level%n) = 0.0_wp
+         if (level%has_tail) level%rhs_load = contact_load
+         level%state%pressure(0) = 0.0_wp
+         level%state%pressure(level%n) = 0.0_wp
          centre = minloc(abs(level%x(1:level%n - 1)), 1)
-         if (.not. any(level%pressure > 0.0_wp)) level%pressure(centre) = 1.0_wp
-         level%pressure = level%pressure*0.5_wp*pi/(level%dx*sum(level%pressure))
-         hierarchy%rigid_displacement = 0.0_wp
-         call start_from_pressure(level, level%pressure, 0.0_wp)
-         hierarchy%rigid_displacement = hierarchy%relaxation%start_film*film - level%film(centre)
-         level%film = level%film + hierarchy%rigid_displacement
+         if (.not. any(level%state%pressure > 0.0_wp)) level%state%pressure(centre) = 1.0_wp
+         call scale_to_load(level)
+         level%state%rigid_displacement = 0.0_wp
+         call take_film(level)
+         level%state%rigid_displacement = hierarchy%relaxation%start_film*film &
+            - level%state%film(centre)
+         level%state%film = level%state%film + level%state%rigid_displacement
       end associate
    end subroutine bump_start
 

@@ -5,10 +5,13 @@
 !> elastic diagonal). How the linear system is solved is decided by the `linear_solver_t`: by
 !> LAPACK, or in O(n log n).
 module newton_line
+   use film_equation, only: take_film
+   use film_state, only: film_state_t
+   use force_balance, only: load_defect
    use inlet_tail, only: close_inlet
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_level, only: film_of, line_level_t, load_defect
+   use line_level, only: line_level_t
    use linear_solver, only: linear_solver_t
    use observer, only: is_stopped, observer_t
    use reynolds_jacobian, only: evaluate_jacobian, new_jacobian, reynolds_jacobian_t
@@ -30,7 +33,7 @@ module newton_line
    !> A step changes no Sigma of the slip factor by more than this.
    real(wp), parameter :: largest_slip_step = 10.0_wp
    !> The step may be halved this often before the method gives up.
-   integer, parameter :: most_halvings = 20
+   integer, parameter :: max_halvings = 20
    !> A step within a tolerance of the pressure must leave every film within so many times that, as
    !> a share of it: 0.01 p_h is all of a film of 1e-4 b^2/R.
    real(wp), parameter :: film_share = 10.0_wp
@@ -46,7 +49,9 @@ module newton_line
    type :: newton_t
       class(linear_solver_t), allocatable :: linear
       type(reynolds_jacobian_t) :: jacobian
-      real(wp), allocatable :: step(:), trial(:), film_trial(:)
+      real(wp), allocatable :: step(:)
+      !> Where the last step began.
+      type(film_state_t) :: before
       logical, allocatable :: is_cavitated(:)
       !> Wall stress per H dP/dX of the lubricant; 0 for a Newtonian one.
       real(wp) :: stress_scale = 0.0_wp
@@ -72,12 +77,11 @@ contains
    !> stop. `goal`: bound on |r|/lambda that the caller is after. `film_is_exact`: the level's film
    !> is already that of its pressure and of H0.
    ! allow(too-many-arguments)  the last three are optional
-   subroutine solve_newton(newton, contact, level, rigid_displacement, tolerance, max_steps, &
+   subroutine solve_newton(newton, contact, level, tolerance, max_steps, &
       watcher, goal, film_is_exact)
       type(newton_t), intent(inout) :: newton
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
-      real(wp), intent(inout) :: rigid_displacement
       real(wp), intent(in) :: tolerance
       integer, intent(in) :: max_steps
       class(observer_t), intent(inout), optional :: watcher
@@ -94,10 +98,12 @@ contains
       previous_step = huge(1.0_wp)
       is_at_hand = .false.
       if (present(film_is_exact)) is_at_hand = film_is_exact
-      newton%film_trial = level%film
-      if (.not. is_at_hand) call film_of(level, rigid_displacement, newton%film_trial)
-      if (any(newton%film_trial <= 0.0_wp)) return
-      level%film = newton%film_trial
+      newton%before = level%state
+      if (.not. is_at_hand) call take_film(level)
+      if (any(level%state%film <= 0.0_wp)) then
+         level%state = newton%before
+         return
+      end if
       do while (newton%steps < max_steps)
          if (is_stopped(watcher)) return
          if (newton%steps > 0) call close_inlet(contact, level)
@@ -109,10 +115,11 @@ contains
          if (.not. is_solved) return
          ! an iterative solution leaves the rest of its tolerance here, which would count as a
          ! pressurised node
-         where (newton%is_cavitated) newton%step(1:level%n - 1) = -level%pressure(1:level%n - 1)
+         where (newton%is_cavitated) newton%step(1:level%n - 1) = -level%state%pressure(1:level%n &
+            - 1)
          newton%linear_iterations = newton%linear_iterations + newton%linear%iterations
          if (newton%is_bent) call bend_step(newton, level)
-         call take_step(newton, level, rigid_displacement, share)
+         call take_step(newton, level, share)
          if (share <= 0.0_wp) return
          newton%steps = newton%steps + 1
          if (share < 1.0_wp) then
@@ -137,10 +144,9 @@ contains
       call new_jacobian(newton%jacobian, n)
       if (allocated(newton%step)) then
          if (size(newton%step) == n) return
-         deallocate (newton%step, newton%trial, newton%film_trial, newton%is_cavitated)
+         deallocate (newton%step, newton%is_cavitated)
       end if
-      allocate (newton%step(n), newton%trial(0:n), newton%film_trial(0:n), &
-         newton%is_cavitated(n - 1))
+      allocate (newton%step(n), newton%is_cavitated(n - 1))
    end subroutine allocate_work
 
    !> What the linear solution may leave of |r| where Newton's method is after the bound `goal` on
@@ -167,8 +173,8 @@ contains
          do i = 1, level%n - 1
             inverse = 1.0_wp/jacobian%diagonal(i)
             pull = (level%rhs_reynolds(i) - level%operator(i))*inverse
-            newton%is_cavitated(i) = level%pressure(i) + pull <= 0.0_wp
-            newton%step(i) = merge(-level%pressure(i), pull, newton%is_cavitated(i))
+            newton%is_cavitated(i) = level%state%pressure(i) + pull <= 0.0_wp
+            newton%step(i) = merge(-level%state%pressure(i), pull, newton%is_cavitated(i))
             if (.not. newton%is_cavitated(i)) newton%residual = max(newton%residual, &
                abs(pull*jacobian%diagonal(i)))
             jacobian%by_film(:, i) = jacobian%by_film(:, i)*inverse
@@ -207,16 +213,15 @@ contains
 
    !> Takes the step, shortened until no pressure moves too far and no film falls below half;
    !> share = 0 if that fails.
-   subroutine take_step(newton, level, rigid_displacement, share)
+   subroutine take_step(newton, level, share)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
-      real(wp), intent(inout) :: rigid_displacement
       real(wp), intent(out) :: share
       real(wp) :: longest
       integer :: halving, n
 
       n = level%n
-      share = maxval(abs(newton%step(1:n - 1))/max(1.0_wp, level%pressure(1:n - 1)))
+      share = maxval(abs(newton%step(1:n - 1))/max(1.0_wp, level%state%pressure(1:n - 1)))
       if (.not. share < huge(1.0_wp)) then
          share = 0.0_wp
          return
@@ -224,29 +229,27 @@ contains
       longest = merge(largest_bent_step, largest_step, newton%is_bent)
       share = min(1.0_wp, longest/max(share, longest), &
          largest_slip_step/max(slip_step(newton, level), largest_slip_step))
-      newton%trial = level%pressure
-      do halving = 1, most_halvings
-         level%pressure(1:n - 1) = max(newton%trial(1:n - 1) + share*newton%step(1:n - 1), 0.0_wp)
-         call film_of(level, rigid_displacement + share*newton%step(n), newton%film_trial)
-         if (all(newton%film_trial > smallest_film_share*level%film)) exit
-         share = 0.5_wp*share
-      end do
-      if (halving > most_halvings) then
-         level%pressure = newton%trial
-         share = 0.0_wp
-         return
-      end if
-      if (allocated(level%pressure_rest)) then
-         ! with what rounding has cut off this step; a pressure cut at 0 is exact
-         associate (rest => level%pressure_rest(1:n - 1), new => level%pressure(1:n - 1))
-            rest = merge(rest + rest_of_sum(new, newton%trial(1:n - 1), &
-               share*newton%step(1:n - 1)), 0.0_wp, new > 0.0_wp)
-         end associate
-      end if
-      rigid_displacement = rigid_displacement + share*newton%step(n)
-      newton%last_film_step = film_step(newton%film_trial, level%film)
-      level%film = newton%film_trial
-      newton%last_step = max(maxval(abs(level%pressure - newton%trial)), abs(share*newton%step(n)))
+      newton%before = level%state
+      associate (new => level%state, old => newton%before, step => newton%step)
+         do halving = 1, max_halvings
+            new%pressure(1:n - 1) = max(old%pressure(1:n - 1) + share*step(1:n - 1), 0.0_wp)
+            new%rigid_displacement = old%rigid_displacement + share*step(n)
+            call take_film(level)
+            if (all(new%film > smallest_film_share*old%film)) exit
+            share = 0.5_wp*share
+         end do
+         if (halving > max_halvings) then
+            level%state = newton%before
+            share = 0.0_wp
+            return
+         end if
+         ! a pressure cut at 0 is exact
+         if (allocated(new%compensation)) new%compensation(1:n - 1) = &
+            merge(old%compensation(1:n - 1) + rest_of_sum(new%pressure(1:n - 1), &
+            old%pressure(1:n - 1), share*step(1:n - 1)), 0.0_wp, new%pressure(1:n - 1) > 0.0_wp)
+         newton%last_film_step = film_step(new%film, old%film)
+         newton%last_step = max(maxval(abs(new%pressure - old%pressure)), abs(share*step(n)))
+      end associate
    end subroutine take_step
 
    !> Largest change from `old` > 0 to `new` as a share of `old`, both (0:n).
@@ -272,11 +275,12 @@ contains
       largest = 0.0_wp
       if (level%is_kappa) then
          do i = 2, level%n - 1
-            largest = max(largest, abs(2*level%film(i)*(newton%step(i) - newton%step(i - 1))))
+            largest = max(largest, abs(2*level%state%film(i)*(newton%step(i) - newton%step(i - 1))))
          end do
       else
          do i = 2, level%n - 2
-            largest = max(largest, abs(level%film(i)*(newton%step(i + 1) - newton%step(i - 1))))
+            largest = max(largest, &
+               abs(level%state%film(i)*(newton%step(i + 1) - newton%step(i - 1))))
          end do
       end if
       largest = 0.5_wp*newton%stress_scale/level%dx*largest

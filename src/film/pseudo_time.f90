@@ -6,6 +6,7 @@
 !> one, and the oil carries the spike where it belongs. Source: Kelley & Keyes, SIAM J. Numer. Anal.
 !> 35, 1998, 508-523.
 module pseudo_time
+   use film_state, only: film_state_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: count_work, line_hierarchy_t
@@ -40,8 +41,9 @@ contains
       integer, intent(in) :: k
       logical, intent(out) :: is_settled
       class(observer_t), intent(inout), optional :: watcher
-      real(wp), allocatable :: pressure(:), film(:), right_side(:)
-      real(wp) :: time_step, rigid_displacement
+      type(film_state_t) :: before
+      real(wp), allocatable :: right_side(:)
+      real(wp) :: time_step
       integer :: step
 
       associate (level => hierarchy%levels(k))
@@ -50,13 +52,10 @@ contains
          is_settled = .false.
          do step = 1, most_steps
             if (is_stopped(watcher)) exit
-            pressure = level%pressure
-            film = level%film
-            rigid_displacement = hierarchy%rigid_displacement
+            before = level%state
             call pose_step(contact, level, right_side, time_step)
-            call solve_newton(hierarchy%newton, contact, level, hierarchy%rigid_displacement, &
-               step_tolerance, most_newton_steps, &
-               watcher)
+            call solve_newton(hierarchy%newton, contact, level, step_tolerance, &
+               most_newton_steps, watcher)
             call count_work(hierarchy, k, hierarchy%newton%steps)
             if (hierarchy%newton%is_converged) then
                is_settled = time_step >= last_step
@@ -64,9 +63,7 @@ contains
                   hierarchy%newton%steps <= few_newton_steps)
             else
                time_step = shrinkage*time_step
-               level%pressure = pressure
-               level%film = film
-               hierarchy%rigid_displacement = rigid_displacement
+               level%state = before
             end if
             if (is_settled .or. time_step < smallest_step*level%dx) exit
          end do
@@ -82,9 +79,9 @@ contains
       real(wp), intent(in) :: right_side(0:)
       real(wp), intent(in) :: time_step
 
-      call fluid_density_value(contact%fluid, level%pressure, level%density)
+      call fluid_density_value(contact%fluid, level%state%pressure, level%density)
       level%inverse_time_step = 1.0_wp/time_step
-      level%rhs_reynolds = right_side - contact%lambda/time_step*level%density*level%film
+      level%rhs_reynolds = right_side - contact%lambda/time_step*level%density*level%state%film
    end subroutine pose_step
 
 end module pseudo_time

@@ -95,17 +95,19 @@ contains
       associate (slopes => jacobian%slopes)
          if (level%is_kappa) then
             if (.not. allocated(jacobian%faces%e)) call new_faces(jacobian%faces, level%n)
-            call fluid_face_slopes(contact%fluid, level%dx, level%pressure, level%film, &
+            call fluid_face_slopes(contact%fluid, level%dx, level%state%pressure, &
+               level%state%film, &
                jacobian%faces, slopes%rho, slopes%rho_p, &
-               level%pressure_rest)
+               level%state%compensation)
             level%face_mobility = jacobian%faces%e
             ! Newton's method bends steps by the mobility of the nodes
             if (.not. thins(contact%fluid)) call fluid_mobility_slopes(contact%fluid, level%dx, &
-               level%pressure, &
-               level%film, slopes)
+               level%state%pressure, &
+               level%state%film, slopes)
          else
-            call fluid_mobility_slopes(contact%fluid, level%dx, level%pressure, level%film, &
-               slopes, level%pressure_rest)
+            call fluid_mobility_slopes(contact%fluid, level%dx, level%state%pressure, &
+               level%state%film, &
+               slopes, level%state%compensation)
             level%mobility = slopes%e
             level%face_mobility = 0.5_wp*(slopes%e(:level%n - 1) + slopes%e(1:))
          end if
@@ -123,7 +125,7 @@ contains
       real(wp), intent(out) :: flux_p(-2:1), flux_h(-2:0)
       real(wp) :: slope, conductance, left, right
 
-      slope = (level%pressure(i) - level%pressure(i - 1))/level%dx**2
+      slope = (level%state%pressure(i) - level%state%pressure(i - 1))/level%dx**2
       conductance = level%face_mobility(i)/level%dx**2
       if (level%is_kappa) then
          associate (faces => jacobian%faces)
@@ -154,7 +156,7 @@ contains
       real(wp), parameter :: second(-2:0) = [1.0_wp, -2.0_wp, 1.0_wp]
       real(wp) :: factor, curvature, share
 
-      associate (p => level%pressure(i - 2:i), h => level%film(i - 2:i), &
+      associate (p => level%state%pressure(i - 2:i), h => level%state%film(i - 2:i), &
          rho => level%density(i - 2:i), &
          alpha => contact%fluid%alpha_bar)
          factor = contact%lambda/(3*level%dx)
@@ -189,7 +191,7 @@ contains
       associate (s => jacobian%slopes)
          do o = max(-2, -i), 0
             jacobian%by_pressure(o, i) = jacobian%by_pressure(o, &
-               i) - weights(o)*s%rho_p(i + o)*level%film(i + o)
+               i) - weights(o)*s%rho_p(i + o)*level%state%film(i + o)
             jacobian%by_film(o, i) = jacobian%by_film(o, i) - weights(o)*s%rho(i + o)
          end do
       end associate

@@ -15,12 +15,13 @@
 !> flow of the thesis's wedge. The share theta falls where the pressure curves beyond what the grid
 !> resolves (`third_order_share`). At the first face both schemes have (rH(0) + rH(1))/2.
 module reynolds_line
-   use constants, only: pi
    use face_mobility, only: fluid_face_mobility
+   use film_equation, only: film_of
+   use force_balance, only: carried_load, load_defect
    use inlet_tail, only: tail_load
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_level, only: film_of, has_close_exit, line_level_t, load_defect
+   use line_level, only: contact_load, has_close_exit, line_level_t
    use lubricant, only: fluid_t
    use mobility, only: fluid_mobility
    implicit none (type, external)
@@ -53,13 +54,14 @@ contains
       type(line_level_t), intent(inout) :: level
 
       if (level%is_kappa) then
-         call fluid_face_mobility(fluid, level%dx, level%pressure, level%film, &
+         call fluid_face_mobility(fluid, level%dx, level%state%pressure, level%state%film, &
             level%face_mobility, level%density, &
-            level%pressure_rest)
+            level%state%compensation)
       else
-         call fluid_mobility(fluid, level%dx, level%pressure, level%film, level%mobility, &
+         call fluid_mobility(fluid, level%dx, level%state%pressure, level%state%film, &
+            level%mobility, &
             level%density, &
-            level%pressure_rest)
+            level%state%compensation)
          level%face_mobility = 0.5_wp*(level%mobility(:level%n - 1) + level%mobility(1:))
       end if
    end subroutine evaluate_coefficients
@@ -115,7 +117,7 @@ contains
       n = level%n
       diffusion = 1.0_wp/level%dx**2
       squeeze = contact%lambda*level%inverse_time_step
-      associate (p => level%pressure, h => level%film, e => level%face_mobility, &
+      associate (p => level%state%pressure, h => level%state%film, e => level%face_mobility, &
          rho => level%density, flow => level%operator)
          flow(0) = 0.0_wp
          flow(n) = 0.0_wp
@@ -130,11 +132,11 @@ contains
          end do
          if (has_close_exit(level)) then
             i = level%exit_node
-            flow(i) = flow(i) - level%exit_conductance*(p(i) - level%pressure_start(i))
+            flow(i) = flow(i) - level%exit_conductance*(p(i) - level%start%pressure(i))
          end if
       end associate
       if (level%is_kappa) call add_third_order(contact, level)
-      if (allocated(level%pressure_rest)) call add_flow_of_rest(level)
+      if (allocated(level%state%compensation)) call add_flow_of_rest(level)
    end subroutine apply_reynolds
 
    !> Adds what the kappa scheme has more of the flow rH at the faces (in the work space of the
@@ -145,7 +147,8 @@ contains
       integer :: i, n
 
       n = level%n
-      associate (p => level%pressure, h => level%film, rho => level%density, more => level%work, &
+      associate (p => level%state%pressure, h => level%state%film, rho => level%density, &
+         more => level%work, &
          alpha => contact%fluid%alpha_bar)
          more(0) = 0.0_wp
          do concurrent (i=1:n - 1)
@@ -165,7 +168,7 @@ contains
       integer :: i
 
       diffusion = 1.0_wp/level%dx**2
-      associate (rest => level%pressure_rest, e => level%face_mobility, flow => level%operator)
+      associate (rest => level%state%compensation, e => level%face_mobility, flow => level%operator)
          do concurrent (i=1:level%n - 1)
             flow(i) = flow(i) + diffusion*(e(i + 1)*(rest(i + 1) - rest(i)) &
                - e(i)*(rest(i) - rest(i - 1)))
@@ -199,30 +202,29 @@ contains
 
    !> The residuals that decide on convergence, with the film that belongs exactly to the pressure.
    !> The level's film becomes that film unless it closes; with `film_is_exact` it is that already.
-   subroutine measure_residual(contact, level, rigid_displacement, residual, film_is_exact)
+   subroutine measure_residual(contact, level, residual, film_is_exact)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
-      real(wp), intent(in) :: rigid_displacement
       type(residual_t), intent(out) :: residual
       logical, intent(in), optional :: film_is_exact
       logical :: is_at_hand
 
       is_at_hand = .false.
       if (present(film_is_exact)) is_at_hand = film_is_exact
-      level%work = level%film
-      if (.not. is_at_hand) call film_of(level, rigid_displacement, level%work)
+      level%work = level%state%film
+      if (.not. is_at_hand) call film_of(level, level%work)
       residual%load = abs(load_defect(level))
       residual%film_is_open = all(level%work > 0.0_wp)
       if (.not. residual%film_is_open) return
-      level%film = level%work
+      level%state%film = level%work
       call evaluate_reynolds(contact, level)
-      if (level%has_tail) residual%load = abs(0.5_wp*pi - tail_load(contact, level) &
-         - level%dx*sum(level%pressure))
+      if (level%has_tail) residual%load = abs(contact_load &
+         - tail_load(contact, level) - carried_load(level))
       level%work = (level%operator - level%rhs_reynolds)/contact%lambda
       level%work(0) = 0.0_wp
       level%work(level%n) = 0.0_wp
       residual%reynolds = maxval(merge(abs(level%work), max(level%work, 0.0_wp), &
-         level%pressure > 0.0_wp))
+         level%state%pressure > 0.0_wp))
       residual%floor = round_off(contact%lambda, level)
    end subroutine measure_residual
 
@@ -234,12 +236,12 @@ contains
       type(line_level_t), intent(in) :: level
       real(wp) :: floor
 
-      if (allocated(level%pressure_rest)) then
-         floor = 1.0e-15_wp*(maxval(level%film) + maxval(abs(level%deflection)))/level%dx
+      if (allocated(level%state%compensation)) then
+         floor = 1.0e-15_wp*(maxval(level%state%film) + maxval(abs(level%deflection)))/level%dx
       else
-         floor = 4.0e-16_wp*(maxval(level%face_mobility*max(level%pressure(1:), &
-            level%pressure(:level%n - 1))) &
-            /(lambda*level%dx**2) + maxval(level%film)*level%inverse_time_step)
+         floor = 4.0e-16_wp*(maxval(level%face_mobility*max(level%state%pressure(1:), &
+            level%state%pressure(:level%n - 1))) &
+            /(lambda*level%dx**2) + maxval(level%state%film)*level%inverse_time_step)
       end if
    end function round_off
 

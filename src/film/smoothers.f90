@@ -24,20 +24,21 @@ contains
    !> Block-Jacobi (2.70)-(2.73): at every node the 2x2 system for the changes of P and H, from old
    !> values. `kernel_diagonal` is c = K_0/pi; both changes are under-relaxed. A node that reaches
    !> P = 0 takes its change of H from the change of P that was really made.
-   pure subroutine block_jacobi_sweep(level, rigid_displacement, kernel_diagonal, relaxation)
+   pure subroutine block_jacobi_sweep(level, kernel_diagonal, relaxation)
       type(line_level_t), intent(inout) :: level
-      real(wp), intent(in) :: rigid_displacement, kernel_diagonal, relaxation
+      real(wp), intent(in) :: kernel_diagonal, relaxation
       real(wp) :: film_residual, change, full_change
       integer :: i, n
 
       n = level%n
-      associate (p => level%pressure, h => level%film)
+      associate (p => level%state%pressure, h => level%state%film, &
+         h0 => level%state%rigid_displacement)
          do i = 0, n, n
-            film_residual = level%rhs_film(i) - (h(i) - rigid_displacement + level%deflection(i))
+            film_residual = level%rhs_film(i) - (h(i) - h0 + level%deflection(i))
             h(i) = max(h(i) + relaxation*film_residual, 0.5_wp*h(i), thinnest_film)
          end do
          do i = 1, n - 1
-            film_residual = level%rhs_film(i) - (h(i) - rigid_displacement + level%deflection(i))
+            film_residual = level%rhs_film(i) - (h(i) - h0 + level%deflection(i))
             full_change = relaxation*(level%rhs_reynolds(i) - level%operator(i) &
                - level%film_diagonal(i)*film_residual) &
                /level%diagonal(i)
@@ -58,7 +59,7 @@ contains
       integer :: exit_node, pass
 
       call downstream_pass(level, lambda, kernel_diagonal, relaxation, [1, level%n - 1])
-      exit_node = findloc(level%pressure > 0.0_wp, .true., 1, back=.true.) - 1
+      exit_node = findloc(level%state%pressure > 0.0_wp, .true., 1, back=.true.) - 1
       do pass = 1, exit_passes
          call downstream_pass(level, lambda, kernel_diagonal, relaxation, &
             [max(1, exit_node - exit_upstream), min(level%n - 1, exit_node + exit_downstream)])
@@ -77,7 +78,8 @@ contains
       diffusion = 0.5_wp/level%dx**2
       wedge = 0.5_wp*lambda/level%dx
       squeeze = lambda*level%inverse_time_step
-      associate (p => level%pressure, h => level%film, e => level%mobility, rho => level%density)
+      associate (p => level%state%pressure, h => level%state%film, e => level%mobility, &
+         rho => level%density)
          do i = range(1), range(2)
             upstream = diffusion*(e(i - 1) + e(i))
             downstream = diffusion*(e(i) + e(i + 1))
@@ -89,7 +91,7 @@ contains
             flow = downstream*(p(i + 1) - p(i)) - upstream*(p(i) - p(i - 1)) - flow &
                - squeeze*rho(i)*h(i)
             if (i == exit_node) flow = flow - level%exit_conductance*(p(i) &
-               - level%pressure_start(i))
+               - level%start%pressure(i))
             change = min(max(relaxation*(level%rhs_reynolds(i) - flow)/level%diagonal(i), -p(i)), &
                largest_pressure)
             p(i) = min(p(i) + change, largest_pressure)
@@ -110,7 +112,7 @@ contains
 
       n = level%n
       diffusion = 0.5_wp/level%dx**2
-      associate (p => level%pressure, e => level%mobility, upper => level%work, &
+      associate (p => level%state%pressure, e => level%mobility, upper => level%work, &
          x => level%correction)
          upper(0) = 0.0_wp
          x(0) = 0.0_wp

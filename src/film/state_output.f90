@@ -19,18 +19,18 @@ contains
 
    !> Pressure, film, roughness, H0 and time; the lubricant's properties are left to
    !> `fill_properties`.
-   pure subroutine fill_state(contact, level, rigid_displacement, time, state)
+   pure subroutine fill_state(contact, level, time, state)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
-      real(wp), intent(in) :: rigid_displacement, time
+      real(wp), intent(in) :: time
       type(line_state_t), intent(inout) :: state
 
       state%x = level%x(:)
-      state%pressure = level%pressure(:)
-      state%film_thickness = level%film(:)
+      state%pressure = level%state%pressure(:)
+      state%film_thickness = level%state%film(:)
       state%roughness_1 = surface_height(contact%surface_1, level%x, time)
       state%roughness_2 = surface_height(contact%surface_2, level%x, time)
-      state%rigid_displacement = rigid_displacement
+      state%rigid_displacement = level%state%rigid_displacement
       state%time = time
    end subroutine fill_state
 

@@ -5,6 +5,7 @@
 !> the stress is higher, the film is nearly the Newtonian one, and from there it thins without a
 !> jump.
 module stress_continuation
+   use film_state, only: film_state_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_hierarchy, only: count_work, line_hierarchy_t
@@ -44,18 +45,16 @@ contains
       real(wp), intent(in) :: factor
       logical, intent(out) :: is_sound
       class(observer_t), intent(inout), optional :: watcher
-      real(wp), allocatable :: pressure(:)
-      real(wp) :: ratio, reached, rigid_displacement, wanted
+      type(film_state_t) :: before
+      real(wp) :: ratio, reached, wanted
 
       associate (level => hierarchy%levels(k))
          reached = huge(1.0_wp)
          ratio = first_ratio
          wanted = factor
          do
-            pressure = level%pressure
-            rigid_displacement = hierarchy%rigid_displacement
+            before = level%state
             call solve_newton(hierarchy%newton, eased_contact(contact, wanted), level, &
-               hierarchy%rigid_displacement, &
                step_tolerance, most_newton_steps, watcher)
             call count_work(hierarchy, k, hierarchy%newton%steps)
             is_sound = hierarchy%newton%is_converged
@@ -64,8 +63,7 @@ contains
                reached = wanted
             else
                if (is_stopped(watcher) .or. reached > factor) return
-               level%pressure = pressure
-               hierarchy%rigid_displacement = rigid_displacement
+               level%state = before
                ratio = sqrt(ratio)
                if (ratio < smallest_ratio) return
             end if

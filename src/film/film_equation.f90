@@ -1,0 +1,59 @@
+!> Film equation (2.58): H = X^2/2 - Psi_1 - Psi_2 + H0 - K P, on a coarse grid with the right side
+!> of the coarse problem, `rhs_film`.
+module film_equation
+   use kinds, only: wp
+   use line_level, only: line_level_t, thinnest_film
+   implicit none (type, external)
+   private
+
+   public :: evaluate_deflection, film_of, start_from_pressure, take_film, update_film
+
+contains
+
+   !> K P of the present pressure, by FFT.
+   subroutine evaluate_deflection(level)
+      type(line_level_t), intent(inout) :: level
+
+      call level%convolution%apply(level%state%pressure, level%deflection)
+      level%products = level%products + 1
+   end subroutine evaluate_deflection
+
+   !> The film (0:n) that belongs to the present pressure and H0; it may be closed (H <= 0).
+   subroutine film_of(level, film)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(out) :: film(0:)
+
+      call evaluate_deflection(level)
+      film = level%rhs_film + level%state%rigid_displacement - level%deflection
+   end subroutine film_of
+
+   !> Makes it the film of the level.
+   subroutine take_film(level)
+      type(line_level_t), intent(inout) :: level
+
+      call evaluate_deflection(level)
+      level%state%film = level%rhs_film + level%state%rigid_displacement - level%deflection
+   end subroutine take_film
+
+   !> Takes over a pressure (0:n), and with it the film that belongs to it.
+   subroutine start_from_pressure(level, pressure, rigid_displacement)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: pressure(0:)
+      real(wp), intent(in) :: rigid_displacement
+
+      level%state%pressure = pressure
+      level%state%rigid_displacement = rigid_displacement
+      call take_film(level)
+   end subroutine start_from_pressure
+
+   !> The film of the present pressure, guarded: it may at most halve in one go, so that it stays
+   !> positive.
+   subroutine update_film(level)
+      type(line_level_t), intent(inout) :: level
+
+      call evaluate_deflection(level)
+      level%state%film = max(level%rhs_film + level%state%rigid_displacement - level%deflection, &
+         0.5_wp*level%state%film, thinnest_film)
+   end subroutine update_film
+
+end module film_equation

@@ -1,0 +1,44 @@
+!> The state of a film: all that an iteration changes, and that is put back where one fails.
+!>
+!> Assignment saves a state and restores it (`saved = level%state`, `level%state = saved`).
+module film_state
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: film_state_t, is_finite, keep_finite
+
+   !> Dimensionless, on the nodes (0:n) of one grid.
+   type :: film_state_t
+      !> Pressure P >= 0 and film thickness H > 0.
+      real(wp), allocatable :: pressure(:), film(:)
+      !> Rigid displacement H0.
+      real(wp) :: rigid_displacement = 0.0_wp
+      !> What rounding has cut off P in Newton's steps; the slopes of L_R are those of P and of
+      !> this. Allocated only while an iteration needs it (module cycle_control).
+      real(wp), allocatable :: compensation(:)
+   end type film_state_t
+
+contains
+
+   !> Whether pressure, film and rigid displacement are numbers.
+   pure function is_finite(state)
+      type(film_state_t), intent(in) :: state
+      logical :: is_finite
+
+      is_finite = all(ieee_is_finite(state%pressure)) .and. all(ieee_is_finite(state%film)) &
+         .and. ieee_is_finite(state%rigid_displacement)
+   end function is_finite
+
+   !> Puts the state `before` back where the present one is not finite; tells it.
+   pure subroutine keep_finite(state, before, is_restored)
+      type(film_state_t), intent(inout) :: state
+      type(film_state_t), intent(in) :: before
+      logical, intent(out) :: is_restored
+
+      is_restored = .not. is_finite(state)
+      if (is_restored) state = before
+   end subroutine keep_finite
+
+end module film_state
