@@ -90,7 +90,7 @@ contains
       watcher%intervals = checkpoint%intervals
       watcher%time_step = checkpoint%time_step
       watcher%space_scheme = checkpoint%space_scheme
-      watcher%writer%bars = checkpoint%bars
+      watcher%writer%bars%forecast = checkpoint%forecast
       watcher%writer%statistics = checkpoint%statistics
       call watcher%log%say(case%file//': goes on after step '//to_text(checkpoint%march%step) &
          //', checkpoint '//path//'.ckpt')

@@ -21,7 +21,6 @@ module run_case
    use line_state, only: all_finite, line_state_t
    use outlet_check, only: check_ends
    use passage_times, only: new_passage_times, passage_note, passage_times_t
-   use pressure_spike, only: spike_law_t
    use progress_log, only: new_progress_log
    use resolution_choice, only: choose_resolution, settle_tolerance
    use result_start, only: find_complete_result, start_result
@@ -166,6 +165,7 @@ contains
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: note
+      type(error_bars_t) :: bars
       type(line_contact_t) :: open, whole
       real(wp) :: seconds
       logical :: is_open
@@ -180,11 +180,15 @@ contains
       watcher%has_companions = case%accuracy%has_error_bars &
          .and. (is_open .or. .not. case%accuracy%target > 0.0_wp)
       if (allocated(case%time%resume_from)) then
+         if (case%accuracy%target > 0.0_wp) then   ! as before pilot runs chose the rest
+            bars = new_error_bars(contact, case%time, case%solver%space_scheme)
+            bars%forecast = watcher%writer%bars%forecast
+            watcher%writer%bars = bars
+         end if
          contact%domain%intervals = watcher%intervals
          case%time%time_step = watcher%time_step
          case%solver%space_scheme = watcher%space_scheme
          call settle_tolerance(case%solver)
-         watcher%writer%bars%spike_law = spike_law_t(contact%fluid, contact%lambda)
       else if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
          call compare_grids(case, contact, watcher, seconds, error)
          if (allocated(error) .or. watcher%wants_stop) return

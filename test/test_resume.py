@@ -252,13 +252,13 @@ def test_damaged_part_is_refused(interrupted, asperity, tmp_path):
     assert asperity("case.nml", "--resume", "--quiet").returncode == 0
 
 
-def test_checkpoint_has_checksums_of_its_own(interrupted, tmp_path):
+def test_values_of_a_checkpoint_have_names(interrupted, tmp_path):
     interrupted()
     with h5py.File(tmp_path / "case.h5.ckpt") as file:
-        sets = []
-        file.visititems(lambda _, item: sets.append(item) if isinstance(item, h5py.Dataset) else None)
-        assert len(sets) > 20
-        assert [item.name for item in sets if item.size > 0 and not item.fletcher32] == []
+        nodes = file["intervals"][()] + 1
+        assert file["march/pressure"].shape == (3, nodes)
+        assert file["report/method"][()].decode()
+        assert "forecast" not in file
 
 
 @pytest.mark.parametrize("place", [20, 3000, -100, -40])

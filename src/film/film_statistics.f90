@@ -11,7 +11,7 @@ module film_statistics
    implicit none (type, external)
    private
 
-   public :: add_start, add_time, film_statistics_t, from_numbers, new_statistics, numbers_of
+   public :: add_start, add_time, film_statistics_t, new_statistics
 
    !> Bins of the distributions: equal in the logarithm, from 10^first on. The outer ones also take
    !> what lies beyond.
@@ -121,40 +121,5 @@ contains
       lambda_ratio = 0.0_wp
       if (self%rms_height() > 0.0_wp) lambda_ratio = self%smooth_film/self%rms_height()
    end function lambda_ratio
-
-   !> Everything as numbers, for a checkpoint.
-   pure function numbers_of(statistics) result(numbers)
-      type(film_statistics_t), intent(in) :: statistics
-      real(wp), allocatable :: numbers(:)
-
-      allocate (numbers(0))
-      if (.not. allocated(statistics%thresholds)) return
-      associate (s => statistics)
-         numbers = [s%times, s%film_sum, s%height_sum, s%square_sum, s%smooth_film, s%film_bins, &
-            s%pressure_bins, &
-            s%thresholds, s%times_below, s%shares_below]
-      end associate
-   end function numbers_of
-
-   !> The statistics that `numbers_of` has turned into numbers; none from none.
-   pure function from_numbers(numbers) result(statistics)
-      real(wp), intent(in) :: numbers(:)
-      type(film_statistics_t) :: statistics
-      integer :: i, k
-
-      i = 5 + 2*bin_count
-      k = (size(numbers) - i)/3
-      if (k < 1) return
-      statistics%times = numbers(1)
-      statistics%film_sum = numbers(2)
-      statistics%height_sum = numbers(3)
-      statistics%square_sum = numbers(4)
-      statistics%smooth_film = numbers(5)
-      statistics%film_bins = numbers(6:5 + bin_count)
-      statistics%pressure_bins = numbers(6 + bin_count:i)
-      statistics%thresholds = numbers(i + 1:i + k)
-      statistics%times_below = numbers(i + k + 1:i + 2*k)
-      statistics%shares_below = numbers(i + 2*k + 1:i + 3*k)
-   end function from_numbers
 
 end module film_statistics

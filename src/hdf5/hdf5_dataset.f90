@@ -1,20 +1,21 @@
-!> Labelled datasets of an HDF5 file: reals of rank 0 to 2, integers of rank 0 and 1, strings.
+!> Labelled datasets of an HDF5 file: reals and integers of any rank, strings.
 !>
 !> Shapes are as Fortran sees them; h5py shows them reversed. Strings have a fixed length and are
 !> UTF-8.
 module hdf5_dataset
-   use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_loc, c_null_char, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use hdf5, only: h5dclose_f, h5dcreate_f, h5dwrite_f, h5p_dataset_create_f, h5pclose_f, &
-      h5pcreate_f, h5pset_chunk_f, h5pset_fletcher32_f, h5pset_obj_track_times_f, h5s_scalar_f, &
-      h5sclose_f, h5screate_f, h5screate_simple_f, hid_t, hsize_t
+      h5pcreate_f, h5pset_obj_track_times_f, h5s_scalar_f, h5sclose_f, h5screate_f, &
+      h5screate_simple_f, hid_t, hsize_t
    use hdf5_attribute, only: attach_real, attach_string, close_type, new_string_type
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: create_labelled, label_t, new_label, new_properties, write_dataset
+   public :: create_labelled, label_t, new_label, new_properties, write_dataset, write_string, &
+      write_values
 
    !> What a stored value is. value * si_scale = value in si_units.
    type :: label_t
@@ -26,11 +27,8 @@ module hdf5_dataset
 
    !> Stores a labelled dataset; groups above it are made as needed.
    interface write_dataset
-      module procedure :: write_real
-      module procedure :: write_real_vector
-      module procedure :: write_real_matrix
-      module procedure :: write_integer
-      module procedure :: write_integer_vector
+      module procedure :: write_reals
+      module procedure :: write_integers
       module procedure :: write_string
    end interface write_dataset
 
@@ -48,77 +46,42 @@ contains
       if (present(si_scale)) label%si_scale = si_scale
    end function new_label
 
-   !> A real number.
-   subroutine write_real(file, path, value, label)
+   !> Reals of any rank.
+   subroutine write_reals(file, path, value, label)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
-      real(wp), intent(in), target :: value
+      real(wp), intent(in), contiguous, target :: value(..)
       type(label_t), intent(in) :: label
+      real(wp), pointer :: flat(:)
 
-      call file%look_at(path, [value])
-      call store(file, path, file%real_type, [integer ::], c_loc(value), label)
-   end subroutine write_real
+      call c_f_pointer(c_loc(value), flat, [size(value)])
+      call file%look_at(path, flat)
+      call write_values(file, path, file%real_type, shape(value), c_loc(value), label)
+   end subroutine write_reals
 
-   !> Real numbers (n).
-   subroutine write_real_vector(file, path, value, label)
+   !> Integers of 64 bits, of any rank.
+   subroutine write_integers(file, path, value, label)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
-      real(wp), intent(in), contiguous, target :: value(:)
+      integer(int64), intent(in), contiguous, target :: value(..)
       type(label_t), intent(in) :: label
 
-      call file%look_at(path, value)
-      call store(file, path, file%real_type, shape(value), address_of(value, size(value)), label)
-   end subroutine write_real_vector
-
-   !> Real numbers (nx, ny).
-   subroutine write_real_matrix(file, path, value, label)
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: path
-      real(wp), intent(in), contiguous, target :: value(:, :)
-      type(label_t), intent(in) :: label
-      integer :: i
-
-      do i = 1, size(value, 2)
-         call file%look_at(path, value(:, i))
-      end do
-      call store(file, path, file%real_type, shape(value), address_of(value, size(value)), label)
-   end subroutine write_real_matrix
-
-   !> An integer of 64 bits.
-   subroutine write_integer(file, path, value, label)
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: path
-      integer(int64), intent(in), target :: value
-      type(label_t), intent(in) :: label
-
-      call store(file, path, file%integer_type, [integer ::], c_loc(value), label)
-   end subroutine write_integer
-
-   !> Integers of 64 bits (n).
-   subroutine write_integer_vector(file, path, value, label)
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: path
-      integer(int64), intent(in) :: value(:)
-      type(label_t), intent(in) :: label
-      integer(int64), target :: copy(max(size(value), 1))
-
-      copy(:size(value)) = value
-      call store(file, path, file%integer_type, shape(value), c_loc(copy), label)
-   end subroutine write_integer_vector
+      call write_values(file, path, file%integer_type, shape(value), c_loc(value), label)
+   end subroutine write_integers
 
    !> A string of fixed length, UTF-8; an empty one becomes one null character.
    subroutine write_string(file, path, value, label)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
       character(*), intent(in) :: value
-      type(label_t), intent(in) :: label
+      type(label_t), intent(in), optional :: label
       character(kind=c_char, len=:), allocatable, target :: copy
       integer(hid_t) :: string_type
 
       copy = value
       if (len(value) == 0) copy = c_null_char
       call new_string_type(file, len(copy), string_type)
-      call store(file, path, string_type, [integer ::], c_loc(copy), label)
+      call write_values(file, path, string_type, [integer ::], c_loc(copy), label)
       call close_type(file, string_type)
    end subroutine write_string
 
@@ -138,13 +101,13 @@ contains
       call file%check(status, path)
    end subroutine new_properties
 
-   !> Creates a labelled dataset, which stays open, and the groups above it; `space` and
+   !> Creates a dataset, which stays open, and the groups above it, and labels it; `space` and
    !> `properties` are given back.
    subroutine create_labelled(file, path, type_id, space, properties, label, dataset)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
       integer(hid_t), intent(in) :: type_id, space, properties
-      type(label_t), intent(in) :: label
+      type(label_t), intent(in), optional :: label
       integer(hid_t), intent(out) :: dataset
       integer :: status
 
@@ -158,27 +121,24 @@ contains
       call file%check(status, path)
       call h5sclose_f(space, status)
       call file%check(status, path)
+      if (.not. present(label)) return
       call attach_string(file, dataset, 'long_name', label%long_name)
       call attach_string(file, dataset, 'si_units', label%si_units)
       call attach_real(file, dataset, 'si_scale', label%si_scale)
    end subroutine create_labelled
 
-   !> Creates, writes, labels and closes a dataset; no extents = one value.
-   recursive subroutine store(file, path, type_id, extents, values, label)
+   !> Creates, writes and closes a dataset of the `extents` (none: one value), and labels it.
+   subroutine write_values(file, path, type_id, extents, values, label)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
       integer(hid_t), intent(in) :: type_id
       integer, intent(in) :: extents(:)
       type(c_ptr), intent(in) :: values
-      type(label_t), intent(in) :: label
+      type(label_t), intent(in), optional :: label
       integer(hid_t) :: space, dataset, properties
       integer :: status
 
       if (allocated(file%failure)) return
-      if (size(extents) == 0 .and. file%has_checksums) then
-         call store(file, path, type_id, [1], values, label)
-         return
-      end if
       if (size(extents) == 0) then
          call h5screate_f(h5s_scalar_f, space, status)
       else
@@ -186,39 +146,12 @@ contains
       end if
       call file%check(status, path)
       call new_properties(file, path, properties)
-      if (file%has_checksums .and. product(extents) > 0) call add_checksum(file, path, extents, &
-         properties)
       call create_labelled(file, path, type_id, space, properties, label, dataset)
       if (allocated(file%failure)) return
       if (product(extents) > 0) call h5dwrite_f(dataset, type_id, values, status)
       call file%check(status, path)
       call h5dclose_f(dataset, status)
       call file%check(status, path)
-   end subroutine store
-
-   !> A checksum over the whole dataset, which becomes one chunk.
-   subroutine add_checksum(file, path, extents, properties)
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: path
-      integer, intent(in) :: extents(:)
-      integer(hid_t), intent(in) :: properties
-      integer :: status
-
-      if (allocated(file%failure)) return
-      call h5pset_chunk_f(properties, size(extents), int(extents, hsize_t), status)
-      call file%check(status, path)
-      call h5pset_fletcher32_f(properties, status)
-      call file%check(status, path)
-   end subroutine add_checksum
-
-   !> Where `n` numbers lie; none have no address.
-   function address_of(values, n) result(address)
-      real(wp), intent(in), target :: values(*)
-      integer, intent(in) :: n
-      type(c_ptr) :: address
-
-      address = c_null_ptr
-      if (n > 0) address = c_loc(values(1))
-   end function address_of
+   end subroutine write_values
 
 end module hdf5_dataset

@@ -34,9 +34,6 @@ module hdf5_file
       !> HDF5 types of real(wp) and integer(int64).
       integer(hid_t) :: real_type = -1_hid_t
       integer(hid_t) :: integer_type = -1_hid_t
-      !> Datasets get the checksums of the HDF5 library (Fletcher-32); for that single values become
-      !> vectors of one.
-      logical :: has_checksums = .false.
       !> The first dataset of an answer whose values are none, and why; unallocated = none so far.
       character(:), allocatable :: nonsense
       logical, private :: is_open = .false.

@@ -42,6 +42,8 @@ module hdf5_input
       !> The number of a dataset.
       procedure :: real_value
       procedure :: integer_value
+      !> All numbers of a dataset, of which there must be so many, to an address.
+      procedure :: read_numbers
       !> The text of a dataset, of a fixed length.
       procedure :: text
       !> The text of an attribute, of a fixed length.
@@ -191,7 +193,7 @@ contains
             //' values, for which there is no memory')
          allocate (values(0))
       end if
-      if (size(values) > 0) call read_numbers(self, path, size(values, kind=int64), &
+      if (size(values) > 0) call self%read_numbers(path, size(values, kind=int64), &
          h5kind_to_type(wp, h5_real_kind), c_loc(values))
    end function reals
 
@@ -202,7 +204,7 @@ contains
       real(wp), target :: value
 
       value = 0.0_wp
-      call read_numbers(self, path, 1_int64, h5kind_to_type(wp, h5_real_kind), c_loc(value))
+      call self%read_numbers(path, 1_int64, h5kind_to_type(wp, h5_real_kind), c_loc(value))
    end function real_value
 
    !> The number of a dataset that holds one.
@@ -212,22 +214,22 @@ contains
       integer(int64), target :: value
 
       value = 0_int64
-      call read_numbers(self, path, 1_int64, h5kind_to_type(int64, h5_integer_kind), c_loc(value))
+      call self%read_numbers(path, 1_int64, h5kind_to_type(int64, h5_integer_kind), c_loc(value))
    end function integer_value
 
    !> The `count` numbers of a dataset, converted to `type_id`, to `place`, which has room for them.
-   subroutine read_numbers(reader, path, count, type_id, place)
-      class(hdf5_input_t), intent(inout) :: reader
+   subroutine read_numbers(self, path, count, type_id, place)
+      class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
       integer(int64), intent(in) :: count
       integer(hid_t), intent(in) :: type_id
       type(c_ptr), intent(in) :: place
       integer(hid_t) :: dataset
 
-      call reader%open_dataset(path, dataset)
-      if (allocated(reader%failure)) return
-      call read_checked(reader, path, hdf5_source_t(dataset), count, type_id, place)
-      call reader%close_dataset(path, dataset)
+      call self%open_dataset(path, dataset)
+      if (allocated(self%failure)) return
+      call read_checked(self, path, hdf5_source_t(dataset), count, type_id, place)
+      call self%close_dataset(path, dataset)
    end subroutine read_numbers
 
    !> The one place where numbers are read: `count` of them from an open dataset or attribute, which

@@ -129,12 +129,12 @@ contains
       checkpoint%case = self%case
       checkpoint%march = history
       checkpoint%figures = self%writer%figures
-      checkpoint%bars = self%writer%bars
+      checkpoint%forecast = self%writer%bars%forecast
       checkpoint%statistics = self%writer%statistics
       checkpoint%part = self%writer%part()
       checkpoint%intervals = self%intervals
       checkpoint%time_step = self%time_step
-      checkpoint%space_scheme = self%space_scheme
+      checkpoint%space_scheme = trim(self%space_scheme)
       associate (report => checkpoint%march%report)
          report%wall_seconds = self%earlier_seconds + begin - self%start
          report%phase_seconds(phase_output) = self%output_seconds

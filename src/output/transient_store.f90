@@ -39,12 +39,15 @@ module transient_store
    !> Numbers that are moved at once into the result.
    integer, parameter :: block_numbers = 131072
 
+   !> Length of the checksum of a series.
+   integer, parameter, public :: digits_length = 16
+
    !> What is kept of NAME.part in a checkpoint: enough to find the series in it again, and to know
    !> that they are the same.
    type :: part_t
       !> Time steps and profiles.
       integer :: records(2) = 0
-      !> Places of each series (2, series) [bytes], and its checksum of 16 digits.
+      !> Places of each series (2, series) [bytes], and its checksum of `digits_length` digits.
       integer(int64), allocatable :: places(:, :)
       character(:), allocatable :: digits
    end type part_t
