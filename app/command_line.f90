@@ -2,7 +2,7 @@
 module command_line
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
-   use input_keys, only: every, has_word
+   use key_row, only: every, has_word
    use nearest_name, only: nearest_known
    use number_text, only: read_integer
    implicit none (type, external)

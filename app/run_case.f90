@@ -11,9 +11,9 @@ module run_case
    use error_bars, only: domain_error, error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
    use features, only: rough_surface_t
-   use input_keys, only: lubricated
    use interruption, only: take_last_words
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
+   use key_row, only: lubricated
    use kinds, only: wp
    use life_sign, only: begin_activity, begin_subject
    use line_case, only: build_line_contact, scaled_solver

@@ -13,7 +13,7 @@ module run_dry_case
    use errors, only: error_t, fail, input_error
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
-   use input_keys, only: dry_area
+   use key_row, only: dry_area
    use interruption, only: set_patience
    use kinds, only: wp
    use life_sign, only: begin_activity

@@ -1,9 +1,10 @@
 !> The list of all values that a case uses, given, default or derived, for the result file.
 module case_effective
    use case_record, only: case_t, set_effective
-   use input_keys, only: key_rows, key_row_t, real_kind, integer_kind, logical_kind, word_kind, &
-      reals_kind, words_kind, is_chosen, has_word, lubricated
+   use input_keys, only: key_rows
    use input_values, only: input_values_t, value_t
+   use key_row, only: has_word, integer_kind, is_chosen, key_row_t, logical_kind, lubricated, &
+      real_kind, reals_kind, word_kind, words_kind
    use kinds, only: wp
    use lubricant, only: viscosity_constant, viscosity_roelands, density_constant
    use text, only: to_text

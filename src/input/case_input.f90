@@ -3,14 +3,15 @@ module case_input
    use bodies, only: reduced_radius, reduced_modulus
    use case_effective, only: list_dry, list_effective
    use case_record, only: case_t
-   use case_validation, only: check_case, validate
+   use case_validation, only: validate
    use dry_input, only: fill_dry_case
    use errors, only: error_t
    use features, only: rough_surface_t, feature_ridge, feature_sinusoid
    use findings, only: findings_t
    use hertz, only: line_load_from_pressure
-   use input_keys, only: key_rows, find_key, lubricated
+   use input_keys, only: find_key, key_rows
    use input_values, only: input_values_t, value_t, read_values
+   use key_row, only: lubricated
    use key_range, only: is_in_range
    use kinds, only: wp
    use line_profiles, only: add_profile
@@ -56,11 +57,11 @@ contains
       call read_values(pieces, values, findings)
       case%file = file
       case%namelist = content
+      call validate(values, findings)
       if (values%problem /= lubricated) then
          call read_dry_case(values, case, findings)
          return
       end if
-      call validate(values, findings)
       if (findings%count > 0) return
       case%has_moes = values%has_group('moes')
       call fill_case(values, case)
@@ -87,7 +88,6 @@ contains
       type(case_t), intent(inout) :: case
       type(findings_t), intent(inout) :: findings
 
-      call check_case(values, findings)
       if (findings%count > 0) return
       call fill_dry_case(values, case%file(:index(case%file, '/', back=.true.)), case%dry, findings)
       if (findings%count > 0) return

@@ -4,9 +4,12 @@
 !> Each check adds its findings and goes on, so that one report tells everything.
 module case_validation
    use case_memory, only: lubricated_memory
+   use dry_validation, only: check_dry
    use findings, only: findings_t
-   use input_keys, only: key_rows, group_rows, find_key, expected_value, is_required
+   use input_keys, only: find_key, group_rows, key_rows
    use input_values, only: input_values_t, value_t
+   use key_row, only: expected_value, has_word, lubricated
+   use key_rules, only: check_rules
    use kinds, only: wp
    use lubricant_validation, only: check_lubricant
    use solver_settings, only: most_intervals_of
@@ -17,15 +20,12 @@ module case_validation
    implicit none (type, external)
    private
 
-   public :: check_accuracy, check_case, validate
+   public :: validate
 
    !> Most time steps of a transient.
    real(wp), parameter :: most_steps = 1.0e8_wp
    !> Fewest intervals of the coarsest grid.
    integer, parameter :: fewest_intervals = 4
-   !> Why a length is of no use.
-   character(*), parameter :: no_units = 'with &moes, which has no SI units'
-
    !> Longest title [bytes]: HDF5 keeps attributes of up to 64 kB.
    integer, parameter :: longest_title = 10000
 
@@ -35,10 +35,17 @@ contains
    subroutine validate(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
+      logical :: is_read
 
+      is_read = findings%count == 0
       call check_groups(values, findings)
-      call check_required(values, findings)
+      call check_rules(values, findings)
       call check_case(values, findings)
+      call check_accuracy(values, findings)
+      if (values%problem /= lubricated) then
+         if (is_read) call check_dry(values, findings)
+         return
+      end if
       if (values%has_group('bodies')) then
          call check_ways(values, 'reduced_radius', [character(len=20) :: 'radius_1', 'radius_2'], &
             findings)
@@ -54,48 +61,30 @@ contains
       call check_time(values, findings)
       call check_solver(values, findings)
       call check_output(values, findings)
-      call check_accuracy(values, findings)
    end subroutine validate
 
    !> Finds groups that are missing, and groups that &moes replaces or excludes.
    subroutine check_groups(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
-      character(:), allocatable :: name
+      logical :: has_moes
       integer :: i
-      logical :: has_moes, excluded
 
-      has_moes = values%has_group('moes')
+      has_moes = values%problem == lubricated .and. values%has_group('moes')
       do i = 1, size(group_rows)
-         name = trim(group_rows(i)%group)
-         excluded = name == 'bodies' .or. name == 'load'
-         if (values%group_lines(i) == 0 .and. group_rows(i)%needed == 'yes' &
-            .and. .not. (has_moes .and. excluded)) then
-            call findings%add(values%last_line, name, '', 'found no such group, expected '// &
-               '&' // name // ' ... / (' &
-            // trim(group_rows(i)%meaning) // ')')
-         end if
-         excluded = excluded .or. name == 'surface_1' .or. name == 'surface_2'
-         if (has_moes .and. excluded &
-            .and. values%group_lines(i) > 0) call findings%add(values%group_lines(i), name, '', &
-            'found together with &moes, expected one of the two: &moes is a smooth contact '// &
-               'without SI units')
+         associate (row => group_rows(i))
+            if (.not. has_word(row%problems, trim(values%problem))) cycle
+            if (values%has_group(row%group)) then
+               if (has_moes .and. row%yields_to_moes) call findings%add(values%group_lines(i), &
+                  row%group, '', 'found together with &moes, expected one of the two: &moes is '// &
+                  'a smooth contact without SI units')
+            else if (row%is_needed .and. .not. (has_moes .and. row%yields_to_moes)) then
+               call findings%add(values%last_line, row%group, '', 'found no such group, '// &
+                  'expected &'//trim(row%group)//' ... / ('//trim(row%meaning)//')')
+            end if
+         end associate
       end do
    end subroutine check_groups
-
-   !> Finds required keys that are not in their group.
-   subroutine check_required(values, findings)
-      type(input_values_t), intent(in) :: values
-      type(findings_t), intent(inout) :: findings
-      integer :: i
-
-      do i = 1, size(key_rows)
-         if (key_rows(i)%default /= is_required .or. values%slots(i)%is_given) cycle
-         if (values%has_group(key_rows(i)%group)) then
-            call report_missing(values, trim(key_rows(i)%group), trim(key_rows(i)%key), findings)
-         end if
-      end do
-   end subroutine check_required
 
    !> Findings: an output that cannot be the name of a file; a title that no attribute can hold.
    subroutine check_case(values, findings)
@@ -197,28 +186,18 @@ contains
       end if
    end subroutine check_load
 
-   !> Finds a transient without end, too many steps, keys of a transient in a steady case.
+   !> Finds times of a transient that contradict each other, and an inlet that is steady only.
    subroutine check_time(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
       type(value_t) :: transient
 
       transient = values%slot('time', 'transient')
-      if (.not. transient%has_value) return
-      if (.not. transient%logical) then
-         call report_unused(values, 'time', 'end_time', 'with transient = .false.', findings)
-         call report_unused(values, 'time', 'time_step', 'with transient = .false.', findings)
-         call report_unused(values, 'time', 'scheme', 'with transient = .false.', findings)
-         call report_unused(values, 'time', 'statistics_from', 'with transient = .false.', findings)
-      else if (.not. values%is_given('time', 'end_time')) then
-         call report_missing(values, 'time', 'end_time', findings)
-      else
-         call check_steps(values, findings)
-      end if
-      if (transient%logical .and. values%word_value('domain', &
-         'inlet') == 'tail') call findings%add( &
+      if (.not. transient%logical) return
+      call check_steps(values, findings)
+      if (values%word_value('domain', 'inlet') == 'tail') call findings%add( &
          values%line_of('domain', 'inlet'), 'domain', 'inlet', &
-            "found 'tail', expected 'auto' or 'zero' with transient = .true.")
+         "found 'tail', expected 'auto' or 'zero' with transient = .true.")
    end subroutine check_time
 
    !> Finds a time step longer than the transient, figures that begin behind its end, too many
@@ -256,40 +235,16 @@ contains
             '' // to_text(most_steps, 1))
    end subroutine check_steps
 
-   !> Finds keys that the method does not use; more levels than the grid has.
+   !> Finds settings that contradict each other; more levels than the grid has.
    subroutine check_solver(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
-      character(len=16), parameter :: of_multigrid(*) = [character(len=16) :: 'levels', &
-         'pre_sweeps', 'post_sweeps', 'smoother']
-      character(len=16), parameter :: of_relaxation(*) = [character(len=16) :: 'coarse_sweeps', &
-         'relaxation', 'load_relaxation']
       character(:), allocatable :: method
       type(value_t) :: levels, intervals
-      logical :: is_newton
-      integer :: i
 
       method = trim(values%word_value('solver', 'method'))
-      is_newton = method == 'newton_dense' .or. method == 'newton_krylov'
-      if (method == 'block_jacobi' .or. is_newton) then
-         do i = 1, size(of_multigrid)
-            call report_unused(values, 'solver', trim(of_multigrid(i)), &
-               "with method = '" // method // "'", findings)
-         end do
-      end if
-      if (is_newton) then
-         do i = 1, size(of_relaxation)
-            call report_unused(values, 'solver', trim(of_relaxation(i)), &
-               "with method = '" // method // "'", findings)
-         end do
-      end if
       if (values%word_value('solver', 'space_scheme') == 'kappa') call check_kappa_scheme(values, &
          findings)
-      if (values%has_group('moes')) call report_unused(values, 'solver', 'film_floor', no_units, &
-         findings)
-      if (.not. values%is_given('solver', 'film_floor')) call report_unused(values, 'solver', &
-         'on_film_breakdown', &
-         'without film_floor', findings)
       levels = values%slot('solver', 'levels')
       intervals = values%slot('domain', 'intervals')
       if (intervals%has_value) call check_fineness(intervals, method, findings)
@@ -334,25 +289,13 @@ contains
       end if
    end subroutine check_kappa_scheme
 
-   !> Finds keys of a transient in a steady case; a field named twice.
+   !> Finds a field named twice.
    subroutine check_output(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
-      type(value_t) :: transient, fields
+      type(value_t) :: fields
       integer :: i
 
-      transient = values%slot('time', 'transient')
-      if (transient%has_value .and. .not. transient%logical) then
-         call report_unused(values, 'output', 'profile_stride', 'with transient = .false.', &
-            findings)
-         call report_unused(values, 'output', 'fields', 'with transient = .false.', findings)
-         call report_unused(values, 'output', 'checkpoint_interval', 'with transient = .false.', &
-            findings)
-         call report_unused(values, 'output', 'film_thresholds', 'with transient = .false.', &
-            findings)
-      else if (values%has_group('moes')) then
-         call report_unused(values, 'output', 'film_thresholds', no_units, findings)
-      end if
       fields = values%slot('output', 'fields')
       if (.not. fields%has_value) return
       do i = 2, size(fields%words)
@@ -363,26 +306,16 @@ contains
       end do
    end subroutine check_output
 
-   !> Finds a target together with what it chooses, or without the error bars that it needs.
+   !> Finds a target without the error bars that it needs.
    subroutine check_accuracy(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
       type(value_t) :: error_bars
-      character(len=11), parameter :: chosen(2, 4) = reshape([character(len=11) :: 'domain', &
-         'intervals', 'domain', 'intervals_x', &
-         'domain', 'intervals_y', 'time', 'time_step'], [2, 4])
-      integer :: i
 
-      if (.not. values%is_given('accuracy', 'target')) return
-      keys: do i = 1, size(chosen, 2)
-         if (find_key(trim(chosen(1, i)), trim(chosen(2, i)), trim(values%problem)) == 0) cycle keys
-         call report_unused(values, trim(chosen(1, i)), trim(chosen(2, i)), &
-            'with &accuracy target, which chooses it', findings)
-      end do keys
       error_bars = values%slot('accuracy', 'error_bars')
-      if (error_bars%has_value .and. .not. error_bars%logical) call findings%add(error_bars%line, &
-         'accuracy', 'error_bars', &
-         'found .false., expected .true. with &accuracy target')
+      if (.not. values%is_given('accuracy', 'target') .or. .not. error_bars%has_value) return
+      if (.not. error_bars%logical) call findings%add(error_bars%line, 'accuracy', &
+         'error_bars', 'found .false., expected .true. with &accuracy target')
    end subroutine check_accuracy
 
 end module case_validation

@@ -1,24 +1,21 @@
-!> From the values of a namelist to a dry contact: checks over several keys, then the record.
+!> From the checked values of a namelist to a dry contact.
 module dry_input
    use, intrinsic :: iso_fortran_env, only: int64
    use bodies, only: reduced_modulus, reduced_radius
    use case_memory, only: dry_memory, most_nodes
-   use case_validation, only: check_accuracy
    use dry_case, only: dry_case_t, dry_recipe_t
-   use dry_checks, only: check_parabola, check_waves, has_shape
+   use dry_checks, only: check_parabola, check_waves
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
    use dry_scaling, only: contact_modulus
    use dry_grids, only: find_grid
    use dry_heights, only: make_heights
    use findings, only: findings_t
    use hertz, only: line_load_from_pressure, point_load_from_pressure
-   use input_keys, only: group_rows, has_word
    use input_values, only: input_values_t, value_t
    use dry_settings, only: method_conjugate_gradient, method_steepest_descent
    use kinds, only: wp
    use system_limits, only: memory_fault
    use text, only: to_text
-   use validation_messages, only: check_radii, report_missing, report_unused
    implicit none (type, external)
    private
 
@@ -26,20 +23,14 @@ module dry_input
 
 contains
 
-   !> Checks the `values` of a dry problem and fills `dry`; `folder` is that of the namelist, with
-   !> its slash. Findings: missing, contradictory and unused keys; files; a load above hardness
-   !> times area.
+   !> Fills `dry` from the `values` of a dry problem; `folder` is that of the namelist, with its
+   !> slash. Findings: grids, surfaces and loads that cannot be.
    subroutine fill_dry_case(values, folder, dry, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: folder
       type(dry_case_t), intent(out) :: dry
       type(findings_t), intent(inout) :: findings
 
-      call check_needed_groups(values, findings)
-      call check_bodies(values, findings)
-      call check_one_load(values, findings)
-      call check_accuracy(values, findings)
-      if (findings%count > 0) return
       dry%reduced_modulus = modulus_of(values)
       dry%recipe = dry_recipe_t(values, folder, radius_of(values))
       call find_grid(values, folder, dry, findings)
@@ -68,95 +59,6 @@ contains
          // to_text(most_nodes)
       if (fault /= '') call findings%add(values%line_of('domain', key), 'domain', key, fault)
    end subroutine check_size
-
-   !> Findings: groups that every dry case needs.
-   subroutine check_needed_groups(values, findings)
-      type(input_values_t), intent(in) :: values
-      type(findings_t), intent(inout) :: findings
-      integer :: i
-
-      do i = 1, size(group_rows)
-         if (group_rows(i)%needed /= 'yes' .or. .not. has_word(group_rows(i)%problems, &
-            trim(values%problem))) cycle
-         if (.not. values%has_group(group_rows(i)%group)) call findings%add(values%last_line, &
-            trim(group_rows(i)%group), '', &
-            'found no such group, expected &' // trim(group_rows(i)%group) // ' ... / (' &
-               // trim(group_rows(i)%meaning) // ')')
-      end do
-   end subroutine check_needed_groups
-
-   !> Findings: elasticity given twice or in part; radii without a parabola, or the reverse.
-   subroutine check_bodies(values, findings)
-      type(input_values_t), intent(in) :: values
-      type(findings_t), intent(inout) :: findings
-      character(len=16), parameter :: parts(*) = [character(len=16) :: 'youngs_modulus_1', &
-         'poisson_ratio_1', &
-         'youngs_modulus_2', 'poisson_ratio_2']
-      logical :: has_parabola
-      integer :: i
-
-      if (values%is_given('bodies', 'reduced_modulus')) then
-         do i = 1, size(parts)
-            call report_unused(values, 'bodies', trim(parts(i)), 'with reduced_modulus', findings)
-         end do
-      else
-         do i = 1, 2
-            if (.not. values%is_given('bodies', trim(parts(i)))) then
-               call report_missing(values, 'bodies', trim(parts(i)), findings, &
-                  '(or reduced_modulus)')
-            end if
-         end do
-         if (values%is_given('bodies', 'youngs_modulus_2') .neqv. values%is_given('bodies', &
-            'poisson_ratio_2')) then
-            call report_missing(values, 'bodies', &
-               trim(parts(merge(4, 3, values%is_given('bodies', 'youngs_modulus_2')))), findings)
-         end if
-      end if
-      has_parabola = has_shape(values, 'surface_1', 'parabola') .or. has_shape(values, &
-         'surface_2', 'parabola')
-      if (has_parabola) then
-         if (.not. (values%is_given('bodies', 'reduced_radius') .or. values%is_given('bodies', &
-            'radius_1') &
-            .and. values%is_given('bodies', 'radius_2'))) then
-            call report_missing(values, 'bodies', 'reduced_radius', findings, &
-               "(or radius_1 and radius_2) for shape = 'parabola'")
-         else if (.not. values%is_given('bodies', 'reduced_radius')) then
-            call check_radii(values, findings)
-         end if
-      else
-         call report_unused(values, 'bodies', 'reduced_radius', "without shape = 'parabola'", &
-            findings)
-         call report_unused(values, 'bodies', 'radius_1', "without shape = 'parabola'", findings)
-         call report_unused(values, 'bodies', 'radius_2', "without shape = 'parabola'", findings)
-         call report_unused(values, 'load', 'hertz_pressure', "without shape = 'parabola'", &
-            findings)
-      end if
-   end subroutine check_bodies
-
-   !> Findings: no load, or more than one.
-   subroutine check_one_load(values, findings)
-      type(input_values_t), intent(in) :: values
-      type(findings_t), intent(inout) :: findings
-      character(len=16) :: keys(4)
-      integer :: given, i
-
-      keys = [character(len=16) :: 'mean_pressure', 'hertz_pressure', &
-              merge('load_per_length', 'load           ', values%problem == 'dry_line'), &
-                 'separation']
-      if (.not. values%has_group('load')) return
-      given = 0
-      do i = 1, size(keys)
-         if (.not. values%is_given('load', trim(keys(i)))) cycle
-         given = given + 1
-         if (given > 1) call findings%add(values%line_of('load', trim(keys(i))), 'load', &
-            trim(keys(i)), &
-            'found more than one load, expected one of mean_pressure, hertz_pressure, ' &
-               // trim(keys(3)) // ', separation')
-      end do
-      if (given == 0) call findings%add(values%line_of('load', ''), 'load', 'mean_pressure', &
-         'found nothing, expected mean_pressure [Pa], hertz_pressure [Pa], ' // trim(keys(3)) &
-            // ' or separation [m]')
-   end subroutine check_one_load
 
    !> E' [Pa]: given, of both bodies, or of the first against a rigid one.
    function modulus_of(values) result(modulus)

@@ -10,10 +10,9 @@ module dry_surfaces
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
    use life_sign, only: begin_activity
-   use synthesis_keys, only: read_synthesis, synthetic_keys
+   use synthesis_keys, only: read_synthesis
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text
-   use validation_messages, only: report_missing, report_unused_by_shape
    implicit none (type, external)
    private
 
@@ -21,11 +20,6 @@ module dry_surfaces
 
    !> Relative difference of two lengths that are the same.
    real(wp), parameter :: same_length = 1.0e-3_wp
-   !> Keys of one shape only.
-   character(len=20), parameter :: file_keys(*) = [character(len=20) :: 'file', 'dataset']
-   character(len=20), parameter :: feature_keys(*) = [character(len=20) :: 'amplitude', &
-      'wavelength', 'position']
-
 contains
 
    !> The heights of the first surface that is a file; nothing if none is.
@@ -59,10 +53,6 @@ contains
 
       name = values%slot(group, 'file')
       dataset = values%slot(group, 'dataset')
-      if (.not. name%is_given) then
-         call report_missing(values, group, 'file', findings)
-         return
-      end if
       path = trim(name%text)
       if (index(path, '/') /= 1) path = folder // path
       call read_heights(path, trim(dataset%text), heights, error)
@@ -78,7 +68,7 @@ contains
    end subroutine load_file
 
    !> Adds the heights of the surface `group` to those of `dry`. `radius` [m] is that of a parabola.
-   !> Findings: keys that are missing or not used by the shape; what the surface itself finds.
+   !> Findings: what the surface itself finds.
    subroutine add_surface(values, group, folder, radius, dry, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group, folder
@@ -92,14 +82,6 @@ contains
       shape = values%slot(group, 'shape')
       if (.not. shape%has_value) return
       word = trim(shape%words(1))
-      if (size(shape%words) > 1 .and. any(shape%words /= 'feature' &
-         .and. shape%words /= 'sinusoid')) then
-         call findings%add(shape%line, group, 'shape', 'found several shapes, expected '// &
-            "'feature' and 'sinusoid' among several")
-         return
-      end if
-      call check_keys(values, group, word, findings)
-      if (findings%count > 0) return
       allocate (z(size(dry%height)), source=0.0_wp)
       select case (word)
       case ('file')
@@ -133,21 +115,6 @@ contains
          x = [0.0_wp]
       end if
    end function positions
-
-   !> Findings: keys of another shape than `word`; harmonics of an open surface.
-   subroutine check_keys(values, group, word, findings)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group, word
-      type(findings_t), intent(inout) :: findings
-
-      if (word /= 'file') call report_unused_by_shape(values, group, file_keys, word, findings)
-      if (word /= 'feature' .and. word /= 'sinusoid') call report_unused_by_shape(values, group, &
-         feature_keys, word, findings)
-      if (word /= 'synthetic') call report_unused_by_shape(values, group, synthetic_keys, word, &
-         findings)
-      if (word == 'smooth' .or. word == 'parabola') call report_unused_by_shape(values, group, &
-         ['harmonics'], word, findings)
-   end subroutine check_keys
 
    !> Heights of the file, on a periodic domain resampled to its nodes. Findings: another length;
    !> other nodes of an open domain.
@@ -202,10 +169,6 @@ contains
       type(synthesis_t) :: wanted
       type(error_t), allocatable :: error
 
-      if (.not. values%is_given(group, 'rms_height')) then
-         call report_missing(values, group, 'rms_height', findings)
-         return
-      end if
       associate (first => dry%recipe%nodes, nodes => [dry%grid%nx, dry%grid%ny])
          call read_synthesis(values, group, maxval(dry%lengths), 2.0_wp*dry%lengths(1)/first(1), &
             wanted, findings)
@@ -240,9 +203,6 @@ contains
       amplitude = values%slot(group, 'amplitude')
       wavelength = values%slot(group, 'wavelength')
       position = values%slot(group, 'position')
-      if (.not. amplitude%is_given) call report_missing(values, group, 'amplitude', findings)
-      if (.not. wavelength%is_given) call report_missing(values, group, 'wavelength', findings)
-      if (findings%count > 0) return
       n = size(amplitude%reals)
       if (size(wavelength%reals) /= n .or. (size(position%reals) /= n .and. position%is_given) &
          .or. (size(shape%words) /= n .and. size(shape%words) /= 1)) then

@@ -1,7 +1,9 @@
 !> The key table as text for a terminal (`asperity --keys`) and as the page docs/input.md.
 module input_manual
-   use input_keys, only: key_rows, key_row_t, group_rows, later_rows, word_list, logical_kind, &
-      text_kind, real_kind, reals_kind, integer_kind, every
+   use input_keys, only: group_rows, key_rows, later_rows
+   use key_condition, only: rules_text
+   use key_row, only: every, integer_kind, key_row_t, logical_kind, real_kind, reals_kind, &
+      text_kind, word_list
    implicit none (type, external)
    private
 
@@ -26,10 +28,6 @@ contains
             '"-" = no default.' // nl
       do group = 1, size(group_rows)
          text = text // nl
-         if (group_rows(group)%needed == 'later') then
-            text = text // '&' // trim(group_rows(group)%group) // '  (not built yet)' // nl
-            cycle
-         end if
          text = text // wrapped('&' // trim(group_rows(group)%group) // '  ' &
             // trim(group_rows(group)%meaning), 0)
          do i = 1, size(key_rows)
@@ -52,17 +50,18 @@ contains
       if (row%range /= '') head = head // ', ' // trim(row%range)
       text = wrapped(head, 8)
       if (row%words /= '') text = text // wrapped(repeat(' ', indent) // words_text(row), 8)
-      text = text // wrapped(repeat(' ', indent) // trim(row%meaning) // problems_text(row), 8)
+      text = text // wrapped(repeat(' ', indent) // trim(row%meaning) // conditions_text(row), 8)
    end function terminal_entry
 
-   !> The problems that use a key, if not all of them do.
-   pure function problems_text(row) result(text)
+   !> The rules of a key, and the problems that use it if not all of them do.
+   pure function conditions_text(row) result(text)
       type(key_row_t), intent(in) :: row
       character(:), allocatable :: text
 
       text = ''
-      if (row%problems /= every) text = ' (' // trim(row%problems) // ')'
-   end function problems_text
+      if (row%meaning(:5) /= 'as in') text = rules_text(row)
+      if (row%problems /= every) text = text // ' (' // trim(row%problems) // ')'
+   end function conditions_text
 
    !> Words of a key, and those not built yet.
    pure function words_text(row) result(text)
@@ -136,7 +135,6 @@ contains
          // 'change src/input/input_keys.f90. -->' // nl &
          // nl // introduction()
       do group = 1, size(group_rows)
-         if (group_rows(group)%needed == 'later') cycle
          text = text // nl // '## &' // trim(group_rows(group)%group) // nl // nl &
             // capital(trim(group_rows(group)%meaning)) &
             // '.' // nl // nl // '| key | type | unit | default | range or words | meaning |' &
@@ -190,7 +188,7 @@ contains
       if (row%words /= '') range = words_text(row)
       text = '| `' // trim(row%key) // '` | ' // type_text(row) // ' | ' // trim(row%unit) &
          // ' | ' // trim(row%default) // ' | ' &
-         // range // ' | ' // trim(row%meaning) // problems_text(row) // ' |' // nl
+         // range // ' | ' // trim(row%meaning) // conditions_text(row) // ' |' // nl
    end function markdown_entry
 
    !> `string` with a capital first letter.

@@ -1,8 +1,10 @@
 !> The commented, complete namelist of `asperity --template`: every key of the table, with the
 !> values of an example.
 module input_template
-   use input_keys, only: key_rows, key_row_t, group_rows, has_word, lubricated, dry_area, &
-      word_list, is_required, is_chosen, is_optional, words_kind
+   use input_keys, only: group_rows, key_rows
+   use key_condition, only: rules_text
+   use key_row, only: has_word, is_chosen, is_optional, is_required, key_row_t, &
+      lubricated, word_list, words_kind
    implicit none (type, external)
    private
 
@@ -59,21 +61,6 @@ module input_template
       example_t('surface_1', 'skewness', '0.0', .false.), &
       example_t('surface_1', 'kurtosis', '3.0', .false.), &
       example_t('surface_1', 'entry_length', '1.0', .false.), &
-      example_t('surface_2', 'file', "'profile.csv'", .false.), &
-      example_t('surface_2', 'dataset', "'z'", .false.), &
-      example_t('surface_2', 'harmonics', '50', .false.), &
-      example_t('surface_2', 'seed', '1', .false.), &
-      example_t('surface_2', 'hurst', '0.8', .false.), &
-      example_t('surface_2', 'rms_height', '50e-9', .false.), &
-      example_t('surface_2', 'wavelength_long', '4e-4', .false.), &
-      example_t('surface_2', 'wavelength_rolloff', '1e-4', .false.), &
-      example_t('surface_2', 'wavelength_short', '2.5e-5', .false.), &
-      example_t('surface_2', 'skewness', '0.0', .false.), &
-      example_t('surface_2', 'kurtosis', '3.0', .false.), &
-      example_t('surface_2', 'entry_length', '1.0', .false.), &
-      example_t('surface_2', 'amplitude', '2e-7', .false.), &
-      example_t('surface_2', 'wavelength', '1e-4', .false.), &
-      example_t('surface_2', 'position', '-2.5', .false.), &
       example_t('domain', 'x_inlet', '-4.0', .false.), &
       example_t('domain', 'x_outlet', '1.5', .false.), &
       example_t('domain', 'intervals', '1024', .true.), &
@@ -155,8 +142,7 @@ contains
          // '! the first column hold keys that are optional here or replace others. The order '// &
             'of all is free.' // nl
       do i = 1, size(group_rows)
-         if (group_rows(i)%needed == 'later' .or. .not. has_word(group_rows(i)%problems, &
-            problem)) cycle
+         if (.not. has_word(group_rows(i)%problems, problem)) cycle
          template = template // nl // group_text(problem, trim(group_rows(i)%group), &
             trim(group_rows(i)%meaning))
       end do
@@ -175,11 +161,7 @@ contains
       is_active = .false.
       do i = 1, size(key_rows)
          if (key_rows(i)%group /= group .or. .not. has_word(key_rows(i)%problems, problem)) cycle
-         if (problem == lubricated) then
-            example = example_of(key_rows(i), examples)
-         else
-            example = dry_example_of(key_rows(i), problem)
-         end if
+         example = example_of(key_rows(i), problem)
          is_active = is_active .or. example%is_active
          lines = lines // key_text(key_rows(i), example)
       end do
@@ -188,33 +170,38 @@ contains
       text = '! ' // meaning // nl // mark // '&' // group // nl // lines // mark // '/' // nl
    end function group_text
 
-   !> The example of a key in `list`; its default where none is listed.
-   pure function example_of(row, list) result(example)
+   !> The example of a key; of &surface_2 as in &surface_1, in a dry case as a comment.
+   pure function example_of(row, problem) result(example)
       type(key_row_t), intent(in) :: row
+      character(*), intent(in) :: problem
+      type(example_t) :: example
+      character(len=len(row%group)) :: group
+
+      group = row%group
+      if (group == 'surface_2') group = 'surface_1'
+      if (problem == lubricated) then
+         example = example_in(examples, group, row)
+      else
+         example = example_in(dry_examples, group, row)
+         if (row%group == 'surface_2') example%is_active = .false.
+         if (row%key == 'problem') example%value = "'"//problem//"'"
+      end if
+   end function example_of
+
+   !> The example of `group` and the key of `row` in `list`; the default where none is listed.
+   pure function example_in(list, group, row) result(example)
       type(example_t), intent(in) :: list(:)
+      character(*), intent(in) :: group
+      type(key_row_t), intent(in) :: row
       type(example_t) :: example
       integer :: i
 
       do i = 1, size(list)
          example = list(i)
-         if (example%group == row%group .and. example%key == row%key) return
+         if (example%group == group .and. example%key == row%key) return
       end do
       example = example_t(row%group, row%key, row%default, .true.)
-   end function example_of
-
-   !> The example of a key of a dry `problem`.
-   pure function dry_example_of(row, problem) result(example)
-      type(key_row_t), intent(in) :: row
-      character(*), intent(in) :: problem
-      type(example_t) :: example
-      type(key_row_t) :: likewise
-
-      likewise = row
-      if (row%group == 'surface_2') likewise%group = 'surface_1'
-      example = example_of(likewise, dry_examples)
-      if (row%group == 'surface_2') example%is_active = .false.
-      if (row%key == 'problem' .and. problem == dry_area) example%value = "'dry_area'"
-   end function dry_example_of
+   end function example_in
 
    !> Two lines: the meaning; key, value, unit, default, words.
    pure function key_text(row, example) result(text)
@@ -240,7 +227,7 @@ contains
          note = note // ' one of ' // word_list(row%words)
       end if
       if (note /= '') line = line // repeat(' ', max(0, unit_column - len(line))) // ' !' // note
-      text = '   ! ' // trim(row%meaning) // nl // line // nl
+      text = '   ! ' // trim(row%meaning) // rules_text(row) // nl // line // nl
    end function key_text
 
 end module input_template

@@ -5,11 +5,11 @@
 !> the case is the business of `case_input`.
 module input_values
    use findings, only: findings_t, quoted
-   use input_keys, only: key_rows, key_row_t, group_rows, find_key, find_group, &
-      later_meaning, renamed_words, &
-      expected_value, has_word, real_kind, integer_kind, logical_kind, word_kind, reals_kind, &
-      words_kind, is_required, is_chosen, is_optional, lubricated, every
+   use input_keys, only: find_group, find_key, group_rows, key_rows, later_meaning, &
+      renamed_words
    use key_range, only: is_in_range
+   use key_row, only: every, expected_value, has_word, integer_kind, is_chosen, is_optional, &
+      is_required, key_row_t, logical_kind, lubricated, real_kind, reals_kind, word_kind, words_kind
    use kinds, only: wp
    use namelist_text, only: namelist_text_t, entry_t
    use namelist_values, only: piece_t, split_values, read_real, read_integer, read_logical, &
@@ -33,6 +33,7 @@ module input_values
       real(wp), allocatable :: reals(:)
       integer :: integer = 0
       logical :: logical = .false.
+      !> Words; of a logical '.true.' or '.false.'.
       character(len=word_length), allocatable :: words(:)
       character(:), allocatable :: text
       !> Elements that the user has set (arrays).
@@ -115,7 +116,7 @@ contains
       end do
    end function problem_of
 
-   !> Finding: a group that is unknown, not used by the problem, or known and not built yet.
+   !> Finding: a group that is unknown, or not used by the problem.
    subroutine check_group(name, line, row, problem, findings)
       character(*), intent(in) :: name
       integer, intent(in) :: line, row
@@ -124,13 +125,9 @@ contains
       character(:), allocatable :: hint
 
       if (row > 0) then
-         if (group_rows(row)%needed == 'later') call findings%add(line, name, '', &
-            'found a group that is not built yet (' // trim(group_rows(row)%meaning) // ')')
-         if (group_rows(row)%needed /= 'later' .and. .not. has_word(group_rows(row)%problems, &
-            trim(problem))) then
-            call findings%add(line, name, '', "found a group that problem = '" // trim(problem) &
-               // "' does not use, expected it left out")
-         end if
+         if (.not. has_word(group_rows(row)%problems, trim(problem))) call findings%add(line, &
+            name, '', "found a group that problem = '"//trim(problem) &
+            //"' does not use, expected it left out")
          return
       end if
       hint = nearest_known(name, group_rows%group)
@@ -155,8 +152,7 @@ contains
          return
       end if
       row = find_group(entry%group)
-      if (group_rows(row)%needed == 'later' .or. .not. has_word(group_rows(row)%problems, &
-         trim(problem))) return
+      if (.not. has_word(group_rows(row)%problems, trim(problem))) return
       do i = 1, size(key_rows)
          if (key_rows(i)%group /= entry%group .or. key_rows(i)%key /= entry%key) cycle
          call findings%add(entry%line, entry%group, shown, 'found a key that problem = '// &
@@ -305,6 +301,7 @@ contains
          if (good) good = is_in_range(real(slot%integer, wp), row%range)
       case (logical_kind)
          call read_logical(piece, slot%logical, good)
+         slot%words(place) = merge('.true. ', '.false.', slot%logical)
       case (word_kind, words_kind)
          call store_word(entry, row, piece, slot%words(place), findings)
       case default

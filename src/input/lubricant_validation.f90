@@ -1,11 +1,12 @@
-!> Checks of &lubricant: which parameters a law needs, and what &moes leaves open.
+!> Checks of &lubricant beyond the rules of its keys: parameters and laws that contradict each
+!> other.
 module lubricant_validation
    use errors, only: error_t
    use findings, only: findings_t
    use input_values, only: input_values_t
    use kinds, only: wp
    use text, only: to_text
-   use validation_messages, only: report_missing, report_unused
+   use validation_messages, only: report_unused
    use roelands_relation, only: complete_roelands, roelands_alpha, roelands_log_shift
    implicit none (type, external)
    private
@@ -20,62 +21,12 @@ contains
       type(findings_t), intent(inout) :: findings
 
       if (.not. values%has_group('lubricant')) return
-      call check_rheology(values, findings)
       if (values%has_group('moes')) then
-         call report_unused(values, 'lubricant', 'viscosity', 'with &moes, which stands for it', &
-            findings)
          call check_moes_laws(values, findings)
-         return
-      end if
-      if (.not. values%is_given('lubricant', 'viscosity')) call report_missing(values, &
-         'lubricant', 'viscosity', findings)
-      select case (values%word_value('lubricant', 'viscosity_law'))
-      case ('roelands')
+      else if (values%word_value('lubricant', 'viscosity_law') == 'roelands') then
          call check_roelands(values, findings)
-      case ('barus')
-         if (.not. values%is_given('lubricant', 'pressure_viscosity')) then
-            call report_missing(values, 'lubricant', 'pressure_viscosity', findings, &
-               "with viscosity_law = 'barus'")
-         end if
-         call unused_roelands(values, "with viscosity_law = 'barus'", findings)
-      case ('constant')
-         call report_unused(values, 'lubricant', 'pressure_viscosity', &
-            "with viscosity_law = 'constant'", findings)
-         call unused_roelands(values, "with viscosity_law = 'constant'", findings)
-      case default
-      end select
+      end if
    end subroutine check_lubricant
-
-   !> Finds z or P0 given where the law has none.
-   subroutine unused_roelands(values, reason, findings)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: reason
-      type(findings_t), intent(inout) :: findings
-
-      call report_unused(values, 'lubricant', 'roelands_z', reason, findings)
-      call report_unused(values, 'lubricant', 'roelands_p0', reason, findings)
-   end subroutine unused_roelands
-
-   !> Finds Eyring without its stress or with &moes; a stress without Eyring.
-   subroutine check_rheology(values, findings)
-      type(input_values_t), intent(in) :: values
-      type(findings_t), intent(inout) :: findings
-
-      select case (values%word_value('lubricant', 'rheology'))
-      case ('newtonian')
-         call report_unused(values, 'lubricant', 'eyring_stress', "with rheology = 'newtonian'", &
-            findings)
-      case ('eyring')
-         if (.not. values%is_given('lubricant', 'eyring_stress')) then
-            call report_missing(values, 'lubricant', 'eyring_stress', findings, &
-               "with rheology = 'eyring'")
-         end if
-         if (values%has_group('moes')) call findings%add(values%line_of('lubricant', 'rheology'), &
-            'lubricant', 'rheology', &
-            "found 'eyring' with &moes, expected 'newtonian': the Eyring law needs SI units")
-      case default
-      end select
-   end subroutine check_rheology
 
    !> Finds fewer than two of alpha, P0, z, or three that contradict each other by (2.27).
    subroutine check_roelands(values, findings)
@@ -121,36 +72,30 @@ contains
       end if
    end subroutine check_roelands
 
-   !> With &moes the pressure scale is p_h = alpha_bar/alpha. Findings: parameters that are not used
-   !> then, laws that contradict moes_l.
+   !> With &moes the pressure scale is p_h = alpha_bar/alpha. Findings: an Eyring law; laws that
+   !> contradict moes_l; alpha where nothing depends on it.
    subroutine check_moes_laws(values, findings)
       type(input_values_t), intent(in) :: values
       type(findings_t), intent(inout) :: findings
       character(:), allocatable :: law
       logical :: is_compressible, has_l
 
+      if (values%word_value('lubricant', 'rheology') == 'eyring') call findings%add( &
+         values%line_of('lubricant', 'rheology'), 'lubricant', 'rheology', &
+         "found 'eyring' with &moes, expected 'newtonian': the Eyring law needs SI units")
+      if (.not. values%has_value('moes', 'moes_l')) return
       law = trim(values%word_value('lubricant', 'viscosity_law'))
       is_compressible = values%word_value('lubricant', 'density_law') == 'dowson_higginson'
       has_l = values%real_value('moes', 'moes_l') > 0.0_wp
-      if (.not. values%has_value('moes', 'moes_l')) return
       if (has_l .and. law == 'constant') call findings%add(values%line_of('lubricant', &
-         'viscosity_law'), 'lubricant', &
-         'viscosity_law', "found 'constant' with moes_l > 0, expected 'roelands' or 'barus', "// &
-            'or moes_l = 0')
-      if (.not. has_l) then
-         if (is_compressible .and. values%is_given('lubricant', 'density_law')) then
-            call findings%add(values%line_of('lubricant', 'density_law'), 'lubricant', &
-               'density_law', &
-            "found 'dowson_higginson' with moes_l = 0, expected 'constant': the pressure "// &
-               'scale is unknown')
-         end if
-         call report_unused(values, 'lubricant', 'pressure_viscosity', 'with moes_l = 0', findings)
-         call unused_roelands(values, 'with moes_l = 0', findings)
-      else if (law == 'barus') then
-         if (.not. is_compressible) call report_unused(values, 'lubricant', 'pressure_viscosity', &
-            'with &moes, Barus and constant density', findings)
-         call unused_roelands(values, "with viscosity_law = 'barus'", findings)
-      end if
+         'viscosity_law'), 'lubricant', 'viscosity_law', &
+         "found 'constant' with moes_l > 0, expected 'roelands' or 'barus', or moes_l = 0")
+      if (.not. has_l .and. is_compressible .and. values%is_given('lubricant', &
+         'density_law')) call findings%add(values%line_of('lubricant', 'density_law'), &
+         'lubricant', 'density_law', "found 'dowson_higginson' with moes_l = 0, expected "// &
+         "'constant': the pressure scale is unknown")
+      if (has_l .and. law == 'barus' .and. .not. is_compressible) call report_unused(values, &
+         'lubricant', 'pressure_viscosity', 'with &moes, Barus and constant density', findings)
    end subroutine check_moes_laws
 
 end module lubricant_validation

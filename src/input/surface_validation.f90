@@ -4,19 +4,11 @@ module surface_validation
    use findings, only: findings_t
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
-   use synthesis_keys, only: synthetic_keys
    use text, only: to_text
-   use validation_messages, only: report_missing, report_unused, report_unused_by_shape
    implicit none (type, external)
    private
 
    public :: check_surface
-
-   !> Keys of some shapes only.
-   character(len=20), parameter :: feature_keys(*) = [character(len=20) :: 'amplitude', &
-      'wavelength', 'position']
-   character(len=20), parameter :: file_keys(*) = [character(len=20) :: 'file', 'dataset', &
-      'harmonics']
 
 contains
 
@@ -30,30 +22,18 @@ contains
       shape = values%slot(group, 'shape')
       if (.not. shape%has_value .or. .not. values%has_group(group)) return
       if (any(shape%words == '?')) return
-      call check_entry(values, group, shape, findings)
+      if (all(shape%words == 'smooth')) return
       if (any(shape%words == 'file' .or. shape%words == 'synthetic')) then
          call check_profile(values, group, shape, findings)
-         call check_motion(values, group, speed, findings)
-         return
+      else
+         if (any(shape%words == 'smooth')) call findings%add(shape%line, group, 'shape', &
+            "found 'smooth' among other shapes, expected 'feature' or 'sinusoid' for each element")
+         call check_lengths(values, group, findings)
       end if
-      call report_unused_by_shape(values, group, [file_keys, synthetic_keys], &
-         trim(shape%words(1)), findings)
-      if (all(shape%words == 'smooth')) then
-         call report_unused_by_shape(values, group, feature_keys, 'smooth', findings)
-         return
-      end if
-      if (any(shape%words == 'smooth')) call findings%add(shape%line, group, 'shape', &
-         "found 'smooth' among other shapes, expected 'feature' or 'sinusoid' for each element")
-      if (.not. values%is_given(group, 'amplitude')) call report_missing(values, group, &
-         'amplitude', findings)
-      if (.not. values%is_given(group, 'wavelength')) call report_missing(values, group, &
-         'wavelength', findings)
-      call check_lengths(values, group, findings)
       call check_motion(values, group, speed, findings)
    end subroutine check_surface
 
-   !> Findings about a surface from a file or a synthesis: several shapes, keys of others, what is
-   !> missing.
+   !> Findings about a surface from a file or a synthesis: several shapes, several positions.
    subroutine check_profile(values, group, shape, findings)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
@@ -61,46 +41,15 @@ contains
       type(findings_t), intent(inout) :: findings
       type(value_t) :: position
 
+      position = values%slot(group, 'position')
       if (size(shape%words) > 1) then
          call findings%add(shape%line, group, 'shape', "found '"//trim(shape%words(1)) &
-            //"' among several shapes, expected " &
-            //"'feature' and 'sinusoid' among several")
-         return
+            //"' among several shapes, expected 'feature' and 'sinusoid' among several")
+      else if (position%is_given .and. size(position%reals) > 1) then
+         call findings%add(position%line, group, 'position', 'found length ' &
+            //to_text(size(position%reals))//', expected one value: the centre of the profile')
       end if
-      call report_unused_by_shape(values, group, feature_keys(:2), trim(shape%words(1)), findings)
-      if (shape%words(1) == 'file') then
-         call report_unused_by_shape(values, group, synthetic_keys, 'file', findings)
-         if (.not. values%is_given(group, 'file')) call report_missing(values, group, 'file', &
-            findings)
-      else
-         call report_unused_by_shape(values, group, file_keys, 'synthetic', findings)
-         if (.not. values%is_given(group, 'rms_height')) call report_missing(values, group, &
-            'rms_height', findings)
-         if (.not. values%is_given(group, 'wavelength_short')) call report_missing(values, group, &
-            'wavelength_short', findings)
-      end if
-      position = values%slot(group, 'position')
-      if (position%is_given .and. size(position%reals) > 1) call findings%add(position%line, &
-         group, 'position', &
-         'found length '//to_text(size(position%reals))//', expected one value: the centre of '// &
-            'the profile')
    end subroutine check_profile
-
-   !> Finds an entry of a smooth surface or in a steady case.
-   subroutine check_entry(values, group, shape, findings)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group
-      type(value_t), intent(in) :: shape
-      type(findings_t), intent(inout) :: findings
-      type(value_t) :: transient
-
-      transient = values%slot('time', 'transient')
-      if (all(shape%words == 'smooth')) then
-         call report_unused(values, group, 'entry_length', "with shape = 'smooth'", findings)
-      else if (transient%has_value .and. .not. transient%logical) then
-         call report_unused(values, group, 'entry_length', 'with transient = .false.', findings)
-      end if
-   end subroutine check_entry
 
    !> Finds arrays that have not as many values as `amplitude`; `shape` may have one for all.
    subroutine check_lengths(values, group, findings)

@@ -10,11 +10,6 @@ module synthesis_keys
 
    public :: read_synthesis
 
-   !> The keys of this shape only.
-   character(len=20), parameter, public :: synthetic_keys(*) = [character(len=20) :: 'seed', &
-      'hurst', 'rms_height', &
-      'wavelength_long', 'wavelength_rolloff', 'wavelength_short', 'skewness', 'kurtosis']
-
 contains
 
    !> What surface `group` wants; `longest` and `shortest` are its longest and shortest wave [m]

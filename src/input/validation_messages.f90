@@ -1,14 +1,15 @@
 !> The messages that all checks of a case share: a key that is missing, keys that are not used.
 module validation_messages
    use findings, only: findings_t
-   use input_keys, only: key_rows, find_key, expected_value
+   use input_keys, only: find_key, key_rows
    use input_values, only: input_values_t
+   use key_row, only: expected_value
    use kinds, only: wp
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: check_radii, report_missing, report_unused, report_unused_by_shape
+   public :: check_radii, report_missing, report_unused
 
    !> Curvature of the gap between two bodies, 1/R [1/m]: the reverse of the range of
    !> reduced_radius.
@@ -16,7 +17,7 @@ module validation_messages
 
 contains
 
-   !> Adds: the key is not there but needed; `reason` says by what.
+   !> Adds: the key is not there but needed; `reason`, if not empty, says by what.
    subroutine report_missing(values, group, key, findings, reason)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group, key
@@ -26,7 +27,7 @@ contains
 
       message = 'found nothing, expected ' // expected_value(key_rows(find_key(group, key, &
          values%problem)))
-      if (present(reason)) message = message // ' ' // reason
+      if (present(reason)) message = trim(message // ' ' // reason)
       call findings%add(values%line_of(group, ''), group, key, message)
    end subroutine report_missing
 
@@ -58,20 +59,5 @@ contains
          'bodies', 'radius_1', 'found 1/radius_1 + 1/radius_2 = ' // to_text(curvature) // ', '// &
             'expected 1e-9 to 1e9 [1/m]')
    end subroutine check_radii
-
-   !> Adds those of `keys` that are given: the shape of the surface does not use them.
-   subroutine report_unused_by_shape(values, group, keys, shape, findings)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group
-      character(*), intent(in) :: keys(:)
-      character(*), intent(in) :: shape
-      type(findings_t), intent(inout) :: findings
-      integer :: i
-
-      do i = 1, size(keys)
-         call report_unused(values, group, trim(keys(i)), "with shape = '" // shape // "'", &
-            findings)
-      end do
-   end subroutine report_unused_by_shape
 
 end module validation_messages

@@ -1,0 +1,113 @@
+!> What a row of the key table holds, and what a key expects, in words.
+module key_row
+   implicit none (type, external)
+   private
+
+   public :: expected_value, has_word, word_list
+
+   !> Kinds of values.
+   integer, parameter, public :: real_kind = 1, integer_kind = 2, logical_kind = 3, &
+      word_kind = 4, text_kind = 5, reals_kind = 6, words_kind = 7
+   !> Defaults that are no value: must be given; chosen by the program; only with certain other
+   !> keys.
+   character(*), parameter, public :: is_required = 'required', is_chosen = 'chosen', &
+      is_optional = '-'
+
+   !> The problems: lubricated line; dry profiles and areas; all of them.
+   character(*), parameter, public :: lubricated = 'ehl_line', dry_line = 'dry_line', &
+      dry_area = 'dry_area', dry = 'dry_line dry_area', every = 'ehl_line dry_line dry_area'
+
+   !> One group.
+   type, public :: group_row_t
+      character(len=12) :: group
+      character(len=100) :: meaning
+      !> Problems that know the group, separated by blanks.
+      character(len=32) :: problems = lubricated
+      !> True: it must be there.
+      logical :: is_needed = .false.
+      !> True: it must not be there together with &moes.
+      logical :: yields_to_moes = .false.
+   end type group_row_t
+
+   !> One key.
+   type, public :: key_row_t
+      character(len=12) :: group
+      character(len=20) :: key
+      !> One of the kinds above.
+      integer :: kind
+      !> SI unit; '-' for a pure number, 'half-widths' for X; empty for words and texts.
+      character(len=12) :: unit
+      !> Default as namelist text, or one of the three words above.
+      character(len=32) :: default
+      character(len=120) :: meaning
+      !> Range as a comma-separated list of comparisons, each of which must hold.
+      character(len=56) :: range = ''
+      !> Words that are built, separated by blanks.
+      character(len=80) :: words = ''
+      !> Words that are known but not built yet, separated by blanks.
+      character(len=40) :: later_words = ''
+      !> With what the key is used, and with what it must be given: rules of module key_rules;
+      !> empty: always, never.
+      character(len=80) :: used = '', needed = ''
+      !> Problems that use the key, separated by blanks. A key may have a row for each of several
+      !> problems.
+      character(len=32) :: problems = lubricated
+   end type key_row_t
+
+contains
+
+   !> What a key expects, for messages and tables: "a real number > 0 [m]".
+   pure function expected_value(row) result(expected)
+      type(key_row_t), intent(in) :: row
+      character(:), allocatable :: expected
+
+      select case (row%kind)
+      case (real_kind)
+         expected = 'a real number'
+      case (integer_kind)
+         expected = 'an integer'
+      case (logical_kind)
+         expected = '.true. or .false.'
+      case (reals_kind)
+         expected = 'real numbers'
+      case (text_kind)
+         expected = 'a quoted text'
+      case default
+         expected = word_list(row%words)
+         if (row%kind == words_kind) expected = 'a list of ' // expected
+      end select
+      if (len_trim(row%range) > 0) expected = expected // ' ' // trim(row%range)
+      if (len_trim(row%unit) > 0) expected = expected // ' [' // trim(row%unit) // ']'
+   end function expected_value
+
+   !> Blank-separated words as 'a', 'b' or 'c'.
+   pure function word_list(words) result(list)
+      character(*), intent(in) :: words
+      character(:), allocatable :: list
+      character(:), allocatable :: rest
+      integer :: blank
+
+      list = ''
+      rest = trim(words)
+      do while (len(rest) > 0)
+         blank = index(rest // ' ', ' ')
+         if (len(list) > 0 .and. blank > len(rest)) then
+            list = list // ' or '
+         else if (len(list) > 0) then
+            list = list // ', '
+         end if
+         list = list // "'" // rest(:blank - 1) // "'"
+         rest = rest(min(blank + 1, len(rest) + 1):)
+      end do
+   end function word_list
+
+   !> True if `word` is one of the blank-separated `words`.
+   pure function has_word(words, word)
+      character(*), intent(in) :: words, word
+      logical :: has_word
+
+      has_word = len(word) > 0 .and. index(word, ' ') == 0 .and. index(' ' // words // ' ', &
+         ' ' // word // ' ') > 0
+   end function has_word
+
+end module key_row

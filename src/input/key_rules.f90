@@ -1,0 +1,170 @@
+!> The rules of the key table (see module key_condition) over the values of a case.
+module key_rules
+   use findings, only: findings_t
+   use input_keys, only: find_group, find_key, group_rows, key_rows
+   use input_values, only: input_values_t, value_t
+   use key_condition, only: condition_t, conditions_of, name_of, shown
+   use key_row, only: has_word, is_required, key_row_t
+   use kinds, only: wp
+   use number_text, only: read_real
+   use validation_messages, only: report_missing, report_unused
+   implicit none (type, external)
+   private
+
+   public :: check_rules, is_used
+
+   !> Whether a condition holds; unknown: a value cannot be read, or only some of several hold.
+   integer, parameter :: no = -1, unknown = 0, yes = 1
+
+contains
+
+   !> Finds keys that are given and not used, and keys that are needed and not given.
+   subroutine check_rules(values, findings)
+      type(input_values_t), intent(in) :: values
+      type(findings_t), intent(inout) :: findings
+      character(:), allocatable :: reason
+      logical :: is_needed
+      integer :: i
+
+      do i = 1, size(key_rows)
+         associate (row => key_rows(i))
+            if (.not. has_word(row%problems, trim(values%problem))) cycle
+            if (values%slots(i)%is_given) then
+               call check_use(values, row, findings)
+            else if (values%has_group(row%group)) then
+               call ask_need(values, row, is_needed, reason)
+               if (is_needed) call report_missing(values, trim(row%group), trim(row%key), &
+                  findings, reason)
+            end if
+         end associate
+      end do
+   end subroutine check_rules
+
+   !> Finding, for each condition that does not hold: a key that is given and not used.
+   subroutine check_use(values, row, findings)
+      type(input_values_t), intent(in) :: values
+      type(key_row_t), intent(in) :: row
+      type(findings_t), intent(inout) :: findings
+      type(condition_t), allocatable :: conditions(:)
+      character(:), allocatable :: reason
+      integer :: i
+
+      conditions = conditions_of(row%used, row%group)
+      do i = 1, size(conditions)
+         if (truth(values, conditions(i)) /= no) cycle
+         reason = opposite(values, conditions(i))
+         if (conditions(i)%reason /= '') reason = reason//', '//trim(conditions(i)%reason)
+         call report_unused(values, trim(row%group), trim(row%key), reason, findings)
+      end do
+   end subroutine check_use
+
+   !> Whether a case has any use for a key.
+   function is_used(values, row)
+      type(input_values_t), intent(in) :: values
+      type(key_row_t), intent(in) :: row
+      logical :: is_used
+      type(condition_t), allocatable :: conditions(:)
+      integer :: i
+
+      conditions = conditions_of(row%used, row%group)
+      is_used = .true.
+      do i = 1, size(conditions)
+         is_used = is_used .and. truth(values, conditions(i)) /= no
+      end do
+   end function is_used
+
+   !> Whether a key must be given, and what the message adds to that.
+   subroutine ask_need(values, row, is_needed, reason)
+      type(input_values_t), intent(in) :: values
+      type(key_row_t), intent(in) :: row
+      logical, intent(out) :: is_needed
+      character(:), allocatable, intent(out) :: reason
+      type(condition_t), allocatable :: conditions(:)
+      integer :: i
+
+      reason = ''
+      is_needed = row%default == is_required .or. row%needed /= ''
+      conditions = conditions_of(row%needed, row%group)
+      do i = 1, size(conditions)
+         is_needed = is_needed .and. truth(values, conditions(i)) == yes
+         reason = trim(conditions(i)%reason)
+      end do
+   end subroutine ask_need
+
+   !> Whether a condition holds, on either surface if it is about one.
+   function truth(values, condition)
+      type(input_values_t), intent(in) :: values
+      type(condition_t), intent(in) :: condition
+      integer :: truth
+
+      if (condition%group == 'surface') then
+         truth = max(truth_in(values, condition, 'surface_1'), &
+            truth_in(values, condition, 'surface_2'))
+      else
+         truth = truth_in(values, condition, trim(condition%group))
+      end if
+   end function truth
+
+   !> Whether a condition holds in `group`.
+   function truth_in(values, condition, group) result(truth)
+      type(input_values_t), intent(in) :: values
+      type(condition_t), intent(in) :: condition
+      character(*), intent(in) :: group
+      integer :: truth
+      type(value_t) :: slot
+      real(wp) :: number
+      logical, allocatable :: among(:)
+      logical :: holds
+      integer :: i
+
+      truth = unknown
+      if (condition%key == '') then
+         holds = values%has_group(group) &
+            .and. has_word(group_rows(find_group(group))%problems, trim(values%problem))
+      else
+         if (find_key(group, trim(condition%key), values%problem) == 0) return
+         slot = values%slot(group, trim(condition%key))
+         holds = slot%is_given
+      end if
+      select case (condition%relation)
+      case ('with')
+      case ('without')
+         holds = .not. holds
+      case ('/=')
+         if (.not. slot%has_value) return
+         call read_real(trim(condition%values), number, holds)
+         holds = abs(slot%reals(1) - number) > 0.0_wp
+      case default
+         if (.not. slot%has_value .or. any(slot%words == '?')) return
+         among = [(has_word(trim(condition%values), trim(slot%words(i))), i=1, size(slot%words))]
+         if (any(among) .neqv. all(among)) return
+         holds = all(among)
+      end select
+      truth = merge(yes, no, holds)
+   end function truth_in
+
+   !> What is the case where a condition does not hold: "with shape = 'smooth'".
+   function opposite(values, condition) result(text)
+      type(input_values_t), intent(in) :: values
+      type(condition_t), intent(in) :: condition
+      character(:), allocatable :: text
+      type(value_t) :: slot
+
+      select case (condition%relation)
+      case ('with')
+         text = 'without '//name_of(condition)
+      case ('without')
+         text = 'with '//name_of(condition)
+      case ('/=')
+         text = 'with '//trim(condition%key)//' = '//trim(condition%values)
+      case default
+         if (condition%group == 'surface') then
+            text = 'without '//trim(condition%key)//' = '//shown(condition%values)
+         else
+            slot = values%slot(trim(condition%group), trim(condition%key))
+            text = 'with '//trim(condition%key)//' = '//shown(slot%words(1))
+         end if
+      end select
+   end function opposite
+
+end module key_rules
