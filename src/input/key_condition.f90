@@ -51,7 +51,7 @@ contains
    pure function new_condition(text, group) result(condition)
       character(*), intent(in) :: text, group
       type(condition_t) :: condition
-      character(len=40) :: name
+      character(len=len(condition%values)) :: name
       integer :: blank, colon, percent
 
       colon = index(text//':', ':')
