@@ -13,6 +13,7 @@ module companions
    use observer, only: lookout_t, observer_t
    use passage_figures, only: passage_figures_t
    use passage_times, only: new_passage_times
+   use quantities, only: h_min, x_cavitation
    use solver_settings, only: most_chosen, solver_settings_t, time_settings_t
    implicit none (type, external)
    private
@@ -22,7 +23,8 @@ module companions
    !> Companions that error bars come from have at least this many intervals.
    integer, parameter :: fewest_intervals = 32
 
-   !> Collects the figures of a run: of its state, or the extremes over the time steps that count.
+   !> Collects the quantities of a run: of its state, or the extremes over the time steps that
+   !> count.
    type, extends(lookout_t) :: collector_t
       type(line_summary_t) :: summary
       type(passage_figures_t) :: figures
@@ -41,7 +43,7 @@ contains
 
    !> Runs the case on n/2 and n/4 intervals, a transient of first order with the scheme of second
    !> order, and first so on its own grid. A companion that finds no solution, or that `watcher`
-   !> stops, leaves its figures unknown, and those after it.
+   !> stops, leaves its quantities unknown, and those after it.
    subroutine run_companions(bars, contact, settings, time, watcher, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(in) :: contact
@@ -102,7 +104,7 @@ contains
             if (allocated(error) .or. .not. bars%has_longer) return
             bars%longer = collector%summary
             bars%has_longer = time%is_transient .or. &
-               collector%summary%x_cavitation%value < domain%x_outlet &
+               collector%summary%of(x_cavitation)%value < domain%x_outlet &
                   - 3*(domain%x_outlet - domain%x_inlet)/domain%intervals
          end associate
          if (bars%has_longer) return
@@ -145,7 +147,7 @@ contains
       end associate
    end subroutine run_farther
 
-   !> The case on `factor` times fewer intervals with a time step as much larger; its figures are
+   !> The case on `factor` times fewer intervals with a time step as much larger; its quantities are
    !> those of `collector`.
    subroutine run_coarser(contact, settings, time, factor, collector, is_known, error)
       type(line_contact_t), intent(in) :: contact
@@ -171,7 +173,7 @@ contains
    end subroutine run_coarser
 
    !> The case on its own complete domain as a companion, without what only an answer needs;
-   !> `is_known`: its figures, those of `collector`, are a solution's.
+   !> `is_known`: its quantities, those of `collector`, are a solution's.
    subroutine run_companion(contact, settings, time, collector, is_known, error)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -220,7 +222,7 @@ contains
       call self%watcher%on_stage('companion, '//words)
    end subroutine tell_companion
 
-   !> Adds the figures of one time step.
+   !> Adds the quantities of one time step.
    subroutine collect_step(self, step, steps, state, report)
       class(collector_t), intent(inout) :: self
       integer, intent(in) :: step
@@ -236,7 +238,7 @@ contains
          allocate (self%films(0:steps), source=huge(1.0_wp))
       end if
       summary = summary_of(state)
-      if (self%figures%times%counts(state%time)) self%films(step) = summary%h_min%value
+      if (self%figures%times%counts(state%time)) self%films(step) = summary%of(h_min)%value
       call self%figures%add(summary, state%time, step == steps)
       call self%look_outside()
    end subroutine collect_step

@@ -9,14 +9,16 @@
 !> scheme's is chance.
 !> In a transient any observed order is (module transient_errors).
 module error_bars
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use inlet_change, only: change_by_inlet, inlet_change_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_summary, only: crests_t, figure_t, line_summary_t
+   use line_summary, only: crests_t, line_summary_t, new_quantity, quantity_t
    use lubricant, only: viscosity_constant
    use pressure_spike, only: ceiling_of_spike, spike_law_t
+   use quantities, only: h_central, h_min, not_known, p_max, quantity_count, quantity_rows, &
+      rule_between, rule_crest, rule_node
    use solver_settings, only: time_settings_t
    use split_errors, only: apply_forecast, forecast_t
    use transient_errors, only: error_by_reference, error_in_time, limit_in_time, &
@@ -39,10 +41,6 @@ module error_bars
    real(wp), parameter :: steady_safety = 1.3_wp
    !> Bounds of the observed order in space.
    real(wp), parameter :: orders(2) = [1.0_wp, 2.0_wp]
-   !> The same of h_min and of h_central in the kappa scheme: at a spike the order of the one is
-   !> chance, and the other falls faster (60 heavy contacts on 512 to 4096 intervals).
-   real(wp), parameter :: kappa_orders_min(2) = [1.0_wp, 1.0_wp], &
-      kappa_orders_central(2) = [1.0_wp, 2.5_wp]
    !> Error of the exit between two nodes, in spacings: rms 0.2, at most 0.6 in 32 solutions of 8
    !> contacts.
    real(wp), parameter :: exit_jitter = 0.2_wp
@@ -65,8 +63,8 @@ module error_bars
       !> grid, known if those on n/2 are.
       type(line_summary_t) :: second_order
       logical :: is_first_order = .false.
-      !> Bounds of the observed order in space of h_min and of h_central.
-      real(wp) :: orders_min(2) = orders, orders_central(2) = orders
+      !> Whether the scheme in space is kappa, whose orders have bounds of their own.
+      logical :: is_kappa = .false.
       !> How a pressure spike grows on finer grids.
       type(spike_law_t) :: spike_law
       !> Change of the largest pressure over that of a starved film.
@@ -103,13 +101,12 @@ contains
       type(error_bars_t), intent(in) :: bars
       type(line_summary_t), intent(in) :: summary
       real(wp) :: error
-      type(figure_t) :: h_min
+      type(quantity_t) :: smallest
 
-      h_min = summary%h_min
-      call estimate(bars, bars%half%h_min, bars%quarter%h_min, bars%eighth%h_min, &
-         bars%orders_min, h_min)
+      smallest = summary%of(h_min)
+      call estimate_at_rest(bars, h_min, 0.0_wp, smallest)
       error = huge(1.0_wp)
-      if (ieee_is_finite(h_min%error_grid)) error = h_min%error_grid/h_min%value
+      if (ieee_is_finite(smallest%error_grid)) error = smallest%error_grid/smallest%value
    end function estimated_error
 
    !> Error estimates and Richardson's values for the figures of a converged result on n intervals
@@ -120,48 +117,42 @@ contains
       type(report_t), intent(in) :: report
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
-      real(wp) :: iteration, domain(4)
+      real(wp) :: iteration, domain(quantity_count)
+      integer :: i
 
       if (bars%forecast%is_known) then
          call apply_forecast(bars%forecast, exit_jitter*dx, pressure_safety/safety, summary)
          call allow_for_spike(bars, dx, summary)
-      else if (bars%has_half .and. report%steps > 0 .and. .not. has_unseen_waves(bars)) then
-         call estimate_errors_in_time(bars, dx, summary)
       else if (bars%has_half .and. .not. has_unseen_waves(bars)) then
-         call estimate_grid_errors(bars, dx, summary)
+         call estimate_grid_errors(bars, report%steps > 0, dx, summary)
       end if
       iteration = max(report%residual, report%load_error)
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
       domain = inlet_shares(bars, report%inlet_error, summary)
-      associate (half => bars%half, longer => bars%longer)
-         call add_up(summary%h_min, domain(1), iteration, cut_error(bars, half%h_min, longer%h_min))
-         call add_up(summary%h_min_node, domain(1), iteration, cut_error(bars, half%h_min_node, &
-            longer%h_min_node))
-         call add_up(summary%h_central, domain(2), iteration, cut_error(bars, half%h_central, &
-            longer%h_central))
-         call add_up(summary%p_max, domain(3), iteration, cut_error(bars, half%p_max, longer%p_max))
-         call add_up(summary%x_cavitation, domain(4), iteration, &
-            cut_error(bars, half%x_cavitation, longer%x_cavitation))
-      end associate
+      do i = 1, quantity_count
+         call add_up(summary%of(i), domain(i), iteration, cut_error(bars, i))
+      end do
    end subroutine apply_error_bars
 
-   !> Relative errors of h_min, h_central, p_max and x_cavitation because of the inlet: from its
-   !> companions, else by its rule, which says that it starves the film by the share `starving`.
+   !> Relative errors of all quantities because of the inlet: from its companions, else by its rule,
+   !> which says that it starves the film by the share `starving`.
    pure function inlet_shares(bars, starving, summary) result(shares)
       type(error_bars_t), intent(in) :: bars
       real(wp), intent(in) :: starving
       type(line_summary_t), intent(in) :: summary
-      real(wp) :: shares(4)
+      real(wp) :: shares(quantity_count)
 
       if (bars%inlet%is_known) then
          shares = change_by_inlet(bars%inlet)
-         shares(4) = shares(4)/max(abs(summary%x_cavitation%value), tiny(1.0_wp))
+         where (quantity_rows%field == 'x') shares = shares/max(abs(summary%of%value), tiny(1.0_wp))
          return
       end if
-      shares(:2) = domain_error(starving)
       ! a starved film is thinner everywhere by the same share; pressure and exit follow as far as
       ! it is thick [b^2/R]
-      shares(3:) = [bars%starving, 1.0_wp]*starving*min(1.0_wp, summary%h_central%value)
+      shares = starving*min(1.0_wp, summary%of(h_central)%value)
+      where (quantity_rows%field == 'pressure') shares = bars%starving*starving &
+         *min(1.0_wp, summary%of(h_central)%value)
+      where (quantity_rows%field == 'film_thickness') shares = domain_error(starving)
    end function inlet_shares
 
    !> Whether the surfaces have waves that companions do not see; a forecast has seen them.
@@ -174,37 +165,36 @@ contains
          .and. .not. bars%forecast%is_known
    end function has_unseen_waves
 
-   !> Relative error of h_min, h_central and p_max, whichever is the largest, because the outlet
-   !> cuts the film off: 0 if it does not, NaN where that is not known.
+   !> Relative error because the outlet cuts the film off, of that quantity of the closing table for
+   !> which it is the largest: 0 if it does not, NaN where that is not known.
    pure function outlet_error(bars) result(error)
       type(error_bars_t), intent(in) :: bars
       real(wp) :: error
+      integer :: i
 
-      error = 0.0_wp
-      if (.not. bars%is_cut) return
-      error = ieee_value(1.0_wp, ieee_quiet_nan)
-      if (.not. (bars%has_half .and. bars%has_longer)) return
-      associate (half => bars%half, longer => bars%longer)
-         error = max(cut_error(bars, half%h_min, longer%h_min)/half%h_min%value, &
-            cut_error(bars, half%h_central, longer%h_central)/half%h_central%value, &
-            cut_error(bars, half%p_max, longer%p_max)/half%p_max%value)
-      end associate
+      error = cut_error(bars, h_min)
+      if (.not. ieee_is_finite(error)) return
+      do i = 1, quantity_count
+         if (bars%is_cut .and. len_trim(quantity_rows(i)%short) > 0) error = &
+            max(error, cut_error(bars, i)/bars%half%of(i)%value)
+      end do
    end function outlet_error
 
-   !> Error of a figure because the outlet cuts the film off, from its values on n/2 intervals with
+   !> Error of row `i` because the outlet cuts the film off, from its values on n/2 intervals with
    !> that outlet and with one farther out; NaN where these are not known.
-   pure function cut_error(bars, half, longer) result(error)
+   pure function cut_error(bars, i) result(error)
       type(error_bars_t), intent(in) :: bars
-      type(figure_t), intent(in) :: half, longer
+      integer, intent(in) :: i
       real(wp) :: error
 
       error = 0.0_wp
       if (.not. bars%is_cut) return
-      error = ieee_value(1.0_wp, ieee_quiet_nan)
-      if (bars%has_half .and. bars%has_longer) error = safety*abs(half%value - longer%value)
+      error = not_known()
+      if (bars%has_half .and. bars%has_longer) error = safety*abs(bars%half%of(i)%value &
+         - bars%longer%of(i)%value)
    end function cut_error
 
-   !> Why a figure of a result has no estimate.
+   !> Why a quantity of a result has no estimate.
    pure function missing_estimate(bars, report) result(reason)
       type(error_bars_t), intent(in) :: bars
       type(report_t), intent(in) :: report
@@ -238,64 +228,69 @@ contains
 
    !> Relative errors of inlet (`domain`) and iteration and what the outlet cuts off, beside the
    !> error of the grid, and the sum.
-   pure subroutine add_up(figure, domain, iteration, cut)
-      type(figure_t), intent(inout) :: figure
+   pure subroutine add_up(quantity, domain, iteration, cut)
+      type(quantity_t), intent(inout) :: quantity
       real(wp), intent(in) :: domain, iteration, cut
 
-      figure%error_domain = domain*abs(figure%value) + cut
-      figure%error_iteration = iteration*abs(figure%value)
-      figure%error_estimate = figure%error_grid + figure%error_domain + figure%error_iteration &
-         + figure%error_start
+      quantity%error_domain = domain*abs(quantity%value) + cut
+      quantity%error_iteration = iteration*abs(quantity%value)
+      quantity%error_estimate = quantity%error_grid + quantity%error_domain &
+         + quantity%error_iteration + quantity%error_start
    end subroutine add_up
 
-   !> Grid and time step of a transient.
-   pure subroutine estimate_errors_in_time(bars, dx, summary)
+   !> The part of grid and time step.
+   pure subroutine estimate_grid_errors(bars, is_transient, dx, summary)
       type(error_bars_t), intent(in) :: bars
+      logical, intent(in) :: is_transient
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
-      type(line_summary_t) :: full
-      real(wp) :: exit_limit, error
+      integer :: i
 
-      full = summary
-      if (bars%is_first_order) full = bars%second_order
-      associate (half => bars%half, quarter => bars%quarter)
-         associate (figure => summary%h_min)
-            call compare(bars, figure%value, three(full%h_min%value, half%h_min%value, &
-               quarter%h_min%value), figure%extrapolated, &
-               figure%error_grid)
-         end associate
-         associate (figure => summary%h_central, cubic => summary%h_central_cubic)
-            call compare(bars, cubic, three(full%h_central_cubic, half%h_central_cubic, &
-               quarter%h_central_cubic), &
-               figure%extrapolated, error)
-            figure%error_grid = error + abs(figure%value - cubic)
-         end associate
-         associate (node => summary%h_min_node, between => summary%h_min)
-            node%error_grid = between%error_grid + abs(node%value - between%value)
-            node%extrapolated = between%extrapolated
-         end associate
-         associate (figure => summary%x_cavitation)
-            call compare(bars, figure%extrapolated, three(full%x_cavitation%extrapolated, &
-               half%x_cavitation%extrapolated, &
-               quarter%x_cavitation%extrapolated), exit_limit, error)
-            figure%error_grid = error + abs(figure%value - figure%extrapolated) + exit_jitter*dx
-         end associate
-         call estimate_pressure_in_time(bars, three(top_of(full%crests), top_of(half%crests), &
-            top_of(quarter%crests)), dx, summary)
-      end associate
+      do i = 1, quantity_count
+         if (quantity_rows(i)%rule == rule_crest) then
+            call estimate_pressure(bars, is_transient, summary)
+            call allow_for_spike(bars, dx, summary)
+         else if (is_transient) then
+            call estimate_in_time(bars, i, dx, summary%of(i))
+         else
+            call estimate_at_rest(bars, i, dx, summary%of(i))
+         end if
+      end do
+   end subroutine estimate_grid_errors
 
-   contains
+   !> Row `i` on n, n/2, n/4 and n/8 intervals, where it is known.
+   pure function on_levels(bars, i, full) result(levels)
+      type(error_bars_t), intent(in) :: bars
+      integer, intent(in) :: i
+      type(quantity_t), intent(in) :: full
+      type(quantity_t) :: levels(4)
 
-      !> A figure on n, n/2, n/4 intervals, the last one NaN where there was no solution.
-      pure function three(full, half, quarter) result(values)
-         real(wp), intent(in) :: full, half, quarter
-         real(wp) :: values(3)
+      levels = new_quantity(i, [not_known(), not_known()], 0.0_wp)
+      levels(1) = full
+      if (bars%has_half) levels(2) = bars%half%of(i)
+      if (bars%has_quarter) levels(3) = bars%quarter%of(i)
+      if (bars%has_eighth) levels(4) = bars%eighth%of(i)
+   end function on_levels
 
-         values = [full, half, quarter]
-         if (.not. bars%has_quarter) values(3) = ieee_value(1.0_wp, ieee_quiet_nan)
-      end function three
+   !> Grid and time step of row `i` of a transient, from its values between the nodes.
+   pure subroutine estimate_in_time(bars, i, dx, quantity)
+      type(error_bars_t), intent(in) :: bars
+      integer, intent(in) :: i
+      real(wp), intent(in) :: dx
+      type(quantity_t), intent(inout) :: quantity
+      type(quantity_t) :: levels(4)
+      real(wp) :: limit, error
 
-   end subroutine estimate_errors_in_time
+      levels = on_levels(bars, i, quantity)
+      if (bars%is_first_order) levels(1) = bars%second_order%of(i)
+      call compare(bars, quantity%between, levels(:3)%between, limit, error)
+      quantity%error_grid = error + abs(quantity%value - quantity%between)
+      if (quantity_rows(i)%rule == rule_between) then
+         quantity%error_grid = quantity%error_grid + exit_jitter*dx
+      else
+         quantity%extrapolated = limit
+      end if
+   end subroutine estimate_in_time
 
    !> Limit and estimated error of a `value` of a transient from those of the second-order scheme on
    !> n, n/2, n/4 intervals.
@@ -310,24 +305,40 @@ contains
       if (bars%is_first_order) error = error_by_reference(value, limit, error)
    end subroutine compare
 
-   !> The largest pressure of a transient from its maxima by parabolas, those of the second-order
-   !> scheme on n, n/2, n/4 intervals, and what a spike may grow.
-   pure subroutine estimate_pressure_in_time(bars, highest, dx, summary)
+   !> The largest pressure of a node, from maxima by parabolas.
+   pure subroutine estimate_pressure(bars, is_transient, summary)
       type(error_bars_t), intent(in) :: bars
-      real(wp), intent(in) :: highest(3), dx
+      logical, intent(in) :: is_transient
       type(line_summary_t), intent(inout) :: summary
+      real(wp) :: tops(3)
+
+      tops = not_known()
+      tops(1) = top_of(summary%crests)
+      if (is_transient .and. bars%is_first_order) tops(1) = top_of(bars%second_order%crests)
+      tops(2) = top_of(bars%half%crests)
+      if (bars%has_quarter) tops(3) = top_of(bars%quarter%crests)
+      if (is_transient) then
+         call estimate_crest_in_time(bars, tops, summary%crests%highest, summary%of(p_max))
+      else if (all(ieee_is_finite(tops))) then
+         call estimate_crest(tops, summary%of(p_max))
+      end if
+   end subroutine estimate_pressure
+
+   !> Error of a nodal maximum of a transient: that of the parabola's, `top`, from those of the
+   !> second-order scheme on n, n/2, n/4 intervals, and what the node is off.
+   pure subroutine estimate_crest_in_time(bars, highest, top, quantity)
+      type(error_bars_t), intent(in) :: bars
+      real(wp), intent(in) :: highest(3), top
+      type(quantity_t), intent(inout) :: quantity
       real(wp) :: error, limit
 
       if (.not. all(ieee_is_finite(highest))) return
       error = pressure_safety_in_time*error_in_time(highest)
       limit = limit_in_time(highest)
-      associate (p_max => summary%p_max, top => summary%crests%highest)
-         if (bars%is_first_order) error = error_by_reference(top, limit, error)
-         p_max%error_grid = error + abs(top - p_max%value)
-         p_max%extrapolated = limit
-      end associate
-      call allow_for_spike(bars, dx, summary)
-   end subroutine estimate_pressure_in_time
+      if (bars%is_first_order) error = error_by_reference(top, limit, error)
+      quantity%error_grid = error + abs(top - quantity%value)
+      quantity%extrapolated = limit
+   end subroutine estimate_crest_in_time
 
    !> Where the grid does not resolve a pressure spike the largest pressure may be off by what the
    !> spike may grow above it; not known where that is not.
@@ -338,15 +349,15 @@ contains
       real(wp) :: ceiling
 
       if (.not. ieee_is_finite(summary%crests%highest) &
-         .or. .not. ieee_is_finite(summary%p_max%error_grid)) return
-      ceiling = ceiling_of_spike(bars%spike_law, summary%crests, summary%h_central%value, dx)
-      associate (p_max => summary%p_max)
+         .or. .not. ieee_is_finite(summary%of(p_max)%error_grid)) return
+      ceiling = ceiling_of_spike(bars%spike_law, summary%crests, summary%of(h_central)%value, dx)
+      associate (pressure => summary%of(p_max))
          if (.not. ieee_is_finite(ceiling)) then
-            p_max%error_grid = ceiling
-            p_max%extrapolated = ceiling
+            pressure%error_grid = ceiling
+            pressure%extrapolated = ceiling
          else if (ceiling > 0.0_wp) then
-            p_max%error_grid = max(ceiling - p_max%value, p_max%error_grid)
-            p_max%extrapolated = ieee_value(1.0_wp, ieee_quiet_nan)
+            pressure%error_grid = max(ceiling - pressure%value, pressure%error_grid)
+            pressure%extrapolated = not_known()
          end if
       end associate
    end subroutine allow_for_spike
@@ -362,106 +373,71 @@ contains
       if (crests%spike < crests%other) top = crests%other
    end function top_of
 
-   !> The part of the grid.
-   pure subroutine estimate_grid_errors(bars, dx, summary)
+   !> The grid of row `i` at rest.
+   pure subroutine estimate_at_rest(bars, i, dx, quantity)
       type(error_bars_t), intent(in) :: bars
+      integer, intent(in) :: i
       real(wp), intent(in) :: dx
-      type(line_summary_t), intent(inout) :: summary
+      type(quantity_t), intent(inout) :: quantity
+      type(quantity_t) :: levels(4)
+      real(wp) :: bounds(2), between(2), own(2)
 
-      call estimate(bars, bars%half%h_min, bars%quarter%h_min, bars%eighth%h_min, &
-         bars%orders_min, summary%h_min)
-      call estimate(bars, bars%half%h_min_node, bars%quarter%h_min_node, bars%eighth%h_min_node, &
-         bars%orders_min, &
-         summary%h_min_node)
-      call estimate(bars, bars%half%h_central, bars%quarter%h_central, bars%eighth%h_central, &
-         bars%orders_central, &
-         summary%h_central)
-      call estimate_pressure(bars, dx, summary)
-      call estimate_exit(bars, dx, summary%x_cavitation)
-      ! nodal figures jump with the position of the nodes, which no difference of levels shows
-      summary%h_min_node%error_grid = max(summary%h_min_node%error_grid, &
-         summary%h_min%error_grid + abs(summary%h_min_node%value - summary%h_min%value))
-   end subroutine estimate_grid_errors
+      bounds = merge(quantity_rows(i)%kappa_orders, orders, bars%is_kappa)
+      levels = on_levels(bars, i, quantity)
+      own = estimate(levels%value, bounds)
+      between = estimate(levels%between, bounds)
+      between(1) = between(1) + abs(quantity%value - quantity%between)
+      select case (quantity_rows(i)%rule)
+      case (rule_node)
+         own(1) = max(own(1), between(1))
+      case (rule_between)
+         own = [between(1) + exit_jitter*dx, quantity%between]
+      case default
+         ! its own values are enough
+      end select
+      quantity%error_grid = own(1)
+      quantity%extrapolated = own(2)
+   end subroutine estimate_at_rest
 
-   !> Estimate of the exit: how far it lies from the last node, and the error of its place between
-   !> the nodes (`extrapolated`), which jitters with the position of the nodes by `exit_jitter` of
-   !> their distance.
-   pure subroutine estimate_exit(bars, dx, figure)
-      type(error_bars_t), intent(in) :: bars
-      real(wp), intent(in) :: dx
-      type(figure_t), intent(inout) :: figure
-      type(figure_t) :: between, half, quarter, eighth
-
-      between = figure
-      half = bars%half%x_cavitation
-      quarter = bars%quarter%x_cavitation
-      eighth = bars%eighth%x_cavitation
-      between%value = figure%extrapolated
-      half%value = half%extrapolated
-      quarter%value = quarter%extrapolated
-      eighth%value = eighth%extrapolated
-      call estimate(bars, half, quarter, eighth, orders, between)
-      figure%error_grid = between%error_grid + abs(figure%value - figure%extrapolated) &
-         + exit_jitter*dx
-   end subroutine estimate_exit
-
-   !> Estimate and extrapolated value of one figure, whose observed order has these `bounds`.
-   pure subroutine estimate(bars, half, quarter, eighth, bounds, figure)
-      type(error_bars_t), intent(in) :: bars
-      type(figure_t), intent(in) :: half, quarter, eighth
-      real(wp), intent(in) :: bounds(2)
-      type(figure_t), intent(inout) :: figure
+   !> Estimated error and extrapolated value of the first of `values` on n, n/2, n/4, n/8 intervals
+   !> (NaN: not known), whose observed order has these `bounds`.
+   pure function estimate(values, bounds) result(error_and_limit)
+      real(wp), intent(in) :: values(4), bounds(2)
+      real(wp) :: error_and_limit(2)
       real(wp) :: changes(3), order
 
-      if (.not. bars%has_half) return
-      if (.not. (ieee_is_finite(figure%value) .and. ieee_is_finite(half%value))) return
-      order = bounds(1)
-      if (bars%has_quarter) then
-         order = observed_order(figure%value, half%value, quarter%value, orders)
-         figure%extrapolated = figure%value + (figure%value - half%value)/(2.0_wp**order - 1.0_wp)
-         order = observed_order(figure%value, half%value, quarter%value, bounds)
-      end if
+      error_and_limit = not_known()
+      if (.not. all(ieee_is_finite(values(:2)))) return
+      order = observed_order(values(1), values(2), values(3), orders)
+      if (ieee_is_finite(values(3))) error_and_limit(2) = values(1) + (values(1) - values(2)) &
+         /(2.0_wp**order - 1.0_wp)
+      order = observed_order(values(1), values(2), values(3), bounds)
       changes = 0.0_wp
-      if (bars%has_eighth .and. ieee_is_finite(eighth%value)) then
-         order = min(order, observed_order(half%value, quarter%value, eighth%value, bounds))
-         changes = [figure%value - half%value, half%value - quarter%value, &
-            quarter%value - eighth%value]
+      if (ieee_is_finite(values(4))) then
+         order = min(order, observed_order(values(2), values(3), values(4), bounds))
+         changes = values(:3) - values(2:)
       end if
-      figure%error_grid = error_from_levels(figure%value, half%value, order)
-      ! terms of two orders and opposite signs may make the last difference small by chance
-      if (bars%has_quarter .and. ieee_is_finite(quarter%value)) figure%error_grid = &
-         max(figure%error_grid, &
-         error_from_levels(half%value, quarter%value, order)/2.0_wp**orders(2))
-      if (all(changes > 0.0_wp) .or. all(changes < 0.0_wp)) figure%error_grid = steady_safety &
-         /safety*figure%error_grid
-   end subroutine estimate
-
-   !> Estimate for the largest pressure of a node, from maxima by parabolas; that of a spike which
-   !> the grid does not resolve by what it may grow.
-   pure subroutine estimate_pressure(bars, dx, summary)
-      type(error_bars_t), intent(in) :: bars
-      real(wp), intent(in) :: dx
-      type(line_summary_t), intent(inout) :: summary
-      real(wp) :: values(3)
-
-      if (.not. bars%has_quarter) return
-      values = [top_of(summary%crests), top_of(bars%half%crests), top_of(bars%quarter%crests)]
-      if (.not. all(ieee_is_finite(values))) return
-      call estimate_crest(values, summary%p_max)
-      call allow_for_spike(bars, dx, summary)
-   end subroutine estimate_pressure
+      associate (error => error_and_limit(1))
+         error = error_from_levels(values(1), values(2), order)
+         ! terms of two orders and opposite signs may make the last difference small by chance
+         if (ieee_is_finite(values(3))) error = max(error, error_from_levels(values(2), values(3), &
+            order)/2.0_wp**orders(2))
+         if (all(changes > 0.0_wp) .or. all(changes < 0.0_wp)) error = steady_safety/safety*error
+      end associate
+   end function estimate
 
    !> Error of a nodal maximum: that of the parabola's, and what the node is below it.
-   pure subroutine estimate_crest(values, figure)
+   pure subroutine estimate_crest(values, quantity)
       real(wp), intent(in) :: values(3)
-      type(figure_t), intent(inout) :: figure
+      type(quantity_t), intent(inout) :: quantity
       real(wp) :: order
 
       order = observed_order(values(1), values(2), values(3), orders)
-      figure%error_grid = max(error_from_levels(values(1), values(2), order), &
+      quantity%error_grid = max(error_from_levels(values(1), values(2), order), &
          error_from_levels(values(2), values(3), order)/2.0_wp**orders(2))
-      figure%error_grid = pressure_safety/safety*figure%error_grid + abs(values(1) - figure%value)
-      figure%extrapolated = values(1) + (values(1) - values(2))/(2.0_wp**order - 1.0_wp)
+      quantity%error_grid = pressure_safety/safety*quantity%error_grid + abs(values(1) &
+         - quantity%value)
+      quantity%extrapolated = values(1) + (values(1) - values(2))/(2.0_wp**order - 1.0_wp)
    end subroutine estimate_crest
 
    !> safety |q1 - q2|/(2^order - 1).
@@ -496,10 +472,7 @@ contains
       if (contact%fluid%viscosity_law == viscosity_constant) bars%starving = starved_isoviscous
       if (contact%domain%inlet == 'tail') bars%starving = pressure_behind_tail
       bars%is_first_order = time%is_transient .and. time%scheme == 'backward_euler'
-      if (space_scheme == 'kappa') then
-         bars%orders_min = kappa_orders_min
-         bars%orders_central = kappa_orders_central
-      end if
+      bars%is_kappa = space_scheme == 'kappa'
       bars%unseen = unseen_waves(contact, time)
    end function new_error_bars
 

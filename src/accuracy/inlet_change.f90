@@ -1,5 +1,5 @@
-!> What an inlet with a tail in front of it changes: figures of the same contact on a coarser grid
-!> of the same domain, and on one twice as long at the same spacing.
+!> What an inlet with a tail in front of it changes: quantities of the same contact on a coarser
+!> grid of the same domain, and on one twice as long at the same spacing.
 !>
 !> What the tail leaves out (module inlet_tail) falls with the fourth power of its distance, so that
 !> the longer domain is as good as endless, and the change is that on the answer's own grid (40
@@ -9,17 +9,18 @@
 module inlet_change
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
-   use line_summary, only: crests_t, line_summary_t
+   use line_summary, only: crests_t, line_summary_t, value_between
+   use quantities, only: quantity_count, quantity_rows, rule_crest
    implicit none (type, external)
    private
 
    public :: change_by_inlet, inlet_change_t
 
-   !> An estimate is so many times the change, and this share of the largest one: a figure may
+   !> An estimate is so many times the change, and this share of the largest one: a quantity may
    !> change little by chance.
    real(wp), parameter :: safety = 1.1_wp, doubt = 0.15_wp
 
-   !> Figures of the same domain and of the longer one.
+   !> Those of the same domain and of the longer one.
    type :: inlet_change_t
       logical :: is_known = .false.
       type(line_summary_t) :: near, far
@@ -27,23 +28,44 @@ module inlet_change
 
 contains
 
-   !> Estimated errors because of the inlet: of h_min and h_central, relative, of p_max, relative,
-   !> and of the exit [b].
+   !> Estimated errors of all quantities because of the inlet: relative, of positions in units of b.
    pure function change_by_inlet(self) result(errors)
       type(inlet_change_t), intent(in) :: self
-      real(wp) :: errors(4)
+      real(wp) :: errors(quantity_count)
 
-      associate (near => self%near, far => self%far)
-         errors(1) = near%h_min%value/far%h_min%value - 1
-         errors(2) = near%h_central%value/far%h_central%value - 1
-         errors(3) = crest_beside(near%crests)/crest_beside(far%crests) - 1
-         errors(4) = near%x_cavitation%extrapolated - far%x_cavitation%extrapolated
-      end associate
-      errors = abs(errors)
-      if (.not. ieee_is_finite(errors(4))) errors(4) = 0.0_wp
-      errors = safety*errors + doubt*maxval(errors(:2))
-      errors(3) = errors(3)*(1 + doubt)
+      errors = abs(changes(self))
+      errors = safety*errors + doubt*maxval(errors, quantity_rows%field == 'film_thickness')
+      where (quantity_rows%field == 'pressure') errors = errors*(1 + doubt)
    end function change_by_inlet
+
+   !> The changes themselves; 0 for a position that is not known.
+   pure function changes(self)
+      type(inlet_change_t), intent(in) :: self
+      real(wp) :: changes(quantity_count)
+      real(wp) :: near, far
+      integer :: i
+
+      do i = 1, quantity_count
+         near = compared_value(self%near, i)
+         far = compared_value(self%far, i)
+         if (quantity_rows(i)%field /= 'x') then
+            changes(i) = near/far - 1
+         else
+            changes(i) = near - far
+            if (.not. ieee_is_finite(changes(i))) changes(i) = 0.0_wp
+         end if
+      end do
+   end function changes
+
+   !> What is compared of row `i`: the value between the nodes, of crests that beside a spike.
+   pure function compared_value(summary, i) result(value)
+      type(line_summary_t), intent(in) :: summary
+      integer, intent(in) :: i
+      real(wp) :: value
+
+      value = value_between(summary, i)
+      if (quantity_rows(i)%rule == rule_crest) value = crest_beside(summary%crests)
+   end function compared_value
 
    !> The largest pressure beside a spike.
    pure function crest_beside(crests) result(pressure)

@@ -1,10 +1,11 @@
-!> The figures of a passage, gathered step by step: extremes over the times that count, and how far
-!> it is from periodic.
+!> The quantities of a passage, gathered step by step: extremes over the times that count, and how
+!> far it is from periodic.
 module passage_figures
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use kinds, only: wp
-   use line_summary, only: figure_t, keep_extremes, line_summary_t
+   use line_summary, only: keep_extremes, line_summary_t, quantity_t
    use passage_times, only: passage_times_t
+   use quantities, only: quantity_count
    implicit none (type, external)
    private
 
@@ -18,7 +19,7 @@ module passage_figures
       type(line_summary_t) :: counted, earlier
       logical :: has_counted = .false., has_earlier = .false.
    contains
-      !> Takes the figures of a time step.
+      !> Takes the quantities of a time step.
       procedure :: add
       !> The extremes, with the part of their error that the start has.
       procedure :: extremes
@@ -26,7 +27,7 @@ module passage_figures
 
 contains
 
-   !> Adds the figures of one time; the last one always counts.
+   !> Adds the quantities of one time; the last one always counts.
    pure subroutine add(self, summary, time, is_last)
       class(passage_figures_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: summary
@@ -37,7 +38,7 @@ contains
       if (is_last .or. self%times%counts(time)) call widen(self%counted, self%has_counted, summary)
    end subroutine add
 
-   !> Widens extremes by the figures of another time, or begins with them.
+   !> Widens extremes by the quantities of another time, or begins with them.
    pure subroutine widen(extremes, is_known, summary)
       type(line_summary_t), intent(inout) :: extremes
       logical, intent(inout) :: is_known
@@ -48,33 +49,32 @@ contains
       is_known = .true.
    end subroutine widen
 
-   !> The figures. `last` are those of the last state, for a run that has ended before anything
+   !> The extremes. `last` are those of the last state, for a run that has ended before anything
    !> counts.
    pure function extremes(self, last) result(summary)
       class(passage_figures_t), intent(in) :: self
       type(line_summary_t), intent(in) :: last
       type(line_summary_t) :: summary
+      integer :: i
 
       summary = last
       if (self%has_counted) summary = self%counted
-      call tell_start(summary%h_min, self%earlier%h_min)
-      call tell_start(summary%h_min_node, self%earlier%h_min_node)
-      call tell_start(summary%h_central, self%earlier%h_central)
-      call tell_start(summary%p_max, self%earlier%p_max)
-      call tell_start(summary%x_cavitation, self%earlier%x_cavitation)
+      do i = 1, quantity_count
+         call tell_start(summary%of(i), self%earlier%of(i))
+      end do
 
    contains
 
-      !> What a figure has changed since the period before; not known where the start is not
+      !> What a quantity has changed since the period before; not known where the start is not
       !> forgotten.
-      pure subroutine tell_start(figure, earlier)
-         type(figure_t), intent(inout) :: figure
-         type(figure_t), intent(in) :: earlier
+      pure subroutine tell_start(quantity, earlier)
+         type(quantity_t), intent(inout) :: quantity
+         type(quantity_t), intent(in) :: earlier
 
          if (.not. self%times%is_settled()) then
-            figure%error_start = ieee_value(1.0_wp, ieee_quiet_nan)
+            quantity%error_start = ieee_value(1.0_wp, ieee_quiet_nan)
          else if (self%has_earlier .and. self%has_counted) then
-            figure%error_start = abs(figure%value - earlier%value)
+            quantity%error_start = abs(quantity%value - earlier%value)
          end if
       end subroutine tell_start
 

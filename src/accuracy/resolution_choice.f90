@@ -30,9 +30,10 @@ module resolution_choice
    use line_contact, only: fewest_in_wave, intervals_for_waves, line_contact_t, shortest_passage
    use line_hierarchy, only: coarsest_for_film
    use observer, only: observer_t
+   use quantities, only: h_min, quantity_count
    use solver_settings, only: most_chosen, solver_settings_t, time_settings_t
-   use split_errors, only: doubts_at, error_at, figure_values, forecast_figures, new_split_error, &
-      shift_at, split_error_t
+   use split_errors, only: doubts_at, error_at, foretold_values, new_split_error, shift_at, &
+      split_error_t
    use text, only: to_text
    implicit none (type, external)
    private
@@ -78,10 +79,10 @@ module resolution_choice
    type :: pilots_t
       !> Resolution of the last one, or where there is none yet of the first.
       integer :: intervals = 0, steps = 0
-      !> Figures of the last one (order of `figure_values`); NaN: not known.
-      real(wp) :: values(forecast_figures) = 0.0_wp
+      !> Values of the last one; NaN: not known.
+      real(wp) :: values(quantity_count) = 0.0_wp
       !> Their last change and the one before, by space and by time step; NaN: not known.
-      real(wp) :: changes(forecast_figures, 2, 2) = 0.0_wp
+      real(wp) :: changes(quantity_count, 2, 2) = 0.0_wp
       !> Size of the changes of h_min (the last, the one before; by space, by time step), over time;
       !> 0: not known.
       real(wp) :: sizes(2, 2) = 0.0_wp
@@ -109,7 +110,7 @@ contains
    !> Sets `contact%domain%intervals`, the time step, the tolerance and an open space scheme of a
    !> transient to the cheapest choice that is foretold to keep the relative error of h_min below
    !> `settings%target`, or to the finest pilot if none is; `bars` hold what was foretold of its
-   !> figures.
+   !> quantities.
    subroutine choose_resolution(bars, contact, settings, time, watcher, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(inout) :: contact
@@ -157,7 +158,7 @@ contains
          if (is_open) call try_thesis(pilots, direction)
          if (allocated(error) .or. watcher%wants_stop) return
          if (has_solution) then
-            call take_pilot(pilots, direction, figure_values(collector%summary), collector%films)
+            call take_pilot(pilots, direction, foretold_values(collector%summary), collector%films)
          else
             if (2*pilots%intervals > pilots%most) exit
             ! all anew
@@ -241,7 +242,7 @@ contains
       type(pilots_t), intent(in) :: pilots
       logical :: sees_passages
 
-      sees_passages = ieee_is_finite(pilots%changes(1, 2, time_step)) &
+      sees_passages = ieee_is_finite(pilots%changes(h_min, 2, time_step)) &
          .or. pilots%steps >= believed_steps*pilots%passages
    end function sees_passages
 
@@ -250,7 +251,7 @@ contains
    pure subroutine take_pilot(pilots, direction, values, films)
       type(pilots_t), intent(inout) :: pilots
       integer, intent(in) :: direction
-      real(wp), intent(in) :: values(forecast_figures), films(0:)
+      real(wp), intent(in) :: values(quantity_count), films(0:)
 
       if (direction == nothing) then
          pilots%changes = ieee_value(1.0_wp, ieee_quiet_nan)
@@ -302,22 +303,22 @@ contains
       else if (any(pilots%age >= most_in_a_row)) then
          direction = maxloc(pilots%age, 1)
       else
-         error = error_of(pilots, 1, scheme)
+         error = error_of(pilots, h_min, scheme)
          reach = reach_of(pilots)
          doubts = doubts_at(error, 1.0_wp/reach(space), 1.0_wp/reach(time_step))
          direction = merge(space, time_step, doubts(space) > doubts(time_step))
       end if
    end function next_direction
 
-   !> What the pilots tell of the errors of a figure.
-   pure function error_of(pilots, figure, scheme) result(error)
+   !> What the pilots tell of the errors of a row of the table of quantities.
+   pure function error_of(pilots, row, scheme) result(error)
       type(pilots_t), intent(in) :: pilots
-      integer, intent(in) :: figure
+      integer, intent(in) :: row
       character(*), intent(in) :: scheme
       type(split_error_t) :: error
 
-      associate (changes => pilots%changes(figure, :, :))
-         if (figure == 1) then
+      associate (changes => pilots%changes(row, :, :))
+         if (row == h_min) then
             error = new_split_error(changes(:, space), changes(:, time_step), &
                time_orders(scheme), pilots%sizes)
          else
@@ -331,12 +332,12 @@ contains
       type(pilots_t), intent(in) :: pilots
       real(wp) :: reach(2)
 
-      reach = merge(farthest(2), farthest(1), ieee_is_finite(pilots%changes(1, 2, :)))
+      reach = merge(farthest(2), farthest(1), ieee_is_finite(pilots%changes(h_min, 2, :)))
    end function reach_of
 
    !> Chooses the cheapest intervals and time step that are foretold to be good enough, with the
-   !> forecast of all figures in `bars`; not `is_chosen` if there are none within reach, or nothing
-   !> can be foretold yet.
+   !> forecast of all quantities in `bars`; not `is_chosen` if there are none within reach, or
+   !> nothing can be foretold yet.
    pure subroutine choose(bars, contact, time, pilots, target, is_chosen)
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(inout) :: contact
@@ -349,13 +350,13 @@ contains
 
       is_chosen = .false.
       if (any(pilots%age < 0) .or. .not. sees_passages(pilots)) return
-      error = error_of(pilots, 1, time%scheme)
-      call find_cheapest(error, target*pilots%values(1), pilots, contact, intervals, steps)
+      error = error_of(pilots, h_min, time%scheme)
+      call find_cheapest(error, target*pilots%values(h_min), pilots, contact, intervals, steps)
       is_chosen = intervals > 0
       if (is_chosen) call take(bars, contact, time, pilots, intervals, steps)
    end subroutine choose
 
-   !> Takes a resolution, with the forecast of its figures if the pilots allow one.
+   !> Takes a resolution, with the forecast of its quantities if the pilots allow one.
    pure subroutine take(bars, contact, time, pilots, intervals, steps)
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(inout) :: contact
@@ -374,7 +375,7 @@ contains
       associate (forecast => bars%forecast, changes => pilots%changes)
          forecast%is_known = .true.
          forecast%pilot = pilots%values
-         do i = 1, forecast_figures
+         do i = 1, quantity_count
             error = error_of(pilots, i, time%scheme)
             forecast%error(i) = error_at(error, dx_ratio, dt_ratio)
             forecast%pilot_error(i) = error_at(error, 1.0_wp, 1.0_wp)

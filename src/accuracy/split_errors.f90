@@ -1,5 +1,5 @@
 !> Errors of a transient because of the grid and because of the time step, apart: from the changes
-!> of its figures where the spacing alone, and the time step alone, is halved.
+!> of its quantities where the spacing alone, and the time step alone, is halved.
 !>
 !> Refined together the two errors often cancel, with opposite signs and rates of their own, so that
 !> their sum tells little of finer resolutions. The last change of each tells its error and the sign
@@ -15,16 +15,13 @@
 module split_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
-   use line_summary, only: figure_t, line_summary_t
+   use line_summary, only: line_summary_t, quantity_t, value_between
+   use quantities, only: quantity_count, quantity_rows, rule_between, rule_crest, rule_node
    implicit none (type, external)
    private
 
-   public :: apply_forecast, doubts_at, error_at, figure_values, forecast_t, new_split_error, &
+   public :: apply_forecast, doubts_at, error_at, forecast_t, foretold_values, new_split_error, &
       shift_at, split_error_t
-
-   !> Figures of a forecast: h_min, its node, h_central, the largest pressure and the exit, both
-   !> between the nodes.
-   integer, parameter, public :: forecast_figures = 5
 
    !> The doubts about the error of the grid, without and with an observed order, and about that of
    !> the time step, and how they fade: as this power of the error (chosen with the numbers of
@@ -36,7 +33,7 @@ module split_errors
    !> The order in space where none is observed, and the bounds of an observed one.
    real(wp), parameter :: space_orders(3) = [1.5_wp, 1.5_wp, 2.0_wp]
 
-   !> Errors of one figure in the last run, limit less value, and the orders with which they fall.
+   !> Errors of one quantity in the last run, limit less value, and the orders with which they fall.
    type :: split_error_t
       !> As the last changes tell.
       real(wp) :: space, time
@@ -47,26 +44,26 @@ module split_errors
       real(wp) :: space_doubt
    end type split_error_t
 
-   !> What pilot runs foretell of the figures of a run (order of `figure_values`); NaN: nothing.
+   !> What pilot runs foretell of the quantities of a run; NaN: nothing.
    type :: forecast_t
       logical :: is_known = .false.
-      !> Figures of the finest pilot, and the estimates of their errors.
-      real(wp) :: pilot(forecast_figures) = 0.0_wp, pilot_error(forecast_figures) = 0.0_wp
+      !> Values of the finest pilot, and the estimates of their errors.
+      real(wp) :: pilot(quantity_count) = 0.0_wp, pilot_error(quantity_count) = 0.0_wp
       !> Estimates for the run, and what leads from its values to the limits.
-      real(wp) :: error(forecast_figures) = 0.0_wp, shift(forecast_figures) = 0.0_wp
+      real(wp) :: error(quantity_count) = 0.0_wp, shift(quantity_count) = 0.0_wp
    end type forecast_t
 
 contains
 
-   !> The figures of a run of which there is a forecast.
-   pure function figure_values(summary) result(values)
+   !> The values of a run that are foretold: between the nodes, but of a node its own.
+   pure function foretold_values(summary) result(values)
       type(line_summary_t), intent(in) :: summary
-      real(wp) :: values(forecast_figures)
+      real(wp) :: values(quantity_count)
+      integer :: i
 
-      values = [summary%h_min%value, summary%h_min_node%value, summary%h_central%value, &
-         summary%crests%highest, &
-         summary%x_cavitation%extrapolated]
-   end function figure_values
+      values = [(value_between(summary, i), i=1, quantity_count)]
+      where (quantity_rows%rule == rule_node) values = summary%of%value
+   end function foretold_values
 
    !> Estimates and extrapolated values of a run from its forecast. `node_jitter`: by how much the
    !> exit jitters with the place of the nodes; `pressure_safety`: the estimate of the largest
@@ -75,42 +72,42 @@ contains
       type(forecast_t), intent(in) :: forecast
       real(wp), intent(in) :: node_jitter, pressure_safety
       type(line_summary_t), intent(inout) :: summary
-      real(wp) :: values(forecast_figures)
+      real(wp) :: values(quantity_count), nodal
+      integer :: i
 
-      values = figure_values(summary)
-      call take(1, 0.0_wp, summary%h_min)
-      call take(2, abs(summary%h_min_node%value - summary%h_min%value), summary%h_min_node)
-      call take(3, 0.0_wp, summary%h_central)
-      call take(4, abs(summary%p_max%value - values(4)), summary%p_max)
-      summary%p_max%error_grid = pressure_safety*summary%p_max%error_grid
-      call take(5, node_jitter + abs(summary%x_cavitation%value - values(5)), summary%x_cavitation)
-
-   contains
-
-      !> One figure: the estimate, wider where the value is farther from that of the pilot than both
-      !> estimates allow, and what its node is off.
-      pure subroutine take(i, nodal, figure)
-         integer, intent(in) :: i
-         real(wp), intent(in) :: nodal
-         type(figure_t), intent(inout) :: figure
-         real(wp) :: change, allowed
-
-         if (.not. (ieee_is_finite(values(i)) .and. ieee_is_finite(forecast%error(i)))) return
-         figure%error_grid = forecast%error(i)
-         change = abs(values(i) - forecast%pilot(i))
-         allowed = forecast%error(i) + forecast%pilot_error(i)
-         if (change > allowed .and. allowed > 0.0_wp) figure%error_grid = figure%error_grid*change &
-            /allowed
-         figure%error_grid = figure%error_grid + nodal
-         figure%extrapolated = values(i) + forecast%shift(i)
-      end subroutine take
-
+      values = foretold_values(summary)
+      do i = 1, quantity_count
+         nodal = abs(summary%of(i)%value - value_between(summary, i))
+         if (quantity_rows(i)%rule == rule_between) nodal = node_jitter + nodal
+         call apply_to_row(forecast, i, values(i), nodal, summary%of(i))
+         if (quantity_rows(i)%rule == rule_crest) summary%of(i)%error_grid = pressure_safety &
+            *summary%of(i)%error_grid
+      end do
    end subroutine apply_forecast
 
-   !> The errors of a figure from its last change and the one before (NaN where not known) with half
-   !> the spacing, `space`, and with half the time step, `time`. `time_orders`: the order in time
-   !> where none is observed, and the bounds of an observed one. `sizes`: what the changes by space,
-   !> (:, 1), and by time are at least.
+   !> Row `i`: the estimate, wider where its `value` is farther from that of the pilot than both
+   !> estimates allow, and what its node is off.
+   pure subroutine apply_to_row(forecast, i, value, nodal, quantity)
+      type(forecast_t), intent(in) :: forecast
+      integer, intent(in) :: i
+      real(wp), intent(in) :: value, nodal
+      type(quantity_t), intent(inout) :: quantity
+      real(wp) :: change, allowed
+
+      if (.not. (ieee_is_finite(value) .and. ieee_is_finite(forecast%error(i)))) return
+      quantity%error_grid = forecast%error(i)
+      change = abs(value - forecast%pilot(i))
+      allowed = forecast%error(i) + forecast%pilot_error(i)
+      if (change > allowed .and. allowed > 0.0_wp) quantity%error_grid = &
+         quantity%error_grid*change/allowed
+      quantity%error_grid = quantity%error_grid + nodal
+      quantity%extrapolated = value + forecast%shift(i)
+   end subroutine apply_to_row
+
+   !> The errors of a quantity from its last change and the one before (NaN where not known) with
+   !> half the spacing, `space`, and with half the time step, `time`. `time_orders`: the order in
+   !> time where none is observed, and the bounds of an observed one. `sizes`: what the changes by
+   !> space, (:, 1), and by time are at least.
    pure function new_split_error(space, time, time_orders, sizes) result(self)
       real(wp), intent(in) :: space(2), time(2), time_orders(3)
       real(wp), intent(in), optional :: sizes(2, 2)

@@ -6,7 +6,7 @@
 module film_breakdown
    use iteration_report, only: breakdown_t, report_t
    use kinds, only: wp
-   use line_summary, only: parabola_minimum
+   use quantities, only: parabola_minimum
    use solver_settings, only: solver_settings_t
    use text, only: to_text
    implicit none (type, external)

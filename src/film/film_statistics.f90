@@ -7,7 +7,7 @@
 module film_statistics
    use kinds, only: wp
    use line_state, only: line_state_t
-   use line_summary, only: central_value, parabola_minimum
+   use quantities, only: central_value, parabola_minimum
    implicit none (type, external)
    private
 

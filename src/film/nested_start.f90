@@ -11,7 +11,7 @@ module nested_start
    use line_contact, only: line_contact_t
    use line_hierarchy, only: coarsest_for_film, count_work, line_hierarchy_t
    use line_level, only: contact_load, line_level_t
-   use line_summary, only: exit_between_nodes
+   use quantities, only: exit_between_nodes
    use newton_line, only: solve_newton
    use observer, only: is_stopped, observer_t
    use pseudo_time, only: follow_time
@@ -208,7 +208,7 @@ contains
    end subroutine refine
 
    !> The interpolated pressure round the exit: its root is nearly linear there (module
-   !> line_summary), and Newton's method moves the exit by one node a step only, so that it has to
+   !> quantities), and Newton's method moves the exit by one node a step only, so that it has to
    !> start within one.
    pure subroutine place_exit(coarse, fine)
       type(line_level_t), intent(in) :: coarse

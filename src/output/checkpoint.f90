@@ -15,10 +15,11 @@ module checkpoint
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: breakdown_t, report_t
    use kinds, only: wp
-   use line_summary, only: figure_t, line_summary_t
+   use line_summary, only: line_summary_t, quantity_t
    use march_state, only: march_state_t
    use operating_system, only: remove_file, rename_file, sync_file, sync_folder
    use passage_figures, only: passage_figures_t
+   use quantities, only: quantity_count, quantity_rows
    use split_errors, only: forecast_t
    use transient_store, only: digits_length, part_t
    implicit none (type, external)
@@ -27,7 +28,7 @@ module checkpoint
    public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 11
+   integer, parameter :: format_number = 12
    !> What to do about a checkpoint that cannot be used.
    character(*), parameter :: way_out = '; delete it, and the run starts at the beginning'
 
@@ -148,31 +149,30 @@ contains
       type(checkpoint_file_t), intent(inout) :: file
       character(*), intent(in) :: path
       type(line_summary_t), intent(inout) :: summary
+      integer :: i
 
-      call visit_figure(file, path//'h_min/', summary%h_min)
-      call visit_figure(file, path//'h_min_node/', summary%h_min_node)
-      call visit_figure(file, path//'h_central/', summary%h_central)
-      call visit_figure(file, path//'p_max/', summary%p_max)
-      call visit_figure(file, path//'x_cavitation/', summary%x_cavitation)
-      call file%visit(path//'h_central_cubic', summary%h_central_cubic)
+      do i = 1, quantity_count
+         call visit_quantity(file, path//trim(quantity_rows(i)%name)//'/', summary%of(i))
+      end do
       call file%visit(path//'highest_crest', summary%crests%highest)
       call file%visit(path//'other_crest', summary%crests%other)
       call file%visit(path//'spike', summary%crests%spike)
       call file%visit(path//'spike_film', summary%crests%spike_film)
    end subroutine visit_summary
 
-   !> One figure; its error is estimated when the run is complete.
-   subroutine visit_figure(file, path, figure)
+   !> One quantity; its error is estimated when the run is complete.
+   subroutine visit_quantity(file, path, quantity)
       type(checkpoint_file_t), intent(inout) :: file
       character(*), intent(in) :: path
-      type(figure_t), intent(inout) :: figure
+      type(quantity_t), intent(inout) :: quantity
 
-      call file%visit(path//'value', figure%value)
-      call file%visit(path//'time', figure%time)
-      call file%visit(path//'extrapolated', figure%extrapolated)
-      call file%visit(path//'error_estimate', figure%error_estimate)
-      call file%visit(path//'error_grid', figure%error_grid)
-   end subroutine visit_figure
+      call file%visit(path//'value', quantity%value)
+      call file%visit(path//'between', quantity%between)
+      call file%visit(path//'time', quantity%time)
+      call file%visit(path//'extrapolated', quantity%extrapolated)
+      call file%visit(path//'error_estimate', quantity%error_estimate)
+      call file%visit(path//'error_grid', quantity%error_grid)
+   end subroutine visit_quantity
 
    !> What pilot runs foretold, if there were any.
    subroutine visit_forecast(file, forecast)

@@ -7,15 +7,18 @@
 module progress_log
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: error_unit, int64
+   use hdf5_dataset, only: label_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use life_sign, only: begin_activity, begin_line, columns_of_sign, end_line
    use line_state, only: line_state_t
-   use line_summary, only: figure_t, line_summary_t, parabola_minimum
+   use line_summary, only: line_summary_t
    use observer, only: observer_t
    use operating_system, only: is_terminal
    use passage_times, only: passage_times_t
+   use quantities, only: h_min, p_max, parabola_minimum, quantity_count, quantity_rows
    use quantity_text, only: duration_text, number_text, prefixed_text, shortened, wrapped
+   use result_labels, only: field_label
    use scaling, only: scaling_t
    use signal_calls, only: standard_error
    use wall_clock, only: wall_seconds
@@ -163,24 +166,24 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       character(:), allocatable :: line
-      real(wp) :: remaining, h_min
+      real(wp) :: remaining, film
 
-      h_min = parabola_minimum(state%film_thickness)
+      film = parabola_minimum(state%film_thickness)
       remaining = (wall_seconds() - log%steps_start)*real(steps - step, &
          wp)/real(step - log%first_step, wp)
       line = 'step '//number_text(real(step, wp), 9)//'/'//number_text(real(steps, wp), 9)//'  T ' &
          //number_text(state%time, 4)
       if (log%scaling%is_dimensional) then
-         line = line//'  h_min '//prefixed_text(h_min*log%scaling%film, 'm')
+         line = line//'  h_min '//prefixed_text(film*log%scaling%film, 'm')
       else
-         line = line//'  H_min '//number_text(h_min, 4)
+         line = line//'  H_min '//number_text(film, 4)
       end if
       if (report%residual > report%tolerance_effective) line = line//'  residual ' &
          //number_text(report%residual, 2)
       line = line//'  '//duration_text(remaining)//' left'
    end function step_text
 
-   !> The closing table: figures in SI and dimensionless, residuals, seconds, where the result is.
+   !> The closing table: quantities in SI and dimensionless, residuals, seconds, path of the result.
    subroutine close_case(self, summary, report, path, times)
       class(progress_log_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: summary
@@ -208,21 +211,22 @@ contains
       if (.not. self%is_quiet) call self%write_table(summary, report, path, times)
    end subroutine close_case
 
-   !> The closing table: figures in SI and dimensionless with their errors, residuals, the cost of
-   !> the inlet, the file.
+   !> The closing table: quantities in SI and dimensionless with their errors, residuals, the cost
+   !> of the inlet, the file.
    subroutine write_table(self, summary, report, path, times)
       class(progress_log_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
       character(*), intent(in) :: path
       type(passage_times_t), intent(in) :: times
+      integer :: i
 
-      if (summary%p_max%value > 0.0_wp) then   ! else no start was found: there is nothing to show
+      ! else no start was found: there is nothing to show
+      if (summary%of(p_max)%value > 0.0_wp) then
          call self%write_line('            SI              dimensionless')
-         call self%write_line(figure_line('h_min', summary%h_min, self%scaling%film, 'm'))
-         call self%write_line(figure_line('h_c', summary%h_central, self%scaling%film, 'm'))
-         call self%write_line(figure_line('p_max', summary%p_max, self%scaling%hertz_pressure, &
-            'Pa'))
+         do i = 1, quantity_count
+            if (len_trim(quantity_rows(i)%short) > 0) call self%write_line(row_of_table(i))
+         end do
          call self%write_line('  residual  '//number_text(report%residual, 2)//'   load error '// &
                               number_text(report%load_error, 2)//'   bound ' &
                                  //number_text(report%tolerance_effective, 2))
@@ -239,27 +243,30 @@ contains
    contains
 
       !> One row of the table.
-      function figure_line(name, figure, si_scale, unit) result(line)
-         character(*), intent(in) :: name
-         type(figure_t), intent(in) :: figure
-         real(wp), intent(in) :: si_scale
-         character(*), intent(in) :: unit
+      function row_of_table(i) result(line)
+         integer, intent(in) :: i
          character(:), allocatable :: line
          character(len=72) :: row
+         type(label_t) :: scale
 
-         row = '  '//name
-         row(13:) = '-'
-         if (self%scaling%is_dimensional) row(13:) = prefixed_text(figure%value*si_scale, unit)
-         row(29:) = number_text(figure%value, 6)
-         if (ieee_is_finite(figure%error_estimate) .and. abs(figure%value) > 0.0_wp) then
-            row(40:) = '+- '//number_text(100*abs(figure%error_estimate/figure%value), 2)//' %'
-         else if (ieee_is_finite(summary%h_min%error_estimate)) then
-            row(40:) = '+- not known'
-         end if
-         if (report%steps > 0 .and. ieee_is_finite(figure%time)) row(53:) = 'at T ' &
-            //number_text(figure%time, 4)
+         associate (quantity => summary%of(i))
+            scale = field_label(trim(quantity_rows(i)%field), self%scaling)
+            row = '  '//quantity_rows(i)%short
+            row(13:) = '-'
+            if (self%scaling%is_dimensional) row(13:) = prefixed_text(quantity%value &
+               *scale%si_scale, scale%si_units)
+            row(29:) = number_text(quantity%value, 6)
+            if (ieee_is_finite(quantity%error_estimate) .and. abs(quantity%value) > 0.0_wp) then
+               row(40:) = '+- '//number_text(100*abs(quantity%error_estimate/quantity%value), 2) &
+                  //' %'
+            else if (ieee_is_finite(summary%of(h_min)%error_estimate)) then
+               row(40:) = '+- not known'
+            end if
+            if (report%steps > 0 .and. ieee_is_finite(quantity%time)) row(53:) = 'at T ' &
+               //number_text(quantity%time, 4)
+         end associate
          line = trim(row)
-      end function figure_line
+      end function row_of_table
 
    end subroutine write_table
 

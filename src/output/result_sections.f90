@@ -9,9 +9,10 @@ module result_sections
    use iteration_report, only: phase_names, report_t
    use kinds, only: wp
    use line_state, only: line_state_t
-   use line_summary, only: figure_t, line_summary_t
+   use line_summary, only: line_summary_t, quantity_t
    use moes, only: moes_m_sum_from_mean
    use passage_times, only: passage_times_t
+   use quantities, only: quantity_count, quantity_row_t, quantity_rows
    use result_labels, only: field_label, field_names, field_values, quantity_label
    use scaling, only: scaling_t
    implicit none (type, external)
@@ -86,8 +87,8 @@ contains
                             scaling%time, scaling))
    end subroutine write_solution
 
-   !> /summary: figures in SI; `is_transient`: extremes over the times that count, each with its
-   !> time in `<name>_time`; `missing`: why a figure whose estimate is NaN has none.
+   !> /summary: quantities in SI; `is_transient`: extremes over the times that count, each with its
+   !> time in `<name>_time`; `missing`: why a quantity whose estimate is NaN has none.
    subroutine write_summary(file, summary, scaling, is_transient, missing)
       class(hdf5_file_t), intent(inout) :: file
       type(line_summary_t), intent(in) :: summary
@@ -95,7 +96,9 @@ contains
       logical, intent(in) :: is_transient
       character(*), intent(in) :: missing
       real(wp) :: moes_unit
+      integer :: i
 
+      moes_unit = 8.0_wp*scaling%moes_m/pi
       call file%create_group('/summary')
       call write_attribute(file, '/summary', 'about', 'values in their units; attribute '// &
          'dimensionless: the same as H, P, '// &
@@ -104,123 +107,108 @@ contains
                            'error_domain (its length), error_iteration and error_start (of a '// &
                               'transient); NaN = not '// &
                            'estimated, no_estimate says why')
-      call write_figure('h_min', 'smallest film thickness, parabola through three nodes', &
-         summary%h_min, film_label())
-      call write_figure('h_min_node', 'smallest film thickness of a node', summary%h_min_node, &
-         film_label())
-      call write_figure('h_central', 'film thickness at X = 0, linear between nodes' &
-         //over_time('smallest'), &
-                        summary%h_central, film_label())
-      call write_figure('p_max', 'largest pressure of a node', summary%p_max, &
-         field_label('pressure', scaling))
-      call write_figure('x_cavitation', 'last node with P > 0 (extrapolated: exit between nodes)' &
-         //over_time('largest'), &
-                        summary%x_cavitation, field_label('x', scaling))
-      moes_unit = 8.0_wp*scaling%moes_m/pi
-      call write_figure('h_min_moes', "h_min in units of Moes, (h/R) sqrt(E' R/(mu_0 u)), "// &
-         'mean velocity u = u_s/2', &
-                        in_unit(summary%h_min), new_label('', '1'))
-      call write_figure('h_central_moes', "h_central in units of Moes, (h/R) sqrt(E' R/(mu_0 "// &
-         'u)), mean velocity u = u_s/2', &
-                        in_unit(summary%h_central), new_label('', '1'))
+      do i = 1, quantity_count
+         associate (row => quantity_rows(i), quantity => summary%of(i))
+            call write_quantity(trim(row%name), trim(row%text)//over_time(row), quantity, &
+               field_label(trim(row%field), scaling))
+            if (row%field == 'film_thickness' .and. len_trim(row%short) > 0) call &
+               write_quantity(trim(row%name)//'_moes', trim(row%name)// &
+               " in units of Moes, (h/R) sqrt(E' R/(mu_0 u)), mean velocity u = u_s/2", &
+               in_unit(quantity), new_label('', '1'))
+         end associate
+      end do
 
    contains
 
-      !> Unit and scale of a film thickness.
-      pure function film_label() result(label)
-         type(label_t) :: label
-
-         label = field_label('film_thickness', scaling)
-      end function film_label
-
-      !> Which extreme a figure is, if there are several times.
-      pure function over_time(extreme) result(words)
-         character(*), intent(in) :: extreme
+      !> Which extreme a quantity is, if there are several times and its text does not say so.
+      pure function over_time(row) result(words)
+         type(quantity_row_t), intent(in) :: row
          character(:), allocatable :: words
 
          words = ''
-         if (is_transient) words = ', '//extreme//' over time'
+         if (is_transient .and. index(row%text, trim(row%extreme)) == 0) words = ', ' &
+            //trim(row%extreme)//' over time'
       end function over_time
 
       !> A film thickness in units of Moes.
-      pure function in_unit(figure) result(scaled)
-         type(figure_t), intent(in) :: figure
-         type(figure_t) :: scaled
+      pure function in_unit(quantity) result(scaled)
+         type(quantity_t), intent(in) :: quantity
+         type(quantity_t) :: scaled
 
-         scaled = figure
-         scaled%value = figure%value*moes_unit
-         scaled%error_estimate = figure%error_estimate*moes_unit
-         scaled%extrapolated = figure%extrapolated*moes_unit
-         scaled%error_grid = figure%error_grid*moes_unit
-         scaled%error_domain = figure%error_domain*moes_unit
-         scaled%error_iteration = figure%error_iteration*moes_unit
-         scaled%error_start = figure%error_start*moes_unit
+         scaled = quantity
+         scaled%value = quantity%value*moes_unit
+         scaled%error_estimate = quantity%error_estimate*moes_unit
+         scaled%extrapolated = quantity%extrapolated*moes_unit
+         scaled%error_grid = quantity%error_grid*moes_unit
+         scaled%error_domain = quantity%error_domain*moes_unit
+         scaled%error_iteration = quantity%error_iteration*moes_unit
+         scaled%error_start = quantity%error_start*moes_unit
       end function in_unit
 
-      !> One figure; `scale` gives its unit.
-      subroutine write_figure(name, long_name, figure, scale)
+      !> One quantity; `scale` gives its unit.
+      subroutine write_quantity(name, long_name, quantity, scale)
          character(*), intent(in) :: name
          character(*), intent(in) :: long_name
-         type(figure_t), intent(in) :: figure
+         type(quantity_t), intent(in) :: quantity
          type(label_t), intent(in) :: scale
          character(:), allocatable :: path
 
          path = '/summary/'//name
-         call write_dataset(file, path, figure%value*scale%si_scale, &
+         call write_dataset(file, path, quantity%value*scale%si_scale, &
             new_label(long_name, scale%si_units))
          call write_attribute(file, path, 'units', scale%si_units)
-         call write_attribute(file, path, 'dimensionless', figure%value)
-         call write_errors(path, figure, scale%si_scale)
-         if (ieee_is_finite(figure%extrapolated)) call write_extrapolated(path//'_extrapolated', &
-            name, figure, scale)
+         call write_attribute(file, path, 'dimensionless', quantity%value)
+         call write_errors(path, quantity, scale%si_scale)
+         if (ieee_is_finite(quantity%extrapolated)) call write_extrapolated(path//'_extrapolated', &
+            name, quantity, scale)
          if (is_transient .and. index(name, '_moes') == 0) call write_time(path//'_time', name, &
-            figure)
-      end subroutine write_figure
+            quantity)
+      end subroutine write_quantity
 
-      !> The estimated error of a figure and its parts.
-      subroutine write_errors(path, figure, si_scale)
+      !> The estimated error of a quantity and its parts.
+      subroutine write_errors(path, quantity, si_scale)
          character(*), intent(in) :: path
-         type(figure_t), intent(in) :: figure
+         type(quantity_t), intent(in) :: quantity
          real(wp), intent(in) :: si_scale
 
-         call write_attribute(file, path, 'error_estimate', figure%error_estimate*si_scale)
-         call write_attribute(file, path, 'error_grid', figure%error_grid*si_scale)
-         call write_attribute(file, path, 'error_domain', figure%error_domain*si_scale)
-         call write_attribute(file, path, 'error_iteration', figure%error_iteration*si_scale)
-         call write_attribute(file, path, 'error_start', figure%error_start*si_scale)
-         if (.not. ieee_is_finite(figure%error_estimate)) call write_attribute(file, path, &
+         call write_attribute(file, path, 'error_estimate', quantity%error_estimate*si_scale)
+         call write_attribute(file, path, 'error_grid', quantity%error_grid*si_scale)
+         call write_attribute(file, path, 'error_domain', quantity%error_domain*si_scale)
+         call write_attribute(file, path, 'error_iteration', quantity%error_iteration*si_scale)
+         call write_attribute(file, path, 'error_start', quantity%error_start*si_scale)
+         if (.not. ieee_is_finite(quantity%error_estimate)) call write_attribute(file, path, &
             'no_estimate', missing)
       end subroutine write_errors
 
-      !> What a figure tends to on ever finer grids and time steps.
-      subroutine write_extrapolated(path, name, figure, scale)
+      !> What a quantity tends to on ever finer grids and time steps.
+      subroutine write_extrapolated(path, name, quantity, scale)
          character(*), intent(in) :: path
          character(*), intent(in) :: name
-         type(figure_t), intent(in) :: figure
+         type(quantity_t), intent(in) :: quantity
          type(label_t), intent(in) :: scale
 
-         call write_dataset(file, path, figure%extrapolated*scale%si_scale, &
+         call write_dataset(file, path, quantity%extrapolated*scale%si_scale, &
                             new_label(name//' by Richardson extrapolation from n and n/2 '// &
                                'intervals', scale%si_units))
          call write_attribute(file, path, 'units', scale%si_units)
-         call write_attribute(file, path, 'dimensionless', figure%extrapolated)
-         call write_attribute(file, path, 'error_estimate', figure%error_estimate*scale%si_scale)
-         if (.not. ieee_is_finite(figure%error_estimate)) call write_attribute(file, path, &
+         call write_attribute(file, path, 'dimensionless', quantity%extrapolated)
+         call write_attribute(file, path, 'error_estimate', quantity%error_estimate*scale%si_scale)
+         if (.not. ieee_is_finite(quantity%error_estimate)) call write_attribute(file, path, &
             'no_estimate', missing)
       end subroutine write_extrapolated
 
-      !> When a figure was reached.
-      subroutine write_time(path, name, figure)
+      !> When a quantity was reached.
+      subroutine write_time(path, name, quantity)
          character(*), intent(in) :: path
          character(*), intent(in) :: name
-         type(figure_t), intent(in) :: figure
+         type(quantity_t), intent(in) :: quantity
          type(label_t) :: scale
 
          scale = quantity_label('time at which '//name//' was reached', 's', scaling%time, scaling)
-         call write_dataset(file, path, figure%time*scale%si_scale, new_label(scale%long_name, &
+         call write_dataset(file, path, quantity%time*scale%si_scale, new_label(scale%long_name, &
             scale%si_units))
          call write_attribute(file, path, 'units', scale%si_units)
-         call write_attribute(file, path, 'dimensionless', figure%time)
+         call write_attribute(file, path, 'dimensionless', quantity%time)
          call write_attribute(file, path, 'error_estimate', ieee_value(0.0_wp, ieee_quiet_nan))
          call write_attribute(file, path, 'no_estimate', 'one of the time steps; from one to '// &
             'another of nearly equal extremes '// &

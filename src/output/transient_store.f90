@@ -15,6 +15,7 @@ module transient_store
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use positional_file, only: open_positional_file, positional_file_t
+   use quantities, only: h_min, p_max
    use result_labels, only: field_label, field_names, field_values, quantity_label
    use running_series, only: create_running_series, running_series_t
    use scaling, only: scaling_t
@@ -183,9 +184,9 @@ contains
             case ('rigid_displacement')
                call series%put(self%file, [state%rigid_displacement])
             case ('h_min')
-               call series%put(self%file, [summary%h_min%value])
+               call series%put(self%file, [summary%of(h_min)%value])
             case ('p_max')
-               call series%put(self%file, [summary%p_max%value])
+               call series%put(self%file, [summary%of(p_max)%value])
             case ('residual')
                call series%put(self%file, [report%residual])
             case (breakdown_name)

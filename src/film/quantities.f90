@@ -1,0 +1,213 @@
+!> The quantities of a lubricated line contact that everybody asks for first: smallest and central
+!> film, largest pressure, exit. What each is stands in one table; the summary of a state, extremes
+!> over time, error estimates, forecasts, checkpoints, results and the closing table go through it.
+!>
+!> Dimensionless (H, P, X). Where a quantity cannot be known it is NaN, never a number that looks
+!> like an answer.
+module quantities
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: central_by_cubic, central_value, exit_between_nodes, exit_position, node_minimum, &
+      not_known, parabola_minimum, peak_value, quantity_values
+
+   !> Rows of the table.
+   integer, parameter, public :: h_min = 1, h_min_node = 2, h_central = 3, p_max = 4, &
+      x_cavitation = 5
+
+   !> How the error of a quantity is estimated from other grids. `rule_value`: by its own values, in
+   !> a transient by those between the nodes. `rule_node`: by both, and their distance is added.
+   !> `rule_between`: by those between the nodes, their distance is added, and the value between the
+   !> nodes counts as extrapolated. `rule_crest`: by the crests of the pressure, and how much a
+   !> spike may grow.
+   integer, parameter, public :: rule_value = 1, rule_node = 2, rule_between = 3, rule_crest = 4
+
+   !> What a quantity is.
+   type, public :: quantity_row_t
+      !> Name in the result.
+      character(len=12) :: name
+      !> Name in the closing table; empty: it is not there, and changes of it need no note.
+      character(len=5) :: short
+      !> The field of /solution whose unit it has; that says what an inlet too near does to it, too.
+      character(len=14) :: field
+      !> Which one over several times counts: 'smallest' or 'largest'.
+      character(len=8) :: extreme
+      integer :: rule
+      !> Bounds of its observed order in space in the kappa scheme: at a spike that of h_min is
+      !> chance, and h_central falls faster than with the second order.
+      real(wp) :: kappa_orders(2)
+      !> Text of its data set.
+      character(len=58) :: text
+   end type quantity_row_t
+
+   type(quantity_row_t), parameter, public :: quantity_rows(*) = [ &
+      quantity_row_t('h_min', 'h_min', 'film_thickness', 'smallest', rule_value, [1.0_wp, 1.0_wp], &
+         'smallest film thickness, parabola through three nodes'), &
+      quantity_row_t('h_min_node', '', 'film_thickness', 'smallest', rule_node, [1.0_wp, 1.0_wp], &
+         'smallest film thickness of a node'), &
+      quantity_row_t('h_central', 'h_c', 'film_thickness', 'smallest', rule_value, &
+         [1.0_wp, 2.5_wp], 'film thickness at X = 0, linear between nodes'), &
+      quantity_row_t('p_max', 'p_max', 'pressure', 'largest', rule_crest, [1.0_wp, 2.0_wp], &
+         'largest pressure of a node'), &
+      quantity_row_t('x_cavitation', '', 'x', 'largest', rule_between, [1.0_wp, 2.0_wp], &
+         'last node with P > 0 (extrapolated: exit between nodes)')]
+
+   integer, parameter, public :: quantity_count = size(quantity_rows)
+
+contains
+
+   !> A quantity of pressure `p` and film `h` on the nodes `x` of a rising grid, each (nx): its
+   !> value and that between the nodes, which does not change with the place of the nodes. The same
+   !> number twice where there is no other; of the pressure the crests are used in its place.
+   pure function quantity_values(row, x, p, h) result(values)
+      integer, intent(in) :: row
+      real(wp), intent(in) :: x(:), p(:), h(:)
+      real(wp) :: values(2)
+
+      select case (row)
+      case (h_min)
+         values = parabola_minimum(h)
+      case (h_min_node)
+         values = [node_minimum(h), parabola_minimum(h)]
+      case (h_central)
+         values = [central_value(x, h), central_by_cubic(x, h)]
+      case (p_max)
+         values = peak_value(p)
+      case (x_cavitation)
+         values = [exit_position(x, p), exit_between_nodes(x, p)]
+      case default
+         values = not_known()
+      end select
+   end function quantity_values
+
+   !> Smallest value of a positive curve on a uniform grid: vertex of the parabola through the
+   !> smallest node and its neighbours; the node itself at an end, or where the vertex of a film
+   !> that nearly closes would be negative; NaN if a value is not finite. h (nx).
+   pure function parabola_minimum(h) result(smallest)
+      real(wp), intent(in) :: h(:)
+      real(wp) :: smallest
+      real(wp) :: slope, curvature, vertex
+      integer :: i
+
+      smallest = node_minimum(h)
+      if (.not. ieee_is_finite(smallest)) return
+      i = minloc(h, dim=1)
+      if (i == 1 .or. i == size(h)) return
+      slope = 0.5_wp*(h(i + 1) - h(i - 1))
+      curvature = h(i + 1) - 2.0_wp*h(i) + h(i - 1)
+      if (curvature <= 0.0_wp) return
+      vertex = h(i) - 0.5_wp*slope**2/curvature
+      if (vertex > 0.0_wp .or. smallest <= 0.0_wp) smallest = vertex
+   end function parabola_minimum
+
+   !> Smallest nodal value; NaN if a value is not finite. h (nx).
+   pure function node_minimum(h) result(smallest)
+      real(wp), intent(in) :: h(:)
+      real(wp) :: smallest
+
+      smallest = not_known()
+      if (size(h) > 0 .and. all(ieee_is_finite(h))) smallest = minval(h)
+   end function node_minimum
+
+   !> Largest nodal value; NaN if a value is not finite. p (nx).
+   pure function peak_value(p) result(highest)
+      real(wp), intent(in) :: p(:)
+      real(wp) :: highest
+
+      highest = not_known()
+      if (size(p) > 0 .and. all(ieee_is_finite(p))) highest = maxval(p)
+   end function peak_value
+
+   !> Value at X = 0, linear between the nodes of a rising grid; NaN if the grid does not reach it.
+   !> x, h (nx).
+   pure function central_value(x, h) result(film)
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(in) :: h(:)
+      real(wp) :: film
+      integer :: i
+
+      film = not_known()
+      i = count(x <= 0.0_wp)
+      if (i == 0) return
+      if (x(i) >= 0.0_wp) then
+         film = h(i)
+      else if (i < size(x)) then
+         film = h(i) - x(i)*(h(i + 1) - h(i))/(x(i + 1) - x(i))
+      end if
+      if (.not. ieee_is_finite(film)) film = not_known()
+   end function central_value
+
+   !> Value at X = 0 by the cubic through the two nodes of a uniform grid on either side, linear
+   !> where there are not four; NaN if the grid does not reach it. x, h (nx).
+   pure function central_by_cubic(x, h) result(film)
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(in) :: h(:)
+      real(wp) :: film
+      real(wp) :: t, weights(4)
+      integer :: i
+
+      film = central_value(x, h)
+      i = count(x <= 0.0_wp)
+      if (i < 2 .or. i + 2 > size(x) .or. .not. ieee_is_finite(film)) return
+      t = -x(i)/(x(i + 1) - x(i))
+      weights = [-t*(t - 1)*(t - 2)/6, (t + 1)*(t - 1)*(t - 2)/2, -(t + 1)*t*(t - 2)/2, &
+         (t + 1)*t*(t - 1)/6]
+      film = dot_product(weights, h(i - 1:i + 2))
+   end function central_by_cubic
+
+   !> X of the last node with P > 0; NaN if there is none or a value is not finite. x, p (nx).
+   pure function exit_position(x, p) result(position)
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(in) :: p(:)
+      real(wp) :: position
+      integer :: i
+
+      position = not_known()
+      if (.not. all(ieee_is_finite(p))) return
+      do i = size(p), 1, -1
+         if (p(i) > 0.0_wp) then
+            position = x(i)
+            return
+         end if
+      end do
+   end function exit_position
+
+   !> X of the exit between two nodes. There P and dP/dX are zero, so that the root of P is nearly
+   !> linear: the zero of the parabola through the roots of P at the last three nodes with P > 0, of
+   !> the line through the last two where that has no zero ahead, at most two spacings behind the
+   !> last node. NaN if there are not three such nodes in a row. x, p (nx).
+   pure function exit_between_nodes(x, p) result(position)
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(in) :: p(:)
+      real(wp) :: position
+      real(wp) :: root(3), slope, curvature, discriminant, ahead
+      integer :: i
+
+      position = not_known()
+      if (.not. all(ieee_is_finite(p))) return
+      i = findloc(p > 0.0_wp, .true., 1, back=.true.)
+      if (i < 3 .or. i == size(p)) return
+      if (.not. all(p(i - 2:i) > 0.0_wp)) return
+      root = sqrt(p(i - 2:i))
+      slope = 0.5_wp*(3*root(3) - 4*root(2) + root(1))
+      curvature = root(3) - 2*root(2) + root(1)
+      discriminant = slope**2 - 2*curvature*root(3)
+      ahead = 2.0_wp
+      if (slope < 0.0_wp .and. discriminant >= 0.0_wp) then
+         ahead = 2*root(3)/(sqrt(discriminant) - slope)
+      else if (root(3) < root(2)) then
+         ahead = root(3)/(root(2) - root(3))
+      end if
+      position = x(i) + min(ahead, 2.0_wp)*(x(i) - x(i - 1))
+   end function exit_between_nodes
+
+   !> A quiet NaN.
+   pure function not_known() result(value)
+      real(wp) :: value
+
+      value = ieee_value(0.0_wp, ieee_quiet_nan)
+   end function not_known
+
+end module quantities
