@@ -76,6 +76,7 @@ lint: ## style of Fortran, Python and shell, order of the layers, errors that no
 	$(PYTHON) tools/use_graph.py --most 20
 	$(PYTHON) tools/check_errors.py
 	$(PYTHON) tools/check_reads.py
+	$(PYTHON) tools/check_public.py
 	ruff check --quiet .
 	ruff format --quiet --check .
 	shellcheck bootstrap .ci/run $(wildcard tools/*.sh cluster/*.sh)

@@ -15,7 +15,16 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGES = ["README.md", "CONTRIBUTING.md", "docs/guide.md", "docs/theory.md", "docs/developer.md"]
-LINKED_PAGES = [*PAGES, "CHANGELOG.md", "docs/input.md", "docs/ford.md", "docs/thesis.md", "docs/dry.md", "docs/performance.md"]
+LINKED_PAGES = [
+    *PAGES,
+    "CHANGELOG.md",
+    "docs/input.md",
+    "docs/ford.md",
+    "docs/thesis.md",
+    "docs/dry.md",
+    "docs/performance.md",
+    "docs/testing.md",
+]
 BLOCK = re.compile(r"^(?P<exempt><!-- not run: .+ -->\n)?```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
 FOLDERS = r"(?:src|app|test|tools|docs|input|postproc|include|bench|cluster|studies|\.ci)"
 
@@ -137,3 +146,12 @@ def test_words_of_make_that_are_named_exist(page):
     targets = set(re.findall(r"^([a-z0-9-]+):", page_text("Makefile"), re.M))
     named = set(re.findall(r"(?:`|^|\./)(?:make|bootstrap) ([a-z0-9-]+)", page_text(page), re.M)) - {"-f"}
     assert named - targets == set(), f"{page} names words of make that the Makefile does not have"
+
+
+def test_names_of_the_developer_page_are_in_the_source():
+    patterns = ("src/**/*.f90", "app/*.f90", "tools/*", "test/**/*.p[fy]", "bench/*.py")
+    files = [path for pattern in patterns for path in ROOT.glob(pattern) if path.is_file()]
+    words = {word for path in files for word in re.findall(r"\w+", path.read_text(encoding="utf-8"))}
+    named = set(re.findall(r"`([a-z]\w*_\w+)`", prose("docs/developer.md")))
+    parts = {name for name in named if name.endswith("_") and any(word.startswith(name) for word in words)}
+    assert named - words - parts == set(), "docs/developer.md has names that are not in the source"

@@ -1,7 +1,7 @@
 !> The Newton system of the line contact as a full matrix, solved by LAPACK in O(n^3): exact on
 !> coarse grids, and the reference on fine ones.
 module dense_jacobian
-   use dense_solve, only: solve_dense
+   use dense_solve, only: solve_dense, use_one_blas_thread
    use errors, only: error_t
    use kinds, only: wp
    use line_level, only: line_level_t
@@ -37,7 +37,10 @@ contains
       if (allocated(self%matrix)) then
          if (size(self%pivots) /= n) deallocate (self%matrix, self%pivots)
       end if
-      if (.not. allocated(self%matrix)) allocate (self%matrix(n, n), self%pivots(n))
+      if (.not. allocated(self%matrix)) then
+         allocate (self%matrix(n, n), self%pivots(n))
+         call use_one_blas_thread()
+      end if
       call fill_matrix(level, jacobian, is_cavitated, self%matrix)
       call solve_dense(self%matrix, step, self%pivots, error)
       is_solved = .not. allocated(error)

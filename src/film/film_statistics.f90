@@ -15,8 +15,8 @@ module film_statistics
 
    !> Bins of the distributions: equal in the logarithm, from 10^first on. The outer ones also take
    !> what lies beyond.
-   integer, parameter, public :: bins_per_decade = 200, film_first = -7, pressure_first = -2, &
-      bin_count = 2000
+   integer, parameter, public :: bins_per_decade = 200, film_first = -7, pressure_first = -2
+   integer, parameter :: bin_count = 2000
 
    !> Sums over the time steps so far. Dimensionless.
    type :: film_statistics_t
@@ -48,7 +48,7 @@ contains
       real(wp), intent(in) :: thresholds(:)
       type(film_statistics_t) :: statistics
 
-      statistics%thresholds = thresholds
+      allocate (statistics%thresholds, source=thresholds)
       allocate (statistics%times_below(size(thresholds)), &
          statistics%shares_below(size(thresholds)), source=0.0_wp)
    end function new_statistics

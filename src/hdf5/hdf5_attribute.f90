@@ -45,7 +45,7 @@ contains
       real(wp), allocatable, target :: copy(:)
       integer(hid_t) :: object
 
-      copy = values
+      allocate (copy, source=values)
       call open_object(file, path, object)
       call attach(file, object, name, file%real_type, c_loc(copy), size(copy))
       call close_object(file, object)

@@ -181,7 +181,7 @@ contains
       integer(int64), allocatable :: counts(:)
       integer :: status
 
-      counts = self%extents(path)
+      allocate (counts, source=self%extents(path))
       if (allocated(self%failure)) counts = [0_int64]
       if (product(real(counts, wp)) > real(most_values, wp)) then
          call self%refuse(path, 'found more than '//to_text(most_values)//' values')

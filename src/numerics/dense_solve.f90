@@ -43,8 +43,8 @@ module dense_solve
 
 contains
 
-   !> Keeps OpenBLAS, if that is the BLAS in use, to one thread: its threads spin between the small
-   !> systems solved here and cost more than they give. Any other BLAS is left as it is.
+   !> Limits OpenBLAS, if that is the BLAS in use, to one thread, so that a run takes the cores it
+   !> was given and its results do not depend on their number. Any other BLAS is left as it is.
    subroutine use_one_blas_thread()
       procedure(set_threads_interface), pointer :: set_threads
       type(c_funptr) :: address

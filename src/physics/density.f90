@@ -4,29 +4,22 @@ module density
    implicit none (type, external)
    private
 
-   public :: dowson_higginson_density, dowson_higginson_densities, dowson_higginson_density_values
+   public :: dowson_higginson_densities, dowson_higginson_density_values
 
    !> Pressure constant C1 [Pa] of (2.28), (2.63); D. Dowson and G. R. Higginson,
    !> Elasto-hydrodynamic lubrication, 1966.
    real(wp), parameter, public :: dowson_higginson_c1 = 5.9e8_wp
    !> Density ratio C2 [-] of (2.28), (2.63) to which the law tends at infinite pressure; same
    !> source.
-   real(wp), parameter, public :: dowson_higginson_c2 = 1.34_wp
+   real(wp), parameter :: dowson_higginson_c2 = 1.34_wp
 
 contains
 
-   !> Dowson and Higginson's law (2.28), (2.63):  rho/rho_0 = (C1 + C2 p)/(C1 + p).
+   !> Dowson and Higginson's law (2.28), (2.63) on arrays (n), in one loop that the compiler
+   !> vectorises:  rho/rho_0 = (C1 + C2 p)/(C1 + p).
    !>
    !> `p` >= 0 and `c1` > 0 in one and the same unit (SI, or both divided by the Hertz pressure).
    !> `rho` = rho/rho_0 [-], between 1 and C2; `drho` its derivative by p [1/unit of p].
-   pure elemental subroutine dowson_higginson_density(p, c1, rho, drho)
-      real(wp), intent(in) :: p, c1
-      real(wp), intent(out) :: rho, drho
-
-      call dowson_higginson(p, c1, rho, drho)
-   end subroutine dowson_higginson_density
-
-   !> `dowson_higginson_density` on arrays (n) in one loop that the compiler vectorises.
    pure subroutine dowson_higginson_densities(p, c1, rho, drho)
       real(wp), intent(in), contiguous :: p(:)
       real(wp), intent(in) :: c1
@@ -51,8 +44,8 @@ contains
       end do
    end subroutine dowson_higginson_density_values
 
-   !> The formula of `dowson_higginson_density`; private, so that also position-independent code has
-   !> it inlined in the loops.
+   !> The law at one pressure; private, so that position-independent code inlines it in the loops
+   !> too.
    pure elemental subroutine dowson_higginson(p, c1, rho, drho)
       real(wp), intent(in) :: p, c1
       real(wp), intent(out) :: rho, drho

@@ -14,7 +14,7 @@ module roelands_relation
    real(wp), parameter, public :: roelands_log_shift = 9.67_wp
 
    !> Largest relative disagreement of alpha, P0 and z when all three are given [-].
-   real(wp), parameter, public :: roelands_agreement = 1.0e-3_wp
+   real(wp), parameter :: roelands_agreement = 1.0e-3_wp
 
 contains
 

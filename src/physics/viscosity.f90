@@ -9,25 +9,14 @@ module viscosity
    private
 
    public :: barus_ln_viscosities, barus_viscosities
-   public :: roelands_ln_viscosities, roelands_viscosities, roelands_viscosity
+   public :: roelands_ln_viscosities, roelands_viscosities
 
 contains
-
-   !> Roelands' law (2.26), (2.61):  ln(mu/mu_0) = (alpha P0/z) [ (1 + p/P0)^z - 1 ].
-   !>
-   !> `p` >= 0; `alpha` >= 0; `p0` > 0; `z` > 0 (0.4 ... 0.8 for oils; z = 1 is Barus).
-   !> `ln_mu` = ln(mu/mu_0) [-]; `dln_mu` its derivative by p [1/unit of p].
-   pure elemental subroutine roelands_viscosity(p, alpha, p0, z, ln_mu, dln_mu)
-      real(wp), intent(in) :: p, alpha, p0, z
-      real(wp), intent(out) :: ln_mu, dln_mu
-
-      call roelands(p, alpha, p0, z, ln_mu, dln_mu)
-   end subroutine roelands_viscosity
 
    !> Barus' law on arrays (n):  ln(mu/mu_0) = alpha p; C. Barus, Am. J. Sci. 45, 1893, 87; the
    !> limit z = 1 of (2.26).
    !>
-   !> `p` >= 0; `alpha` >= 0; realistic below about 0.3 GPa. Results as in `roelands_viscosity`.
+   !> `p` >= 0; `alpha` >= 0; realistic below about 0.3 GPa. Results as in `roelands_viscosities`.
    pure subroutine barus_viscosities(p, alpha, ln_mu, dln_mu)
       real(wp), intent(in), contiguous :: p(:)
       real(wp), intent(in) :: alpha
@@ -46,7 +35,11 @@ contains
       ln_mu = alpha*p
    end subroutine barus_ln_viscosities
 
-   !> `roelands_viscosity` on arrays (n) in one loop that the compiler vectorises.
+   !> Roelands' law (2.26), (2.61) on arrays (n), in one loop that the compiler vectorises:
+   !> ln(mu/mu_0) = (alpha P0/z) [ (1 + p/P0)^z - 1 ].
+   !>
+   !> `p` >= 0; `alpha` >= 0; `p0` > 0; `z` > 0 (0.4 ... 0.8 for oils; z = 1 is Barus).
+   !> `ln_mu` = ln(mu/mu_0) [-]; `dln_mu` its derivative by p [1/unit of p].
    pure subroutine roelands_viscosities(p, alpha, p0, z, ln_mu, dln_mu)
       real(wp), intent(in), contiguous :: p(:)
       real(wp), intent(in) :: alpha, p0, z
@@ -71,8 +64,8 @@ contains
       end do
    end subroutine roelands_ln_viscosities
 
-   !> The formula of `roelands_viscosity`; private, so that also position-independent code has it
-   !> inlined in the loops.
+   !> The law at one pressure; private, so that position-independent code inlines it in the loops
+   !> too.
    pure elemental subroutine roelands(p, alpha, p0, z, ln_mu, dln_mu)
       real(wp), intent(in) :: p, alpha, p0, z
       real(wp), intent(out) :: ln_mu, dln_mu

@@ -51,7 +51,7 @@ def test_a_chain_of_modules_is_bounded():
 
 
 def test_no_sources_is_a_finding(tmp_path):
-    for tool in ("check_layers.py", "check_errors.py", "check_reads.py"):
+    for tool in ("check_layers.py", "check_errors.py", "check_reads.py", "check_public.py"):
         assert check(tool, tmp_path)[0] == 1
 
 
@@ -115,3 +115,19 @@ def test_list_directed_reads_are_found(tmp_path):
     status, output = check("check_reads.py", tmp_path, base__bad=bad)
     assert status == 1
     assert [line.split(":")[1] for line in output.splitlines()] == ["1", "2", "3", "4"]
+
+
+def test_public_names_have_a_user(tmp_path):
+    kinds = """module kinds
+private
+public :: used, lonely
+integer, parameter, public :: wp = 8, other = max(1, 2), spare = 3
+type, public :: pair_t
+end type
+contains
+"""
+    laws = "module laws\nuse kinds, only: wp, other, used\n! lonely, spare\nend module\n"
+    status, output = check("check_public.py", tmp_path, base__kinds=kinds, physics__laws=laws)
+    assert status == 1
+    assert [line.split("base/")[1].split(" is")[0] for line in output.splitlines()] == ["kinds.f90:3: lonely", "kinds.f90:4: spare"]
+    assert check("check_public.py", tmp_path, physics__laws=laws.replace("! lonely", "x = lonely"))[0] == 0
