@@ -73,7 +73,7 @@ unit-debug: prepare generate ## the unit tests alone, checked build
 lint: ## style of Fortran, Python and shell, order of the layers, errors that nobody looks at
 	fortitude check --quiet --output-format concise
 	$(PYTHON) tools/check_layers.py
-	$(PYTHON) tools/use_graph.py --most 20
+	$(PYTHON) tools/use_graph.py --most 16
 	$(PYTHON) tools/check_errors.py
 	$(PYTHON) tools/check_reads.py
 	$(PYTHON) tools/check_public.py

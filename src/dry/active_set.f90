@@ -10,12 +10,13 @@ module active_set
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: real32
    use dry_problem, only: dry_grid_t, dry_problem_t
+   use dry_solution, only: dry_solution_t
    use kinds, only: wp
    use work_shares, only: share_end
    implicit none (type, external)
    private
 
-   public :: active_set_t, new_active_set
+   public :: active_set_t, new_active_set, take_survey
 
    !> Nodes of one row that are looked at together.
    integer, parameter :: block = 32
@@ -327,5 +328,18 @@ contains
       is_found = sum(free) > 0
       if (is_found) self%datum = self%datum + sum(total)/sum(free)
    end subroutine follow_datum
+
+   !> Takes datum, counts and error from the last survey.
+   pure subroutine take_survey(set, solution)
+      type(active_set_t), intent(in) :: set
+      type(dry_solution_t), intent(inout) :: solution
+
+      solution%datum = set%datum
+      solution%contacts = set%contacts
+      solution%capped = set%capped
+      solution%kkt = set%error
+      solution%report%residual = set%error
+      solution%report%load_error = set%load_error
+   end subroutine take_survey
 
 end module active_set

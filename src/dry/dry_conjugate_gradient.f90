@@ -9,10 +9,10 @@
 !> bounds, and only then K is applied to the change of p, whose length is corrected. Nodes at a
 !> bound leave it as soon as their gap has the wrong sign.
 module dry_conjugate_gradient
-   use active_set, only: active_set_t, new_active_set
+   use active_set, only: active_set_t, new_active_set, take_survey
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open
    use dry_settings, only: dry_settings_t
-   use dry_solution, only: dry_solution_t, end_of_iteration, take_survey
+   use dry_solution, only: dry_solution_t, end_of_iteration
    use errors, only: error_t
    use kinds, only: wp
    use load_projection, only: shift_into_bounds
@@ -100,7 +100,8 @@ contains
          end do
       end associate
       solution%report%method = 'conjugate_gradient'
-      solution%report%reason = end_of_iteration(solution%report, work%set, settings%max_cycles, &
+      solution%report%reason = end_of_iteration(solution%report, work%set%error, &
+         settings%max_cycles, &
          is_stalled=stalled > patience)
       call move_alloc(work%v, solution%v)
       call take_survey(work%set, solution)

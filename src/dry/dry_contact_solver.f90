@@ -1,11 +1,11 @@
 !> Solves a dry contact: the closed forms where they hold, else an iteration from a good start.
 module dry_contact_solver
    use, intrinsic :: iso_fortran_env, only: int64
-   use active_set, only: active_set_t, new_active_set
+   use active_set, only: active_set_t, new_active_set, take_survey
    use dry_conjugate_gradient, only: iterate_conjugate_gradient
    use dry_problem, only: dry_problem_t, kernel_open
    use dry_settings, only: dry_settings_t, method_steepest_descent
-   use dry_solution, only: dry_solution_t, take_survey
+   use dry_solution, only: dry_solution_t
    use dry_start, only: nested_start, neighbour_start
    use dry_steepest_descent, only: iterate_steepest_descent
    use errors, only: error_t, fail, input_error

@@ -6,11 +6,12 @@
 module dry_resolution
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use dry_sweep, only: dry_row_t
+   use even_grids, only: even_nodes
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: area_doubt, dry_rung_t, even_nodes, finer_nodes, is_met
+   public :: area_doubt, dry_rung_t, finer_nodes, is_met
 
    !> A grid that was solved.
    type :: dry_rung_t
@@ -26,9 +27,6 @@ module dry_resolution
    real(wp), parameter :: orders(2) = [0.7_wp, 1.3_wp]
    !> The next grid is foretold to stay below the target by this factor.
    real(wp), parameter :: margin = 0.97_wp
-   !> Nodes that are chosen are these times a power of two: even, with fast transforms and coarse
-   !> grids for a start.
-   integer, parameter :: sizes(*) = [8, 9, 10, 12, 14, 15], first_unit = 2
 
 contains
 
@@ -99,25 +97,6 @@ contains
          number = number + 1
       end do
    end function without_solution
-
-   !> The fewest nodes in one direction that are not below `least`, or the most that are not above
-   !> `most`; 0: none.
-   pure elemental function even_nodes(least, most) result(nodes)
-      real(wp), intent(in) :: least, most
-      integer :: nodes
-      integer :: i, unit
-
-      nodes = 0
-      unit = first_unit
-      do
-         do i = 1, size(sizes)
-            if (sizes(i)*unit > most) return
-            nodes = sizes(i)*unit
-            if (nodes >= least) return
-         end do
-         unit = 2*unit
-      end do
-   end function even_nodes
 
    !> The order with which the estimate fell from the grid before the last to the last one.
    pure function observed_order(rungs) result(order)

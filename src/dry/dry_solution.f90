@@ -1,13 +1,12 @@
 !> The solution of a dry contact for one load.
 module dry_solution
-   use active_set, only: active_set_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: dry_solution_t, end_of_iteration, take_survey
+   public :: dry_solution_t, end_of_iteration
 
    !> Pressure and gaps for one load, dimensionless, fields (nx*ny).
    type :: dry_solution_t
@@ -27,35 +26,23 @@ module dry_solution
 
 contains
 
-   !> Takes datum, counts and error from the last survey.
-   pure subroutine take_survey(set, solution)
-      type(active_set_t), intent(in) :: set
-      type(dry_solution_t), intent(inout) :: solution
-
-      solution%datum = set%datum
-      solution%contacts = set%contacts
-      solution%capped = set%capped
-      solution%kkt = set%error
-      solution%report%residual = set%error
-      solution%report%load_error = set%load_error
-   end subroutine take_survey
-
-   !> Why an iteration of at most `max_cycles` ended; `is_stalled`: its error had stopped falling.
-   function end_of_iteration(report, set, max_cycles, is_stalled) result(reason)
+   !> Why an iteration of at most `max_cycles` ended at `error`; `is_stalled`: it had stopped
+   !> falling.
+   function end_of_iteration(report, error, max_cycles, is_stalled) result(reason)
       type(report_t), intent(in) :: report
-      type(active_set_t), intent(in) :: set
+      real(wp), intent(in) :: error
       integer, intent(in) :: max_cycles
       logical, intent(in) :: is_stalled
       character(:), allocatable :: reason
 
       if (report%converged) then
          reason = 'converged'
-      else if (set%error >= huge(1.0_wp)) then
+      else if (error >= huge(1.0_wp)) then
          reason = 'values are not finite'
       else if (is_stalled) then
-         reason = 'the error has stopped falling at ' // to_text(set%error, 3)
+         reason = 'the error has stopped falling at ' // to_text(error, 3)
       else
-         reason = 'the error is ' // to_text(set%error, 3) // ' after '// &
+         reason = 'the error is ' // to_text(error, 3) // ' after '// &
             '' // to_text(max_cycles) // ' iterations'
       end if
    end function end_of_iteration

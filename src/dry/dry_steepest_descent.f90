@@ -4,10 +4,10 @@
 !> shift that restores the load within the bounds. The step is the exact minimum along the
 !> direction. Slow: a baseline to compare with.
 module dry_steepest_descent
-   use active_set, only: active_set_t, new_active_set
+   use active_set, only: active_set_t, new_active_set, take_survey
    use dry_problem, only: dry_problem_t
    use dry_settings, only: dry_settings_t
-   use dry_solution, only: dry_solution_t, end_of_iteration, take_survey
+   use dry_solution, only: dry_solution_t, end_of_iteration
    use kinds, only: wp
    use load_projection, only: shift_into_bounds
    implicit none (type, external)
@@ -45,7 +45,8 @@ contains
             if (iteration < settings%max_cycles) call descend(problem, set, direction, response, &
                q, p)
          end do
-         report%reason = end_of_iteration(report, set, settings%max_cycles, is_stalled=.false.)
+         report%reason = end_of_iteration(report, set%error, settings%max_cycles, &
+            is_stalled=.false.)
       end associate
       call take_survey(set, solution)
    end subroutine iterate_steepest_descent

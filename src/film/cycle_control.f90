@@ -10,7 +10,7 @@ module cycle_control
    use line_contact, only: line_contact_t
    use line_hierarchy, only: count_work, line_hierarchy_t, method_newton_dense, method_newton_krylov
    use observer, only: observer_t
-   use reynolds_line, only: measure_residual, residual_t
+   use residuals, only: measure_residual, residual_t
    use text, only: to_text
    implicit none (type, external)
    private

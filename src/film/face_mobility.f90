@@ -12,19 +12,13 @@ module face_mobility
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_density_value, fluid_ln_viscosity, fluid_t, &
       fluid_viscosity
-   use mobility, only: largest_exponent
+   use mobility_slopes, only: face_slopes_t, largest_exponent
    use rheology, only: block_size => slip_block, evaluate_slip, evaluate_slip_slopes, slip_t, thins
    use sinh_series, only: ds, s, series_limit
    implicit none (type, external)
    private
 
-   public :: fluid_face_mobility, fluid_face_slopes, face_slopes_t
-
-   !> Mobility of the faces (1:n), face i left of node i, and its partial derivatives by P and H of
-   !> both nodes.
-   type :: face_slopes_t
-      real(wp), allocatable :: e(:), by_p_left(:), by_p_right(:), by_h_left(:), by_h_right(:)
-   end type face_slopes_t
+   public :: fluid_face_mobility, fluid_face_slopes
 
 contains
 

@@ -7,7 +7,7 @@ module line_hierarchy
    use expected_film, only: film_estimate
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t, new_level, set_plain_problem
-   use newton_line, only: newton_t
+   use newton_work, only: newton_t
    use transfer, only: inject
    use wall_clock, only: wall_seconds
    implicit none (type, external)
@@ -131,7 +131,7 @@ contains
       hierarchy%top = hierarchy%finest
       allocate (hierarchy%levels(hierarchy%top))
       do k = 1, hierarchy%top
-         call new_level(hierarchy%levels(k), contact, first*2**(k - 1), error)
+         call new_level(hierarchy%levels(k), contact%domain, first*2**(k - 1), error)
          if (allocated(error)) return
       end do
    end subroutine new_hierarchy
@@ -152,7 +152,7 @@ contains
       if (allocated(hierarchy%levels)) deallocate (hierarchy%levels)
       allocate (hierarchy%levels(1 + int(log(real(max(most, first), wp)/first)/log(2.0_wp) &
          + 1.0e-9_wp)))
-      call new_level(hierarchy%levels(1), contact, first, error)   ! error: the caller looks
+      call new_level(hierarchy%levels(1), contact%domain, first, error)   ! error: the caller looks
       hierarchy%top = 1
       hierarchy%finest = 1
       hierarchy%coarsest = 1
@@ -176,7 +176,7 @@ contains
       hierarchy%fas_coarsest = 1 + doublings(hierarchy%levels(1)%n, &
          cycle_coarsest(hierarchy%levels(1)%n, n))
       hierarchy%work_units = 0.5_wp*hierarchy%work_units
-      call new_level(hierarchy%levels(hierarchy%top), contact, n, error)
+      call new_level(hierarchy%levels(hierarchy%top), contact%domain, n, error)
       if (allocated(error)) return
       call pose_level(hierarchy%levels(hierarchy%top), contact, with_roughness)
       hierarchy%setup_seconds = hierarchy%setup_seconds + wall_seconds() - start

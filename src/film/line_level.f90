@@ -6,7 +6,7 @@ module line_level
    use film_state, only: film_state_t
    use half_space, only: line_deflection_coefficients
    use kinds, only: wp
-   use line_contact, only: line_contact_t
+   use solver_settings, only: domain_t
    use toeplitz, only: new_toeplitz, toeplitz_t
    implicit none (type, external)
    private
@@ -68,20 +68,20 @@ module line_level
 contains
 
    !> Allocates a level of `n` intervals with unknowns zero and plans its convolution.
-   subroutine new_level(level, contact, n, error)
+   subroutine new_level(level, domain, n, error)
       type(line_level_t), intent(inout) :: level
-      type(line_contact_t), intent(in) :: contact
+      type(domain_t), intent(in) :: domain
       integer, intent(in) :: n
       type(error_t), allocatable, intent(out) :: error
       integer :: i
 
       level%n = n
-      level%dx = (contact%domain%x_outlet - contact%domain%x_inlet)/n
+      level%dx = (domain%x_outlet - domain%x_inlet)/n
       allocate (level%x(0:n))
       do i = 0, n
-         level%x(i) = contact%domain%x_inlet + i*level%dx
+         level%x(i) = domain%x_inlet + i*level%dx
       end do
-      level%x(n) = contact%domain%x_outlet
+      level%x(n) = domain%x_outlet
       allocate (level%kernel(0:n))
       level%kernel = line_deflection_coefficients(n, level%dx)
       call new_toeplitz(level%convolution, level%kernel, error)

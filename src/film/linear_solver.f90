@@ -4,9 +4,9 @@
 !> divided by the elastic diagonal (the identity where the node is cavitated), row n the force
 !> balance.
 module linear_solver
+   use jacobian_bands, only: reynolds_jacobian_t
    use kinds, only: wp
    use line_level, only: line_level_t
-   use reynolds_jacobian, only: reynolds_jacobian_t
    implicit none (type, external)
    private
 

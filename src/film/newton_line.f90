@@ -6,21 +6,20 @@
 !> LAPACK, or in O(n log n).
 module newton_line
    use film_equation, only: take_film
-   use film_state, only: film_state_t
    use force_balance, only: load_defect
    use inlet_tail, only: close_inlet
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t
-   use linear_solver, only: linear_solver_t
+   use newton_work, only: allocate_work, newton_t
    use observer, only: is_stopped, observer_t
-   use reynolds_jacobian, only: evaluate_jacobian, new_jacobian, reynolds_jacobian_t
+   use reynolds_jacobian, only: evaluate_jacobian
    use two_sum, only: rest_of_sum
    use rheology, only: thins, wall_stress
    implicit none (type, external)
    private
 
-   public :: newton_t, solve_newton
+   public :: solve_newton
 
    !> A step changes no pressure by more than this share of max(1, P), one that is bent by no more
    !> than the second, and no film to less than the third.
@@ -44,30 +43,6 @@ module newton_line
    !> What the linear solution may leave of the goal of a step that can reach it: one that has to
    !> lower the residual to no less than this share of it.
    real(wp), parameter :: goal_share = 0.5_wp, most_reduction = 3.0e-6_wp
-
-   !> Work space, kept from call to call, and what the last call did.
-   type :: newton_t
-      class(linear_solver_t), allocatable :: linear
-      type(reynolds_jacobian_t) :: jacobian
-      real(wp), allocatable :: step(:)
-      !> Where the last step began.
-      type(film_state_t) :: before
-      logical, allocatable :: is_cavitated(:)
-      !> Wall stress per H dP/dX of the lubricant; 0 for a Newtonian one.
-      real(wp) :: stress_scale = 0.0_wp
-      !> Whether steps are bent (`bend_step`): Newtonian lubricants.
-      logical, private :: is_bent = .false.
-      !> Largest |r| of the nodes that are not cavitated, at the last linearisation.
-      real(wp), private :: residual = 0.0_wp
-      !> Newton steps of the last call, and steps of the linear solver in all calls.
-      integer :: steps = 0, linear_iterations = 0
-      !> Size of the last full step in P and H0; below `tolerance` when converged.
-      real(wp) :: last_step = huge(1.0_wp)
-      !> Largest relative change of a film in the last step.
-      real(wp) :: last_film_step = huge(1.0_wp)
-      !> True if the last call ended by its tolerance or at round-off.
-      logical :: is_converged = .false.
-   end type newton_t
 
 contains
 
@@ -133,21 +108,6 @@ contains
          previous_step = newton%last_step
       end do
    end subroutine solve_newton
-
-   !> Work space for n intervals.
-   subroutine allocate_work(newton, n)
-      type(newton_t), intent(inout) :: newton
-      integer, intent(in) :: n
-
-      newton%steps = 0
-      newton%last_step = huge(1.0_wp)
-      call new_jacobian(newton%jacobian, n)
-      if (allocated(newton%step)) then
-         if (size(newton%step) == n) return
-         deallocate (newton%step, newton%is_cavitated)
-      end if
-      allocate (newton%step(n), newton%is_cavitated(n - 1))
-   end subroutine allocate_work
 
    !> What the linear solution may leave of |r| where Newton's method is after the bound `goal` on
    !> |r|/lambda.

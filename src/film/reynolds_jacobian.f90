@@ -4,52 +4,21 @@
 !> With the film equation H = ... + H0 - K P it gives the elastic Jacobian J = JP - JH K of the
 !> Newton methods.
 module reynolds_jacobian
-   use face_mobility, only: face_slopes_t, fluid_face_slopes
+   use face_mobility, only: fluid_face_slopes
+   use jacobian_bands, only: reynolds_jacobian_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: has_close_exit, line_level_t
-   use mobility, only: fluid_mobility_slopes, mobility_slopes_t
+   use mobility, only: fluid_mobility_slopes
+   use mobility_slopes, only: face_slopes_t
    use reynolds_line, only: apply_reynolds, third_order_share, third_order_slope, wedge_weights
    use rheology, only: thins
    implicit none (type, external)
    private
 
-   public :: reynolds_jacobian_t, new_jacobian, evaluate_jacobian
-
-   !> Bands by offset and row: by_pressure(o, i) = dL_R(i)/dP(i+o), by_film(o, i) = dL_R(i)/dH(i+o).
-   type :: reynolds_jacobian_t
-      !> (-2:2, 0:n)
-      real(wp), allocatable :: by_pressure(:, :)
-      !> (-2:1, 0:n)
-      real(wp), allocatable :: by_film(:, :)
-      !> Diagonal of the elastic Jacobian JP - JH K (0:n), negative in a sound state.
-      real(wp), allocatable :: diagonal(:)
-      type(mobility_slopes_t) :: slopes
-      !> Mobility of the faces in the kappa scheme; allocated when first used.
-      type(face_slopes_t) :: faces
-   end type reynolds_jacobian_t
+   public :: evaluate_jacobian
 
 contains
-
-   !> Allocates the bands for `n` intervals.
-   pure subroutine new_jacobian(jacobian, n)
-      type(reynolds_jacobian_t), intent(inout) :: jacobian
-      integer, intent(in) :: n
-
-      if (allocated(jacobian%diagonal)) then
-         if (size(jacobian%diagonal) == n + 1) return
-         deallocate (jacobian%by_pressure, jacobian%by_film, jacobian%diagonal)
-         deallocate (jacobian%slopes%e, jacobian%slopes%e_p, jacobian%slopes%e_h, &
-            jacobian%slopes%e_slope)
-         deallocate (jacobian%slopes%rho, jacobian%slopes%rho_p)
-         jacobian%faces = face_slopes_t()
-      end if
-      allocate (jacobian%by_pressure(-2:2, 0:n), jacobian%by_film(-2:1, 0:n), &
-         jacobian%diagonal(0:n), source=0.0_wp)
-      allocate (jacobian%slopes%e(0:n), jacobian%slopes%e_p(0:n), jacobian%slopes%e_h(0:n), &
-         jacobian%slopes%e_slope(0:n))
-      allocate (jacobian%slopes%rho(0:n), jacobian%slopes%rho_p(0:n))
-   end subroutine new_jacobian
 
    !> The bands at the present pressure and film of the level; rows 0 and n stay zero. The laws are
    !> evaluated once: the level gets its coefficients and the operator L_R from the same values (as

@@ -3,8 +3,8 @@
 module dry_grids
    use dry_case, only: dry_case_t
    use dry_checks, only: fewest_nodes, finest_wave, has_shape, is_periodic
-   use dry_resolution, only: even_nodes
    use dry_surfaces, only: load_first_file, same_length
+   use even_grids, only: even_nodes
    use findings, only: findings_t
    use height_file, only: heights_t
    use input_values, only: input_values_t, value_t

@@ -1,0 +1,74 @@
+!> The residuals that decide on convergence.
+module residuals
+   use film_equation, only: film_of
+   use force_balance, only: carried_load, load_defect
+   use inlet_tail, only: tail_load
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_level, only: contact_load, line_level_t
+   use reynolds_line, only: evaluate_reynolds
+   implicit none (type, external)
+   private
+
+   public :: measure_residual, residual_t
+
+   !> Residuals of the original problem in the unit of d(rho H)/dX, see `measure_residual`.
+   type :: residual_t
+      !> max |r|/lambda over P > 0, max(r, 0)/lambda where P = 0.
+      real(wp) :: reynolds = huge(1.0_wp)
+      !> |dX sum P - pi/2|, with what the tail of this state carries.
+      real(wp) :: load = huge(1.0_wp)
+      !> Round-off floor of `reynolds`, see `round_off`.
+      real(wp) :: floor = 0.0_wp
+      !> False if the film of the pressure closes somewhere, so that no residual exists.
+      logical :: film_is_open = .false.
+   end type residual_t
+
+contains
+
+   !> The residuals with the film that belongs exactly to the pressure.
+   !> The level's film becomes that film unless it closes; with `film_is_exact` it is that already.
+   subroutine measure_residual(contact, level, residual, film_is_exact)
+      type(line_contact_t), intent(in) :: contact
+      type(line_level_t), intent(inout) :: level
+      type(residual_t), intent(out) :: residual
+      logical, intent(in), optional :: film_is_exact
+      logical :: is_at_hand
+
+      is_at_hand = .false.
+      if (present(film_is_exact)) is_at_hand = film_is_exact
+      level%work = level%state%film
+      if (.not. is_at_hand) call film_of(level, level%work)
+      residual%load = abs(load_defect(level))
+      residual%film_is_open = all(level%work > 0.0_wp)
+      if (.not. residual%film_is_open) return
+      level%state%film = level%work
+      call evaluate_reynolds(contact, level)
+      if (level%has_tail) residual%load = abs(contact_load &
+         - tail_load(contact, level) - carried_load(level))
+      level%work = (level%operator - level%rhs_reynolds)/contact%lambda
+      level%work(0) = 0.0_wp
+      level%work(level%n) = 0.0_wp
+      residual%reynolds = maxval(merge(abs(level%work), max(level%work, 0.0_wp), &
+         level%state%pressure > 0.0_wp))
+      residual%floor = round_off(contact%lambda, level)
+   end subroutine measure_residual
+
+   !> What rounding leaves of |r|/lambda: 4e-16 ( max(e P)/(lambda dX^2) + max(H)/dT ), that of P
+   !> and H in their differences; where the rest of P is kept, 1e-15 ( max(H) + max|K P|/pi )/dX,
+   !> that of the flow: of e, of H and of what H is a sum of.
+   pure function round_off(lambda, level) result(floor)
+      real(wp), intent(in) :: lambda
+      type(line_level_t), intent(in) :: level
+      real(wp) :: floor
+
+      if (allocated(level%state%compensation)) then
+         floor = 1.0e-15_wp*(maxval(level%state%film) + maxval(abs(level%deflection)))/level%dx
+      else
+         floor = 4.0e-16_wp*(maxval(level%face_mobility*max(level%state%pressure(1:), &
+            level%state%pressure(:level%n - 1))) &
+            /(lambda*level%dx**2) + maxval(level%state%film)*level%inverse_time_step)
+      end if
+   end function round_off
+
+end module residuals
