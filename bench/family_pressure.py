@@ -45,7 +45,7 @@ def contact(source: random.Random, i: int) -> tuple[dict, dict]:
         m, l = 10 ** source.uniform(0, 2.9), source.uniform(3, 30)  # noqa: E741
         groups = namelists.steel(m, l, source.uniform(0.05, 2), 10 ** source.uniform(6.5, 9))
     outlet = max(1.5, 3 * math.sqrt(1 / m))
-    fine = {"intervals": FINE if m > 1 else LIGHT, "inlet": "zero", "x_inlet": far_inlet(m, l), "x_outlet": outlet}
+    fine = {"intervals": FINE if m > 1 else LIGHT, "inlet": "tail", "x_inlet": far_inlet(m, l), "x_outlet": outlet}
     return groups, fine
 
 

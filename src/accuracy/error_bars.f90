@@ -15,7 +15,6 @@ module error_bars
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_summary, only: crests_t, line_summary_t, new_quantity, quantity_t
-   use lubricant, only: viscosity_constant
    use pressure_spike, only: ceiling_of_spike, spike_law_t
    use quantities, only: h_central, h_min, not_known, p_max, quantity_count, quantity_rows, &
       rule_between, rule_crest, rule_node
@@ -44,14 +43,9 @@ module error_bars
    !> Error of the exit between two nodes, in spacings: rms 0.2, at most 0.6 in 32 solutions of 8
    !> contacts.
    real(wp), parameter :: exit_jitter = 0.2_wp
-   !> An inlet of error e (`inlet_error`) starves the film by 0.4 e to 1.6 e, and changes the
-   !> largest pressure by up to 8 e, with constant viscosity 20 e, times the smaller one of 1 and
-   !> H_c (M 0.5-500, L 0-30, against four times the domain).
-   real(wp), parameter :: film_safety = 2.0_wp, starved_pressure = 8.0_wp, &
-      starved_isoviscous = 20.0_wp
-   !> The same with a tail in front of the inlet (below 3 in 90 % of 141 contacts without a spike;
-   !> with 6 the whole error of 191 others is below its estimate in 96 %, with 4 in 94.8 %).
-   real(wp), parameter :: pressure_behind_tail = 6.0_wp
+   !> Films err by up to twice the share by which the inlet starves them, and the exit by that share
+   !> as far as the film is thick (M 0.5-500, L 0-30, against four times the domain).
+   real(wp), parameter :: film_safety = 2.0_wp
 
    !> The companions of a result and what is known of the order of the scheme.
    type :: error_bars_t
@@ -67,8 +61,6 @@ module error_bars
       logical :: is_kappa = .false.
       !> How a pressure spike grows on finer grids.
       type(spike_law_t) :: spike_law
-      !> Change of the largest pressure over that of a starved film.
-      real(wp) :: starving = starved_pressure
       !> Why companions tell nothing of the error; empty or not allocated: they do.
       character(:), allocatable :: unseen
       !> Whether the outlet cuts the film off, and figures on n/2 intervals with one that does not,
@@ -128,17 +120,17 @@ contains
       end if
       iteration = max(report%residual, report%load_error)
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
-      domain = inlet_shares(bars, report%inlet_error, summary)
+      domain = inlet_shares(bars, report, summary)
       do i = 1, quantity_count
          call add_up(summary%of(i), domain(i), iteration, cut_error(bars, i))
       end do
    end subroutine apply_error_bars
 
-   !> Relative errors of all quantities because of the inlet: from its companions, else by its rule,
-   !> which says that it starves the film by the share `starving`.
-   pure function inlet_shares(bars, starving, summary) result(shares)
+   !> Relative errors of all quantities because of the inlet: from its companions, else by the rules
+   !> in the report.
+   pure function inlet_shares(bars, report, summary) result(shares)
       type(error_bars_t), intent(in) :: bars
-      real(wp), intent(in) :: starving
+      type(report_t), intent(in) :: report
       type(line_summary_t), intent(in) :: summary
       real(wp) :: shares(quantity_count)
 
@@ -147,12 +139,9 @@ contains
          where (quantity_rows%field == 'x') shares = shares/max(abs(summary%of%value), tiny(1.0_wp))
          return
       end if
-      ! a starved film is thinner everywhere by the same share; pressure and exit follow as far as
-      ! it is thick [b^2/R]
-      shares = starving*min(1.0_wp, summary%of(h_central)%value)
-      where (quantity_rows%field == 'pressure') shares = bars%starving*starving &
-         *min(1.0_wp, summary%of(h_central)%value)
-      where (quantity_rows%field == 'film_thickness') shares = domain_error(starving)
+      shares = report%inlet_error*min(1.0_wp, summary%of(h_central)%value)
+      where (quantity_rows%field == 'pressure') shares = report%inlet_pressure_error
+      where (quantity_rows%field == 'film_thickness') shares = domain_error(report%inlet_error)
    end function inlet_shares
 
    !> Whether the surfaces have waves that companions do not see; a forecast has seen them.
@@ -340,7 +329,7 @@ contains
       quantity%extrapolated = limit
    end subroutine estimate_crest_in_time
 
-   !> Where the grid does not resolve a pressure spike the largest pressure may be off by what the
+   !> Where the grid has a pressure spike the largest pressure may be off by what the
    !> spike may grow above it; not known where that is not.
    pure subroutine allow_for_spike(bars, dx, summary)
       type(error_bars_t), intent(in) :: bars
@@ -355,8 +344,8 @@ contains
          if (.not. ieee_is_finite(ceiling)) then
             pressure%error_grid = ceiling
             pressure%extrapolated = ceiling
-         else if (ceiling > 0.0_wp) then
-            pressure%error_grid = max(ceiling - pressure%value, pressure%error_grid)
+         else if (ceiling > pressure%value + pressure%error_grid) then
+            pressure%error_grid = ceiling - pressure%value
             pressure%extrapolated = not_known()
          end if
       end associate
@@ -469,8 +458,6 @@ contains
       type(error_bars_t) :: bars
 
       bars%spike_law = spike_law_t(contact%fluid, contact%lambda)
-      if (contact%fluid%viscosity_law == viscosity_constant) bars%starving = starved_isoviscous
-      if (contact%domain%inlet == 'tail') bars%starving = pressure_behind_tail
       bars%is_first_order = time%is_transient .and. time%scheme == 'backward_euler'
       bars%is_kappa = space_scheme == 'kappa'
       bars%unseen = unseen_waves(contact, time)

@@ -64,8 +64,9 @@ module pressure_spike
 
 contains
 
-   !> The largest pressure that a spike may reach which the grid of spacing `dx` does not resolve; 0
-   !> if it resolves it or the spike stays below the other crests; NaN where that is not known.
+   !> The largest pressure that a spike of a grid of spacing `dx` may reach on finer ones; 0 if it
+   !> stays below the other crests, or the grid shows none and would resolve it; NaN where that is
+   !> not known.
    !> `film`: H at X = 0.
    pure function ceiling_of_spike(law, crests, film, dx) result(ceiling)
       type(spike_law_t), intent(in) :: law
@@ -76,7 +77,6 @@ contains
       ceiling = 0.0_wp
       if (law%lambda <= 0.0_wp) return
       if (ieee_is_finite(crests%spike)) then
-         if (flow_length(crests%spike, crests%spike_film) >= dx) return
          height = final_height(law, crests%spike, crests%spike_film, dx)
          crest = 0.0_wp
          if (ieee_is_finite(crests%other)) crest = crests%other

@@ -2,7 +2,8 @@
 !> thesis.
 module ehl_line_solver
    use coarser_solutions, only: coarser_summaries
-   use domain_choice, only: choose_domain, farthest, inlet_error, lengthen_outlet
+   use domain_choice, only: choose_domain, farthest, inlet_error, inlet_pressure_error, &
+      lengthen_outlet
    use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
@@ -92,6 +93,7 @@ contains
       call choose_domain(contact, settings%target)
       call choose_time_step(contact, time)
       report%inlet_error = inlet_error(contact)
+      report%inlet_pressure_error = inlet_pressure_error(contact)
       begin = 0.0_wp
       if (allocated(time%resume_from)) begin = time%resume_from%step*time%time_step
       call move_profiles(contact, begin, error)   ! error: the caller looks

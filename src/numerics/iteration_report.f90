@@ -76,6 +76,8 @@ module iteration_report
       real(wp) :: tolerance_effective = 0.0_wp
       !> Relative error of the film thickness because the domain ends at its inlet [-].
       real(wp) :: inlet_error = 0.0_wp
+      !> The same of the largest pressure.
+      real(wp) :: inlet_pressure_error = 0.0_wp
       !> Largest P of the last node before the outlet over all solutions; above 0 the outlet cuts
       !> the film off [-].
       real(wp) :: outlet_pressure = 0.0_wp
