@@ -147,19 +147,18 @@ contains
       logical :: is_same
       character(:), allocatable :: path
       integer :: i
-      integer, parameter :: all_digits = 17
 
       is_same = .true.
       do i = 1, size(case%effective)
          associate (entry => case%effective(i))
             if (index(entry%key, 'heights_') /= 1) cycle
-            path = '/input/effective/'//entry%group//'/'//entry%key
+            path = '/input/effective/'//trim(entry%group)//'/'//trim(entry%key)
             is_same = is_same .and. reader%has(path)
             if (.not. is_same) return
-            if (entry%unit == '') then
-               is_same = reader%text(path) == entry%value
+            if (allocated(entry%text)) then
+               is_same = reader%text(path) == entry%text
             else
-               is_same = to_text(reader%real_value(path), all_digits) == entry%value
+               is_same = .not. abs(reader%real_value(path) - entry%reals(1)) > 0.0_wp
             end if
          end associate
       end do

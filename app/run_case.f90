@@ -21,6 +21,7 @@ module run_case
    use line_state, only: all_finite, line_state_t
    use outlet_check, only: check_ends
    use passage_times, only: new_passage_times, passage_note, passage_times_t
+   use profile, only: profile_length
    use progress_log, only: new_progress_log
    use resolution_choice, only: choose_resolution, settle_tolerance
    use result_start, only: find_complete_result, start_result
@@ -370,60 +371,57 @@ contains
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(in) :: contact
       type(report_t), intent(in) :: report
-      integer, parameter :: all_digits = 17
 
-      call set_effective(case, 'domain', 'x_inlet', to_text(contact%domain%x_inlet, all_digits), &
-         'half-widths')
-      call set_effective(case, 'domain', 'inlet', trim(contact%domain%inlet), '')
-      call set_effective(case, 'domain', 'x_outlet', to_text(contact%domain%x_outlet, &
-         all_digits), 'half-widths')
-      call set_effective(case, 'domain', 'intervals', to_text(contact%domain%intervals), '-')
-      if (case%time%is_transient) call set_effective(case, 'time', 'time_step', &
-         to_text(case%time%time_step, all_digits), '-')
-      call set_effective(case, 'solver', 'space_scheme', trim(merge('kappa  ', &
-         'upwind2', case%solver%space_scheme == 'kappa')), '')
-      call set_effective(case, 'solver', 'levels', to_text(report%levels), '-')
-      call set_effective(case, 'solver', 'tolerance', to_text(report%tolerance, all_digits), '-')
-      call set_effective(case, 'solver', 'max_cycles', to_text(report%max_cycles), '-')
-      call set_effective(case, 'solver', 'pre_sweeps', to_text(report%pre_sweeps), '-')
-      call set_effective(case, 'solver', 'post_sweeps', to_text(report%post_sweeps), '-')
-      call set_effective(case, 'solver', 'coarse_sweeps', to_text(report%coarse_sweeps), '-')
-      call set_effective(case, 'solver', 'relaxation', to_text(report%relaxation, all_digits), '-')
-      call set_effective(case, 'solver', 'load_relaxation', to_text(report%load_relaxation, &
-         all_digits), '-')
+      call set_effective(case, 'domain', 'x_inlet', contact%domain%x_inlet)
+      call set_effective(case, 'domain', 'inlet', trim(contact%domain%inlet))
+      call set_effective(case, 'domain', 'x_outlet', contact%domain%x_outlet)
+      call set_effective(case, 'domain', 'intervals', contact%domain%intervals)
+      if (case%time%is_transient) call set_effective(case, 'time', 'time_step', case%time%time_step)
+      call set_effective(case, 'solver', 'space_scheme', trim(merge('kappa  ', 'upwind2', &
+         case%solver%space_scheme == 'kappa')))
+      call set_effective(case, 'solver', 'levels', report%levels)
+      call set_effective(case, 'solver', 'tolerance', report%tolerance)
+      call set_effective(case, 'solver', 'max_cycles', report%max_cycles)
+      call set_effective(case, 'solver', 'pre_sweeps', report%pre_sweeps)
+      call set_effective(case, 'solver', 'post_sweeps', report%post_sweeps)
+      call set_effective(case, 'solver', 'coarse_sweeps', report%coarse_sweeps)
+      call set_effective(case, 'solver', 'relaxation', report%relaxation)
+      call set_effective(case, 'solver', 'load_relaxation', report%load_relaxation)
    end subroutine fill_chosen
 
-   !> The same of the times that count, and of where the features began.
+   !> The same of the times that count, and of where the surfaces began.
    subroutine fill_passage(case, contact, times)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(in) :: contact
       type(passage_times_t), intent(in) :: times
-      integer, parameter :: all_digits = 17
 
-      if (.not. case%time%is_transient) return
-      call set_effective(case, 'time', 'statistics_from', to_text(times%counts_from, all_digits), &
-         '-')
-      call fill_positions('surface_1', contact%surface_1)
-      call fill_positions('surface_2', contact%surface_2)
-
-   contains
-
-      !> The centres of the features of one surface.
-      subroutine fill_positions(group, surface)
-         character(*), intent(in) :: group
-         type(rough_surface_t), intent(in) :: surface
-         character(:), allocatable :: centres
-         integer :: i
-
-         if (size(surface%features) == 0) return
-         centres = to_text(surface%features(1)%position, all_digits)
-         do i = 2, size(surface%features)
-            centres = centres//', '//to_text(surface%features(i)%position, all_digits)
-         end do
-         call set_effective(case, group, 'position', centres, 'half-widths')
-      end subroutine fill_positions
-
+      if (case%time%is_transient) call set_effective(case, 'time', 'statistics_from', &
+         times%counts_from)
+      call fill_positions(case, 'surface_1', contact%surface_1, has_free_profile(case%surface_1))
+      call fill_positions(case, 'surface_2', contact%surface_2, has_free_profile(case%surface_2))
    end subroutine fill_passage
+
+   !> The centres of the features of one surface, or of a profile that the program has placed.
+   subroutine fill_positions(case, group, surface, has_placed_profile)
+      type(case_t), intent(inout) :: case
+      character(*), intent(in) :: group
+      type(rough_surface_t), intent(in) :: surface
+      logical, intent(in) :: has_placed_profile
+
+      if (size(surface%features) > 0) call set_effective(case, group, 'position', &
+         surface%features%position)
+      if (has_placed_profile) call set_effective(case, group, 'position', &
+         surface%profile%start + 0.5_wp*profile_length(surface%profile))
+   end subroutine fill_positions
+
+   !> Whether a surface has a profile whose place is left to the program.
+   pure function has_free_profile(surface)
+      type(rough_surface_t), intent(in) :: surface
+      logical :: has_free_profile
+
+      has_free_profile = allocated(surface%profile)
+      if (has_free_profile) has_free_profile = .not. surface%profile%is_placed
+   end function has_free_profile
 
    !> A solution that is not made of numbers is not converged, whatever the solver says.
    subroutine refuse_nonsense(state, report)

@@ -242,6 +242,8 @@ def test_synthetic_surface_has_its_rms_height(asperity, tmp_path):
         assert file["statistics/rms_height"][()] == pytest.approx(50e-9, rel=0.2)
         assert file["input/effective/surface_1/seed"][()] == 3
         assert file["input/effective/surface_1/entry_length"][()] == 1.0
+        # The program has placed them in front of the inlet, where they enter.
+        assert all(file[f"input/effective/surface_{i}/position"][()] < file["solution/x"][0] for i in (1, 2))
 
 
 def test_seed_decides(asperity, tmp_path):

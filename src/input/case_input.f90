@@ -236,7 +236,8 @@ contains
                feature_sinusoid
             feature%amplitude = amplitude%reals(i)
             feature%wavelength = wavelength%reals(i)
-            feature%position = position%reals(min(i, size(position%reals)))
+            feature%position = 0.0_wp
+            if (position%is_given) feature%position = position%reals(i)
             feature%is_placed = position%is_given
          end associate
       end do

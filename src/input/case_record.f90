@@ -3,23 +3,34 @@ module case_record
    use bodies, only: bodies_t
    use dry_case, only: dry_case_t
    use features, only: rough_surface_t
+   use input_keys, only: find_key, key_rows
    use kinds, only: wp
    use lubricant, only: lubricant_t
    use solver_settings, only: domain_t, time_settings_t, solver_settings_t, word_length
+   use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: accuracy_t, beside_namelist, case_identity, case_t, effective_t, output_settings_t, &
-      result_path, set_effective
+   public :: accuracy_t, beside_namelist, case_identity, case_t, effective_t, effective_text, &
+      output_settings_t, result_path, set_effective
 
-   !> A value that is used, given or default, for /input/effective/<group>/<key> of the result.
+   !> A value that is used, given or default, for /input/effective/<group>/<key> of the result: as
+   !> numbers, an integer or a text, the one that is allocated.
    type :: effective_t
-      character(:), allocatable :: group, key
-      !> Real numbers with 17 digits; several values separated by a comma.
-      character(:), allocatable :: value
-      !> SI unit, '-' for pure numbers, empty for words.
-      character(:), allocatable :: unit
+      character(len=12) :: group
+      character(len=20) :: key
+      !> SI unit, '-' for pure numbers, 'half-widths' for X, empty for words.
+      character(len=12) :: unit
+      real(wp), allocatable :: reals(:)
+      integer, allocatable :: integer
+      character(:), allocatable :: text
    end type effective_t
+
+   !> Sets or adds a value in the list of effective values, for instance one that the program has
+   !> chosen.
+   interface set_effective
+      procedure :: set_real, set_reals, set_integer, set_text
+   end interface set_effective
 
    !> What is stored of a transient.
    type :: output_settings_t
@@ -47,7 +58,7 @@ module case_record
       !> Free text of the user, UTF-8.
       character(:), allocatable :: title
       !> 'ehl_line', 'dry_line' or 'dry_area'.
-      character(len=word_length) :: problem
+      character(len=word_length) :: problem = ''
       !> 'full'.
       character(len=word_length) :: model
       !> Result file as given, empty if not; see `result_path`.
@@ -122,34 +133,98 @@ contains
       do i = 1, size(case%effective)
          associate (entry => case%effective(i))
             if (entry%group == 'case' .or. entry%key == 'checkpoint_interval') cycle
-            lines = lines//new_line('a')//'&'//entry%group//' '//entry%key//' = '//entry%value
+            lines = lines//new_line('a')//'&'//trim(entry%group)//' '//trim(entry%key) &
+               //' = '//effective_text(entry)
          end associate
       end do
    end function case_identity
 
-   !> Sets or adds a value in the list of effective values, for instance one that the program has
-   !> chosen.
-   pure subroutine set_effective(case, group, key, value, unit)
+   !> A value as text; real numbers with all their digits, several separated by commas.
+   pure function effective_text(entry) result(text)
+      type(effective_t), intent(in) :: entry
+      character(:), allocatable :: text
+      integer, parameter :: all_digits = 17
+      integer :: i
+
+      if (allocated(entry%text)) then
+         text = entry%text
+      else if (allocated(entry%integer)) then
+         text = to_text(entry%integer)
+      else
+         text = to_text(entry%reals(1), all_digits)
+         do i = 2, size(entry%reals)
+            text = text//', '//to_text(entry%reals(i), all_digits)
+         end do
+      end if
+   end function effective_text
+
+   !> One real number; `unit` as of `set_reals`.
+   pure subroutine set_real(case, group, key, value, unit)
       type(case_t), intent(inout) :: case
-      character(*), intent(in) :: group, key, value, unit
-      type(effective_t), allocatable :: longer(:)
-      integer :: i, count
+      character(*), intent(in) :: group, key
+      real(wp), intent(in) :: value
+      character(*), intent(in), optional :: unit
+
+      call set_reals(case, group, key, [value], unit)
+   end subroutine set_real
+
+   !> Real numbers, at least one. Their unit is that of the key table; `unit` is that of a value
+   !> which is no key.
+   pure subroutine set_reals(case, group, key, values, unit)
+      type(case_t), intent(inout) :: case
+      character(*), intent(in) :: group, key
+      real(wp), intent(in) :: values(:)
+      character(*), intent(in), optional :: unit
+      integer :: place
+
+      call make_place(case, group, key, place)
+      case%effective(place)%reals = values
+      if (present(unit)) case%effective(place)%unit = unit
+   end subroutine set_reals
+
+   !> An integer.
+   pure subroutine set_integer(case, group, key, value)
+      type(case_t), intent(inout) :: case
+      character(*), intent(in) :: group, key
+      integer, intent(in) :: value
+      integer :: place
+
+      call make_place(case, group, key, place)
+      case%effective(place)%integer = value
+   end subroutine set_integer
+
+   !> A word, a text or several words.
+   pure subroutine set_text(case, group, key, value)
+      type(case_t), intent(inout) :: case
+      character(*), intent(in) :: group, key, value
+      integer :: place
+
+      call make_place(case, group, key, place)
+      case%effective(place)%text = value
+   end subroutine set_text
+
+   !> The `place` of a key in the list, a new one if it has none, without a value.
+   pure subroutine make_place(case, group, key, place)
+      type(case_t), intent(inout) :: case
+      character(*), intent(in) :: group, key
+      integer, intent(out) :: place
+      type(effective_t) :: entry
+      integer :: row
 
       if (.not. allocated(case%effective)) allocate (case%effective(0))
-      do i = 1, size(case%effective)
-         if (case%effective(i)%group /= group .or. case%effective(i)%key /= key) cycle
-         case%effective(i)%value = value
-         case%effective(i)%unit = unit
-         return
+      entry%group = group
+      entry%key = key
+      entry%unit = ''
+      row = find_key(group, key, case%problem)
+      if (row > 0) entry%unit = key_rows(row)%unit
+      do place = 1, size(case%effective)
+         if (case%effective(place)%group == group .and. case%effective(place)%key == key) exit
       end do
-      count = size(case%effective)
-      allocate (longer(count + 1))
-      longer(:count) = case%effective
-      longer(count + 1)%group = group
-      longer(count + 1)%key = key
-      longer(count + 1)%value = value
-      longer(count + 1)%unit = unit
-      call move_alloc(longer, case%effective)
-   end subroutine set_effective
+      if (place > size(case%effective)) then
+         case%effective = [case%effective, entry]
+      else
+         case%effective(place) = entry
+      end if
+   end subroutine make_place
 
 end module case_record

@@ -168,9 +168,9 @@ module input_keys
       key_row_t('surface_1', 'wavelength', reals_kind, 'm', is_optional, &
          'wavelength Lambda of each element', &
          range='>= 1e-12, <= 1e3', used=of_features, needed=of_features, problems=every), &
-      key_row_t('surface_1', 'position', reals_kind, 'half-widths', '0.0', &
-         'centre xc of each element at time 0; default of moving features and profiles: '// &
-            'about to enter', range='>= -1e6, <= 1e6', used=of_roughness), &
+      key_row_t('surface_1', 'position', reals_kind, 'half-widths', is_chosen, &
+         'centre xc of each element at time 0; chosen: 0, where it moves about to enter', &
+         range='>= -1e6, <= 1e6', used=of_roughness), &
       key_row_t('surface_1', 'entry_length', real_kind, 'half-widths', is_chosen, &
          'everything rises over it behind a front that enters the domain; chosen: 1 for '// &
             'profiles, else 0', range='>= 0, <= 1e4', used=of_roughness//', '//in_time), &

@@ -48,12 +48,16 @@ contains
       type(findings_t), intent(inout) :: findings
       character(:), allocatable :: shape
       type(value_t) :: position
+      logical :: is_profile
 
       shape = trim(values%word_value(group, 'shape'))
       if (case%time%is_transient) surface%entry_length = values%real_value(group, 'entry_length')
-      if (shape /= 'file' .and. shape /= 'synthetic') return
-      if (case%time%is_transient .and. .not. values%is_given(group, &
+      is_profile = shape == 'file' .or. shape == 'synthetic'
+      if (is_profile .and. case%time%is_transient .and. .not. values%is_given(group, &
          'entry_length')) surface%entry_length = usual_entry
+      if (case%time%is_transient .and. shape /= 'smooth') call set_effective(case, group, &
+         'entry_length', surface%entry_length)
+      if (.not. is_profile) return
       allocate (surface%profile)
       if (shape == 'file') then
          call fill_from_file(values, group, case, surface%profile, findings)
@@ -65,8 +69,6 @@ contains
       position = values%slot(group, 'position')
       surface%profile%is_placed = position%is_given
       if (position%is_given) surface%profile%start = position%reals(1)
-      if (case%time%is_transient) call set_effective(case, group, 'entry_length', &
-         to_text(surface%entry_length, 17), 'half-widths')
    end subroutine add_profile
 
    !> Heights of the file, which are read as they are needed; with harmonics they repeat themselves
@@ -95,8 +97,8 @@ contains
          'found no spacing in '//path// &
          ', expected the attribute spacing_x or spacing [m] of the dataset')
       profile%finest_wave = 2.0_wp*profile%spacing
-      call set_effective(case, group, 'heights_checksum', digits, '')
-      call set_effective(case, group, 'heights_spacing', to_text(profile%spacing, 17), 'm')
+      call set_effective(case, group, 'heights_checksum', digits)
+      call set_effective(case, group, 'heights_spacing', profile%spacing, 'm')
       harmonics = values%slot(group, 'harmonics')
       if (.not. harmonics%is_given .or. findings%count > 0) return
       most = min(profile%source%nodes/2 - 1, int(most_nodes, int64))
@@ -158,9 +160,8 @@ contains
             'profile of '//to_text(length, 3)//' m, which is too long to be made at once')
       end if
       if (findings%count > before) return
-      call set_effective(case, group, 'wavelength_long', to_text(wanted%wavelength_long, 17), 'm')
-      call set_effective(case, group, 'wavelength_rolloff', to_text(wanted%wavelength_rolloff, &
-         17), 'm')
+      call set_effective(case, group, 'wavelength_long', wanted%wavelength_long)
+      call set_effective(case, group, 'wavelength_rolloff', wanted%wavelength_rolloff)
       call synthesise(wanted, length, group, values%line_of(group, 'shape'), case, &
          surface%profile, findings)
    end subroutine fill_synthetic
@@ -200,7 +201,7 @@ contains
          call synthetic_heights(wanted, [nodes, 1], length, tiny(1.0_wp), profile%heights, error)
          if (.not. allocated(error)) then
             call sums%add(profile%heights)
-            call set_effective(case, group, 'heights_checksum', sums%digits(), '')
+            call set_effective(case, group, 'heights_checksum', sums%digits())
          end if
       end if
       if (allocated(error)) call findings%add(line, group, 'shape', error%message)

@@ -69,7 +69,7 @@ contains
             if (.not. is_file_name(cases(i)%effective(j))) cycle values
             next = next + 1
             places(next) = new_place(beside_namelist(cases(i), &
-               trim(cases(i)%effective(j)%value)), 'height file', i)
+               trim(cases(i)%effective(j)%text)), 'height file', i)
          end do values
       end do
    end function inputs_of
@@ -79,7 +79,7 @@ contains
       type(effective_t), intent(in) :: entry
       logical :: answer
 
-      answer = entry%key == 'file' .and. entry%value /= ''
+      answer = entry%key == 'file'
    end function is_file_name
 
    !> Results, each followed by what is written beside it.
