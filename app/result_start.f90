@@ -9,8 +9,8 @@ module result_start
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
    use kinds, only: wp
-   use result_writer, only: field_name_length, give_back, hold_name, open_result, reopen_result, &
-      result_writer_t
+   use result_name, only: hold_name, result_name_t
+   use result_writer, only: field_name_length, open_result, reopen_result
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
    use text, only: to_text
@@ -86,7 +86,7 @@ contains
       watcher%earlier_seconds = checkpoint%march%report%wall_seconds
       watcher%output_seconds = checkpoint%march%report%phase_seconds(phase_output)
       watcher%checkpoint_step = checkpoint%march%step
-      call watcher%writer%expect_interruption(watcher%checkpoint_step)
+      call watcher%writer%name%expect_interruption(watcher%checkpoint_step)
       watcher%intervals = checkpoint%intervals
       watcher%time_step = checkpoint%time_step
       watcher%space_scheme = checkpoint%space_scheme
@@ -105,14 +105,14 @@ contains
       type(case_t), intent(in) :: case
       logical, intent(out) :: is_complete, is_converged
       type(error_t), allocatable, intent(out) :: error
-      type(result_writer_t) :: writer
+      type(result_name_t) :: name
 
       is_complete = .false.
       is_converged = .false.
-      call hold_name(writer, path, error)
+      call hold_name(name, path, error)
       if (allocated(error)) return
       call judge_result(path, case, is_complete, is_converged)
-      call give_back(writer, is_complete)
+      call name%give_back(is_complete)
    end subroutine find_complete_result
 
    !> Whether `path` is the complete result of this very case by this very program, and whether it

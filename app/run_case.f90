@@ -314,13 +314,13 @@ contains
       watcher%writer%inputs = case%effective
       call watcher%writer%finish(state, report, error)
       if (allocated(error)) then
-         if (watcher%writer%has_checkpoint) error%message = error%message &
+         if (watcher%writer%name%has_checkpoint) error%message = error%message &
             //'; --resume goes on after step '// &
             to_text(watcher%checkpoint_step)
          call give_up(error, watcher%log, status)
          return
       end if
-      call watcher%log%close_case(watcher%writer%summary, report, watcher%writer%path, &
+      call watcher%log%close_case(watcher%writer%summary, report, watcher%writer%name%path, &
          watcher%writer%figures%times)
       status = merge(status_converged, status_not_converged, report%converged)
    end subroutine store
@@ -333,10 +333,10 @@ contains
 
       status = status_interrupted
       if (allocated(watcher%failure)) status = status_not_written
-      words = watcher%writer%interruption_text(watcher%checkpoint_step)
+      words = watcher%writer%name%interruption_text(watcher%checkpoint_step)
       call take_last_words()
       call watcher%log%say_error(words)
-      if (watcher%writer%has_checkpoint) then
+      if (watcher%writer%name%has_checkpoint) then
          call watcher%writer%suspend()
       else
          call watcher%writer%discard()

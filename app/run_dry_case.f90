@@ -86,7 +86,7 @@ contains
       if (case%dry%target > 0.0_wp) call log%say(name // ': solved on ' // nodes_text(case%dry) &
          // ' nodes for an error of ' &
          // number_text(100.0_wp*case%dry%target, 2) // ' % of the contact area')
-      call tell(log, name, outcome%rows, errors, outcome%solution, writer%path)
+      call tell(log, name, outcome%rows, errors, outcome%solution, writer%name%path)
       status = merge(status_converged, status_not_converged, outcome%solution%report%converged)
    end subroutine solve_and_write
 

@@ -12,44 +12,38 @@ module result_writer
    use case_record, only: effective_t
    use error_bars, only: apply_error_bars, error_bars_t, missing_estimate
    use errors, only: error_t, fail, input_error, output_error
-   use file_seal, only: seal_file
    use film_statistics, only: add_start, add_time, film_statistics_t
    use hdf5_attribute, only: write_attribute
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: create_hdf5_file, hdf5_file_t
    use input_section, only: write_input
-   use interruption, only: forget_last_words, ignore_file_size_signal, lay_down_last_words, &
-      set_patience
+   use interruption, only: set_patience
    use iteration_report, only: report_t
    use kinds, only: wp
    use life_sign, only: begin_activity
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
-   use observer, only: observer_t
-   use file_identity, only: file_identity_t, kind_link, kind_other, look_at_file
-   use operating_system, only: is_folder, lock_t, remove_file, rename_file, sync_file
-   use output_names, only: folder_of, working_endings
+   use operating_system, only: lock_t, remove_file, rename_file, sync_file
    use passage_figures, only: passage_figures_t
    use result_labels, only: field_names
+   use result_name, only: hold_name, result_name_t
    use result_sections, only: write_report, write_scaling, write_solution, write_summary, &
       write_times
    use scaling, only: scaling_t
    use statistics_section, only: write_statistics
-   use text, only: to_text
    use transient_store, only: attach_store, create_store, part_t, transient_store_t
    implicit none (type, external)
    private
 
-   public :: give_back, hold_name, open_result, reopen_result, result_writer_t
+   public :: open_result, reopen_result, result_writer_t
 
    !> Longest name of a field.
    integer, parameter, public :: field_name_length = len(field_names)
 
-   !> The file being written. As an observer it stores time steps; `wants_stop` is set when that
-   !> failed.
-   type, extends(observer_t) :: result_writer_t
-      !> Final name.
-      character(:), allocatable :: path
+   !> The file being written.
+   type :: result_writer_t
+      !> Its final name, and what lies beside it.
+      type(result_name_t) :: name
       !> Every how many time steps profiles are stored; those at T = 0 always are.
       integer :: profile_stride = 1
       !> Profiles that are stored, names of `field_names`.
@@ -62,10 +56,6 @@ module result_writer
       type(error_bars_t) :: bars
       !> The film over all time steps, where that is asked for.
       type(film_statistics_t) :: statistics
-      !> NAME.part holds what a checkpoint needs: it stays when the run fails.
-      logical :: has_checkpoint = .false.
-      !> Time step of that checkpoint.
-      integer, private :: kept_step = -1
       !> /input/effective, every value as it is used, default or not: stored as numbers if it has a
       !> unit ('-': a pure number) and reads as such, else as text.
       type(effective_t), allocatable :: inputs(:)
@@ -74,14 +64,12 @@ module result_writer
       character(:), allocatable, private :: problem, title, namelist
       type(scaling_t), private :: scaling
       type(transient_store_t), private :: store
-      !> Locks on the name NAME.part, and on the file that comes from NAME.tmp.
-      type(lock_t), private :: lock, store_lock
+      !> Lock on the NAME.part that comes from NAME.tmp.
+      type(lock_t), private :: store_lock
       logical, private :: is_transient = .false., is_scaled = .false.
-      !> There was a NAME.part before the name was taken.
-      logical, private :: had_part = .false.
    contains
-      procedure :: on_cycle
-      procedure :: on_step
+      !> Appends a time step to /transient.
+      procedure :: store_step
       !> Takes down what is known before the run.
       procedure :: describe
       !> What is stored in NAME.part.
@@ -96,14 +84,9 @@ module result_writer
       procedure :: publish
       !> Closes NAME.part and leaves it for a later run to go on with.
       procedure :: suspend
-      !> Lays down what happens to the files if the program has to be ended by force; `step`: of the
-      !> last checkpoint.
-      procedure :: expect_interruption
-      !> The same in words.
-      procedure :: interruption_text
       !> Gives the file up; nothing of it stays, but NAME.part if there is a checkpoint.
       procedure :: discard
-      procedure, private :: remove_checkpoint, keep_failure, is_kept
+      procedure, private :: keep_failure, is_kept
    end type result_writer_t
 
 contains
@@ -115,12 +98,14 @@ contains
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
 
-      call hold_name(writer, path, error)
+      call hold_name(writer%name, path, error)
       if (allocated(error)) return
-      call writer%expect_interruption(0)
-      call writer%remove_checkpoint()
+      call writer%name%expect_interruption(0)
+      call writer%name%remove_checkpoint()
+      writer%fields = [character(len=field_name_length) :: 'pressure', 'film_thickness']
+      allocate (writer%inputs(0))
       call create_hdf5_file(writer%file, path//'.part', error)
-      if (allocated(error)) call give_back(writer, is_complete=.false.)
+      if (allocated(error)) call writer%name%give_back(is_complete=.false.)
    end subroutine open_result
 
    !> Goes on with the result `path` of an interrupted run, with what was stored of it (`part`,
@@ -134,13 +119,14 @@ contains
       type(passage_figures_t), intent(in) :: figures
       type(error_t), allocatable, intent(out) :: error
 
-      call hold_name(writer, path, error)
+      call hold_name(writer%name, path, error)
       if (allocated(error)) return
-      if (.not. writer%had_part) then
+      if (.not. writer%name%had_part) then
          call fail(error, input_error, path//'.part is missing')
-         call give_back(writer, is_complete=.false.)
+         call writer%name%give_back(is_complete=.false.)
          return
       end if
+      allocate (writer%inputs(0))
       writer%fields = [character(len=field_name_length) :: fields]
       call attach_store(writer%store, path//'.part', fields, nx, part, error)
       if (allocated(writer%store%file%failure) .and. .not. allocated(error)) error = &
@@ -149,106 +135,11 @@ contains
          call writer%suspend()
          return
       end if
-      call writer%lock%allow_readers()
+      call writer%name%lock%allow_readers()
       writer%figures = figures
       writer%is_transient = .true.
-      writer%has_checkpoint = .true.
+      writer%name%has_checkpoint = .true.
    end subroutine reopen_result
-
-   !> Takes the name of the result `path`, so that nobody else writes it until `give_back`. Error:
-   !> somebody does; it cannot be the name of a result.
-   subroutine hold_name(writer, path, error)
-      type(result_writer_t), intent(out) :: writer
-      character(*), intent(in) :: path
-      type(error_t), allocatable, intent(out) :: error
-
-      inquire (file=path//'.part', exist=writer%had_part)
-      call take_name(writer, path, error)   ! error: handed up
-   end subroutine hold_name
-
-   !> Gives a held name back. Where `path` `is_complete` what a run left beside it goes, if it was
-   !> killed before it could do so.
-   subroutine give_back(writer, is_complete)
-      type(result_writer_t), intent(inout) :: writer
-      logical, intent(in) :: is_complete
-      logical :: is_removed
-
-      if (is_complete) call writer%remove_checkpoint()
-      if (is_complete .or. .not. writer%had_part) is_removed = remove_file(writer%path//'.part')
-      call forget_last_words()
-      call writer%lock%release()
-   end subroutine give_back
-
-   !> What is said of a run that ends here; `step`: of the last checkpoint.
-   function interruption_text(self, step) result(text)
-      class(result_writer_t), intent(in) :: self
-      integer, intent(in) :: step
-      character(:), allocatable :: text
-
-      if (self%has_checkpoint) then
-         text = 'interrupted; --resume goes on after step '//to_text(step)//' with '//self%path &
-            //'.ckpt'
-      else
-         text = 'interrupted without a checkpoint, nothing is kept of '//self%path
-      end if
-   end function interruption_text
-
-   !> Lays down this text, and which files go with it.
-   subroutine expect_interruption(self, step)
-      class(result_writer_t), intent(inout) :: self
-      integer, intent(in) :: step
-      character(len=9), parameter :: endings(3) = [character(len=9) :: '.part', '.tmp', '.ckpt.tmp']
-      character(len=len(self%path) + len(endings)) :: names(size(endings))
-      integer :: first
-
-      self%kept_step = step
-      first = merge(2, 1, self%has_checkpoint)   ! a checkpoint needs NAME.part
-      names = self%path//endings
-      call lay_down_last_words(program_name//': '//self%interruption_text(step), names(first:))
-   end subroutine expect_interruption
-
-   !> Makes sure that `path` can be the name of a result, and that nobody else is writing it.
-   subroutine take_name(writer, path, error)
-      type(result_writer_t), intent(inout) :: writer
-      character(*), intent(in) :: path
-      type(error_t), allocatable, intent(out) :: error
-
-      writer%path = path
-      writer%fields = [character(len=field_name_length) :: 'pressure', 'film_thickness']
-      allocate (writer%inputs(0))
-      call ignore_file_size_signal()
-      if (is_folder(path)) then
-         call fail(error, output_error, 'cannot write '//path//': it is a folder')
-      else if (.not. is_folder(folder_of(path))) then
-         call fail(error, output_error, 'cannot write '//path//': there is no folder ' &
-            //folder_of(path))
-      else
-         call refuse_links(path, error)
-         if (allocated(error)) return
-         if (.not. writer%lock%take(path//'.part')) call fail(error, output_error, 'cannot write ' &
-            //path// &
-            ': another run is writing '//path//'.part')
-      end if
-   end subroutine take_name
-
-   !> Error: what is written beside the result would go through a link, or into a pipe or device.
-   subroutine refuse_links(path, error)
-      character(*), intent(in) :: path
-      type(error_t), allocatable, intent(out) :: error
-      type(file_identity_t) :: file
-      integer :: i
-
-      do i = 1, size(working_endings)
-         associate (name => path//trim(working_endings(i)))
-            file = look_at_file(name, follows=.false.)
-            if (file%kind == kind_link) call fail(error, output_error, 'cannot write '//path//': ' &
-               //name//' is a link')
-            if (file%kind == kind_other) call fail(error, output_error, 'cannot write '//path &
-               //': '//name//' is no regular file')
-            if (allocated(error)) return
-         end associate
-      end do
-   end subroutine refuse_links
 
    !> Program, problem and title (UTF-8), the text of the input; the reference values of a
    !> lubricated contact.
@@ -285,21 +176,8 @@ contains
       end associate
    end subroutine write_description
 
-   !> Cycles are not stored here: the report has their history.
-   subroutine on_cycle(self, cycle, residual, load_error)
-      class(result_writer_t), intent(inout) :: self
-      integer, intent(in) :: cycle
-      real(wp), intent(in) :: residual
-      real(wp), intent(in) :: load_error
-
-      associate (unused_cycle => cycle, unused_residual => residual, &
-         unused_load_error => load_error)
-      end associate
-      self%wants_stop = allocated(self%file%failure)
-   end subroutine on_cycle
-
    !> Appends a time step to /transient.
-   subroutine on_step(self, step, steps, state, report)
+   subroutine store_step(self, step, steps, state, report)
       class(result_writer_t), intent(inout) :: self
       integer, intent(in) :: step
       integer, intent(in) :: steps
@@ -320,8 +198,7 @@ contains
          mod(step, self%profile_stride) == 0)
       call self%keep_failure()
       if (self%store%records() == 1) call publish_store(self)
-      self%wants_stop = allocated(self%file%failure)
-   end subroutine on_step
+   end subroutine store_step
 
    !> Makes room for `capacity` times and profiles of `nx` nodes in NAME.tmp; after that the HDF5
    !> library leaves that file alone.
@@ -333,11 +210,11 @@ contains
       writer%is_transient = .true.
       call writer%file%close(error)   ! error: it stays in writer%file%failure
       if (allocated(writer%file%failure)) return
-      call create_hdf5_file(writer%file, writer%path//'.tmp', error)   ! error: as above
+      call create_hdf5_file(writer%file, writer%name%path//'.tmp', error)   ! error: as above
       call write_description(writer)
       call create_store(writer%store, writer%file, writer%fields, capacity, nx, writer%scaling)
       call writer%file%close(error)   ! error: as above
-      if (.not. allocated(writer%file%failure)) call writer%store%open(writer%path//'.tmp')
+      if (.not. allocated(writer%file%failure)) call writer%store%open(writer%name%path//'.tmp')
    end subroutine start_store
 
    !> NAME.tmp, with T = 0 in it, becomes NAME.part.
@@ -346,13 +223,13 @@ contains
       logical :: is_done
 
       if (allocated(writer%file%failure)) return
-      is_done = writer%store_lock%take(writer%path//'.tmp')
+      is_done = writer%store_lock%take(writer%name%path//'.tmp')
       call writer%store_lock%allow_readers()
-      if (is_done) is_done = rename_file(writer%path//'.tmp', writer%path//'.part')
+      if (is_done) is_done = rename_file(writer%name%path//'.tmp', writer%name%path//'.part')
       if (.not. is_done) call fail(writer%file%failure, output_error, 'cannot rename ' &
-         //writer%path//'.tmp to '//writer%path &
+         //writer%name%path//'.tmp to '//writer%name%path &
          //'.part')
-      writer%store%file%path = writer%path//'.part'
+      writer%store%file%path = writer%name%path//'.part'
    end subroutine publish_store
 
    !> A failure of the store counts as one of the file.
@@ -384,7 +261,7 @@ contains
       class(result_writer_t), intent(in) :: self
       logical :: is_kept
 
-      is_kept = self%has_checkpoint .and. self%kept_step == self%store%records() - 1
+      is_kept = self%name%has_checkpoint .and. self%name%kept_step == self%store%records() - 1
    end function is_kept
 
    !> Waits until NAME.part is on the disk; true if that worked.
@@ -394,7 +271,7 @@ contains
 
       call self%keep_failure()
       is_done = .not. allocated(self%file%failure)
-      if (is_done) is_done = sync_file(self%path//'.part')
+      if (is_done) is_done = sync_file(self%name%path//'.part')
    end function sync
 
    !> Writes the solution at the last time, the figures and the report, closes the file and gives it
@@ -411,7 +288,8 @@ contains
       call begin_activity('writing the result')
       self%summary = self%figures%extremes(summary_of(state))
       if (self%is_transient .and. .not. allocated(self%file%failure)) then
-         call create_hdf5_file(self%file, self%path//'.tmp', error)   ! error: stays in the file
+         call create_hdf5_file(self%file, self%name%path//'.tmp', &
+            error)   ! error: stays in the file
          call write_description(self)
          call self%store%copy_into(self%file, self%scaling)
          call self%keep_failure()
@@ -453,43 +331,22 @@ contains
       call write_attribute(self%file, '/', 'converged', merge(1, 0, report%converged))
       call write_attribute(self%file, '/', 'reason', reason)
       call self%file%close(error)
-      if (.not. allocated(error)) call give_name(self, error)
-      if (.not. allocated(error)) call self%remove_checkpoint()
+      if (.not. allocated(error)) call self%name%give_to(self%name%path &
+         //trim(merge('.tmp ', '.part', self%is_transient)), error)
       if (allocated(error) .or. self%is_transient) then
          call self%discard()
       else
-         call forget_last_words()
-         call self%lock%release()
+         call self%name%release()
       end if
    end subroutine publish
-
-   !> Seals the complete file and gives it its name.
-   subroutine give_name(writer, error)
-      class(result_writer_t), intent(in) :: writer
-      type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: temporary
-      logical :: is_done
-
-      temporary = writer%path//'.part'
-      if (writer%is_transient) temporary = writer%path//'.tmp'
-      call seal_file(temporary, error)
-      if (allocated(error)) return
-      is_done = .true.
-      if (writer%has_checkpoint) is_done = sync_file(temporary)
-      call set_patience(.true.)   ! the checkpoint goes
-      if (is_done) is_done = rename_file(temporary, writer%path)
-      if (.not. is_done) call fail(error, output_error, 'cannot rename '//temporary//' to ' &
-         //writer%path)
-   end subroutine give_name
 
    !> Closes NAME.part.
    subroutine suspend(self)
       class(result_writer_t), intent(inout) :: self
 
-      call forget_last_words()
       call self%store%file%close()
       call self%store_lock%release()
-      call self%lock%release()
+      call self%name%release()
    end subroutine suspend
 
    !> Closes the files whatever their state and removes them.
@@ -500,23 +357,10 @@ contains
 
       call self%file%close(error)   ! error: the file is given up anyway
       call self%store%file%close()
-      if (self%is_transient) is_removed = remove_file(self%path//'.tmp')
-      if (.not. self%has_checkpoint) is_removed = remove_file(self%path//'.part')
-      call forget_last_words()
+      if (self%is_transient) is_removed = remove_file(self%name%path//'.tmp')
+      if (.not. self%name%has_checkpoint) is_removed = remove_file(self%name%path//'.part')
       call self%store_lock%release()
-      call self%lock%release()
+      call self%name%release()
    end subroutine discard
-
-   !> Removes the checkpoint and what an interrupted run may have left of the next one, and of the
-   !> result.
-   subroutine remove_checkpoint(self)
-      class(result_writer_t), intent(inout) :: self
-      logical :: is_removed
-
-      is_removed = remove_file(self%path//'.ckpt')
-      is_removed = remove_file(self%path//'.ckpt.tmp')
-      is_removed = remove_file(self%path//'.tmp')
-      self%has_checkpoint = .false.
-   end subroutine remove_checkpoint
 
 end module result_writer

@@ -96,15 +96,15 @@ contains
       real(wp) :: begin
 
       begin = wall_seconds()
-      call self%writer%on_step(step, steps, state, report)
+      call self%writer%store_step(step, steps, state, report)
       call self%log%on_step(step, steps, state, report)
       if (report%breakdown%is_now .and. report%breakdown%count == 1) call self%log%say_error( &
          breakdown_sentence(report%breakdown, self%film_floor, self%scaling))
-      self%wants_stop = self%writer%wants_stop .or. is_interrupted()
+      self%wants_stop = self%writer%has_failed() .or. is_interrupted()
       self%wants_state = is_interrupted() &
          .or. begin - self%last_checkpoint >= self%checkpoint_interval
       if (step == steps) self%wants_state = self%wants_state .or. begin - self%start > long_run
-      self%wants_state = self%wants_state .and. .not. self%writer%wants_stop
+      self%wants_state = self%wants_state .and. .not. self%writer%has_failed()
       call set_patience(self%wants_state .or. step < steps)
       self%output_seconds = self%output_seconds + wall_seconds() - begin
    end subroutine on_step
@@ -144,16 +144,16 @@ contains
       end associate
       if (allocated(self%failure)) deallocate (self%failure)
       if (self%writer%sync()) then
-         call write_checkpoint(checkpoint, self%writer%path//'.ckpt', self%failure)
+         call write_checkpoint(checkpoint, self%writer%name%path//'.ckpt', self%failure)
       else
-         call fail(self%failure, output_error, 'cannot write '//self%writer%path//'.part')
+         call fail(self%failure, output_error, 'cannot write '//self%writer%name%path//'.part')
       end if
       if (allocated(self%failure)) then
          call self%log%say_error(self%failure%message)
       else
          self%checkpoint_step = history%step
-         self%writer%has_checkpoint = .true.
-         call self%writer%expect_interruption(history%step)
+         self%writer%name%has_checkpoint = .true.
+         call self%writer%name%expect_interruption(history%step)
       end if
       call set_patience(.false.)   ! until the next step
       self%wants_state = .false.

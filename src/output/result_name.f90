@@ -1,0 +1,176 @@
+!> The name of a result while a run holds it: who may write it, which files lie beside it, and what
+!> happens to them when the run ends.
+!>
+!> NAME.part is what the run writes, NAME.tmp the result of a transient that is put together at the
+!> end, NAME.ckpt its checkpoint and NAME.ckpt.tmp the next one. An interrupted or failed run leaves
+!> an older NAME as it was.
+module result_name
+   use build_info, only: program_name
+   use errors, only: error_t, fail, output_error
+   use file_identity, only: file_identity_t, kind_link, kind_other, look_at_file
+   use file_seal, only: seal_file
+   use interruption, only: forget_last_words, ignore_file_size_signal, lay_down_last_words, &
+      set_patience
+   use operating_system, only: is_folder, lock_t, remove_file, rename_file, sync_file
+   use output_names, only: folder_of, working_endings
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: hold_name, result_name_t
+
+   !> A held name.
+   type :: result_name_t
+      !> The name.
+      character(:), allocatable :: path
+      !> NAME.part holds what a checkpoint needs: it stays when the run fails.
+      logical :: has_checkpoint = .false.
+      !> Time step of that checkpoint.
+      integer :: kept_step = -1
+      !> There was a NAME.part before the name was taken.
+      logical :: had_part = .false.
+      !> Lock on NAME.part.
+      type(lock_t) :: lock
+   contains
+      !> Lays down what happens to the files if the program has to be ended by force; `step`: of the
+      !> last checkpoint.
+      procedure :: expect_interruption
+      !> The same in words.
+      procedure :: interruption_text
+      !> Seals a complete file and gives it the name; the checkpoint goes.
+      procedure :: give_to
+      !> Removes the checkpoint and what an interrupted run may have left of the next one, and of
+      !> the result.
+      procedure :: remove_checkpoint
+      !> Gives the name back without using it.
+      procedure :: give_back
+      !> Lets others write the result.
+      procedure :: release
+   end type result_name_t
+
+contains
+
+   !> Takes the name of the result `path`, so that nobody else writes it until `release`. Error:
+   !> somebody does; it cannot be the name of a result.
+   subroutine hold_name(name, path, error)
+      type(result_name_t), intent(out) :: name
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: fault
+
+      name%path = path
+      inquire (file=path//'.part', exist=name%had_part)
+      call ignore_file_size_signal()
+      fault = fault_of_name(path)
+      if (fault == '') then
+         if (.not. name%lock%take(path//'.part')) fault = 'another run is writing '//path//'.part'
+      end if
+      if (fault /= '') call fail(error, output_error, 'cannot write '//path//': '//fault)
+   end subroutine hold_name
+
+   !> Why a result cannot have this name; empty: it can. What is written beside it must not go
+   !> through a link, or into a pipe or device.
+   function fault_of_name(path) result(fault)
+      character(*), intent(in) :: path
+      character(:), allocatable :: fault
+      type(file_identity_t) :: file
+      integer :: i
+
+      fault = ''
+      if (is_folder(path)) then
+         fault = 'it is a folder'
+      else if (.not. is_folder(folder_of(path))) then
+         fault = 'there is no folder '//folder_of(path)
+      else
+         do i = 1, size(working_endings)
+            file = look_at_file(path//trim(working_endings(i)), follows=.false.)
+            if (file%kind == kind_link) fault = ' is a link'
+            if (file%kind == kind_other) fault = ' is no regular file'
+            if (fault /= '') then
+               fault = path//trim(working_endings(i))//fault
+               return
+            end if
+         end do
+      end if
+   end function fault_of_name
+
+   !> What is said of a run that ends here; `step`: of the last checkpoint.
+   function interruption_text(self, step) result(text)
+      class(result_name_t), intent(in) :: self
+      integer, intent(in) :: step
+      character(:), allocatable :: text
+
+      if (self%has_checkpoint) then
+         text = 'interrupted; --resume goes on after step '//to_text(step)//' with '//self%path &
+            //'.ckpt'
+      else
+         text = 'interrupted without a checkpoint, nothing is kept of '//self%path
+      end if
+   end function interruption_text
+
+   !> Lays down this text, and which files go with it.
+   subroutine expect_interruption(self, step)
+      class(result_name_t), intent(inout) :: self
+      integer, intent(in) :: step
+      character(len=9), parameter :: endings(3) = [character(len=9) :: '.part', '.tmp', '.ckpt.tmp']
+      character(len=len(self%path) + len(endings)) :: names(size(endings))
+      integer :: first
+
+      self%kept_step = step
+      first = merge(2, 1, self%has_checkpoint)   ! a checkpoint needs NAME.part
+      names = self%path//endings
+      call lay_down_last_words(program_name//': '//self%interruption_text(step), names(first:))
+   end subroutine expect_interruption
+
+   !> The file `temporary` becomes the result. Error: it cannot be renamed.
+   subroutine give_to(self, temporary, error)
+      class(result_name_t), intent(inout) :: self
+      character(*), intent(in) :: temporary
+      type(error_t), allocatable, intent(out) :: error
+      logical :: is_done
+
+      call seal_file(temporary, error)
+      if (allocated(error)) return
+      is_done = .true.
+      if (self%has_checkpoint) is_done = sync_file(temporary)
+      call set_patience(.true.)   ! the checkpoint goes
+      if (is_done) is_done = rename_file(temporary, self%path)
+      if (is_done) then
+         call self%remove_checkpoint()
+      else
+         call fail(error, output_error, 'cannot rename '//temporary//' to '//self%path)
+      end if
+   end subroutine give_to
+
+   !> Removes NAME.ckpt, NAME.ckpt.tmp and NAME.tmp.
+   subroutine remove_checkpoint(self)
+      class(result_name_t), intent(inout) :: self
+      logical :: is_removed
+
+      is_removed = remove_file(self%path//'.ckpt')
+      is_removed = remove_file(self%path//'.ckpt.tmp')
+      is_removed = remove_file(self%path//'.tmp')
+      self%has_checkpoint = .false.
+   end subroutine remove_checkpoint
+
+   !> Where the result `is_complete` what a run left beside it goes, if it was killed before it
+   !> could do so.
+   subroutine give_back(self, is_complete)
+      class(result_name_t), intent(inout) :: self
+      logical, intent(in) :: is_complete
+      logical :: is_removed
+
+      if (is_complete) call self%remove_checkpoint()
+      if (is_complete .or. .not. self%had_part) is_removed = remove_file(self%path//'.part')
+      call self%release()
+   end subroutine give_back
+
+   !> There is nothing to remove any more if the program is ended.
+   subroutine release(self)
+      class(result_name_t), intent(inout) :: self
+
+      call forget_last_words()
+      call self%lock%release()
+   end subroutine release
+
+end module result_name
