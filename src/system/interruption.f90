@@ -28,8 +28,8 @@ module interruption
       signal_alarm = 14_c_int, signal_terminate = 15_c_int, signal_user_1 = 10_c_int, &
          signal_user_2 = 12_c_int, &
       signal_processor_time = 24_c_int, signal_file_size = 25_c_int
-   !> SIG_DFL and SIG_IGN as addresses.
-   integer(c_intptr_t), parameter :: default_address = 0_c_intptr_t, ignore_address = 1_c_intptr_t
+   !> SIG_IGN as an address.
+   integer(c_intptr_t), parameter :: ignore_address = 1_c_intptr_t
    !> ITIMER_REAL; time within which the program looks at the note if it looks at all, time that a
    !> time step or the writing of a result gets, time for the last words themselves [us].
    integer(c_int), parameter :: wall_timer = 0_c_int
@@ -193,7 +193,7 @@ contains
       integer(c_int) :: status
       integer :: i
 
-      previous = c_signal(signal_alarm, transfer(default_address, previous))
+      previous = c_signal(signal_alarm, c_funloc(end_in_silence))
       call set_timer(wall_timer, one_second)
       associate (set => sets(current))
          do i = 1, set%files
@@ -203,5 +203,14 @@ contains
       end associate
       call c_exit(status_interrupted)
    end subroutine say_last_words
+
+   !> The handler of the timer from then on.
+   subroutine end_in_silence(number) bind(c)
+      integer(c_int), value :: number
+
+      associate (unused => number)
+      end associate
+      call c_exit(status_interrupted)
+   end subroutine end_in_silence
 
 end module interruption
