@@ -23,6 +23,7 @@ module run_case
    use passage_times, only: new_passage_times, passage_note, passage_times_t
    use profile, only: profile_length
    use progress_log, only: new_progress_log
+   use quantities, only: h_min
    use resolution_choice, only: choose_resolution, settle_tolerance
    use result_start, only: find_complete_result, start_result
    use run_dry_case, only: solve_and_write
@@ -274,7 +275,7 @@ contains
       words = 'no error of h_min is foretold: pilot runs on coarser grids found no solution'
       associate (forecast => watcher%writer%bars%forecast)
          if (forecast%is_known) then
-            foretold = forecast%error(1)/forecast%pilot(1)
+            foretold = forecast%error(h_min)/forecast%pilot(h_min)
             if (.not. case%domain%has_inlet) foretold = foretold &
                + domain_error(inlet_error(contact))
             if (foretold <= (1.0_wp + rounding)*case%accuracy%target) return

@@ -1,0 +1,303 @@
+!> What pilot runs of a transient on coarse resolutions tell of its errors, and which finer
+!> resolution they foretell to be good enough.
+module pilots
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use kinds, only: wp
+   use line_contact, only: fewest_in_wave, intervals_for_waves, line_contact_t, shortest_passage
+   use line_hierarchy, only: coarsest_for_film
+   use quantities, only: h_min, not_known, quantity_count
+   use solver_settings, only: time_settings_t
+   use split_errors, only: doubts_at, error_at, forecast_t, new_split_error, shift_at, split_error_t
+   implicit none (type, external)
+   private
+
+   public :: add_pilot, begun_anew, cheapest_resolution, forecast_at, has_forecast, new_pilots, &
+      next_direction, pilots_t, refined, resolution_t
+
+   !> What a pilot refines.
+   integer, parameter, public :: nothing = 0, space = 1, time_step = 2
+
+   !> Intervals of the first pilot at least, and the spacing of its time step at most: that of so
+   !> many intervals.
+   integer, parameter :: min_intervals = 16, first_steps = 32
+   !> Spacing and time step are foretold up to so many times finer than in the last pilot, without
+   !> and with an observed order.
+   real(wp), parameter :: reaches(2) = [2.0_wp, 4.0_wp]
+   !> Intervals that may be chosen are these times a power of two, time steps these powers of two
+   !> times those of the last pilot.
+   integer, parameter :: families(4) = [4, 5, 6, 7], doublings = 2, max_parts = 8
+   real(wp), parameter :: part = 0.25_wp
+   !> Intervals in the finest wave at least, in the first pilot and in what is chosen, and steps in
+   !> which it passes a place there.
+   integer, parameter :: pilot_in_wave = 2, nodes_in_wave = 4, steps_in_wave = 4
+   !> Steps in its passage from which on a single change by the time step is believed.
+   integer, parameter :: believed_steps = 8
+   !> After so many refinements of one direction the other one is looked at again.
+   integer, parameter :: max_in_a_row = 2
+   !> Whole numbers of steps are known to so much.
+   real(wp), parameter :: rounding = 1.0e-6_wp
+   !> The time of a run grows like n steps^power: shorter steps need fewer cycles.
+   real(wp), parameter :: power_of_steps = 0.65_wp
+   !> Two pilots are compared at all times at which the smallest film is not above the least by more
+   !> than this fraction.
+   real(wp), parameter :: nearly_least = 0.2_wp
+
+   !> Intervals and time steps.
+   type :: resolution_t
+      integer :: intervals = 0, steps = 0
+   end type resolution_t
+
+   !> What is known of the pilots.
+   type :: pilots_t
+      !> Resolution of the last one, or where there is none yet of the first.
+      type(resolution_t) :: last
+      !> Values of the last one; NaN: not known.
+      real(wp) :: values(quantity_count) = 0.0_wp
+      !> Their last change and the one before, by space and by time step; NaN: not known.
+      real(wp) :: changes(quantity_count, 2, 2) = 0.0_wp
+      !> Size of the changes of h_min (the last, the one before; by space, by time step), over time;
+      !> 0: not known.
+      real(wp) :: sizes(2, 2) = 0.0_wp
+      !> Smallest film of the last one at each time step (0:steps); not allocated: there is none.
+      real(wp), allocatable :: films(:)
+      !> Pilots since the last that has refined space, the time step; below 0: none has yet.
+      integer :: age(2) = -1
+      !> Passages of the finest wave, one after the other, that the whole time would hold.
+      real(wp) :: passages = 0.0_wp
+      !> Intervals that see every wave, and most intervals of a pilot and of the run.
+      integer :: for_waves = 1, max_intervals = 0
+      !> Order of the scheme in time where none is observed, and the bounds of an observed one.
+      real(wp) :: time_orders(3) = [1.0_wp, 1.5_wp, 2.0_wp]
+   end type pilots_t
+
+contains
+
+   !> Where the pilots of a contact on a complete domain begin.
+   pure function new_pilots(contact, time, max_intervals) result(pilots)
+      type(line_contact_t), intent(in) :: contact
+      type(time_settings_t), intent(in) :: time
+      integer, intent(in) :: max_intervals
+      type(pilots_t) :: pilots
+
+      pilots%max_intervals = max_intervals
+      pilots%for_waves = intervals_for_waves(contact)
+      pilots%passages = time%end_time/shortest_passage(contact)
+      if (time%scheme == 'backward_euler') pilots%time_orders = [0.7_wp, 0.7_wp, 1.0_wp]
+      associate (n => pilots%last%intervals, length => contact%domain%x_outlet &
+         - contact%domain%x_inlet)
+         n = coarsest_for_film(contact, min_intervals)
+         do while (fewest_in_wave*n < pilot_in_wave*pilots%for_waves)
+            n = 2*n
+         end do
+         pilots%last%steps = max(2, ceiling(time%end_time*max(n, first_steps)/length))
+      end associate
+   end function new_pilots
+
+   !> The same without any pilot, to begin with `first`.
+   pure function begun_anew(pilots, first) result(anew)
+      type(pilots_t), intent(in) :: pilots
+      type(resolution_t), intent(in) :: first
+      type(pilots_t) :: anew
+
+      anew = pilots_t(first, passages=pilots%passages, for_waves=pilots%for_waves, &
+         max_intervals=pilots%max_intervals, time_orders=pilots%time_orders)
+   end function begun_anew
+
+   !> A resolution with twice the intervals or twice the steps.
+   pure function refined(resolution, direction) result(finer)
+      type(resolution_t), intent(in) :: resolution
+      integer, intent(in) :: direction
+      type(resolution_t) :: finer
+
+      finer = resolution
+      if (direction == space) finer%intervals = 2*finer%intervals
+      if (direction == time_step) finer%steps = 2*finer%steps
+   end function refined
+
+   !> A pilot has found `values` and the smallest `films` at its time steps, on twice the resolution
+   !> of the last one in `direction`.
+   pure subroutine add_pilot(pilots, direction, values, films)
+      type(pilots_t), intent(inout) :: pilots
+      integer, intent(in) :: direction
+      real(wp), intent(in) :: values(quantity_count), films(0:)
+
+      if (direction == nothing) then
+         pilots%changes = not_known()
+         pilots%sizes = 0.0_wp
+      else
+         pilots%changes(:, 2, direction) = pilots%changes(:, 1, direction)
+         pilots%changes(:, 1, direction) = values - pilots%values
+         pilots%sizes(2, direction) = pilots%sizes(1, direction)
+         pilots%sizes(1, direction) = size_of_change(pilots%films, &
+            films(::merge(2, 1, direction == time_step)))
+         where (pilots%age >= 0) pilots%age = pilots%age + 1
+         pilots%age(direction) = 0
+      end if
+      pilots%last = refined(pilots%last, direction)
+      pilots%values = values
+      pilots%films = films
+   end subroutine add_pilot
+
+   !> Root mean square of the relative change from `old` to `new` smallest films of the same times,
+   !> where these are nearly the least one, times that: the smallest of all may have changed by
+   !> little by chance, while a wave passes between the nodes.
+   pure function size_of_change(old, new) result(change)
+      real(wp), intent(in) :: old(:), new(:)
+      real(wp) :: change, least
+
+      least = minval(new)
+      associate (near => new <= (1.0_wp + nearly_least)*least)
+         change = least*sqrt(sum(((new - old)/new)**2, near)/count(near))
+      end associate
+   end function size_of_change
+
+   !> What the next pilot refines: what has not been refined yet or for long, else what leaves the
+   !> larger doubt where the forecast ends.
+   pure function next_direction(pilots) result(direction)
+      type(pilots_t), intent(in) :: pilots
+      integer :: direction
+      real(wp) :: reach(2), doubts(2)
+
+      if (.not. allocated(pilots%films)) then
+         direction = nothing
+      else if (pilots%age(space) < 0) then
+         direction = space
+      else if (pilots%age(time_step) < 0 .or. .not. sees_passages(pilots)) then
+         direction = time_step
+      else if (any(pilots%age >= max_in_a_row)) then
+         direction = maxloc(pilots%age, 1)
+      else
+         reach = reach_of(pilots)
+         doubts = doubts_at(error_of(pilots, h_min), 1.0_wp/reach(space), 1.0_wp/reach(time_step))
+         direction = merge(space, time_step, doubts(space) > doubts(time_step))
+      end if
+   end function next_direction
+
+   !> Whether the time step is understood: its order has been observed, or the waves pass in many
+   !> steps.
+   pure function sees_passages(pilots)
+      type(pilots_t), intent(in) :: pilots
+      logical :: sees_passages
+
+      sees_passages = ieee_is_finite(pilots%changes(h_min, 2, time_step)) &
+         .or. pilots%last%steps >= believed_steps*pilots%passages
+   end function sees_passages
+
+   !> What the pilots tell of the errors of a row of the table of quantities.
+   pure function error_of(pilots, row) result(error)
+      type(pilots_t), intent(in) :: pilots
+      integer, intent(in) :: row
+      type(split_error_t) :: error
+      real(wp) :: sizes(2, 2)
+
+      sizes = 0.0_wp
+      if (row == h_min) sizes = pilots%sizes
+      associate (changes => pilots%changes(row, :, :))
+         error = new_split_error(changes(:, space), changes(:, time_step), pilots%time_orders, &
+            sizes)
+      end associate
+   end function error_of
+
+   !> How many times finer than the last pilot the forecast goes, in space and in time.
+   pure function reach_of(pilots) result(reach)
+      type(pilots_t), intent(in) :: pilots
+      real(wp) :: reach(2)
+
+      reach = merge(reaches(2), reaches(1), ieee_is_finite(pilots%changes(h_min, 2, :)))
+   end function reach_of
+
+   !> Whether anything can be foretold: both directions have been refined.
+   pure function has_forecast(pilots)
+      type(pilots_t), intent(in) :: pilots
+      logical :: has_forecast
+
+      has_forecast = all(pilots%age >= 0)
+   end function has_forecast
+
+   !> The forecast of all quantities at a resolution.
+   pure function forecast_at(pilots, resolution) result(forecast)
+      type(pilots_t), intent(in) :: pilots
+      type(resolution_t), intent(in) :: resolution
+      type(forecast_t) :: forecast
+      type(split_error_t) :: error
+      real(wp) :: dx_ratio, dt_ratio
+      integer :: i
+
+      dx_ratio = real(pilots%last%intervals, wp)/resolution%intervals
+      dt_ratio = real(pilots%last%steps, wp)/resolution%steps
+      forecast%is_known = .true.
+      forecast%pilot = pilots%values
+      do i = 1, quantity_count
+         error = error_of(pilots, i)
+         forecast%error(i) = error_at(error, dx_ratio, dt_ratio)
+         forecast%pilot_error(i) = error_at(error, 1.0_wp, 1.0_wp)
+         forecast%shift(i) = shift_at(error, dx_ratio, dt_ratio)
+      end do
+   end function forecast_at
+
+   !> The resolution that costs least among those whose foretold relative error of h_min is not
+   !> above `target`; no intervals if there is none within reach, or nothing can be foretold yet.
+   pure function cheapest_resolution(pilots, target) result(cheapest)
+      type(pilots_t), intent(in) :: pilots
+      real(wp), intent(in) :: target
+      type(resolution_t) :: cheapest, candidate
+      type(split_error_t) :: error
+      real(wp) :: min_cost, cost
+      integer :: i
+
+      if (.not. has_forecast(pilots)) return
+      if (.not. sees_passages(pilots)) return
+      error = error_of(pilots, h_min)
+      min_cost = huge(1.0_wp)
+      do i = 0, size(families)*doublings
+         ! as many intervals as the pilot to four times as many
+         candidate%intervals = pilots%last%intervals/4*families(1 + modulo(i, size(families))) &
+            *2**(i/size(families))
+         if (.not. is_within_reach(pilots, candidate%intervals)) cycle
+         candidate%steps = steps_needed(pilots, error, candidate%intervals, &
+            target*pilots%values(h_min))
+         if (candidate%steps == 0) cycle
+         cost = candidate%intervals/(real(pilots%last%steps, wp)/candidate%steps)**power_of_steps
+         if (cost >= min_cost) cycle
+         min_cost = cost
+         cheapest = candidate
+      end do
+   end function cheapest_resolution
+
+   !> Whether so many intervals see the waves, may be taken and are foretold.
+   pure function is_within_reach(pilots, intervals)
+      type(pilots_t), intent(in) :: pilots
+      integer, intent(in) :: intervals
+      logical :: is_within_reach
+      real(wp) :: reach(2)
+
+      reach = reach_of(pilots)
+      is_within_reach = fewest_in_wave*intervals >= nodes_in_wave*pilots%for_waves &
+         .and. intervals <= pilots%max_intervals .and. real(pilots%last%intervals, wp)/intervals &
+         *reach(space) >= 1.0_wp
+   end function is_within_reach
+
+   !> The fewest steps with so many intervals whose foretold error is not above `bound`; 0: none.
+   pure function steps_needed(pilots, error, intervals, bound) result(steps)
+      type(pilots_t), intent(in) :: pilots
+      type(split_error_t), intent(in) :: error
+      integer, intent(in) :: intervals
+      real(wp), intent(in) :: bound
+      integer :: steps
+      real(wp) :: reach(2), dx_ratio, dt_ratio, max_ratio
+      integer :: i
+
+      reach = reach_of(pilots)
+      dx_ratio = real(pilots%last%intervals, wp)/intervals
+      max_ratio = pilots%last%steps/max(steps_in_wave*pilots%passages, 1.0_wp)
+      do i = 0, max_parts
+         ! whole numbers of steps
+         steps = ceiling(pilots%last%steps*2.0_wp**(part*i) - rounding)
+         dt_ratio = real(pilots%last%steps, wp)/steps
+         if (dt_ratio*reach(time_step) < 1.0_wp) exit
+         if (dt_ratio <= max_ratio .and. error_at(error, dx_ratio, dt_ratio) <= bound) return
+      end do
+      steps = 0
+   end function steps_needed
+
+end module pilots
