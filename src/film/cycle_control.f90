@@ -2,14 +2,18 @@
 !> they are not.
 module cycle_control
    use cycle_limits, only: cycle_limits_t
-   use fas_cycle, only: cycle_from, is_newton_alone
+   use fas_cycle, only: cycle_from
    use film_state, only: film_state_t, keep_finite
    use inlet_tail, only: close_inlet
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: count_work, line_hierarchy_t, method_newton_dense, method_newton_krylov
+   use line_hierarchy, only: count_work, is_newton, line_hierarchy_t, method_block_jacobi, &
+      method_fas
+   use line_level, only: largest_pressure
+   use newton_line, only: solve_newton
    use observer, only: observer_t
+   use relaxation_sweeps, only: sweep_under_load
    use residuals, only: measure_residual, residual_t
    use text, only: to_text
    implicit none (type, external)
@@ -66,7 +70,7 @@ contains
       class(observer_t), intent(inout), optional :: watcher
 
       associate (level => hierarchy%levels(hierarchy%finest))
-         if (is_newton_alone(hierarchy) .and. level%n > largest_plain &
+         if (is_newton(hierarchy%relaxation) .and. level%n > largest_plain &
             .and. .not. level%inverse_time_step > 0.0_wp) then
             allocate (level%state%compensation(0:level%n), source=0.0_wp)
          end if
@@ -91,9 +95,9 @@ contains
       hierarchy%goal = limits%tolerance
       do cycle = 1, limits%max_cycles
          before = hierarchy%levels(hierarchy%finest)%state
-         call cycle_from(hierarchy, contact, hierarchy%finest)
+         call advance(hierarchy, contact)
          call measure_residual(contact, hierarchy%levels(hierarchy%finest), &
-            residual, film_is_exact=is_newton_alone(hierarchy))
+            residual, film_is_exact=is_newton(hierarchy%relaxation))
          call count_work(hierarchy, hierarchy%finest, 1)
          call report%add(residual%reynolds, residual%load)
          report%tolerance_effective = effective_tolerance(limits%tolerance, residual)
@@ -144,6 +148,27 @@ contains
 
    end subroutine run_cycles
 
+   !> One cycle of the present method on the finest level: a FAS cycle, a block of Block-Jacobi
+   !> sweeps, or a Newton step.
+   subroutine advance(hierarchy, contact)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+
+      associate (level => hierarchy%levels(hierarchy%finest), &
+         method => hierarchy%relaxation%method)
+         if (method == method_fas) then
+            call cycle_from(hierarchy, contact, hierarchy%finest)
+         else if (maxval(level%state%pressure) < largest_pressure) then
+            if (method == method_block_jacobi) then
+               call sweep_under_load(hierarchy, contact, hierarchy%finest)
+            else
+               call solve_newton(hierarchy%newton, contact, level, still_step, max_steps=1, &
+                  goal=hierarchy%goal, film_is_exact=.true.)
+            end if
+         end if
+      end associate
+   end subroutine advance
+
    !> Takes the residuals after `cycle` into account.
    pure subroutine follow(course, cycle, residual)
       type(course_t), intent(inout) :: course
@@ -190,10 +215,8 @@ contains
       type(line_hierarchy_t), intent(in) :: hierarchy
       logical :: is_still
 
-      is_still = hierarchy%coarsest == hierarchy%finest &
-         .and. hierarchy%newton%last_step < still_step &
-         .and. .not. hierarchy%levels(hierarchy%finest)%has_tail &
-         .and. any(hierarchy%relaxation%method == [method_newton_krylov, method_newton_dense])
+      is_still = is_newton(hierarchy%relaxation) .and. hierarchy%newton%last_step < still_step &
+         .and. .not. hierarchy%levels(hierarchy%finest)%has_tail
    end function steps_at_round_off
 
 end module cycle_control

@@ -8,24 +8,25 @@
 !> cut by P >= 0; a coarse correction falls to zero where the finest grid has P = 0, which need not
 !> be a coarse node.
 module fas_cycle
-   use film_equation, only: evaluate_deflection, film_of, update_film
-   use force_balance, only: carried_load, load_defect, relax_load
+   use film_equation, only: evaluate_deflection, film_of
+   use force_balance, only: carried_load, load_defect
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_hierarchy, only: count_work, line_hierarchy_t, smoother_block_jacobi, &
-      smoother_gauss_seidel, smoother_hybrid, smoother_line
+   use line_hierarchy, only: count_work, line_hierarchy_t
    use line_level, only: largest_pressure, line_level_t, thinnest_film
    use newton_line, only: solve_newton
-   use reynolds_line, only: evaluate_reynolds, reynolds_diagonals
-   use smoothers, only: block_jacobi_sweep, gauss_seidel_sweep, line_sweep
+   use relaxation_sweeps, only: smooth, sweep_under_load
+   use reynolds_line, only: evaluate_reynolds
    use transfer, only: full_weighting, inject, prolong_linear
    implicit none (type, external)
    private
 
-   public :: cycle_from, is_newton_alone, solve_coarsest
+   public :: cycle_from
 
-   !> The coarsest level is solved until a Newton step changes nothing above this.
+   !> The coarsest level is solved until a Newton step changes nothing above this, in so many steps
+   !> at most.
    real(wp), parameter :: coarse_tolerance = 1.0e-12_wp
+   integer, parameter :: coarse_steps = 40
    !> A correction may lower a film to this share, and change a pressure by this share of max(1, P).
    real(wp), parameter :: smallest_film_share = 0.5_wp, largest_step = 0.3_wp
    !> The correction is dropped when it has been halved to less than this.
@@ -53,83 +54,21 @@ contains
       call smooth(hierarchy, contact, k, hierarchy%relaxation%post_sweeps, is_last_leg=.true.)
    end subroutine cycle_from
 
-   !> `sweeps` of the chosen smoother on level k. The hybrid sweeps by line before and downstream
-   !> after the correction.
-   subroutine smooth(hierarchy, contact, k, sweeps, is_last_leg)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
-      integer, intent(in) :: k, sweeps
-      logical, intent(in) :: is_last_leg
-      integer :: i, smoother
-
-      smoother = hierarchy%relaxation%smoother
-      if (smoother == smoother_hybrid) smoother = merge(smoother_gauss_seidel, smoother_line, &
-         is_last_leg)
-      do i = 1, sweeps
-         call sweep(hierarchy, contact, k, smoother)
-      end do
-      if (smoother == smoother_line) call update_film(hierarchy%levels(k))
-      call count_work(hierarchy, k, sweeps)
-   end subroutine smooth
-
-   !> One sweep of one smoother, from coefficients evaluated at the present state.
-   subroutine sweep(hierarchy, contact, k, smoother)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
-      integer, intent(in) :: k, smoother
-      real(wp) :: kernel_diagonal
-
-      associate (level => hierarchy%levels(k), choice => hierarchy%relaxation)
-         if (maxval(level%state%pressure) >= largest_pressure) return
-         kernel_diagonal = min(level%kernel(0), -choice%kernel_bound*level%dx)
-         if (choice%film_is_recomputed) then
-            call update_film(level)
-         else
-            call evaluate_deflection(level)
-         end if
-         call evaluate_reynolds(contact, level)
-         call reynolds_diagonals(contact%lambda, level, kernel_diagonal)
-         select case (smoother)
-         case (smoother_block_jacobi)
-            call block_jacobi_sweep(level, kernel_diagonal, choice%relaxation)
-         case (smoother_gauss_seidel)
-            call gauss_seidel_sweep(level, contact%lambda, kernel_diagonal, choice%relaxation)
-         case default
-            call line_sweep(level, choice%relaxation)
-         end select
-      end associate
-   end subroutine sweep
-
-   !> The coarsest level: exactly, or by sweeps with the force balance relaxed after each (thesis,
-   !> section 2.7).
+   !> The coarsest level: exactly, or by sweeps.
    subroutine solve_coarsest(hierarchy, contact)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
-      integer :: i, k
 
-      k = hierarchy%coarsest
-      if (maxval(hierarchy%levels(k)%state%pressure) >= largest_pressure) return
-      if (hierarchy%relaxation%coarse_sweeps <= 0) then
-         call solve_newton(hierarchy%newton, contact, hierarchy%levels(k), &
-            coarse_tolerance, hierarchy%relaxation%coarse_steps, goal=hierarchy%goal, &
-            film_is_exact=is_newton_alone(hierarchy))
-         return
-      end if
-      do i = 1, hierarchy%relaxation%coarse_sweeps
-         call smooth(hierarchy, contact, k, 1, is_last_leg=.true.)
-         call relax_load(hierarchy%levels(k), hierarchy%relaxation%load_relaxation)
-      end do
+      associate (level => hierarchy%levels(hierarchy%coarsest), choice => hierarchy%relaxation)
+         if (maxval(level%state%pressure) >= largest_pressure) return
+         if (choice%coarse_sweeps > 0) then
+            call sweep_under_load(hierarchy, contact, hierarchy%coarsest)
+         else
+            call solve_newton(hierarchy%newton, contact, level, coarse_tolerance, coarse_steps, &
+               goal=hierarchy%goal)
+         end if
+      end associate
    end subroutine solve_coarsest
-
-   !> Whether the cycle is nothing but Newton's method on the finest level, which leaves the film
-   !> that of pressure and H0.
-   pure function is_newton_alone(hierarchy) result(is_alone)
-      type(line_hierarchy_t), intent(in) :: hierarchy
-      logical :: is_alone
-
-      is_alone = hierarchy%coarsest == hierarchy%finest &
-         .and. hierarchy%relaxation%coarse_sweeps <= 0
-   end function is_newton_alone
 
    !> Poses the coarse problem of level k - 1: unknowns by injection, right sides = coarse
    !> operator + restricted residual.

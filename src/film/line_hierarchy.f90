@@ -15,7 +15,8 @@ module line_hierarchy
 
    public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_coarser_levels, &
       pose_steady_problem, roughness_at
-   public :: add_level, coarsest_for_film, count_work, new_growing_hierarchy, total_products
+   public :: add_level, coarsest_for_film, count_work, is_newton, new_growing_hierarchy, &
+      total_products
 
    !> Smoother words.
    integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, &
@@ -33,10 +34,9 @@ module line_hierarchy
       integer :: smoother = smoother_block_jacobi
       !> Sweeps before and after the coarse-grid correction.
       integer :: pre_sweeps = 5, post_sweeps = 5
-      !> Sweeps on the coarsest level; 0: solved exactly by the dense Newton method.
+      !> Sweeps on the coarsest level of a cycle (0: solved exactly by Newton's method), and those
+      !> of plain Block-Jacobi between two looks at the residual.
       integer :: coarse_sweeps = 0
-      !> Newton steps at most in an exact solution of the coarsest level.
-      integer :: coarse_steps = 40
       !> Coarse-grid visits in a cycle: 1 = V, 2 = W.
       integer :: visits = 1
       !> Under-relaxation of P and H.
@@ -131,7 +131,7 @@ contains
       hierarchy%top = hierarchy%finest
       allocate (hierarchy%levels(hierarchy%top))
       do k = 1, hierarchy%top
-         call new_level(hierarchy%levels(k), contact%domain, first*2**(k - 1), error)
+         call new_level(hierarchy%levels(k), ends_of(contact), first*2**(k - 1), error)
          if (allocated(error)) return
       end do
    end subroutine new_hierarchy
@@ -152,7 +152,8 @@ contains
       if (allocated(hierarchy%levels)) deallocate (hierarchy%levels)
       allocate (hierarchy%levels(1 + int(log(real(max(most, first), wp)/first)/log(2.0_wp) &
          + 1.0e-9_wp)))
-      call new_level(hierarchy%levels(1), contact%domain, first, error)   ! error: the caller looks
+      call new_level(hierarchy%levels(1), ends_of(contact), first, &
+         error)   ! error: the caller looks
       hierarchy%top = 1
       hierarchy%finest = 1
       hierarchy%coarsest = 1
@@ -176,11 +177,19 @@ contains
       hierarchy%fas_coarsest = 1 + doublings(hierarchy%levels(1)%n, &
          cycle_coarsest(hierarchy%levels(1)%n, n))
       hierarchy%work_units = 0.5_wp*hierarchy%work_units
-      call new_level(hierarchy%levels(hierarchy%top), contact%domain, n, error)
+      call new_level(hierarchy%levels(hierarchy%top), ends_of(contact), n, error)
       if (allocated(error)) return
       call pose_level(hierarchy%levels(hierarchy%top), contact, with_roughness)
       hierarchy%setup_seconds = hierarchy%setup_seconds + wall_seconds() - start
    end subroutine add_level
+
+   !> Where the domain begins and ends, X.
+   pure function ends_of(contact) result(ends)
+      type(line_contact_t), intent(in) :: contact
+      real(wp) :: ends(2)
+
+      ends = [contact%domain%x_inlet, contact%domain%x_outlet]
+   end function ends_of
 
    !> Intervals of the coarsest grid of the cycles, where the nested start begins with `first`.
    pure function cycle_coarsest(first, n) result(coarsest)
@@ -259,6 +268,15 @@ contains
       call set_plain_problem(level, roughness)
       level%has_tail = contact%domain%inlet == 'tail'
    end subroutine pose_level
+
+   !> Whether the method is Newton's on the finest level, which leaves the film that of pressure and
+   !> H0.
+   pure function is_newton(relaxation)
+      type(relaxation_t), intent(in) :: relaxation
+      logical :: is_newton
+
+      is_newton = any(relaxation%method == [method_newton_krylov, method_newton_dense])
+   end function is_newton
 
    !> Adds `sweeps` on level k to the work done.
    pure subroutine count_work(hierarchy, k, sweeps)

@@ -6,7 +6,6 @@ module line_level
    use film_state, only: film_state_t
    use half_space, only: line_deflection_coefficients
    use kinds, only: wp
-   use solver_settings, only: domain_t
    use toeplitz, only: new_toeplitz, toeplitz_t
    implicit none (type, external)
    private
@@ -67,21 +66,22 @@ module line_level
 
 contains
 
-   !> Allocates a level of `n` intervals with unknowns zero and plans its convolution.
-   subroutine new_level(level, domain, n, error)
+   !> Allocates a level of `n` intervals between the `ends` X of the domain with unknowns zero and
+   !> plans its convolution.
+   subroutine new_level(level, ends, n, error)
       type(line_level_t), intent(inout) :: level
-      type(domain_t), intent(in) :: domain
+      real(wp), intent(in) :: ends(2)
       integer, intent(in) :: n
       type(error_t), allocatable, intent(out) :: error
       integer :: i
 
       level%n = n
-      level%dx = (domain%x_outlet - domain%x_inlet)/n
+      level%dx = (ends(2) - ends(1))/n
       allocate (level%x(0:n))
       do i = 0, n
-         level%x(i) = domain%x_inlet + i*level%dx
+         level%x(i) = ends(1) + i*level%dx
       end do
-      level%x(n) = domain%x_outlet
+      level%x(n) = ends(2)
       allocate (level%kernel(0:n))
       level%kernel = line_deflection_coefficients(n, level%dx)
       call new_toeplitz(level%convolution, level%kernel, error)

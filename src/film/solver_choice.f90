@@ -319,7 +319,6 @@ contains
       choice%method = method
       choice%relaxation = 0.7_wp
       choice%coarse_sweeps = merge(200, 0, method == method_block_jacobi)
-      choice%coarse_steps = 1
    end function one_level
 
    !> What the user gave wins.
