@@ -1,4 +1,4 @@
-!> What every kind of case does at its end: errors told, exit status.
+!> What every kind of case does at its end: error messages and exit status.
 module case_outcome
    use errors, only: error_t, output_error
    use progress_log, only: progress_log_t
@@ -15,7 +15,7 @@ module case_outcome
 
 contains
 
-   !> Tells an error and turns it into an exit status.
+   !> Prints an error and turns it into an exit status.
    subroutine give_up(error, log, status)
       type(error_t), intent(in) :: error
       type(progress_log_t), intent(inout) :: log

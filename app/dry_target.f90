@@ -1,5 +1,5 @@
-!> A dry case on the grid that it gives, or from grid to grid until the contact area is known as
-!> well as wanted.
+!> A dry case on its given grid, or on finer and finer grids until the contact area has the wanted
+!> accuracy.
 module dry_target
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use case_memory, only: dry_memory
@@ -24,14 +24,14 @@ module dry_target
 
    !> Most nodes of a line and of an area that are chosen.
    integer, parameter :: most_chosen(2) = [2**20, 2**24]
-   !> Times that are summed.
+   !> Times that are summed over the grids.
    integer, parameter :: times = 6
 
 contains
 
    !> Solves all loads of `dry` and estimates the `errors` of the figures (none: not wanted). With a
    !> target of the contact area the grid becomes the first one on which the estimate stays below
-   !> it, or the finest that there may be, with a note. Times are those of all grids. Errors as in
+   !> it, or the finest allowed one, with a note. Times are those of all grids. Errors as in
    !> `solve_dry_sweep` and `refine_heights`.
    subroutine solve_to_target(dry, outcome, errors, error)
       type(dry_case_t), intent(inout) :: dry
@@ -51,7 +51,7 @@ contains
          rung = dry_rung_t([dry%grid%nx, dry%grid%ny], ieee_value(1.0_wp, ieee_quiet_nan))
          call solve_grid(dry, outcome, errors, error)
          if (allocated(error)) then
-            ! At that separation nothing may touch on a coarse grid.
+            ! On a coarse grid there may be no contact at that separation.
             if (.not. dry%target > 0.0_wp .or. error%kind /= input_error) return
          else
             if (size(errors) > 0) rung%doubt = area_doubt(outcome%rows, errors)

@@ -85,8 +85,8 @@ contains
       end do
    end function no_findings
 
-   !> Runs one case after another; `status` becomes the largest of theirs. After an interruption
-   !> none begins any more.
+   !> Runs one case after another; `status` becomes the largest of theirs. After an interruption no
+   !> further case is started.
    subroutine run_cases(cases, command, status)
       type(case_t), intent(inout) :: cases(:)
       type(command_t), intent(in) :: command

@@ -17,7 +17,7 @@ module outlet_check
 
    public :: check_ends
 
-   !> A relative change of the figures by the outlet above which the program says so.
+   !> Relative change of the quantities by the outlet above which a note is given.
    real(wp), parameter :: telling_change = 1.0e-3_wp
 
 contains
@@ -51,7 +51,7 @@ contains
    end subroutine check_ends
 
    !> Adds a note to the report that the outlet cuts the film off, unless that is known to change
-   !> the figures by little only; `change`: by how much, NaN if it is not known.
+   !> the quantities only a little; `change`: by how much, NaN if it is not known.
    subroutine tell_outlet(case, open, x_outlet, change, watcher, report)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: open
@@ -69,8 +69,7 @@ contains
       call move_alloc(note, report%note)
    end subroutine tell_outlet
 
-   !> What is wrong with the outlet, and what cures it; `change`: of the figures, NaN if it is not
-   !> known.
+   !> What is wrong with the outlet and how to mend it; `change`: of the quantities, NaN if unknown.
    pure function outlet_note(open, x_outlet, change) result(note)
       type(line_contact_t), intent(in) :: open
       real(wp), intent(in) :: x_outlet, change

@@ -1,4 +1,4 @@
-!> The beginning of a case's result: anew, or where an interrupted run left off.
+!> Opens the result of a case: a new one, or that of an interrupted run.
 module result_start
    use build_info, only: git_commit, program_version
    use case_record, only: case_identity, case_t
@@ -98,8 +98,8 @@ contains
    end subroutine go_on
 
    !> Whether `path` is the complete result of this very case by this very program, and whether it
-   !> has converged; what else lies beside a complete result is removed. Nobody writes it meanwhile.
-   !> Errors: another run does; it cannot be the name of a result.
+   !> has converged; other files of that run are removed. The result is locked meanwhile. Errors:
+   !> another run does; it cannot be the name of a result.
    subroutine find_complete_result(path, case, is_complete, is_converged, error)
       character(*), intent(in) :: path
       type(case_t), intent(in) :: case

@@ -41,7 +41,7 @@ module run_case
 
    public :: run_one_case
 
-   !> A forecast that is above the wanted accuracy by so little is not.
+   !> Relative excess of a forecast over the target that counts as rounding.
    real(wp), parameter :: rounding = 1.0e-6_wp
 
 contains
@@ -109,8 +109,8 @@ contains
       end if
    end subroutine run_one_case
 
-   !> Settles how many intervals there is memory for. Error: the grid that the program will choose
-   !> is too fine for the method, or for the memory.
+   !> Determines for how many intervals there is memory. Error: the grid that the program will
+   !> choose is too fine for the method, or for the memory.
    subroutine check_grid(case, contact, error)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(in) :: contact
@@ -157,8 +157,8 @@ contains
 
    end subroutine check_grid
 
-   !> The case itself, and companions on coarser grids: behind it, where they need not choose its
-   !> grid.
+   !> The case itself and its companions on coarser grids, which come after it unless they choose
+   !> its grid.
    subroutine solve(case, contact, watcher, state, report, error)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(inout) :: contact
@@ -224,8 +224,8 @@ contains
       call complete_report(watcher, seconds, report)
    end subroutine solve
 
-   !> What the solver does not know: a film breakdown in SI, the time of companions of their own and
-   !> of output.
+   !> Completes the report by what the solver does not know: a film breakdown in SI, the times of
+   !> separate companions and of output.
    subroutine complete_report(watcher, seconds, report)
       type(run_observer_t), intent(in) :: watcher
       real(wp), intent(in) :: seconds
@@ -242,7 +242,7 @@ contains
    end subroutine complete_report
 
    !> Says where grid or time step are too coarse for the waves of the surfaces; `note` then says it
-   !> too, else it stays unallocated. With a wanted accuracy both are chosen by what they do to
+   !> too, else it stays unallocated. With a wanted accuracy both are chosen by their effect on
    !> h_min.
    subroutine tell_coarse_waves(case, contact, watcher, note)
       type(case_t), intent(in) :: case
@@ -326,7 +326,7 @@ contains
       status = merge(status_converged, status_not_converged, report%converged)
    end subroutine store
 
-   !> The end of an interrupted run: what is needed to go on stays, and it is said where.
+   !> The end of an interrupted run: the files needed to go on are kept and named.
    subroutine suspend(watcher, status)
       type(run_observer_t), intent(inout) :: watcher
       integer, intent(out) :: status
@@ -424,7 +424,7 @@ contains
       if (has_free_profile) has_free_profile = .not. surface%profile%is_placed
    end function has_free_profile
 
-   !> A solution that is not made of numbers is not converged, whatever the solver says.
+   !> A solution that is not finite counts as not converged.
    subroutine refuse_nonsense(state, report)
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report

@@ -35,7 +35,7 @@ module run_dry_case
 contains
 
    !> Solves all loads of `case`, writes its result to the folder `output_dir` (empty: where the
-   !> case says), tells a line a load unless `is_quiet`; areas are shared by `threads`.
+   !> case says), prints a line for each load unless `is_quiet`; areas use `threads` threads.
    subroutine solve_and_write(case, output_dir, is_quiet, threads, status)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: output_dir
@@ -128,8 +128,7 @@ contains
          new_label('transforms: size in x, in y, pairs in double, pairs in single precision', '1'))
    end subroutine write_costs
 
-   !> The report of the last load speaks for all: one that has not converged is enough; transforms
-   !> and iterations add up.
+   !> One report for all loads: converged if all are; transforms and iterations are summed.
    subroutine judge_sweep(rows, solution)
       type(dry_row_t), intent(in) :: rows(:)
       type(dry_solution_t), intent(inout) :: solution

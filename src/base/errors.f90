@@ -1,4 +1,4 @@
-!> What went wrong, handed up to the caller: nothing below app/ stops or prints.
+!> Errors, returned to the caller: nothing below app/ stops or prints.
 !>
 !> Every routine that can fail has `type(error_t), allocatable, intent(out) :: error` as its last
 !> argument; the first statement after the call is `if (allocated(error)) return`.
@@ -15,7 +15,7 @@ module errors
    !> A failure inside the program: LAPACK or FFTW refused, an invariant is broken.
    integer, parameter, public :: internal_error = 4
 
-   !> An error with its kind (one of the constants above) and a message that names the facts.
+   !> An error with its kind (one of the constants above) and a message that states the facts.
    type :: error_t
       integer :: kind = internal_error
       character(:), allocatable :: message

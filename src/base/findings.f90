@@ -1,4 +1,4 @@
-!> What is wrong with an input file, collected so that one report tells everything.
+!> Findings about an input file, collected for one report.
 module findings
    use text, only: to_text
    implicit none (type, external)
@@ -22,7 +22,7 @@ module findings
       procedure, public :: report => findings_report
    end type findings_t
 
-   !> Findings shown at most in one report: a broken file is not answered by thousands of lines.
+   !> Most findings shown in one report, which may have many more for a broken file.
    integer, parameter :: most_shown = 50
    !> Findings kept at most; later ones are only counted.
    integer, parameter :: most_kept = 1000

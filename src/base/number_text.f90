@@ -1,8 +1,8 @@
 !> The one strict reader of numbers: namelists, height files, options of the command line, ranges of
 !> keys.
 !>
-!> A text is checked against the Fortran grammar before Fortran reads it, so that nothing is read by
-!> halves, nothing overflows, and NaN or infinity do not get in. List-directed reads are not used:
+!> A text is checked against the Fortran grammar before Fortran reads it, so that no text is read in
+!> part, no number overflows, and NaN and infinity are refused. List-directed reads are not used:
 !> they take `1/2` for 1 and `2*3` for 3.
 module number_text
    use, intrinsic :: iso_fortran_env, only: int64

@@ -9,7 +9,7 @@ module wall_clock
 
 contains
 
-   !> Seconds on a clock of no particular zero: take differences.
+   !> Seconds on a clock with an arbitrary zero: only differences have a meaning.
    function wall_seconds() result(seconds)
       real(wp) :: seconds
       integer(int64) :: ticks, rate

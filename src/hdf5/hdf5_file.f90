@@ -97,9 +97,8 @@ contains
          doing)
    end subroutine check
 
-   !> Every number of an answer passes here on its way into the file: it must be finite, and a
-   !> pressure not below zero. What the user gave and what the report tells of an iteration may be
-   !> otherwise.
+   !> Checks every number of a solution before it is written: finite, and pressures not negative.
+   !> Input and the report of an iteration are exempt.
    subroutine look_at(self, path, values)
       class(hdf5_file_t), intent(inout) :: self
       character(*), intent(in) :: path

@@ -1,4 +1,4 @@
-!> Start of the HDF5 library, the same for everybody who uses it.
+!> Start of the HDF5 library, shared by all modules that use it.
 module hdf5_library
    use, intrinsic :: iso_c_binding, only: c_int
    use hdf5, only: h5dont_atexit_f, h5eset_auto_f, h5open_f
@@ -15,7 +15,7 @@ module hdf5_library
    integer(c_int), parameter :: external_link = 64_c_int
 
    interface
-      !> Takes the class of links away, which then nobody can follow.
+      !> Removes the class of links, so that they cannot be followed.
       function h5lunregister(class) bind(c, name='H5Lunregister') result(status)
          import :: c_int
          implicit none (type, external)

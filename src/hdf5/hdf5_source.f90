@@ -24,8 +24,8 @@ module hdf5_source
    integer(size_t), parameter :: largest_number = 16_size_t, largest_text = 16777216_size_t
    !> Largest chunk: the library holds a whole one [bytes].
    integer(int64), parameter :: largest_chunk = 1073741824_int64
-   !> Datasets from this size on must be stored, not only declared [bytes]. What compression makes
-   !> of a byte, at most (deflate).
+   !> Datasets from this size on must be stored, not only declared [bytes]. Largest compression
+   !> ratio of deflate.
    integer(int64), parameter :: large_dataset = 67108864_int64
    real(wp), parameter :: most_packed = 1100.0_wp
 
@@ -136,7 +136,7 @@ contains
       end if
    end subroutine open_type
 
-   !> How many values a source has; 0 of an empty one, -1 where that cannot be told.
+   !> How many values a source has; 0 of an empty one, -1 where it is unknown.
    function number_of_values(source) result(number)
       class(hdf5_source_t), intent(in) :: source
       integer(int64) :: number
@@ -157,7 +157,7 @@ contains
       call h5sclose_f(space, status)
    end function number_of_values
 
-   !> Number of dimensions of a source; 0 where that cannot be told.
+   !> Number of dimensions of a source; 0 where it is unknown.
    function rank_of(source) result(rank)
       class(hdf5_source_t), intent(in) :: source
       integer :: rank
@@ -190,7 +190,7 @@ contains
       if (status >= 0 .and. layout /= h5d_virtual_f) call h5pget_external_count_f(properties, &
          external_files, status)
       source%id = id
-      ! of another length the library's answer is at random
+      ! for another length the library returns garbage
       allocate (chunk(rank_of(source)), source=1_hsize_t)
       if (status >= 0 .and. layout == h5d_chunked_f) call h5pget_chunk_f(properties, size(chunk), &
          chunk, status)
@@ -209,7 +209,7 @@ contains
    end function fault_of_storage
 
    !> "found ..., expected ..." where a large dataset is declared but not stored: reading it would
-   !> have no end. Else empty.
+   !> take for ever. Else empty.
    function fault_of_size(id) result(fault)
       integer(hid_t), intent(in) :: id
       character(:), allocatable :: fault

@@ -152,7 +152,7 @@ contains
          //height_fault(z(bad)))
    end subroutine look_at_heights
 
-   !> Error: the surface is neither flat nor as high as numbers need.
+   !> Error: the surface is not flat, but too low for its digits.
    subroutine look_at_range(file, lowest, highest, error)
       character(*), intent(in) :: file
       real(wp), intent(in) :: lowest, highest

@@ -1,8 +1,8 @@
 !> Which heights, positions and spacings a file of heights may have, and what is wrong with others
 !> in words.
 !>
-!> The limits lie far beyond measured surfaces. Inside them squares and quotients of heights and
-!> spacings are numbers.
+!> The limits lie far beyond measured surfaces. Within them squares and quotients of heights and
+!> spacings stay finite.
 module height_limits
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use kinds, only: wp
@@ -40,8 +40,8 @@ contains
       is_position = lies_within(abs(x), 0.0_wp, largest_position)
    end function is_position
 
-   !> Whether a value is finite and in [lowest, highest]; NaN is compared with nothing, which would
-   !> be a trap.
+   !> Whether a value is finite and in [lowest, highest]; NaN is not compared, since the checked
+   !> build traps that.
    pure elemental function lies_within(value, lowest, highest)
       real(wp), intent(in) :: value, lowest, highest
       logical :: lies_within

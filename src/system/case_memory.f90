@@ -1,9 +1,8 @@
 !> The memory that a case needs at most, known before any of it is allocated, so that none of its
 !> allocations fails.
 !>
-!> The numbers are the highest measured on the peaks of processes of every size and method. Of 58
-!> other, random cases none took more than its bound, and where they took more than 40 MB the bound
-!> was 1.06 to 1.7 times that.
+!> The numbers are the highest measured peaks of processes of every size and method
+!> (docs/decisions.md).
 module case_memory
    use kinds, only: wp
    use system_limits, only: memory_t, of_program
@@ -23,7 +22,7 @@ module case_memory
       of_interval(2) = [1000.0_wp, 1400.0_wp], of_step = 1000.0_wp, of_height = 100.0_wp
    !> Bytes a number of a dense matrix.
    real(wp), parameter :: of_number = 8.3_wp
-   !> Bytes that OpenBLAS takes for its thread, of which it uses few.
+   !> Bytes that OpenBLAS reserves for its thread; it uses few of them.
    real(wp), parameter :: of_blas = 136.0e6_wp
 
 contains

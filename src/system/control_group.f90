@@ -1,5 +1,5 @@
-!> The memory that the control groups of this process leave it (Linux, cgroups(7)), as batch systems
-!> and containers set them.
+!> The memory limit of this process by its control groups (Linux, cgroups(7)), as batch systems and
+!> containers set them.
 module control_group
    use kinds, only: wp
    use number_text, only: read_real

@@ -1,6 +1,5 @@
 !> Which file a path leads to (Linux: statx(2), whose answer looks the same on every processor): two
-!> paths that name one file are told by device and inode, whatever links and folders they go
-!> through.
+!> paths name the same file if device and inode agree, whatever links and folders lie between.
 module file_identity
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int16_t, c_int32_t, c_int64_t, &
       c_null_char
@@ -71,7 +70,7 @@ contains
       identity = look(descriptor, '', empty_path)
    end function look_at_open_file
 
-   !> Why `path` is nothing to read, in words: only regular files have an end. Empty if it is one.
+   !> Why `path` cannot be read, in words (only regular files have an end); empty if it can.
    function file_fault(path) result(fault)
       character(*), intent(in) :: path
       character(:), allocatable :: fault

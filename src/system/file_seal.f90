@@ -1,8 +1,8 @@
 !> The seal of a file that this program will read again: a line behind its last byte, with the
 !> number of bytes before it and their checksum. It covers everything in the file, names, attributes
-!> and structure too, and is looked at before the HDF5 library is, which does not survive every
-!> damaged file. HDF5 and its tools do not see what lies behind the end of their own data; a program
-!> that changes the file takes the line away.
+!> and structure too, and is checked before the HDF5 library opens the file, since some damaged
+!> files crash it. HDF5 and its tools do not see what lies behind the end of their own data; a
+!> program that changes the file takes the line away.
 module file_seal
    use, intrinsic :: iso_fortran_env, only: int64
    use checksum, only: checksum_t

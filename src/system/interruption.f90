@@ -1,15 +1,15 @@
-!> Signals (POSIX) that ask the program to end: SIGINT (Ctrl-C), SIGTERM, SIGHUP (a terminal that is
-!> gone), SIGUSR1, SIGUSR2 and SIGXCPU (batch systems). Others must not end it.
+!> Signals (POSIX) that ask the program to end: SIGINT (Ctrl-C), SIGTERM, SIGHUP (the terminal was
+!> closed), SIGUSR1, SIGUSR2 and SIGXCPU (batch systems). Others must not end it.
 !>
-!> The first request is noted; the program looks at the note between cycles and time steps, keeps
-!> where it stands and ends. Where it does not look soon (a factorisation, a library, a large file,
-!> a dry contact, which has nothing to keep) a timer ends it: the last words that were laid down for
-!> that are said, the files named with them are removed, exit status 4. A second SIGINT or SIGTERM
-!> does the same at once.
+!> The first request is recorded; the program checks for it between cycles and time steps, writes a
+!> checkpoint and ends. Where it does not check soon (a factorisation, a library, a large file, a
+!> dry contact, which has nothing to keep) a timer ends it: it prints the message prepared for that,
+!> removes the files named with it, and exits with status 4. A second SIGINT or SIGTERM does the
+!> same at once.
 !>
-!> Note and last words are the variables of the program that outlive a call: a signal handler has no
-!> arguments through which it could reach anything else. It only calls what POSIX allows there
-!> (write, unlink, setitimer, signal, _exit), and allocates nothing.
+!> The request and the message are module variables: a signal handler has no arguments through which
+!> it could reach anything else. It only calls what POSIX allows there (write, unlink, setitimer,
+!> signal, _exit), and allocates nothing.
 module interruption
    use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, c_long, &
       c_null_char, c_size_t
@@ -30,8 +30,8 @@ module interruption
       signal_processor_time = 24_c_int, signal_file_size = 25_c_int
    !> SIG_IGN as an address.
    integer(c_intptr_t), parameter :: ignore_address = 1_c_intptr_t
-   !> ITIMER_REAL; time within which the program looks at the note if it looks at all, time that a
-   !> time step or the writing of a result gets, time for the last words themselves [us].
+   !> ITIMER_REAL; time within which the program checks for a request, time that a time step or the
+   !> writing of a result may take, time for the message itself [us].
    integer(c_int), parameter :: wall_timer = 0_c_int
    integer(c_long), parameter :: soon = 500000_c_long, patience = 20000000_c_long
    integer(c_int), parameter :: status_interrupted = 4_c_int
@@ -46,9 +46,9 @@ module interruption
    logical, volatile :: has_come(64) = .false.
    !> A checkpoint or a result is about to be written; that has been said.
    logical, volatile :: is_patient = .false., is_waiting = .false.
-   !> The program says the last words itself: the handlers only end it.
+   !> The program prints the message itself: the handlers only end it.
    logical, volatile :: is_taken = .false.
-   !> The last words and the files that go with them, twice: one set is valid while the other one is
+   !> The message and the files that go with it, twice: one set is valid while the other one is
    !> written.
    type :: last_words_t
       integer :: length = 0, files = 0
@@ -60,9 +60,9 @@ module interruption
 
 contains
 
-   !> From now on the first request is noted instead of ending the program. A signal that was
-   !> ignored (nohup, a job in the background) stays ignored. That nobody reads what the program
-   !> says any more (SIGPIPE) is no reason to end.
+   !> From now on the first request is recorded instead of ending the program. A signal that was
+   !> ignored (nohup, a job in the background) stays ignored. A closed pipe on the output (SIGPIPE)
+   !> does not end the program.
    subroutine listen_to_signals()
       type(c_funptr) :: previous
 
@@ -78,12 +78,12 @@ contains
    end subroutine listen_to_signals
 
    !> A write beyond the allowed file size (`ulimit -f`) fails from now on instead of ending the
-   !> program without a word.
+   !> program without a message.
    subroutine ignore_file_size_signal()
       call ignore(signal_file_size)
    end subroutine ignore_file_size_signal
 
-   !> What is said, and which files are removed, where the program has to be ended from now on.
+   !> Sets the message and the files to remove if the program has to be ended from now on.
    subroutine lay_down_last_words(words, files)
       character(*), intent(in) :: words
       character(*), intent(in) :: files(:)
@@ -104,7 +104,7 @@ contains
       current = next
    end subroutine lay_down_last_words
 
-   !> There is nothing to remove, and nothing to say but that the program was interrupted.
+   !> Nothing is removed, and the message is only that the program was interrupted.
    subroutine forget_last_words()
       call set_patience(.false.)
       call lay_down_last_words(usual_words, [character(len=1) ::])
@@ -117,7 +117,7 @@ contains
       is_taken = .true.
    end subroutine take_last_words
 
-   !> Everything is done and said: the timer ends nothing any more.
+   !> Stops the timer: all work is done and the message is printed.
    subroutine stop_listening()
       call set_timer(wall_timer, 0_c_long)
       is_taken = .true.
@@ -155,9 +155,9 @@ contains
       if (transfer(previous, 0_c_intptr_t) == ignore_address) previous = c_signal(number, previous)
    end subroutine listen_to
 
-   !> The handler of requests: notes the first one and sets the timer; ends the program where a user
-   !> or batch system insists. (Others may come in numbers: SIGXCPU does each second, SIGHUP from
-   !> terminal and shell.)
+   !> The handler of requests: notes the first one and sets the timer; ends the program on the
+   !> second request of a user or batch system. (Others may come in numbers: SIGXCPU does each
+   !> second, SIGHUP from terminal and shell.)
    subroutine note(number) bind(c)
       integer(c_int), value :: number
 
@@ -185,8 +185,7 @@ contains
       call say_last_words()
    end subroutine end_at_last
 
-   !> Removes the files, says the words and ends the program; words that nobody takes must not hold
-   !> it up.
+   !> Removes the files, prints the message and ends the program, even if the output is blocked.
    subroutine say_last_words()
       type(c_funptr) :: previous
       integer(c_size_t) :: written

@@ -1,12 +1,12 @@
 !> A line where the program would be silent for long: what it is doing, and for how many seconds.
 !>
-!> Solvers tell their cycles and steps, but reading, planning of transforms, factorising,
-!> compressing and the like are calls of libraries, or loops that tell nobody. So a timer counts the
-!> processor time since the last line, and its signal handler writes the next one: the words that
-!> were laid down last.
+!> Solvers report their cycles and steps, but reading, planning of transforms, factorising,
+!> compressing and the like are calls of libraries, or loops without progress lines. So a timer
+!> counts the processor time since the last line, and its signal handler writes the next one, with
+!> the words that were set last.
 !>
-!> The variables outlive a call for the reason that is given in `interruption`, and the handler does
-!> no more than that one: it calls time, write and setitimer, and allocates nothing.
+!> The module variables have the reason given in `interruption`, and the handler does no more than
+!> that one: it calls time, write and setitimer, and allocates nothing.
 module life_sign
    use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_long, c_null_ptr, &
       c_size_t
@@ -48,7 +48,7 @@ module life_sign
 
 contains
 
-   !> From now on no silence is long. `updates`: on a terminal, where a sign is no line of its own.
+   !> Starts the timer. `updates`: on a terminal, where a sign is no line of its own.
    subroutine watch_silence(updates)
       logical, intent(in) :: updates
       type(c_funptr) :: previous
@@ -88,7 +88,7 @@ contains
       is_writing = .true.
    end subroutine begin_line
 
-   !> It is written: the silence begins again.
+   !> The line is written: the timer starts again.
    subroutine end_line()
       columns = 0
       last_line = c_time(c_null_ptr)
@@ -103,7 +103,7 @@ contains
       count = columns
    end function columns_of_sign
 
-   !> The handler of the timer. Words that nobody takes are the last ones.
+   !> The handler of the timer. If the output is blocked or closed, it stays silent from then on.
    subroutine give_sign(number) bind(c)
       integer(c_int), value :: number
       character(kind=c_char) :: line(longest_line + 2)

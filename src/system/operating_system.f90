@@ -125,7 +125,7 @@ module operating_system
          integer(c_size_t) :: length
       end function c_readlink
 
-      !> execv(3): another program in place of this one; comes back only if there is none.
+      !> execv(3): another program in place of this one; returns only if that fails.
       function c_execv(path, arguments) bind(c, name='execv') result(status)
          import :: c_char, c_int, c_ptr
          implicit none (type, external)
@@ -162,9 +162,8 @@ contains
       inquire (file=path//'/.', exist=answer)
    end function is_folder
 
-   !> Takes the lock on `path`. A file system that knows no locks counts as taken. A file that its
-   !> last owner has renamed or removed between opening and locking is not the one meant any more:
-   !> then once more.
+   !> Takes the lock on `path`. A file system that knows no locks counts as taken. If the file was
+   !> renamed or removed between opening and locking, the lock is tried again.
    function take(self, path) result(is_taken)
       class(lock_t), intent(inout) :: self
       character(*), intent(in) :: path
@@ -255,8 +254,8 @@ contains
       status = c_setenv(name//c_null_char, value//c_null_char, 1_c_int)
    end subroutine set_environment
 
-   !> The same program once more in place of this one, with the same arguments, and with the
-   !> environment as it is now. Comes back if that does not work.
+   !> Replaces this process by the same program with the same arguments and the present environment.
+   !> Returns if that fails.
    subroutine start_again()
       character(len=4096, kind=c_char) :: path
       character(len=:, kind=c_char), allocatable, target :: words

@@ -1,6 +1,6 @@
 !> A file whose bytes are read and written at stated places, without a buffer in between (POSIX
-!> pread and pwrite): what was written survives the process, and a full disk shows at once. (The
-!> FLUSH of Fortran does not tell a failure.)
+!> pread and pwrite): what was written survives the process, and a full disk shows at once. (FLUSH
+!> of Fortran does not report a failure.)
 module positional_file
    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_loc, c_ptr, c_size_t
    use, intrinsic :: iso_fortran_env, only: int64, int8

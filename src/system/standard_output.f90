@@ -1,5 +1,4 @@
-!> Text for standard output. (Fortran's own output tells neither a full device nor a reader that is
-!> gone.)
+!> Text for standard output. (Fortran's own output reports neither a full device nor a closed pipe.)
 module standard_output
    use, intrinsic :: iso_c_binding, only: c_int, c_size_t
    use errors, only: error_t, fail, output_error
@@ -28,15 +27,15 @@ contains
          done = done + written
       end do
       if (done == len(text)) then
-         ! some file systems tell a full disk only here
+         ! some file systems report a full disk only here
          if (closed(standard_output_descriptor)) return
       end if
       call fail(error, output_error, 'cannot write to standard output: the disk is full, or '// &
          'nobody reads it')
    end subroutine print_text
 
-   !> Standard streams that are closed lead nowhere from now on: else the next files to be opened
-   !> would take their places, and messages would go into a result.
+   !> Opens closed standard streams on /dev/null: else the next files to be opened would take their
+   !> descriptors, and messages would go into a result.
    subroutine settle_standard_streams()
       integer(c_int) :: descriptor
       logical :: is_closed

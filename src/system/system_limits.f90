@@ -1,4 +1,4 @@
-!> What this machine and the limits of this process leave to a case (Linux): memory, stack,
+!> What a case may use of this machine, within the limits of this process (Linux): memory, stack,
 !> processors.
 module system_limits
    use, intrinsic :: iso_c_binding, only: c_int, c_long
@@ -94,7 +94,7 @@ contains
 
    contains
 
-      !> The first limit that is too low is told.
+      !> Reports the first limit that is too low.
       subroutine compare(bytes, most, name)
          real(wp), intent(in) :: bytes, most
          character(*), intent(in) :: name
@@ -155,10 +155,10 @@ contains
       status = 0
    end subroutine split_integers
 
-   !> Sees to it that libraries can live with a limit of address space or data, if there is one.
-   !> OpenBLAS takes 134 MB a thread when it is loaded and waits for ever where it gets none: the
-   !> program starts again with one thread of it. The C library takes 64 MB of address space a
-   !> thread: one pool does for all. Error (input_error): not even the program has room.
+   !> Prepares the libraries for a limit of address space or data, if there is one. OpenBLAS takes
+   !> 134 MB a thread when it is loaded and hangs if it gets none: the program starts again with one
+   !> thread of it. The C library takes 64 MB of address space a thread: one pool does for all.
+   !> Error (input_error): there is no room even for the program.
    subroutine settle_memory(error)
       type(error_t), allocatable, intent(out) :: error
       character(len=8) :: threads
