@@ -10,7 +10,8 @@ module dry_result
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
-   use roughness, only: bearing_ratio, height_density, power_spectrum, rms_curvature, rms_slope
+   use roughness, only: bearing_ratio, height_density, power_spectrum, rms_curvature, rms_slope, &
+      roughness_t
    implicit none (type, external)
    private
 
@@ -39,17 +40,9 @@ contains
       call write_attribute(file, '/scaling', 'reduced_modulus_units', 'Pa')
       call write_fields(file, dry, fields)
       call write_sweep(file, dry, rows, errors)
-      call write_roughness(file, 'ra', 'arithmetic mean height', 'm', rows%undeformed%ra, &
-         rows%loaded%ra, rows%unloaded%ra)
-      call write_roughness(file, 'rq', 'rms height', 'm', rows%undeformed%rq, rows%loaded%rq, &
-         rows%unloaded%rq)
-      call write_roughness(file, 'rz', trim(merge('highest less lowest, mean of five parts', &
-         'highest less lowest                    ', dry%grid%ny == 1)), 'm', rows%undeformed%rz, &
-            rows%loaded%rz, rows%unloaded%rz)
-      call write_roughness(file, 'rsk', 'skewness', '1', rows%undeformed%rsk, rows%loaded%rsk, &
-         rows%unloaded%rsk)
-      call write_roughness(file, 'rku', 'kurtosis', '1', rows%undeformed%rku, rows%loaded%rku, &
-         rows%unloaded%rku)
+      call write_roughness(file, 'undeformed', 'before loading', rows%undeformed, dry%grid%ny == 1)
+      call write_roughness(file, 'loaded', 'under load', rows%loaded, dry%grid%ny == 1)
+      call write_roughness(file, 'unloaded', 'after unloading', rows%unloaded, dry%grid%ny == 1)
       call write_surface(file, dry, fields, error)
    end subroutine write_dry_result
 
@@ -187,22 +180,36 @@ contains
 
    end subroutine write_sweep
 
-   !> /sweep/<name>_undeformed, _loaded, _unloaded: a roughness parameter for each load.
-   subroutine write_roughness(file, name, long_name, units, undeformed, loaded, unloaded)
+   !> /sweep/<name>_undeformed, _loaded or _unloaded: the roughness parameters of a state for each
+   !> load.
+   subroutine write_roughness(file, state, when, roughness, is_line)
       class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: name, long_name, units
-      real(wp), intent(in) :: undeformed(:), loaded(:), unloaded(:)
-      real(wp) :: copy(size(loaded))
+      character(*), intent(in) :: state, when
+      type(roughness_t), intent(in) :: roughness(:)
+      logical, intent(in) :: is_line
+      character(:), allocatable :: height
 
-      copy = undeformed
-      call write_dataset(file, '/sweep/' // name // '_undeformed', copy, &
-         new_label(long_name // ' before loading', units))
-      copy = loaded
-      call write_dataset(file, '/sweep/' // name // '_loaded', copy, &
-         new_label(long_name // ' under load', units))
-      copy = unloaded
-      call write_dataset(file, '/sweep/' // name // '_unloaded', copy, &
-         new_label(long_name // ' after unloading', units))
+      height = 'highest less lowest'
+      if (is_line) height = height//', mean of five parts'
+      call write_parameter('ra', 'arithmetic mean height', 'm', roughness%ra)
+      call write_parameter('rq', 'rms height', 'm', roughness%rq)
+      call write_parameter('rz', height, 'm', roughness%rz)
+      call write_parameter('rsk', 'skewness', '1', roughness%rsk)
+      call write_parameter('rku', 'kurtosis', '1', roughness%rku)
+
+   contains
+
+      !> One parameter.
+      subroutine write_parameter(name, long_name, units, values)
+         character(*), intent(in) :: name, long_name, units
+         real(wp), intent(in) :: values(:)
+         real(wp) :: copy(size(values))
+
+         copy = values
+         call write_dataset(file, '/sweep/'//name//'_'//state, copy, &
+            new_label(long_name//' '//when, units))
+      end subroutine write_parameter
+
    end subroutine write_roughness
 
    !> /surface: slope, curvature, bearing curves, height density and spectrum of the undeformed,

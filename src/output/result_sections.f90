@@ -145,7 +145,7 @@ contains
          scaled%error_start = quantity%error_start*moes_unit
       end function in_unit
 
-      !> One quantity; `scale` gives its unit.
+      !> One quantity, what it tends to and when it was reached; `scale` gives its unit.
       subroutine write_quantity(name, long_name, quantity, scale)
          character(*), intent(in) :: name
          character(*), intent(in) :: long_name
@@ -154,66 +154,34 @@ contains
          character(:), allocatable :: path
 
          path = '/summary/'//name
-         call write_dataset(file, path, quantity%value*scale%si_scale, &
-            new_label(long_name, scale%si_units))
-         call write_attribute(file, path, 'units', scale%si_units)
-         call write_attribute(file, path, 'dimensionless', quantity%value)
-         call write_errors(path, quantity, scale%si_scale)
-         if (ieee_is_finite(quantity%extrapolated)) call write_extrapolated(path//'_extrapolated', &
-            name, quantity, scale)
-         if (is_transient .and. index(name, '_moes') == 0) call write_time(path//'_time', name, &
-            quantity)
+         call write_value(path, long_name, quantity%value, scale, quantity%error_estimate, missing)
+         call write_attribute(file, path, 'error_grid', quantity%error_grid*scale%si_scale)
+         call write_attribute(file, path, 'error_domain', quantity%error_domain*scale%si_scale)
+         call write_attribute(file, path, 'error_iteration', &
+            quantity%error_iteration*scale%si_scale)
+         call write_attribute(file, path, 'error_start', quantity%error_start*scale%si_scale)
+         if (ieee_is_finite(quantity%extrapolated)) call write_value(path//'_extrapolated', &
+            name//' by Richardson extrapolation from n and n/2 intervals', &
+            quantity%extrapolated, scale, quantity%error_estimate, missing)
+         if (.not. is_transient .or. index(name, '_moes') > 0) return
+         call write_value(path//'_time', 'time at which '//name//' was reached', quantity%time, &
+            quantity_label('', 's', scaling%time, scaling), ieee_value(0.0_wp, ieee_quiet_nan), &
+            'one of the time steps; from one to another of nearly equal extremes it jumps, '// &
+            'which no grids foretell')
       end subroutine write_quantity
 
-      !> The estimated error of a quantity and its parts.
-      subroutine write_errors(path, quantity, si_scale)
-         character(*), intent(in) :: path
-         type(quantity_t), intent(in) :: quantity
-         real(wp), intent(in) :: si_scale
-
-         call write_attribute(file, path, 'error_estimate', quantity%error_estimate*si_scale)
-         call write_attribute(file, path, 'error_grid', quantity%error_grid*si_scale)
-         call write_attribute(file, path, 'error_domain', quantity%error_domain*si_scale)
-         call write_attribute(file, path, 'error_iteration', quantity%error_iteration*si_scale)
-         call write_attribute(file, path, 'error_start', quantity%error_start*si_scale)
-         if (.not. ieee_is_finite(quantity%error_estimate)) call write_attribute(file, path, &
-            'no_estimate', missing)
-      end subroutine write_errors
-
-      !> What a quantity tends to on ever finer grids and time steps.
-      subroutine write_extrapolated(path, name, quantity, scale)
-         character(*), intent(in) :: path
-         character(*), intent(in) :: name
-         type(quantity_t), intent(in) :: quantity
+      !> A value in the unit of `scale`, with its estimated error, or why there is none.
+      subroutine write_value(path, long_name, value, scale, error, missing)
+         character(*), intent(in) :: path, long_name, missing
+         real(wp), intent(in) :: value, error
          type(label_t), intent(in) :: scale
 
-         call write_dataset(file, path, quantity%extrapolated*scale%si_scale, &
-                            new_label(name//' by Richardson extrapolation from n and n/2 '// &
-                               'intervals', scale%si_units))
+         call write_dataset(file, path, value*scale%si_scale, new_label(long_name, scale%si_units))
          call write_attribute(file, path, 'units', scale%si_units)
-         call write_attribute(file, path, 'dimensionless', quantity%extrapolated)
-         call write_attribute(file, path, 'error_estimate', quantity%error_estimate*scale%si_scale)
-         if (.not. ieee_is_finite(quantity%error_estimate)) call write_attribute(file, path, &
-            'no_estimate', missing)
-      end subroutine write_extrapolated
-
-      !> When a quantity was reached.
-      subroutine write_time(path, name, quantity)
-         character(*), intent(in) :: path
-         character(*), intent(in) :: name
-         type(quantity_t), intent(in) :: quantity
-         type(label_t) :: scale
-
-         scale = quantity_label('time at which '//name//' was reached', 's', scaling%time, scaling)
-         call write_dataset(file, path, quantity%time*scale%si_scale, new_label(scale%long_name, &
-            scale%si_units))
-         call write_attribute(file, path, 'units', scale%si_units)
-         call write_attribute(file, path, 'dimensionless', quantity%time)
-         call write_attribute(file, path, 'error_estimate', ieee_value(0.0_wp, ieee_quiet_nan))
-         call write_attribute(file, path, 'no_estimate', 'one of the time steps; from one to '// &
-            'another of nearly equal extremes '// &
-                              'it jumps, which no grids foretell')
-      end subroutine write_time
+         call write_attribute(file, path, 'dimensionless', value)
+         call write_attribute(file, path, 'error_estimate', error*scale%si_scale)
+         if (.not. ieee_is_finite(error)) call write_attribute(file, path, 'no_estimate', missing)
+      end subroutine write_value
 
    end subroutine write_summary
 
