@@ -1,47 +1,31 @@
-!> How far off the figures of a result may be: the same case on half and on a quarter of the
+!> How far off the quantities of a result may be: the same case on half and on a quarter of the
 !> intervals (in a transient with twice and four times the time step; of a scheme of first order in
 !> time also on its own grid with the second-order scheme, which the coarser grids have then too),
-!> and what the differences tell.
-!>
-!> With Q1, Q2, Q4 on n, n/2, n/4 intervals and the observed order p = log2 |Q2 - Q4|/|Q1 - Q2| the
-!> error of Q1 is
-!> |Q1 - Q2|/(2^p - 1) (Roache, J. Fluids Eng. 116, 1994, 405). p is bounded: an order above the
-!> scheme's is chance.
-!> In a transient any observed order is (module transient_errors).
+!> and what the differences tell (modules grid_errors, transient_errors, pressure_errors).
 module error_bars
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use grid_errors, only: error_on_grids, orders, safety
    use inlet_change, only: change_by_inlet, inlet_change_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use line_summary, only: crests_t, line_summary_t, new_quantity, quantity_t
-   use pressure_spike, only: ceiling_of_spike, spike_law_t
+   use line_summary, only: line_summary_t, new_quantity, quantity_t
+   use pressure_errors, only: allow_for_spike, estimate_crest, estimate_crest_in_time, &
+      pressure_safety, top_of
+   use pressure_spike, only: spike_law_t
    use quantities, only: h_central, h_min, not_known, p_max, quantity_count, quantity_rows, &
       rule_between, rule_crest, rule_node
    use solver_settings, only: time_settings_t
    use split_errors, only: apply_forecast, forecast_t
-   use transient_errors, only: error_by_reference, error_in_time, limit_in_time, &
-      pressure_safety_in_time
+   use transient_errors, only: error_by_reference, error_in_time, limit_in_time
    use wave_resolution, only: unseen_waves
    implicit none (type, external)
    private
 
-   public :: error_bars_t, new_error_bars, apply_error_bars, domain_error, estimated_error, &
-      error_from_levels, observed_order
-   public :: missing_estimate, outlet_error, take_coarser
+   public :: apply_error_bars, domain_error, error_bars_t, estimated_error, missing_estimate, &
+      new_error_bars, outlet_error, take_coarser
 
-   !> An estimate is widened by this factor: the observed order is uncertain.
-   real(wp), parameter :: safety = 1.5_wp
-   !> The same for the largest pressure.
-   real(wp), parameter :: pressure_safety = 2.0_wp
-   !> In place of the first where four grids change a figure in one direction, the order being the
-   !> lower one of the two that they show (255 contacts: of 1.2 to 1.4 the least that holds in 96 %
-   !> for h_min).
-   real(wp), parameter :: steady_safety = 1.3_wp
-   !> Bounds of the observed order in space.
-   real(wp), parameter :: orders(2) = [1.0_wp, 2.0_wp]
-   !> Error of the exit between two nodes, in spacings: rms 0.2, at most 0.6 in 32 solutions of 8
-   !> contacts.
+   !> Error of the exit between two nodes, in spacings.
    real(wp), parameter :: exit_jitter = 0.2_wp
    !> Films err by up to twice the share by which the inlet starves them, and the exit by that share
    !> as far as the film is thick (M 0.5-500, L 0-30, against four times the domain).
@@ -49,12 +33,12 @@ module error_bars
 
    !> The companions of a result and what is known of the order of the scheme.
    type :: error_bars_t
-      !> Figures on n/2, n/4 and, of a steady contact whose grid was chosen, n/8 intervals; valid
+      !> Quantities on n/2, n/4 and, of a steady contact whose grid was chosen, n/8 intervals; valid
       !> where the logical says so.
       type(line_summary_t) :: half, quarter, eighth
       logical :: has_half = .false., has_quarter = .false., has_eighth = .false.
-      !> Of a transient with a scheme of first order: figures with that of second order on its own
-      !> grid, known if those on n/2 are.
+      !> Of a transient with a scheme of first order: quantities with that of second order on its
+      !> own grid, known if those on n/2 are.
       type(line_summary_t) :: second_order
       logical :: is_first_order = .false.
       !> Whether the scheme in space is kappa, whose orders have bounds of their own.
@@ -63,8 +47,8 @@ module error_bars
       type(spike_law_t) :: spike_law
       !> Why companions tell nothing of the error; empty or not allocated: they do.
       character(:), allocatable :: unseen
-      !> Whether the outlet cuts the film off, and figures on n/2 intervals with one that does not,
-      !> at the same spacing.
+      !> Whether the outlet cuts the film off, and quantities on n/2 intervals with one that does
+      !> not, at the same spacing.
       logical :: is_cut = .false., has_longer = .false.
       type(line_summary_t) :: longer
       !> What an inlet with a tail changes, in place of the rule of the inlet.
@@ -101,9 +85,10 @@ contains
       if (ieee_is_finite(smallest%error_grid)) error = smallest%error_grid/smallest%value
    end function estimated_error
 
-   !> Error estimates and Richardson's values for the figures of a converged result on n intervals
-   !> of width `dx`: of grid and time step from the companions, of the length of the domain and of
-   !> what the iteration left from the report; their sum, which is not known without the first.
+   !> Error estimates and Richardson's values for the quantities of a converged result on n
+   !> intervals of width `dx`: of grid and time step from the companions, of the length of the
+   !> domain and of what the iteration left from the report; their sum, which is not known without
+   !> the first.
    pure subroutine apply_error_bars(bars, report, dx, summary)
       type(error_bars_t), intent(in) :: bars
       type(report_t), intent(in) :: report
@@ -114,7 +99,7 @@ contains
 
       if (bars%forecast%is_known) then
          call apply_forecast(bars%forecast, exit_jitter*dx, pressure_safety/safety, summary)
-         call allow_for_spike(bars, dx, summary)
+         call allow_for_spike(bars%spike_law, dx, summary)
       else if (bars%has_half .and. .not. has_unseen_waves(bars)) then
          call estimate_grid_errors(bars, report%steps > 0, dx, summary)
       end if
@@ -161,11 +146,14 @@ contains
       real(wp) :: error
       integer :: i
 
-      error = cut_error(bars, h_min)
-      if (.not. ieee_is_finite(error)) return
+      error = 0.0_wp
+      if (.not. bars%is_cut) return
+      error = not_known()
+      if (.not. (bars%has_half .and. bars%has_longer)) return
+      error = 0.0_wp
       do i = 1, quantity_count
-         if (bars%is_cut .and. len_trim(quantity_rows(i)%short) > 0) error = &
-            max(error, cut_error(bars, i)/bars%half%of(i)%value)
+         if (len_trim(quantity_rows(i)%short) > 0) error = max(error, cut_error(bars, i) &
+            /bars%half%of(i)%value)
       end do
    end function outlet_error
 
@@ -238,7 +226,7 @@ contains
       do i = 1, quantity_count
          if (quantity_rows(i)%rule == rule_crest) then
             call estimate_pressure(bars, is_transient, summary)
-            call allow_for_spike(bars, dx, summary)
+            call allow_for_spike(bars%spike_law, dx, summary)
          else if (is_transient) then
             call estimate_in_time(bars, i, dx, summary%of(i))
          else
@@ -272,7 +260,9 @@ contains
 
       levels = on_levels(bars, i, quantity)
       if (bars%is_first_order) levels(1) = bars%second_order%of(i)
-      call compare(bars, quantity%between, levels(:3)%between, limit, error)
+      limit = limit_in_time(levels(:3)%between)
+      error = error_in_time(levels(:3)%between)
+      if (bars%is_first_order) error = error_by_reference(quantity%between, limit, error)
       quantity%error_grid = error + abs(quantity%value - quantity%between)
       if (quantity_rows(i)%rule == rule_between) then
          quantity%error_grid = quantity%error_grid + exit_jitter*dx
@@ -280,19 +270,6 @@ contains
          quantity%extrapolated = limit
       end if
    end subroutine estimate_in_time
-
-   !> Limit and estimated error of a `value` of a transient from those of the second-order scheme on
-   !> n, n/2, n/4 intervals.
-   pure subroutine compare(bars, value, values, limit, error)
-      type(error_bars_t), intent(in) :: bars
-      real(wp), intent(in) :: value
-      real(wp), intent(in) :: values(3)
-      real(wp), intent(out) :: limit, error
-
-      limit = limit_in_time(values)
-      error = error_in_time(values)
-      if (bars%is_first_order) error = error_by_reference(value, limit, error)
-   end subroutine compare
 
    !> The largest pressure of a node, from maxima by parabolas.
    pure subroutine estimate_pressure(bars, is_transient, summary)
@@ -307,60 +284,12 @@ contains
       tops(2) = top_of(bars%half%crests)
       if (bars%has_quarter) tops(3) = top_of(bars%quarter%crests)
       if (is_transient) then
-         call estimate_crest_in_time(bars, tops, summary%crests%highest, summary%of(p_max))
+         call estimate_crest_in_time(bars%is_first_order, tops, summary%crests%highest, &
+            summary%of(p_max))
       else if (all(ieee_is_finite(tops))) then
          call estimate_crest(tops, summary%of(p_max))
       end if
    end subroutine estimate_pressure
-
-   !> Error of a nodal maximum of a transient: that of the parabola's, `top`, from those of the
-   !> second-order scheme on n, n/2, n/4 intervals, and what the node is off.
-   pure subroutine estimate_crest_in_time(bars, highest, top, quantity)
-      type(error_bars_t), intent(in) :: bars
-      real(wp), intent(in) :: highest(3), top
-      type(quantity_t), intent(inout) :: quantity
-      real(wp) :: error, limit
-
-      if (.not. all(ieee_is_finite(highest))) return
-      error = pressure_safety_in_time*error_in_time(highest)
-      limit = limit_in_time(highest)
-      if (bars%is_first_order) error = error_by_reference(top, limit, error)
-      quantity%error_grid = error + abs(top - quantity%value)
-      quantity%extrapolated = limit
-   end subroutine estimate_crest_in_time
-
-   !> Where the grid has a pressure spike the largest pressure may be off by what the
-   !> spike may grow above it; not known where that is not.
-   pure subroutine allow_for_spike(bars, dx, summary)
-      type(error_bars_t), intent(in) :: bars
-      real(wp), intent(in) :: dx
-      type(line_summary_t), intent(inout) :: summary
-      real(wp) :: ceiling
-
-      if (.not. ieee_is_finite(summary%crests%highest) &
-         .or. .not. ieee_is_finite(summary%of(p_max)%error_grid)) return
-      ceiling = ceiling_of_spike(bars%spike_law, summary%crests, summary%of(h_central)%value, dx)
-      associate (pressure => summary%of(p_max))
-         if (.not. ieee_is_finite(ceiling)) then
-            pressure%error_grid = ceiling
-            pressure%extrapolated = ceiling
-         else if (ceiling > pressure%value + pressure%error_grid) then
-            pressure%error_grid = ceiling - pressure%value
-            pressure%extrapolated = not_known()
-         end if
-      end associate
-   end subroutine allow_for_spike
-
-   !> The maximum of P that is followed from grid to grid: the largest beside a spike that is below
-   !> it, else the largest.
-   pure function top_of(crests) result(top)
-      type(crests_t), intent(in) :: crests
-      real(wp) :: top
-
-      top = crests%highest
-      if (.not. (ieee_is_finite(crests%spike) .and. ieee_is_finite(crests%other))) return
-      if (crests%spike < crests%other) top = crests%other
-   end function top_of
 
    !> The grid of row `i` at rest.
    pure subroutine estimate_at_rest(bars, i, dx, quantity)
@@ -373,8 +302,8 @@ contains
 
       bounds = merge(quantity_rows(i)%kappa_orders, orders, bars%is_kappa)
       levels = on_levels(bars, i, quantity)
-      own = estimate(levels%value, bounds)
-      between = estimate(levels%between, bounds)
+      own = error_on_grids(levels%value, bounds)
+      between = error_on_grids(levels%between, bounds)
       between(1) = between(1) + abs(quantity%value - quantity%between)
       select case (quantity_rows(i)%rule)
       case (rule_node)
@@ -387,67 +316,6 @@ contains
       quantity%error_grid = own(1)
       quantity%extrapolated = own(2)
    end subroutine estimate_at_rest
-
-   !> Estimated error and extrapolated value of the first of `values` on n, n/2, n/4, n/8 intervals
-   !> (NaN: not known), whose observed order has these `bounds`.
-   pure function estimate(values, bounds) result(error_and_limit)
-      real(wp), intent(in) :: values(4), bounds(2)
-      real(wp) :: error_and_limit(2)
-      real(wp) :: changes(3), order
-
-      error_and_limit = not_known()
-      if (.not. all(ieee_is_finite(values(:2)))) return
-      order = observed_order(values(1), values(2), values(3), orders)
-      if (ieee_is_finite(values(3))) error_and_limit(2) = values(1) + (values(1) - values(2)) &
-         /(2.0_wp**order - 1.0_wp)
-      order = observed_order(values(1), values(2), values(3), bounds)
-      changes = 0.0_wp
-      if (ieee_is_finite(values(4))) then
-         order = min(order, observed_order(values(2), values(3), values(4), bounds))
-         changes = values(:3) - values(2:)
-      end if
-      associate (error => error_and_limit(1))
-         error = error_from_levels(values(1), values(2), order)
-         ! terms of two orders and opposite signs may make the last difference small by chance
-         if (ieee_is_finite(values(3))) error = max(error, error_from_levels(values(2), values(3), &
-            order)/2.0_wp**orders(2))
-         if (all(changes > 0.0_wp) .or. all(changes < 0.0_wp)) error = steady_safety/safety*error
-      end associate
-   end function estimate
-
-   !> Error of a nodal maximum: that of the parabola's, and what the node is below it.
-   pure subroutine estimate_crest(values, quantity)
-      real(wp), intent(in) :: values(3)
-      type(quantity_t), intent(inout) :: quantity
-      real(wp) :: order
-
-      order = observed_order(values(1), values(2), values(3), orders)
-      quantity%error_grid = max(error_from_levels(values(1), values(2), order), &
-         error_from_levels(values(2), values(3), order)/2.0_wp**orders(2))
-      quantity%error_grid = pressure_safety/safety*quantity%error_grid + abs(values(1) &
-         - quantity%value)
-      quantity%extrapolated = values(1) + (values(1) - values(2))/(2.0_wp**order - 1.0_wp)
-   end subroutine estimate_crest
-
-   !> safety |q1 - q2|/(2^order - 1).
-   pure elemental function error_from_levels(q1, q2, order) result(error)
-      real(wp), intent(in) :: q1, q2, order
-      real(wp) :: error
-
-      error = safety*abs(q1 - q2)/(2.0_wp**order - 1.0_wp)
-   end function error_from_levels
-
-   !> log2 of the ratio of the differences, within the bounds (lowest, highest).
-   pure function observed_order(q1, q2, q4, bounds) result(order)
-      real(wp), intent(in) :: q1, q2, q4, bounds(2)
-      real(wp) :: order
-
-      order = bounds(1)
-      if (.not. ieee_is_finite(q4) .or. abs(q2 - q4) <= tiny(1.0_wp)) return
-      order = bounds(2)
-      if (abs(q1 - q2) > tiny(1.0_wp)*1.0e10_wp) order = log(abs((q2 - q4)/(q1 - q2)))/log(2.0_wp)
-      order = min(max(order, bounds(1)), bounds(2))
-   end function observed_order
 
    !> Nothing is known yet but the orders of the schemes in time and space, and whether a spike is
    !> to be feared.

@@ -39,7 +39,7 @@ module quantities
       !> chance, and h_central falls faster than with the second order.
       real(wp) :: kappa_orders(2)
       !> Text of its data set.
-      character(len=58) :: text
+      character(len=80) :: text
    end type quantity_row_t
 
    type(quantity_row_t), parameter, public :: quantity_rows(*) = [ &

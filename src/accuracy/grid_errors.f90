@@ -1,0 +1,72 @@
+!> What values of a steady contact on n, n/2, n/4 and n/8 intervals tell of the error of the first.
+!>
+!> With Q1, Q2, Q4 on n, n/2, n/4 intervals and the observed order p = log2 |Q2 - Q4|/|Q1 - Q2| the
+!> error of Q1 is |Q1 - Q2|/(2^p - 1) (Roache, J. Fluids Eng. 116, 1994, 405). p is bounded: an
+!> order above the scheme's is chance.
+module grid_errors
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use kinds, only: wp
+   use quantities, only: not_known
+   implicit none (type, external)
+   private
+
+   public :: error_from_levels, error_on_grids, observed_order
+
+   !> An estimate is widened by this factor: the observed order is uncertain.
+   real(wp), parameter, public :: safety = 1.5_wp
+   !> In its place where four grids change a quantity in one direction, the order being the lower
+   !> one of the two that they show.
+   real(wp), parameter :: steady_safety = 1.3_wp
+   !> Bounds of the observed order in space.
+   real(wp), parameter, public :: orders(2) = [1.0_wp, 2.0_wp]
+
+contains
+
+   !> Estimated error and extrapolated value of the first of `values` on n, n/2, n/4, n/8 intervals
+   !> (NaN: not known), whose observed order has these `bounds`.
+   pure function error_on_grids(values, bounds) result(error_and_limit)
+      real(wp), intent(in) :: values(4), bounds(2)
+      real(wp) :: error_and_limit(2)
+      real(wp) :: changes(3), order
+
+      error_and_limit = not_known()
+      if (.not. all(ieee_is_finite(values(:2)))) return
+      order = observed_order(values(1), values(2), values(3), orders)
+      if (ieee_is_finite(values(3))) error_and_limit(2) = values(1) + (values(1) - values(2)) &
+         /(2.0_wp**order - 1.0_wp)
+      order = observed_order(values(1), values(2), values(3), bounds)
+      changes = 0.0_wp
+      if (ieee_is_finite(values(4))) then
+         order = min(order, observed_order(values(2), values(3), values(4), bounds))
+         changes = values(:3) - values(2:)
+      end if
+      associate (error => error_and_limit(1))
+         error = error_from_levels(values(1), values(2), order)
+         ! terms of two orders and opposite signs may make the last difference small by chance
+         if (ieee_is_finite(values(3))) error = max(error, error_from_levels(values(2), values(3), &
+            order)/2.0_wp**orders(2))
+         if (all(changes > 0.0_wp) .or. all(changes < 0.0_wp)) error = steady_safety/safety*error
+      end associate
+   end function error_on_grids
+
+   !> safety |q1 - q2|/(2^order - 1).
+   pure elemental function error_from_levels(q1, q2, order) result(error)
+      real(wp), intent(in) :: q1, q2, order
+      real(wp) :: error
+
+      error = safety*abs(q1 - q2)/(2.0_wp**order - 1.0_wp)
+   end function error_from_levels
+
+   !> log2 of the ratio of the differences, within the bounds (lowest, highest).
+   pure function observed_order(q1, q2, q4, bounds) result(order)
+      real(wp), intent(in) :: q1, q2, q4, bounds(2)
+      real(wp) :: order
+
+      order = bounds(1)
+      if (.not. ieee_is_finite(q4) .or. abs(q2 - q4) <= tiny(1.0_wp)) return
+      order = bounds(2)
+      if (abs(q1 - q2) > tiny(1.0_wp)*1.0e10_wp) order = log(abs((q2 - q4)/(q1 - q2)))/log(2.0_wp)
+      order = min(max(order, bounds(1)), bounds(2))
+   end function observed_order
+
+end module grid_errors
