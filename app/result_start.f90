@@ -63,7 +63,7 @@ contains
       character(len=field_name_length), allocatable :: names(:)
 
       names = [character(len=field_name_length) :: case%output_settings%fields]
-      if (case%solver%film_floor > 0.0_wp) names = [character(len=field_name_length) :: names, &
+      if (case%film_floor > 0.0_wp) names = [character(len=field_name_length) :: names, &
          breakdown_name]
    end function stored_fields
 

@@ -82,7 +82,7 @@ contains
          return
       end if
       call build_line_contact(case, scaling, contact)
-      case%solver = scaled_solver(case%solver, scaling)
+      case%solver = scaled_solver(case, scaling)
       call watcher%log%start_case(case%file, scaling)
       call check_grid(case, contact, error)
       if (allocated(error)) then

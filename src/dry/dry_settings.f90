@@ -9,13 +9,17 @@ module dry_settings
    !> Methods.
    integer, parameter, public :: method_conjugate_gradient = 1, method_steepest_descent = 2
 
+   !> Bound on the error measure, and most iterations, where they are not given.
+   real(wp), parameter, public :: dry_tolerance = 1.0e-8_wp
+   integer, parameter, public :: dry_cycles = 10000
+
    !> How to solve.
    type :: dry_settings_t
       integer :: method = method_conjugate_gradient
       !> Bound on the error measure.
-      real(wp) :: tolerance = 1.0e-8_wp
+      real(wp) :: tolerance = dry_tolerance
       !> Most iterations.
-      integer :: max_cycles = 10000
+      integer :: max_cycles = dry_cycles
       !> True: a guess is wanted; single precision does.
       logical :: is_rough = .false.
    end type dry_settings_t

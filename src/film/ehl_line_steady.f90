@@ -15,7 +15,7 @@ module ehl_line_steady
    use observer, only: lookout_t, observer_t
    use pseudo_time, only: follow_time
    use solver_choice, only: adopt, limits_of, note_choice, steady_attempts
-   use solver_settings, only: solver_settings_t
+   use solver_settings, only: solver_settings_t, steady_tolerance
    use text, only: to_text
    use rheology, only: thins
    implicit none (type, external)
@@ -30,8 +30,6 @@ module ehl_line_steady
    !> Grids tried to find one that carries the film: so many times the one that failed or the fit,
    !> and no larger; cycles on each.
    integer, parameter :: most_refinement = 8, largest_blame = 2**16, blame_cycles = 40
-   !> Default bound on the residuals of a steady solution.
-   real(wp), parameter :: default_tolerance = 1.0e-8_wp
    !> Accuracy and cycles of the thesis's scheme as start of the kappa scheme.
    real(wp), parameter :: rough_tolerance = 1.0e-3_wp
    integer, parameter :: rough_cycles = 40
@@ -39,8 +37,8 @@ module ehl_line_steady
 contains
 
    !> Solves the steady problem posed on the hierarchy; tolerance is that of the settings, else
-   !> 1e-8. `is_started`: the finest level holds a first approximation, from which Newton's method
-   !> goes on.
+   !> `steady_tolerance`. `is_started`: the finest level holds a first approximation, from which
+   !> Newton's method goes on.
    subroutine solve_steady(hierarchy, contact, settings, watcher, report, is_started)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -59,7 +57,7 @@ contains
       allocate (attempts, source=steady_attempts(contact, settings))
       do i = 1, size(attempts)
          call adopt(hierarchy, attempts(i))
-         limits = limits_of(settings, default_tolerance, attempts(i)%method)
+         limits = limits_of(settings, steady_tolerance, attempts(i)%method)
          call note_choice(report, attempts(i), limits)
          call watcher%on_stage('steady on '//to_text(contact%domain%intervals)//' intervals by ' &
             //report%method)

@@ -26,7 +26,7 @@ module ehl_line_transient
    use march_state, only: march_state_t
    use observer, only: observer_t
    use solver_choice, only: adopt, limits_of, note_choice, time_step_attempts
-   use solver_settings, only: solver_settings_t, time_settings_t, word_length
+   use solver_settings, only: solver_settings_t, step_tolerance, time_settings_t, word_length
    use state_output, only: fill_state
    use step_choice, only: count_steps
    use text, only: to_text
@@ -36,8 +36,7 @@ module ehl_line_transient
 
    public :: march
 
-   !> Default bound on the residuals of a time step, and on its cycles.
-   real(wp), parameter :: default_tolerance = 1.0e-6_wp
+   !> Default bound on the cycles of a time step.
    integer, parameter :: default_cycles = 40
 
    !> A time step and how it is solved.
@@ -73,7 +72,7 @@ contains
       integer :: step, steps
 
       allocate (plan%attempts, source=time_step_attempts(contact, settings))
-      plan%limits = limits_of(settings, default_tolerance, plan%attempts(1)%method)
+      plan%limits = limits_of(settings, step_tolerance, plan%attempts(1)%method)
       if (settings%max_cycles == 0) plan%limits%max_cycles = min(plan%limits%max_cycles, &
          default_cycles)
       call note_choice(report, plan%attempts(1), plan%limits)

@@ -13,7 +13,10 @@ module solver_settings
    !> Most intervals with method = 'newton_dense', a matrix of 0.5 GB and about a minute a step, and
    !> with 'block_jacobi', which converges on no more than some hundred and notices that it does not
    !> after 40 blocks of 200 sweeps at least.
-   integer, parameter :: most_small_intervals = 8192
+   integer, parameter, public :: most_small_intervals = 8192
+   !> Bound on the residuals and the load error where none is given: of a steady solution, and of a
+   !> time step.
+   real(wp), parameter, public :: steady_tolerance = 1.0e-8_wp, step_tolerance = 1.0e-6_wp
    !> No grid that the program refines until it is good enough has more intervals.
    integer, parameter, public :: most_refined_intervals = 2**20
 
@@ -78,7 +81,8 @@ module solver_settings
       logical :: explains_failure = .true.
       !> First guess: 'fmg' (full multigrid) or 'hertz' (Hertz pressure on the finest grid).
       character(len=word_length) :: start = 'fmg'
-      !> Bound on the residuals and the load error [-]; zero: 1e-8 steady, 1e-6 in time steps.
+      !> Bound on the residuals and the load error [-]; zero: `steady_tolerance`, in time steps
+      !> `step_tolerance`.
       real(wp) :: tolerance = 0.0_wp
       !> Largest number of cycles for one solution (of each time step); zero: automatic.
       integer :: max_cycles = 0

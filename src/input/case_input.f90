@@ -18,6 +18,7 @@ module case_input
    use lubricant, only: density_constant, density_dowson_higginson, rheology_eyring, &
       rheology_newtonian, viscosity_barus, viscosity_constant, viscosity_roelands
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
+   use number_text, only: read_real
    use namelist_text, only: namelist_text_t, split_namelist
    use scaling, only: scaling_t, new_scaling
    use text, only: to_text
@@ -27,11 +28,6 @@ module case_input
    private
 
    public :: read_case
-
-   !> Parameters of the oil where &moes needs them and none are given: alpha [1/Pa], P0 [Pa], z [-]
-   !> of a mineral oil.
-   real(wp), parameter :: moes_pressure_viscosity = 2.2e-8_wp, moes_roelands_p0 = 1.96e8_wp, &
-      moes_roelands_z = 0.668_wp
 
 contains
 
@@ -202,12 +198,22 @@ contains
          end if
          if (oil%viscosity_law /= viscosity_roelands &
             .and. oil%density_law == density_constant) return
-         if (oil%pressure_viscosity <= 0.0_wp) oil%pressure_viscosity = moes_pressure_viscosity
+         if (oil%pressure_viscosity <= 0.0_wp) oil%pressure_viscosity = &
+            moes_default('pressure_viscosity')
          if (oil%viscosity_law /= viscosity_roelands) return
-         if (oil%roelands_p0 <= 0.0_wp) oil%roelands_p0 = moes_roelands_p0
-         if (oil%roelands_z <= 0.0_wp) oil%roelands_z = moes_roelands_z
+         if (oil%roelands_p0 <= 0.0_wp) oil%roelands_p0 = moes_default('roelands_p0')
+         if (oil%roelands_z <= 0.0_wp) oil%roelands_z = moes_default('roelands_z')
       end associate
    end subroutine fill_moes_lubricant
+
+   !> The value of a key of &lubricant with &moes where none is given.
+   function moes_default(key) result(value)
+      character(*), intent(in) :: key
+      real(wp) :: value
+      logical :: good
+
+      call read_real(trim(key_rows(find_key('lubricant', key))%moes_default), value, good)
+   end function moes_default
 
    !> A surface of ridges and sinusoids; no features if smooth. `speed` [m/s].
    subroutine fill_surface(values, group, speed, surface)
@@ -276,9 +282,9 @@ contains
          solver%coarse_sweeps = integer_of(values, 'solver', 'coarse_sweeps')
          solver%relaxation = values%real_value('solver', 'relaxation')
          solver%load_relaxation = values%real_value('solver', 'load_relaxation')
-         solver%film_floor = values%real_value('solver', 'film_floor')
          solver%on_film_breakdown = values%word_value('solver', 'on_film_breakdown')
       end associate
+      case%film_floor = values%real_value('solver', 'film_floor')
    end subroutine fill_numerics
 
    !> The integer of a key; 0 if there is none.

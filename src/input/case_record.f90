@@ -79,7 +79,10 @@ module case_record
       type(rough_surface_t) :: surface_1, surface_2
       type(domain_t) :: domain
       type(time_settings_t) :: time
+      !> `film_floor` is not here but below, in SI.
       type(solver_settings_t) :: solver
+      !> A film below it is a breakdown [m]; 0: not given.
+      real(wp) :: film_floor = 0.0_wp
       type(output_settings_t) :: output_settings
       !> Filled for dry problems, which use nothing of the above but title, problem, model, output,
       !> file and namelist.

@@ -4,9 +4,12 @@
 !> It serves the reader, its checks and messages, `--template`, `--keys` and the page docs/input.md;
 !> defaults exist nowhere else.
 module input_keys
+   use dry_settings, only: dry_cycles, dry_tolerance
    use key_row, only: dry, dry_area, dry_line, every, group_row_t, has_word, integer_kind, &
       is_chosen, is_optional, is_required, key_row_t, logical_kind, lubricated, real_kind, &
       reals_kind, text_kind, word_kind, words_kind
+   use kinds, only: wp
+   use solver_settings, only: most_small_intervals, steady_tolerance, step_tolerance
    implicit none (type, external)
    private
 
@@ -63,6 +66,18 @@ module input_keys
    character(len=1), parameter :: axes(2) = ['x', 'y']
    !> Counter of the implied loops below; it never has a value.
    integer :: i
+
+   !> Bounds of the solvers where none is given: steady, in time steps, dry.
+   real(wp), parameter :: tolerances(3) = [steady_tolerance, step_tolerance, dry_tolerance]
+
+   !> Numbers of the solvers as texts: negative powers of ten, and integers of four and five digits.
+   character(len=*), parameter :: power_of_ten(3) = [('1e-'//achar(iachar('0') &
+      - nint(log10(tolerances(i)))), i=1, 3)]
+   character(len=1), parameter :: &
+      small(4) = [(achar(iachar('0') + (mod(most_small_intervals, 10**i) &
+         - mod(most_small_intervals, 10**(i - 1)))/10**(i - 1)), i=4, 1, -1)], &
+      cycles(5) = [(achar(iachar('0') + (mod(dry_cycles, 10**i) &
+         - mod(dry_cycles, 10**(i - 1)))/10**(i - 1)), i=5, 1, -1)]
 
    type(key_row_t), parameter :: case_rows(*) = [ &
       key_row_t('case', 'title', text_kind, '', "''", &
@@ -140,14 +155,14 @@ module input_keys
       key_row_t('lubricant', 'viscosity_law', word_kind, '', "'roelands'", &
          'rise of viscosity with pressure', words='roelands barus constant'), &
       key_row_t('lubricant', 'pressure_viscosity', real_kind, '1/Pa', is_optional, &
-         'alpha; Roelands needs two of alpha, z, P0; with &moes: 2.2e-8', &
+         'alpha; Roelands needs two of alpha, z, P0', moes_default='2.2e-8', &
          range='>= 1e-12, <= 1e-6', used='moes%moes_l /= 0, viscosity_law = roelands barus', &
          needed="no &moes, viscosity_law = barus: with viscosity_law = 'barus'"), &
       key_row_t('lubricant', 'roelands_z', real_kind, '-', is_optional, &
-         'exponent z of Roelands; with &moes: 0.668', &
+         'exponent z of Roelands', moes_default='0.668', &
          range='>= 0.01, <= 2', used='moes%moes_l /= 0, viscosity_law = roelands'), &
       key_row_t('lubricant', 'roelands_p0', real_kind, 'Pa', is_optional, &
-         'reference pressure P0 of Roelands, about 1.96e8; with &moes: 1.96e8', &
+         'reference pressure P0 of Roelands, about 1.96e8', moes_default='1.96e8', &
          range='>= 1e6, <= 1e11', used='moes%moes_l /= 0, viscosity_law = roelands'), &
       key_row_t('lubricant', 'density_law', word_kind, '', "'dowson_higginson'", &
          'rise of density with pressure', words='dowson_higginson constant'), &
@@ -264,7 +279,7 @@ module input_keys
    type(key_row_t), parameter :: solver_rows(*) = [ &
       key_row_t('solver', 'method', word_kind, '', "'auto'", &
          'auto: Newton-Krylov, else other ways; newton_dense, the exact reference, and '// &
-            'block_jacobi: up to 8192 intervals', &
+            'block_jacobi: up to '//small(1)//small(2)//small(3)//small(4)//' intervals', &
          words='auto fas_block_jacobi block_jacobi newton_krylov newton_dense'), &
       key_row_t('solver', 'smoother', word_kind, '', "'auto'", &
          'smoother of the multigrid cycle', &
@@ -276,7 +291,8 @@ module input_keys
          'first guess: full multigrid, or the Hertz pressure on the finest grid', &
          words='fmg hertz'), &
       key_row_t('solver', 'tolerance', real_kind, '-', is_chosen, &
-         'bound on the dimensionless residuals and the load; chosen: 1e-8, in time steps 1e-6', &
+         'bound on the dimensionless residuals and the load; chosen: '//power_of_ten(1)// &
+         ', in time steps '//power_of_ten(2), &
          range='>= 1e-15, <= 1e-2'), &
       key_row_t('solver', 'max_cycles', integer_kind, '-', is_chosen, &
          'most cycles (Newton: iterations) for one solution; chosen: by the method', &
@@ -303,10 +319,11 @@ module input_keys
       key_row_t('solver', 'method', word_kind, '', "'auto'", &
          'auto: conjugate_gradient; steepest_descent: the method of the thesis, a baseline', &
          words='auto conjugate_gradient steepest_descent', problems=dry), &
-      key_row_t('solver', 'tolerance', real_kind, '-', '1e-8', &
+      key_row_t('solver', 'tolerance', real_kind, '-', power_of_ten(3), &
          'bound on the violation of the contact conditions', &
          range='>= 1e-15, <= 1e-1', problems=dry), &
-      key_row_t('solver', 'max_cycles', integer_kind, '-', '10000', &
+      key_row_t('solver', 'max_cycles', integer_kind, '-', &
+         cycles(1)//cycles(2)//cycles(3)//cycles(4)//cycles(5), &
          'most iterations for one load', range='>= 1, <= 10000000', problems=dry)]
 
    type(key_row_t), parameter :: output_rows(*) = [ &
@@ -332,7 +349,7 @@ module input_keys
       surface_1_rows(i)%key, surface_1_rows(i)%kind, surface_1_rows(i)%unit, &
       surface_1_rows(i)%default, 'as in &surface_1', surface_1_rows(i)%range, &
       surface_1_rows(i)%words, surface_1_rows(i)%later_words, surface_1_rows(i)%used, &
-      surface_1_rows(i)%needed, surface_1_rows(i)%problems), i=1, size(surface_1_rows))]
+      surface_1_rows(i)%needed, problems=surface_1_rows(i)%problems), i=1, size(surface_1_rows))]
 
    !> Every key that is built, in the order of the manual.
    type(key_row_t), parameter, public :: key_rows(*) = [case_rows, bodies_rows, load_rows, &

@@ -60,6 +60,7 @@ contains
 
       text = ''
       if (row%meaning(:5) /= 'as in') text = rules_text(row)
+      if (row%moes_default /= '') text = '; with &moes default '//trim(row%moes_default)//text
       if (row%problems /= every) text = text // ' (' // trim(row%problems) // ')'
    end function conditions_text
 

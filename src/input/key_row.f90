@@ -49,6 +49,8 @@ module key_row
       !> With what the key is used, and with what it must be given: rules of module key_rules;
       !> empty: always, never.
       character(len=80) :: used = '', needed = ''
+      !> Value with &moes where none is given.
+      character(len=8) :: moes_default = ''
       !> Problems that use the key, separated by blanks. A key may have a row for each of several
       !> problems.
       character(len=32) :: problems = lubricated

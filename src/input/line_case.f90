@@ -51,14 +51,14 @@ contains
       end if
    end subroutine build_line_contact
 
-   !> The settings of the solver with the floor of the film [m] as H.
-   pure function scaled_solver(settings, scaling) result(scaled)
-      type(solver_settings_t), intent(in) :: settings
+   !> The settings of the solver, with the floor of the film as H.
+   pure function scaled_solver(case, scaling) result(settings)
+      type(case_t), intent(in) :: case
       type(scaling_t), intent(in) :: scaling
-      type(solver_settings_t) :: scaled
+      type(solver_settings_t) :: settings
 
-      scaled = settings
-      if (scaling%is_dimensional) scaled%film_floor = settings%film_floor/scaling%film
+      settings = case%solver
+      if (scaling%is_dimensional) settings%film_floor = case%film_floor/scaling%film
    end function scaled_solver
 
    !> The reference values of a case, from SI or from Moes' numbers.
