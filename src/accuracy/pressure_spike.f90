@@ -25,7 +25,6 @@
 !> laws) on 64 to 262144 intervals.
 module pressure_spike
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
-   use eyring, only: ln_slip_factors
    use kinds, only: wp
    use line_summary, only: crests_t
    use lubricant, only: fluid_density, fluid_ln_viscosity, fluid_t
