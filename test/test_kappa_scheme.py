@@ -1,4 +1,4 @@
-"""The kappa space scheme has one solution at a pressure spike, whatever the start, and no zigzag in front of it."""
+"""The kappa space scheme: one solution at a pressure spike, whatever the start, no zigzag in front of it, and the way back."""
 
 import random
 import sys
@@ -49,3 +49,27 @@ def test_one_solution_from_every_start(asperity, tmp_path):
             assert np.allclose(pressure, found[0], rtol=0, atol=1e-5 * found[0].max())
             assert np.sum((pressure[1:-1] > pressure[:-2]) & (pressure[1:-1] >= pressure[2:])) <= 2
     assert compared >= 0.75 * COUNT
+
+
+def target_in_time(asperity, folder, scheme):
+    """Scheme, intervals and h_min [m] of a heavy contact with a target in time; `scheme` None: left open."""
+    groups = namelists.steel(68.2, 27.32, 1.65, 15.4e6)
+    groups["surface_2"] = {"shape": "feature", "amplitude": 1e-8, "wavelength": 1e-3, "position": -2.5}
+    groups |= {"time": {"transient": True, "end_time": 0.25}, "domain": namelists.WINDOW, "accuracy": {"target": 0.1}}
+    groups["solver"] = {"max_cycles": 4, "space_scheme": scheme}
+    (folder / "case.nml").write_text(namelists.namelist(groups), encoding="utf-8")
+    done = asperity("case.nml", "--quiet")
+    assert done.returncode == 0, done.stderr
+    with h5py.File(folder / "case.h5") as file:
+        effective = file["input/effective"]
+        return effective["solver/space_scheme"].asstr()[()], effective["domain/intervals"][()], file["summary/h_min"][()]
+
+
+def test_target_in_time_goes_back_where_kappa_fails(asperity, tmp_path):
+    """In four cycles the first pilot fails with kappa, not with upwind2: an open scheme gives the result of upwind2."""
+    _, kappa_intervals, _ = target_in_time(asperity, tmp_path, "kappa")
+    scheme, intervals, h_min = target_in_time(asperity, tmp_path, None)
+    _, upwind_intervals, upwind_h_min = target_in_time(asperity, tmp_path, "upwind2")
+    assert scheme == "upwind2"
+    assert intervals == upwind_intervals < kappa_intervals
+    assert np.isclose(h_min, upwind_h_min, rtol=1e-6, atol=0)
