@@ -1,5 +1,6 @@
 """Whoever asks the program to end gets status 4 within a second, a word, and no left-over files; nobody has to listen to it."""
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -46,6 +47,28 @@ def test_a_dry_case_ends_within_a_second(program, tmp_path, number):
     assert (status, message) == (4, "asperity: interrupted without a checkpoint, nothing is kept of dry.h5\n")
     assert seconds < 1.5
     assert names(tmp_path) == ["dry.nml", "later.nml"]
+
+
+def test_a_reader_that_no_longer_reads_does_not_hold_up_the_end(program, tmp_path):
+    """Standard error is a full pipe, and there is one thread, which the handler of a signal must not leave waiting for it."""
+    write(tmp_path, "dry.nml", DRY)
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    with contextlib.suppress(BlockingIOError):
+        while os.write(writer, b"x"):
+            pass
+    os.set_blocking(writer, True)
+    one_thread = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    with subprocess.Popen([program, "dry.nml", "--quiet"], cwd=tmp_path, stderr=writer, env=one_thread) as running:
+        wait_for(tmp_path / "dry.h5.part", running)
+        running.send_signal(signal.SIGTERM)
+        try:
+            assert running.wait(20) == 4
+        finally:
+            running.kill()
+            os.close(reader)
+            os.close(writer)
+    assert names(tmp_path) == ["dry.nml"]
 
 
 @pytest.mark.parametrize("number", SIGNALS[2:])

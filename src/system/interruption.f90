@@ -8,13 +8,12 @@
 !> same at once.
 !>
 !> The request and the message are module variables: a signal handler has no arguments through which
-!> it could reach anything else. It only calls what POSIX allows there (write, unlink, setitimer,
-!> signal, _exit), and allocates nothing.
+!> it could reach anything else. It only calls what POSIX allows there (poll, write, unlink,
+!> setitimer, signal, _exit), and allocates nothing.
 module interruption
    use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, c_long, &
-      c_null_char, c_size_t
-   use signal_calls, only: c_exit, c_signal, c_unlink, c_write, one_second, set_timer, &
-      standard_error
+      c_null_char
+   use signal_calls, only: c_exit, c_signal, c_unlink, set_timer, tell
    implicit none (type, external)
    private
 
@@ -31,9 +30,10 @@ module interruption
    !> SIG_IGN as an address.
    integer(c_intptr_t), parameter :: ignore_address = 1_c_intptr_t
    !> ITIMER_REAL; time within which the program checks for a request, time that a time step or the
-   !> writing of a result may take, time for the message itself [us].
+   !> writing of a result may take [us]; time for a reader to take the message [ms].
    integer(c_int), parameter :: wall_timer = 0_c_int
    integer(c_long), parameter :: soon = 500000_c_long, patience = 20000000_c_long
+   integer, parameter :: patience_for_words = 1000
    integer(c_int), parameter :: status_interrupted = 4_c_int
    !> Longest words, longest file name, and files to remove.
    integer, parameter :: longest_words = 9000, longest_name = 4200, most_files = 4
@@ -172,44 +172,35 @@ contains
    !> The handler of the timer.
    subroutine end_at_last(number) bind(c)
       integer(c_int), value :: number
-      integer(c_size_t) :: written
+      logical :: is_heard
 
       associate (unused => number)
       end associate
       if (is_patient .and. .not. is_waiting) then
          is_waiting = .true.
          call set_timer(wall_timer, patience)
-         written = c_write(standard_error, waiting_words, len(waiting_words, kind=c_size_t))
+         is_heard = tell(waiting_words, len(waiting_words), 0)
          return
       end if
       call say_last_words()
    end subroutine end_at_last
 
-   !> Removes the files, prints the message and ends the program, even if the output is blocked.
+   !> Removes the files, prints the message if a reader takes it, and ends the program.
    subroutine say_last_words()
-      type(c_funptr) :: previous
-      integer(c_size_t) :: written
       integer(c_int) :: status
       integer :: i
+      logical :: is_heard
 
-      previous = c_signal(signal_alarm, c_funloc(end_in_silence))
-      call set_timer(wall_timer, one_second)
+      call ignore(signal_alarm)
       associate (set => sets(current))
          do i = 1, set%files
             status = c_unlink(set%names(i))
          end do
-         if (.not. is_taken) written = c_write(standard_error, set%words, int(set%length, c_size_t))
+         is_heard = is_taken
+         is_taken = .true.
+         if (.not. is_heard) is_heard = tell(set%words, set%length, patience_for_words)
       end associate
       call c_exit(status_interrupted)
    end subroutine say_last_words
-
-   !> The handler of the timer from then on.
-   subroutine end_in_silence(number) bind(c)
-      integer(c_int), value :: number
-
-      associate (unused => number)
-      end associate
-      call c_exit(status_interrupted)
-   end subroutine end_in_silence
 
 end module interruption

@@ -6,12 +6,11 @@
 !> the words that were set last.
 !>
 !> The module variables have the reason given in `interruption`, and the handler does no more than
-!> that one: it calls time, write and setitimer, and allocates nothing.
+!> that one: it calls time, poll, write and setitimer, and allocates nothing.
 module life_sign
-   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_long, c_null_ptr, &
-      c_size_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_long, c_null_ptr
    use quantity_text, only: shortened
-   use signal_calls, only: c_signal, c_time, c_write, one_second, set_timer, standard_error
+   use signal_calls, only: c_signal, c_time, one_second, set_timer, tell
    implicit none (type, external)
    private
 
@@ -119,7 +118,7 @@ contains
          return
       end if
       call compose(activities(current), now, line, length)
-      is_watching = c_write(standard_error, line, int(length, c_size_t)) == length
+      is_watching = tell(line, length, 0)
       last_line = now
       if (is_updating) columns = length - 1
       if (is_watching) call set_timer(processor_timer, longest_silence)

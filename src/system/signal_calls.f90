@@ -2,16 +2,24 @@
 !> async-signal-safe functions).
 module signal_calls
    use, intrinsic :: iso_c_binding, only: c_char, c_funptr, c_int, c_long, c_null_ptr, c_ptr, &
-      c_size_t
+      c_short, c_size_t
    implicit none (type, external)
    private
 
-   public :: c_exit, c_signal, c_time, c_unlink, c_write, one_second, set_timer
+   public :: c_exit, c_signal, c_time, c_unlink, c_write, one_second, set_timer, tell
 
    !> File descriptor of standard error.
    integer(c_int), parameter, public :: standard_error = 2_c_int
    !> A second in the unit of timers [us].
    integer(c_long), parameter :: one_second = 1000000_c_long
+   !> POLLOUT, and the bytes that a pipe which is ready takes without waiting (PIPE_BUF of Linux).
+   integer(c_short), parameter :: is_ready = 4_c_short
+   integer(c_size_t), parameter :: ready_bytes = 4096_c_size_t
+   !> struct pollfd.
+   type, bind(c) :: poll_t
+      integer(c_int) :: descriptor
+      integer(c_short) :: events, found
+   end type poll_t
 
    interface
       !> signal(2): sets what a signal does.
@@ -44,6 +52,16 @@ module signal_calls
          integer(c_size_t) :: written
       end function c_write
 
+      !> poll(2): 1 if the descriptor of `place` is ready within `time` [ms]; `count` is 1.
+      function c_poll(place, count, time) bind(c, name='poll') result(ready)
+         import :: c_int, c_long, poll_t
+         implicit none (type, external)
+         type(poll_t), intent(inout) :: place
+         integer(c_long), value :: count
+         integer(c_int), value :: time
+         integer(c_int) :: ready
+      end function c_poll
+
       !> unlink(2).
       function c_unlink(path) bind(c, name='unlink') result(status)
          import :: c_char, c_int
@@ -69,6 +87,31 @@ module signal_calls
    end interface
 
 contains
+
+   !> Writes `text` of `length` characters to standard error as far as it is taken within `time`
+   !> [ms] for each 4096: a handler must not wait for a reader that no longer reads.
+   function tell(text, length, time) result(is_taken)
+      character(kind=c_char), intent(in) :: text(*)
+      integer, intent(in) :: length, time
+      logical :: is_taken
+      type(poll_t) :: place
+      integer(c_size_t) :: written
+      integer :: done
+
+      done = 0
+      do while (done < length)
+         place = poll_t(standard_error, is_ready, 0_c_short)
+         is_taken = c_poll(place, 1_c_long, int(time, c_int)) == 1_c_int
+         if (is_taken) is_taken = iand(place%found, is_ready) /= 0_c_short
+         if (.not. is_taken) return
+         written = c_write(standard_error, text(done + 1:length), min(int(length - done, &
+            c_size_t), ready_bytes))
+         is_taken = written > 0_c_size_t
+         if (.not. is_taken) return
+         done = done + int(written)
+      end do
+      is_taken = .true.
+   end function tell
 
    !> The signal of `timer` (ITIMER_...) after `time` [us].
    subroutine set_timer(timer, time)
