@@ -3,7 +3,7 @@
 module pilots
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
-   use line_contact, only: fewest_in_wave, intervals_for_waves, line_contact_t, shortest_passage
+   use line_contact, only: min_in_wave, intervals_for_waves, line_contact_t, shortest_passage
    use line_hierarchy, only: coarsest_for_film
    use quantities, only: h_min, not_known, quantity_count
    use solver_settings, only: time_settings_t
@@ -86,7 +86,7 @@ contains
       associate (n => pilots%last%intervals, length => contact%domain%x_outlet &
          - contact%domain%x_inlet)
          n = coarsest_for_film(contact, min_intervals)
-         do while (fewest_in_wave*n < pilot_in_wave*pilots%for_waves)
+         do while (min_in_wave*n < pilot_in_wave*pilots%for_waves)
             n = 2*n
          end do
          pilots%last%steps = max(2, ceiling(time%end_time*max(n, first_steps)/length))
@@ -272,7 +272,7 @@ contains
       real(wp) :: reach(2)
 
       reach = reach_of(pilots)
-      is_within_reach = fewest_in_wave*intervals >= nodes_in_wave*pilots%for_waves &
+      is_within_reach = min_in_wave*intervals >= nodes_in_wave*pilots%for_waves &
          .and. intervals <= pilots%max_intervals .and. real(pilots%last%intervals, wp)/intervals &
          *reach(space) >= 1.0_wp
    end function is_within_reach

@@ -16,7 +16,7 @@ module steady_target
       pose_steady_problem, relaxation_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use nested_start, only: bump_start, companion_tolerance, most_firsts, refine, solve_level
+   use nested_start, only: bump_start, companion_tolerance, max_firsts, refine, solve_level
    use observer, only: is_stopped, observer_t
    use solver_choice, only: adopt, steady_attempts
    use solver_settings, only: domain_t, most_chosen, solver_settings_t, time_settings_t
@@ -170,7 +170,7 @@ contains
             if (k == size(hierarchy%levels)) return
          else
             first = k + 1
-            if (first > min(most_firsts, size(hierarchy%levels))) return
+            if (first > min(max_firsts, size(hierarchy%levels))) return
          end if
          k = k + 1
       end do

@@ -23,15 +23,15 @@ module cycle_control
 
    !> The bound on the Reynolds residual is at least this many times its round-off floor.
    real(wp), parameter :: floor_factor = 5.0_wp
-   !> Newton's method on more intervals than this keeps the rest of a steady pressure: 5 floors of P
-   !> alone are above the default tolerance (Case 1).
+   !> Newton's method on more intervals than this keeps the compensation of a steady pressure: 5
+   !> floors of P alone are above the default tolerance (Case 1).
    integer, parameter :: largest_plain = 2**13
    !> Round-off of dX sum P = pi/2: the bound on the load error is not taken below it.
    real(wp), parameter :: load_floor = 1.0e-13_wp
    !> A Newton step below this in every pressure and in H0 changes no residual any more.
    real(wp), parameter :: still_step = 1.0e-11_wp
    !> Residuals that grew by this factor over the first one diverge, and so does a load error of
-   !> this (370 random cases of every method: no solve that converged grew by more than 8e3).
+   !> this (docs/decisions.md).
    real(wp), parameter :: divergence_factor = 1.0e6_wp
    !> So many cycles in a row beyond that factor, the last above the first of them, do not come
    !> back.

@@ -12,12 +12,10 @@
 !> The second term is the load that is missing in front of the inlet, 2 r/c^2 of the whole, times
 !> how much the film depends on the load: r^2 for a Newtonian oil. An oil that sliding thins in the
 !> inlet has a film that falls with the load as between rigid bodies, so r^2 becomes r^2 + (1 - r^2)
-!> (1 - 1/S^2), with S^2 = 1 + B^2 the slip factor without slope, B at H_c and 3 mu_0 (fitted to 60
-!> Eyring contacts, M 0.1-17, L 2-40, c 1.6-31).
+!> (1 - 1/S^2), with S^2 = 1 + B^2 the slip factor without slope, B at H_c and 3 mu_0.
 !>
-!> With a tail in front of it (module inlet_tail) c = 4 (1e-4/t)^(1/4) in all regimes: in 610 runs
-!> of 141 contacts (M 0.03-2000, L 0-40, with Eyring's law too, c 1.75-9, the same nodes on the
-!> longest domain) h_min was off by up to t in 91 % and 2 t in 98 %.
+!> With a tail in front of it (module inlet_tail) c = 4 (1e-4/t)^(1/4) in all regimes
+!> (docs/decisions.md).
 module domain_choice
    use constants, only: pi
    use kinds, only: wp
@@ -40,9 +38,7 @@ module domain_choice
    !> Share by which a chosen inlet may starve the film: of P = 0, of a tail, which costs less.
    real(wp), parameter :: default_inlet_error = 1.0e-3_wp, default_tail_error = 1.0e-4_wp
    !> An inlet with a tail that starves the film by the share e changes the largest pressure by up
-   !> to so many times e, times the smaller one of 1 and H_c (below 3 in 90 % of 141 contacts
-   !> without a spike; with 6 the whole error of 191 others is below its estimate in 96 %, with 4 in
-   !> 94.8 %).
+   !> to so many times e, times the smaller one of 1 and H_c (docs/decisions.md).
    real(wp), parameter :: pressure_behind_tail = 6.0_wp
    !> Viscosity where the pressure builds up, at which sliding thins the oil [mu_0].
    real(wp), parameter :: inlet_viscosity = 3.0_wp
@@ -51,12 +47,12 @@ module domain_choice
    real(wp), parameter :: least_shortening = 1.3_wp
    !> Margin of an outlet behind waves, and how many times as far from the end of the contact it may
    !> be as that of smooth surfaces.
-   real(wp), parameter :: wave_margin = 1.1_wp, most_widening = 3.0_wp
+   real(wp), parameter :: wave_margin = 1.1_wp, max_widening = 3.0_wp
    !> The largest outlet [half-widths].
    real(wp), parameter, public :: farthest = 1000.0_wp
    integer, parameter :: fewest_intervals = 256, most_intervals = 2**20
    !> A grid is not made finer than this for waves alone: a passage on it takes minutes.
-   integer, parameter :: most_for_waves = 2**16
+   integer, parameter :: max_for_waves = 2**16
 
 contains
 
@@ -93,7 +89,7 @@ contains
                fewest_intervals), most_intervals)
             domain%intervals = max(domain%intervals, &
                min(intervals_at_least(wanted_nodes/nodes_in_wave(contact)*domain%intervals), &
-               most_for_waves))
+               max_for_waves))
          end if
       end associate
 
@@ -113,14 +109,14 @@ contains
    !> The outlet of a contact whose smooth film has ruptured before `smooth`: behind
    !> X = sqrt(1 + s^2) the gap opens faster, about as sqrt(X^2 - 1), than passing waves of the
    !> slope s close it, and pressure does not build up again in the ruptured film. Not further out
-   !> than `most_widening` times.
+   !> than `max_widening` times.
    pure function outlet_behind_waves(contact, smooth) result(outlet)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: smooth
       real(wp) :: outlet
 
       outlet = wave_margin*sqrt(1 + closing_slope(contact)**2)
-      outlet = max(smooth, min(outlet, 1 + most_widening*(smooth - 1)))
+      outlet = max(smooth, min(outlet, 1 + max_widening*(smooth - 1)))
    end function outlet_behind_waves
 
    !> Moves an outlet of the program out that cuts the film off: to twice the distance from the end

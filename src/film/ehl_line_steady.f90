@@ -29,7 +29,7 @@ module ehl_line_steady
       'newton_krylov']
    !> Grids tried to find one that carries the film: so many times the one that failed or the fit,
    !> and no larger; cycles on each.
-   integer, parameter :: most_refinement = 8, largest_blame = 2**16, blame_cycles = 40
+   integer, parameter :: max_refinement = 8, largest_blame = 2**16, blame_cycles = 40
    !> Accuracy and cycles of the thesis's scheme as start of the kappa scheme.
    real(wp), parameter :: rough_tolerance = 1.0e-3_wp
    integer, parameter :: rough_cycles = 40
@@ -129,7 +129,7 @@ contains
       finer = contact
       finer%domain%intervals = max(fitted, 2*given)
       if (thins(contact%fluid)) finer%domain%intervals = 2*given
-      last = min(largest_blame, settings%most_intervals, most_refinement*max(fitted, given))
+      last = min(largest_blame, settings%most_intervals, max_refinement*max(fitted, given))
       is_solved = .false.
       do while (finer%domain%intervals <= last)
          call try_grid(finer, settings%space_scheme, with_roughness, lookout, is_solved)

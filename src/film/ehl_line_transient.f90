@@ -17,7 +17,7 @@ module ehl_line_transient
    use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: fewest_in_wave, intervals_for_waves, line_contact_t, move_profiles
+   use line_contact, only: min_in_wave, intervals_for_waves, line_contact_t, move_profiles
    use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, roughness_at, &
       total_products
    use line_level, only: line_level_t
@@ -164,7 +164,7 @@ contains
       words = ''
       share = real(contact%domain%intervals, wp)/intervals_for_waves(contact)
       if (share < 1.0_wp) words = '; the finest wave of the surfaces has ' &
-         //to_text(share*fewest_in_wave, 2)//' intervals'
+         //to_text(share*min_in_wave, 2)//' intervals'
    end function coarse_wave_text
 
    !> Gives the observer where the transient stands, if it wants that.

@@ -23,13 +23,13 @@ module face_mobility
 contains
 
    !> Mobility of all faces (1:n) and density of all nodes (0:n); p >= 0, h > 0 (0:n). The slope
-   !> inside S is that of p, and of its `rest` where that is kept.
-   pure subroutine fluid_face_mobility(fluid, dx, p, h, e, rho, rest)
+   !> inside S is that of p, and of its `compensation` where that is kept.
+   pure subroutine fluid_face_mobility(fluid, dx, p, h, e, rho, compensation)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       real(wp), intent(out), contiguous :: e(:), rho(0:)
-      real(wp), intent(in), contiguous, optional :: rest(0:)
+      real(wp), intent(in), contiguous, optional :: compensation(0:)
       real(wp) :: ln_mu(0:block_size)
       real(wp), dimension(block_size) :: mean_ln_mu, drive, inverse_film, exponent, shape_factor, &
          unused
@@ -44,7 +44,7 @@ contains
          call mean_fluidity(ln_mu(:m), exponent(:m), shape_factor(:m), unused(:m))
          if (thins(fluid)) then
             mean_ln_mu(:m) = 0.5_wp*(ln_mu(0:m - 1) + ln_mu(1:m))
-            call drive_at_faces(dx, p, h, first, drive(:m), inverse_film(:m), rest)
+            call drive_at_faces(dx, p, h, first, drive(:m), inverse_film(:m), compensation)
             call evaluate_slip(fluid, drive(:m), inverse_film(:m), mean_ln_mu(:m), slip)
             exponent(:m) = min(exponent(:m) + slip%growth(:m), largest_exponent)
             shape_factor(:m) = shape_factor(:m)*slip%factor(:m)
@@ -56,13 +56,13 @@ contains
 
    !> The same with all derivatives; `rho_p` (0:n) = d rho/dP.
    ! allow(too-many-arguments)  the last is optional
-   pure subroutine fluid_face_slopes(fluid, dx, p, h, slopes, rho, rho_p, rest)
+   pure subroutine fluid_face_slopes(fluid, dx, p, h, slopes, rho, rho_p, compensation)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       type(face_slopes_t), intent(inout) :: slopes
       real(wp), intent(out), contiguous :: rho(0:), rho_p(0:)
-      real(wp), intent(in), contiguous, optional :: rest(0:)
+      real(wp), intent(in), contiguous, optional :: compensation(0:)
       real(wp), dimension(0:block_size) :: ln_mu, mu_p
       real(wp), dimension(block_size) :: mean_ln_mu, drive, inverse_film, exponent, shape_factor, &
          slant, by_slope
@@ -77,7 +77,7 @@ contains
          call mean_fluidity(ln_mu(:m), exponent(:m), shape_factor(:m), slant(:m))
          if (thins(fluid)) then
             mean_ln_mu(:m) = 0.5_wp*(ln_mu(0:m - 1) + ln_mu(1:m))
-            call drive_at_faces(dx, p, h, first, drive(:m), inverse_film(:m), rest)
+            call drive_at_faces(dx, p, h, first, drive(:m), inverse_film(:m), compensation)
             call evaluate_slip_slopes(fluid, drive(:m), inverse_film(:m), mean_ln_mu(:m), slip)
             exponent(:m) = min(exponent(:m) + slip%growth(:m), largest_exponent)
             shape_factor(:m) = shape_factor(:m)*slip%factor(:m)
@@ -127,12 +127,12 @@ contains
    end subroutine mean_fluidity
 
    !> H dP/dX and 1/H at the faces from `first` on.
-   pure subroutine drive_at_faces(dx, p, h, first, drive, inverse_film, rest)
+   pure subroutine drive_at_faces(dx, p, h, first, drive, inverse_film, compensation)
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       integer, intent(in) :: first
       real(wp), intent(out), contiguous :: drive(:), inverse_film(:)
-      real(wp), intent(in), contiguous, optional :: rest(0:)
+      real(wp), intent(in), contiguous, optional :: compensation(0:)
       real(wp) :: film
       integer :: i
 
@@ -141,10 +141,10 @@ contains
          inverse_film(i - first + 1) = 1.0_wp/film
          drive(i - first + 1) = film*(p(i) - p(i - 1))/dx
       end do
-      if (present(rest)) then
+      if (present(compensation)) then
          do i = first, first + size(drive) - 1
             drive(i - first + 1) = drive(i - first + 1) &
-               + (rest(i) - rest(i - 1))/(dx*inverse_film(i - first + 1))
+               + (compensation(i) - compensation(i - 1))/(dx*inverse_film(i - first + 1))
          end do
       end if
    end subroutine drive_at_faces

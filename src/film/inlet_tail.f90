@@ -30,7 +30,7 @@ module inlet_tail
    !> Of the root for S: ln S that is looked for at most, steps, and the error of ln S before the
    !> last one.
    real(wp), parameter :: largest_ln_slip = 100.0_wp, slip_tolerance = 1.0e-4_wp
-   integer, parameter :: most_steps = 60
+   integer, parameter :: max_steps = 60
 
 contains
 
@@ -120,7 +120,7 @@ contains
       bounds = [ln_gain - largest_ln_slip, ln_gain]
       y = ln_gain
       if (drive > 0.0_wp) y = log(drive)
-      do i = 1, most_steps
+      do i = 1, max_steps
          if (y <= bounds(1) .or. y >= bounds(2)) y = 0.5_wp*(bounds(1) + bounds(2))
          drive = exp(y)
          call ln_slip_with_slope(fluid, drive, h, ln_mu, ln_s, by_drive)

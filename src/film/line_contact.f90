@@ -16,7 +16,7 @@ module line_contact
 
    !> Intervals in the finest wave (feature, sinusoid, profile) below which companions on n/4 may
    !> not see it.
-   integer, parameter, public :: fewest_in_wave = 16
+   integer, parameter, public :: min_in_wave = 16
    !> A surface slower than this dX/dT counts as at rest, one without waves has waves of this length
    !> [b].
    real(wp), parameter :: slow = 1.0e-6_wp, longest = 1.0e9_wp
@@ -47,7 +47,7 @@ contains
       real(wp) :: wave
 
       wave = min(finest_wave(contact%surface_1), finest_wave(contact%surface_2))
-      intervals = ceiling(min(fewest_in_wave*(contact%domain%x_outlet - contact%domain%x_inlet) &
+      intervals = ceiling(min(min_in_wave*(contact%domain%x_outlet - contact%domain%x_inlet) &
          /max(wave, 1.0e-9_wp), 1.0e9_wp))
    end function intervals_for_waves
 

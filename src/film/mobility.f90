@@ -17,14 +17,14 @@ module mobility
 contains
 
    !> Mobility `e` and density `rho` at all nodes; p >= 0, h > 0 (0:n). The slope inside S is the
-   !> central difference of p, and of its `rest` where that is kept, 0 at both ends; S follows its
-   !> formula at every node, also where P = 0.
-   pure subroutine fluid_mobility(fluid, dx, p, h, e, rho, rest)
+   !> central difference of p, and of its `compensation` where that is kept, 0 at both ends; S
+   !> follows its formula at every node, also where P = 0.
+   pure subroutine fluid_mobility(fluid, dx, p, h, e, rho, compensation)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       real(wp), intent(out), contiguous :: e(0:), rho(0:)
-      real(wp), intent(in), contiguous, optional :: rest(0:)
+      real(wp), intent(in), contiguous, optional :: compensation(0:)
       real(wp), dimension(block_size) :: ln_mu, drive, inverse_film
       type(slip_t) :: slip
       integer :: first, last, m
@@ -35,7 +35,7 @@ contains
          call fluid_ln_viscosity(fluid, p(first:last), ln_mu(:m))
          call fluid_density_value(fluid, p(first:last), rho(first:last))
          if (thins(fluid)) then
-            call drive_at_nodes(dx, p, h, first, drive(:m), inverse_film(:m), rest)
+            call drive_at_nodes(dx, p, h, first, drive(:m), inverse_film(:m), compensation)
             call evaluate_slip(fluid, drive(:m), inverse_film(:m), ln_mu(:m), slip)
          end if
          e(first:last) = rho(first:last)*h(first:last)**3*slip%factor(:m)*exp(min(slip%growth(:m) &
@@ -44,12 +44,12 @@ contains
    end subroutine fluid_mobility
 
    !> H dP/dX at the nodes from `first` on by central differences, 0 at both ends, and 1/H.
-   pure subroutine drive_at_nodes(dx, p, h, first, drive, inverse_film, rest)
+   pure subroutine drive_at_nodes(dx, p, h, first, drive, inverse_film, compensation)
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       integer, intent(in) :: first
       real(wp), intent(out), contiguous :: drive(:), inverse_film(:)
-      real(wp), intent(in), contiguous, optional :: rest(0:)
+      real(wp), intent(in), contiguous, optional :: compensation(0:)
       real(wp) :: factor
       integer :: i, n
 
@@ -58,9 +58,10 @@ contains
       do i = max(first, 1), min(first + size(drive) - 1, n - 1)
          drive(i - first + 1) = factor*h(i)*(p(i + 1) - p(i - 1))
       end do
-      if (present(rest)) then
+      if (present(compensation)) then
          do i = max(first, 1), min(first + size(drive) - 1, n - 1)
-            drive(i - first + 1) = drive(i - first + 1) + factor*h(i)*(rest(i + 1) - rest(i - 1))
+            drive(i - first + 1) = drive(i - first + 1) + factor*h(i)*(compensation(i + 1) &
+               - compensation(i - 1))
          end do
       end if
       if (first == 0) drive(1) = 0.0_wp
@@ -68,14 +69,14 @@ contains
       inverse_film = 1.0_wp/h(first:first + size(drive) - 1)
    end subroutine drive_at_nodes
 
-   !> Mobility, density and derivatives for the Jacobian; p >= 0, h > 0, and the rest of p where it
-   !> is kept (0:n).
-   pure subroutine fluid_mobility_slopes(fluid, dx, p, h, slopes, rest)
+   !> Mobility, density and derivatives for the Jacobian; p >= 0, h > 0, and the compensation of p
+   !> where it is kept (0:n).
+   pure subroutine fluid_mobility_slopes(fluid, dx, p, h, slopes, compensation)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       type(mobility_slopes_t), intent(inout) :: slopes
-      real(wp), intent(in), contiguous, optional :: rest(0:)
+      real(wp), intent(in), contiguous, optional :: compensation(0:)
       real(wp), dimension(block_size) :: ln_mu, mu_p, drive, inverse_film
       type(slip_t) :: slip
       integer :: first, last, m, n
@@ -87,7 +88,7 @@ contains
          call fluid_viscosity(fluid, p(first:last), ln_mu(:m), mu_p(:m))
          call fluid_density(fluid, p(first:last), slopes%rho(first:last), slopes%rho_p(first:last))
          if (thins(fluid)) then
-            call drive_at_nodes(dx, p, h, first, drive(:m), inverse_film(:m), rest)
+            call drive_at_nodes(dx, p, h, first, drive(:m), inverse_film(:m), compensation)
             call evaluate_slip_slopes(fluid, drive(:m), inverse_film(:m), ln_mu(:m), slip)
          end if
          associate (e => slopes%e(first:last), rho => slopes%rho(first:last), film => h(first:last))

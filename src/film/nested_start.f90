@@ -26,15 +26,13 @@ module nested_start
    !> Accuracy and steps of the exact solutions below the coarsest grid of the cycles.
    real(wp), parameter :: nested_tolerance = 1.0e-2_wp
    integer, parameter :: nested_steps = 60
-   !> Accuracy of a level that finer ones are compared with: over 888 levels of 246 contacts h_min
-   !> was within 1.4e-4 of the grid's own value, in 99 % within 5e-5 (with 1e-2: 0.8 and 0.2), for
-   !> 0.7 Newton steps more.
+   !> Accuracy of a level that finer ones are compared with (docs/decisions.md).
    real(wp), parameter, public :: companion_tolerance = 1.0e-3_wp
    !> First grids that are tried.
-   integer, parameter, public :: most_firsts = 4
+   integer, parameter, public :: max_firsts = 4
    !> Bound on Sigma in the start of a level, and smoothings at most to reach it.
    real(wp), parameter :: largest_sigma = 10.0_wp
-   integer, parameter :: most_smoothings = 30
+   integer, parameter :: max_smoothings = 30
    !> Above this film [b^2/R] the pressure is far from Hertz's and the start is a wide bump.
    real(wp), parameter :: thick_film = 0.5_wp
 
@@ -52,7 +50,7 @@ contains
       integer :: finest, first, k, sound
 
       sound = first_with_film(hierarchy, contact)
-      do first = sound, min(sound + most_firsts - 1, hierarchy%coarsest)
+      do first = sound, min(sound + max_firsts - 1, hierarchy%coarsest)
          call nested_solutions(hierarchy, contact, first, is_sound, watcher)
          if (is_sound) exit
          if (is_stopped(watcher)) return
@@ -193,7 +191,7 @@ contains
          level%has_tail = contact%domain%inlet == 'tail'
          if (level%has_tail) level%rhs_load = hierarchy%levels(k - 1)%rhs_load &
             - 0.5_wp*level%dx*level%state%pressure(0)
-         do pass = 0, most_smoothings
+         do pass = 0, max_smoothings
             call take_film(level)
             if (.not. thins(contact%fluid)) exit
             if (wall_stress(contact%fluid, &

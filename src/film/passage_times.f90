@@ -32,7 +32,7 @@ module passage_times
    !> Several waves repeat themselves where each is this part of its period from where it was, at
    !> most; looked for up to so many periods of the slowest.
    real(wp), parameter :: same_phase = 0.05_wp
-   integer, parameter :: most_periods = 1000
+   integer, parameter :: max_periods = 1000
    !> Times are equal to this share of the end.
    real(wp), parameter :: rounding = 1.0e-9_wp
 
@@ -207,7 +207,7 @@ contains
 
       period = 0.0_wp
       if (size(periods) == 0) return
-      do i = 1, most_periods
+      do i = 1, max_periods
          period = i*maxval(periods)
          if (all(abs(period/periods - anint(period/periods)) <= same_phase)) return
       end do

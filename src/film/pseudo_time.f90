@@ -27,7 +27,7 @@ module pseudo_time
    real(wp), parameter :: growth = 1.5_wp, shrinkage = 0.25_wp
    integer, parameter :: few_newton_steps = 3
    !> Steps tried in all; accuracy and Newton steps of each.
-   integer, parameter :: most_steps = 120, most_newton_steps = 15
+   integer, parameter :: max_steps = 120, max_newton_steps = 15
    real(wp), parameter :: step_tolerance = 1.0e-3_wp
 
 contains
@@ -50,12 +50,12 @@ contains
          allocate (right_side, source=level%rhs_reynolds)
          time_step = first_step*level%dx
          is_settled = .false.
-         do step = 1, most_steps
+         do step = 1, max_steps
             if (is_stopped(watcher)) exit
             before = level%state
             call pose_step(contact, level, right_side, time_step)
             call solve_newton(hierarchy%newton, contact, level, step_tolerance, &
-               most_newton_steps, watcher)
+               max_newton_steps, watcher)
             call count_work(hierarchy, k, hierarchy%newton%steps)
             if (hierarchy%newton%is_converged) then
                is_settled = time_step >= last_step

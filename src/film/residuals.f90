@@ -55,8 +55,8 @@ contains
    end subroutine measure_residual
 
    !> What rounding leaves of |r|/lambda: 4e-16 ( max(e P)/(lambda dX^2) + max(H)/dT ), that of P
-   !> and H in their differences; where the rest of P is kept, 1e-15 ( max(H) + max|K P|/pi )/dX,
-   !> that of the flow: of e, of H and of what H is a sum of.
+   !> and H in their differences; where the compensation of P is kept, 1e-15 ( max(H) + max|K P|/pi
+   !> )/dX, that of the flow: of e, of H and of what H is a sum of.
    pure function round_off(lambda, level) result(floor)
       real(wp), intent(in) :: lambda
       type(line_level_t), intent(in) :: level

@@ -65,7 +65,7 @@ contains
    !> slope of ln mu from interval to interval.
    !>
    !> Where oil is as good as solid, rH is the same at all faces. The third order would let it be so
-   !> with a rest of H that changes its sign from node to node and falls upstream by 2.7 a node, of
+   !> with a part of H that changes its sign from node to node and falls upstream by 2.7 a node, of
    !> any size: a zigzag of the pressure in front of the spike, and several solutions. (What the
    !> flow upstream alone leaves falls downstream, by 3 a node.) 1 - theta is of fourth order in dX.
    pure elemental function third_order_share(curvature) result(share)
@@ -121,7 +121,7 @@ contains
          end if
       end associate
       if (level%is_kappa) call add_third_order(contact, level)
-      if (allocated(level%state%compensation)) call add_flow_of_rest(level)
+      if (allocated(level%state%compensation)) call add_flow_of_compensation(level)
    end subroutine apply_reynolds
 
    !> Adds what the kappa scheme has more of the flow rH at the faces (in the work space of the
@@ -145,21 +145,21 @@ contains
       end associate
    end subroutine add_third_order
 
-   !> Adds what the slopes of the rest of P bring to L_R. (P(i) - P(i-1) is exact, being the
+   !> Adds what the slopes of the compensation of P bring to L_R. (P(i) - P(i-1) is exact, being the
    !> difference of neighbours.)
-   pure subroutine add_flow_of_rest(level)
+   pure subroutine add_flow_of_compensation(level)
       type(line_level_t), intent(inout) :: level
       real(wp) :: diffusion
       integer :: i
 
       diffusion = 1.0_wp/level%dx**2
-      associate (rest => level%state%compensation, e => level%face_mobility, flow => level%operator)
+      associate (c => level%state%compensation, e => level%face_mobility, flow => level%operator)
          do concurrent (i=1:level%n - 1)
-            flow(i) = flow(i) + diffusion*(e(i + 1)*(rest(i + 1) - rest(i)) &
-               - e(i)*(rest(i) - rest(i - 1)))
+            flow(i) = flow(i) + diffusion*(e(i + 1)*(c(i + 1) - c(i)) &
+               - e(i)*(c(i) - c(i - 1)))
          end do
       end associate
-   end subroutine add_flow_of_rest
+   end subroutine add_flow_of_compensation
 
    !> For the smoothers, thesis's scheme only: diagonals at nodes 1..n-1 with frozen coefficients,
    !> b = dL_R/dH of (2.71), and the elastic diagonal a - b K_0/pi, the change of L_R with P(i)

@@ -13,7 +13,7 @@ module smoothers
 
    !> The exit moves by the smoother, and holds the largest residual of a time step: Gauss-Seidel
    !> passes over the nodes round it after each sweep, upstream and downstream of the last node with
-   !> P > 0. Measured on Case 3, 1024 intervals: 3.5 instead of 3.7 cycles a step.
+   !> P > 0.
    integer, parameter :: exit_passes = 4, exit_upstream = 16, exit_downstream = 4
 
    !> A line sweep changes a pressure by at most this share of max(1, P).

@@ -112,9 +112,8 @@ contains
    end function newton_starts
 
    !> Films of the first start over the Moes film, the better one first: a thin film of constant
-   !> viscosity starts from twice the fit (from the fit itself 8 of 1100 Newtonian contacts with
-   !> M > 200, L < 2 fail, from twice the fit none), shear thinning with a steep rise of viscosity
-   !> from the fit (10 of 360 at 1 MPa fail, from twice the fit 12).
+   !> viscosity starts from twice the fit, shear thinning with a steep rise of viscosity from the
+   !> fit (docs/decisions.md).
    pure function start_films(contact) result(films)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: films(2)

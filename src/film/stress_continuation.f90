@@ -21,7 +21,7 @@ module stress_continuation
    real(wp), parameter :: first_ratio = 1.5_wp, smallest_ratio = 1.01_wp
    !> Accuracy and Newton steps of each solution.
    real(wp), parameter :: step_tolerance = 1.0e-3_wp
-   integer, parameter :: most_newton_steps = 20
+   integer, parameter :: max_newton_steps = 20
 
 contains
 
@@ -55,7 +55,7 @@ contains
          do
             before = level%state
             call solve_newton(hierarchy%newton, eased_contact(contact, wanted), level, &
-               step_tolerance, most_newton_steps, watcher)
+               step_tolerance, max_newton_steps, watcher)
             call count_work(hierarchy, k, hierarchy%newton%steps)
             is_sound = hierarchy%newton%is_converged
             if (is_sound) then

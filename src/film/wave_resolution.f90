@@ -2,14 +2,8 @@
 !> dents, sinusoids, profiles.
 !>
 !> A wave that falls between the nodes, or passes within a step, is not there at all, and companions
-!> on coarser grids do not show what is missing. Of 110 contacts with narrow waves at rest (0.015 to
-!> 0.6 half-widths) h_min was within 1 % in 83 % with 16 to 24 nodes in the wave, 88 % with 24 to
-!> 32, 96 % with 32 to 48; of 40 passages on 32 to 64 nodes in 92 % with 8 steps in which the wave
-!> passes a place, 97 % with 16. Estimates of h_min from n/2 and n/4 intervals held in 81 to 83 %
-!> with 8 to 16 nodes in a wave at rest, in 94 to 98 % with more; in passages in 89 % with 4 to 8
-!> nodes, in 95 to 98 % with more, and on fine grids, with steps longer than dX, in 68 to 90 % with
-!> 1 to 8 steps, 97 % with 16; those of h_central in 36 to 72 % and 92 %, and for two dents in 16
-!> and 23 steps they were up to twice too small (theory page, section on domain and grid).
+!> on coarser grids do not show what is missing
+!> (theory page, section on domain and grid; docs/decisions.md).
 module wave_resolution
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t, shortest_passage
@@ -27,11 +21,11 @@ module wave_resolution
    !> only where they are longer than dX.
    real(wp), parameter :: seen_nodes(2) = [16.0_wp, 8.0_wp], seen_steps = 32.0_wp
    !> A feature or sinusoid with fewer nodes, or steps in its passage, is refused.
-   real(wp), parameter, public :: fewest_in_a_wave = 2.0_wp
+   real(wp), parameter, public :: min_in_a_wave = 2.0_wp
    !> Steps up to so many spacings are no longer than dX, but for rounding.
    real(wp), parameter :: long_step = 1.001_wp
    !> More steps than these are as good as any.
-   real(wp), parameter :: most_steps = 1.0e6_wp
+   real(wp), parameter :: max_steps = 1.0e6_wp
    !> Grids have these times a power of two of intervals.
    integer, parameter :: families(4) = [4, 5, 6, 7]
 
@@ -55,7 +49,7 @@ contains
       real(wp) :: steps
 
       steps = huge(1.0_wp)
-      if (.not. time%is_transient .or. shortest_passage(contact) >= most_steps &
+      if (.not. time%is_transient .or. shortest_passage(contact) >= max_steps &
          *time%time_step) return
       if (time%time_step > 0.0_wp) steps = shortest_passage(contact)/time%time_step
    end function steps_in_wave

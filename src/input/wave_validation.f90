@@ -14,7 +14,7 @@ module wave_validation
    use solver_settings, only: time_settings_t
    use step_choice, only: choose_time_step
    use text, only: to_text
-   use wave_resolution, only: fewest_in_a_wave, intervals_at_least
+   use wave_resolution, only: min_in_a_wave, intervals_at_least
    implicit none (type, external)
    private
 
@@ -59,21 +59,21 @@ contains
       wave = minval(surface%features%wavelength)
       dx = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
       nodes = wave/dx
-      if (nodes >= fewest_in_a_wave) return
+      if (nodes >= min_in_a_wave) return
       if (values%has_value('domain', 'intervals')) then
          call findings%add(values%line_of('domain', 'intervals'), 'domain', 'intervals', &
             'found '// &
             to_text(contact%domain%intervals)//', a grid with '//to_text(nodes, 2) &
                //' nodes in the wavelength '// &
             to_text(wave*half_width, 3)//' m of &'//group//', expected at least '// &
-            to_text(intervals_at_least(fewest_in_a_wave*contact%domain%intervals/nodes)) &
+            to_text(intervals_at_least(min_in_a_wave*contact%domain%intervals/nodes)) &
                //', two nodes in a wave')
       else
          call findings%add(values%line_of(group, 'wavelength'), group, 'wavelength', &
             'found '//to_text(wave*half_width, 3)// &
             ' m, '//to_text(nodes, 2)//' nodes of the finest grid that the program chooses, '// &
                'expected at least '// &
-            to_text(fewest_in_a_wave*dx*half_width, 3)//' m, or intervals in &domain')
+            to_text(min_in_a_wave*dx*half_width, 3)//' m, or intervals in &domain')
       end if
    end subroutine check_surface_waves
 
@@ -89,12 +89,12 @@ contains
       if (size(surface%features) == 0 .or. .not. values%has_value('time', 'time_step')) return
       wave = minval(surface%features%wavelength)
       way = abs(surface%speed)*time_step
-      if (wave >= fewest_in_a_wave*way) return
+      if (wave >= min_in_a_wave*way) return
       call findings%add(values%line_of('time', 'time_step'), 'time', 'time_step', &
          'found '//to_text(time_step, 3)// &
          ', in which &'//group//' moves by '//to_text(way/wave, 2) &
             //' of its wavelength, expected at most '// &
-         to_text(wave/(fewest_in_a_wave*abs(surface%speed)), 3)//' [-], half of it')
+         to_text(wave/(min_in_a_wave*abs(surface%speed)), 3)//' [-], half of it')
    end subroutine check_passages
 
 end module wave_validation
