@@ -1,7 +1,7 @@
 """Passages for a wanted accuracy: grid, time step and scheme in space chosen by pilot runs, and the error bars that they foretell.
 
 Passages of features, waves and roughness that begin in front of the contact, those of family_pressure.py. The truth has the same
-domain, 1536 or 2048 intervals and dT = dX, so that `error_grid` is judged; whether the target was met is judged beside it.
+domain, 1536 or 2048 intervals and dT = dX, so that `error_grid` is judged. Whether the target was met is not.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def passages(source: random.Random, count: int) -> list[tuple[Whole, float]]:
     return found
 
 
-def members(source: random.Random, count: int, judges_target: bool) -> list[Member]:
+def members(source: random.Random, count: int) -> list[Member]:
     """Each beside its truth on eight times the intervals of the family's unit."""
     found = []
     for i, (case, target) in enumerate(passages(source, count)):
@@ -37,13 +37,8 @@ def members(source: random.Random, count: int, judges_target: bool) -> list[Memb
         free = {"time_step": None, "scheme": "bdf2", "transient": True, "end_time": case.end_time}
         text = case.namelist(1, domain=case.domain | {"intervals": None}, time=free, accuracy=accuracy)
         truth = case.namelist(8, accuracy=NO_BARS)
-        found.append(Member(f"{i:03d}_{target}_{case.kind}", text, truth, target=target if judges_target else 0.0))
+        found.append(Member(f"{i:03d}_{target}_{case.kind}", text, truth))
     return found
 
 
-def bars(source: random.Random, count: int) -> list[Member]:
-    """Error bars."""
-    return members(source, count, judges_target=False)
-
-
-FAMILIES = [Family("target_in_time", "A target in time: error bars", FIGURES, bars, count=24, estimate="error_grid")]
+FAMILIES = [Family("target_in_time", "A target in time: error bars", FIGURES, members, count=24, estimate="error_grid")]
