@@ -1,12 +1,11 @@
-!> What the figures of a transient on n, n/2 and n/4 intervals, with one, two and four time steps,
-!> tell of its error.
+!> What the quantities of a transient on n, n/2 and n/4 intervals, with one, two and four time
+!> steps, tell of its error.
 !>
-!> Figures are extremes over the passage, and the errors of grid and time step fall at rates of
-!> their own, often with opposite signs: the order that three values show is mostly chance, and
-!> estimates by it were two to three times wider than needed. A scheme of first order has two errors
-!> of different orders, so that its changes tell even less: its result is compared with that of the
-!> second-order scheme on the same grid, and with the limit of that. What is here holds over 1080
-!> passages (theory page, section on error estimates).
+!> Quantities are extremes over the passage, and the errors of grid and time step fall at rates of
+!> their own, often with opposite signs: the order that three values show is mostly chance. A scheme
+!> of first order has two errors of different orders, so that its changes tell even less: its result
+!> is compared with that of the second-order scheme on the same grid, and with the limit of that
+!> (theory page, section on error estimates).
 module transient_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -22,8 +21,7 @@ module transient_errors
    !> Estimates for the largest pressure are wider by this factor.
    real(wp), parameter, public :: pressure_safety_in_time = 1.5_wp
    !> The share of its own estimate by which the limit of the second-order scheme may be off, where
-   !> a result of first order is compared with it (1080 passages: 1/2 is too little, 1 more than is
-   !> needed).
+   !> a result of first order is compared with it.
    real(wp), parameter :: limit_share = 0.8_wp
 
 contains
@@ -55,8 +53,7 @@ contains
    end function error_by_reference
 
    !> The limit on ever finer grids and time steps, by Richardson's extrapolation of second order,
-   !> from Q1, Q2, Q4. (Over 480 passages with BDF2 its error was a quarter to two fifths of that of
-   !> Q1 in the median, 83 % of the smallest films got better, with the observed order 70 %.)
+   !> from Q1, Q2, Q4.
    pure function limit_in_time(values) result(limit)
       real(wp), intent(in) :: values(3)
       real(wp) :: limit
