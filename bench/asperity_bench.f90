@@ -13,6 +13,7 @@ program asperity_bench
    use errors, only: error_t
    use kinds, only: wp
    use line_summary, only: line_summary_t
+   use quantities, only: h_central, h_min, h_min_node, p_max, x_cavitation
    use text_file, only: read_text_file
    implicit none (type, external)
 
@@ -68,10 +69,9 @@ contains
             report%load_error, report%tolerance_effective, first%residual, report%fft_pairs, &
                report%work_units, outcome%runs
          write (output_unit, '(9(",",es11.4),4(",",es24.16e3),2(",",es12.4e3))', advance='no') &
-            outcome%least, outcome%median, outcome%processor, first%summary%h_min%value, &
-               first%summary%h_central%value, &
-            first%summary%p_max%value, first%summary%x_cavitation%value, outcome%difference, &
-               outcome%product_seconds
+            outcome%least, outcome%median, outcome%processor, &
+            first%summary%of([h_min, h_central, p_max, x_cavitation])%value, outcome%difference, &
+            outcome%product_seconds
          call print_errors(first%summary)
          write (output_unit, '(3a)') ',"', flat(report%reason), '"'
       end associate
@@ -81,14 +81,9 @@ contains
    subroutine print_errors(summary)
       type(line_summary_t), intent(in) :: summary
 
-      associate (h => summary%h_min, node => summary%h_min_node, c => summary%h_central, &
-         p => summary%p_max, &
-                 x => summary%x_cavitation)
-         write (output_unit, '(11(",",es24.16e3))', advance='no') node%value, h%error_estimate, &
-            node%error_estimate, &
-            c%error_estimate, p%error_estimate, x%error_estimate, h%error_grid, node%error_grid, &
-               c%error_grid, p%error_grid, &
-            x%error_grid
+      associate (found => summary%of([h_min, h_min_node, h_central, p_max, x_cavitation]))
+         write (output_unit, '(11(",",es24.16e3))', advance='no') summary%of(h_min_node)%value, &
+            found%error_estimate, found%error_grid
       end associate
    end subroutine print_errors
 

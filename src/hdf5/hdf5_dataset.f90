@@ -142,13 +142,14 @@ contains
       if (size(extents) == 0) then
          call h5screate_f(h5s_scalar_f, space, status)
       else
-         call h5screate_simple_f(size(extents), int(extents, hsize_t), space, status)
+         ! gfortran 12: `shape` of an assumed-rank array may give -1 where an extent is 0.
+         call h5screate_simple_f(size(extents), int(max(extents, 0), hsize_t), space, status)
       end if
       call file%check(status, path)
       call new_properties(file, path, properties)
       call create_labelled(file, path, type_id, space, properties, label, dataset)
       if (allocated(file%failure)) return
-      if (product(extents) > 0) call h5dwrite_f(dataset, type_id, values, status)
+      if (all(extents > 0)) call h5dwrite_f(dataset, type_id, values, status)
       call file%check(status, path)
       call h5dclose_f(dataset, status)
       call file%check(status, path)
