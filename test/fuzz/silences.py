@@ -10,7 +10,7 @@ from cases import STEADY, TRANSIENT
 from silence import listen, longest_silence
 from test_silence import AREA, HEIGHTS, write_heights
 
-TITLE = "silence of long runs: dense systems, areas, targets, reading, writing, companions"
+TITLE = "silence of long runs: dense systems, areas, targets, reading, writing, coarse runs"
 CASES = 30
 # The quick form is test_silence.py.
 QUICK = 0
@@ -49,7 +49,7 @@ def heights(source: random.Random, folder: Path) -> str:
 
 
 def fields(source: random.Random, _: Path) -> str:
-    """A passage with its fields; companions and packing take as long as the steps."""
+    """A passage with its fields; coarse runs and packing take as long as the steps."""
     steps, intervals = source.choice([(2000, 4096), (500, 16384), (250, 65536)])
     return TRANSIENT.replace("256", str(intervals)).replace("time_step = 0.05", f"time_step = {1 / steps}")
 
