@@ -111,6 +111,6 @@ def inside(source: random.Random, count: int) -> list[Member]:
 FAMILIES = [
     Family("strides", "Passages of which little is stored", FIGURES, strides),
     Family("periodic", "Waves that fill the contact at the start", FIGURES, waves),
-    Family("placed", "Features without a place", FIGURES, without_position),
+    Family("placed", "Features without a place", FIGURES, without_position, truth_goes_on=True),
     Family("inside", "Features that begin inside the contact", FIGURES, inside),
 ]
