@@ -1,7 +1,7 @@
 !> A dry case on its given grid, or on finer and finer grids until the contact area has the wanted
 !> accuracy.
 module dry_target
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_memory, only: dry_memory
    use dry_case, only: dry_case_t
    use dry_checks, only: add_note
@@ -14,6 +14,7 @@ module dry_target
    use iteration_report, only: phase_error_bars, phase_steady
    use kinds, only: wp
    use life_sign, only: begin_activity
+   use missing_value, only: not_known
    use system_limits, only: memory_fault, memory_t, thread_memory
    use text, only: to_text
    use wall_clock, only: wall_seconds
@@ -48,7 +49,7 @@ contains
       if (is_refinable(dry)) most = most_nodes(dry)
       spent = 0.0_wp
       do
-         rung = dry_rung_t([dry%grid%nx, dry%grid%ny], ieee_value(1.0_wp, ieee_quiet_nan))
+         rung = dry_rung_t([dry%grid%nx, dry%grid%ny], not_known())
          call solve_grid(dry, outcome, errors, error)
          if (allocated(error)) then
             ! On a coarse grid there may be no contact at that separation.

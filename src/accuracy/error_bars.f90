@@ -10,10 +10,11 @@ module error_bars
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_summary, only: line_summary_t, new_quantity, quantity_t
+   use missing_value, only: not_known
    use pressure_errors, only: allow_for_spike, estimate_crest, estimate_crest_in_time, &
       pressure_safety, top_of
    use pressure_spike, only: spike_law_t
-   use quantities, only: h_central, h_min, not_known, p_max, quantity_count, quantity_rows, &
+   use quantities, only: h_central, h_min, p_max, quantity_count, quantity_rows, &
       rule_between, rule_crest, rule_node
    use solver_settings, only: time_settings_t
    use split_errors, only: apply_forecast, forecast_t

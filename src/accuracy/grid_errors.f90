@@ -6,7 +6,7 @@
 module grid_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
-   use quantities, only: not_known
+   use missing_value, only: not_known
    implicit none (type, external)
    private
 

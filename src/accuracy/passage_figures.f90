@@ -1,9 +1,9 @@
 !> The quantities of a passage, gathered step by step: extremes over the times that count, and how
 !> far it is from periodic.
 module passage_figures
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use kinds, only: wp
    use line_summary, only: keep_extremes, line_summary_t, quantity_t
+   use missing_value, only: not_known
    use passage_times, only: passage_times_t
    use quantities, only: quantity_count
    implicit none (type, external)
@@ -72,7 +72,7 @@ contains
          type(quantity_t), intent(in) :: earlier
 
          if (.not. self%times%is_settled()) then
-            quantity%error_start = ieee_value(1.0_wp, ieee_quiet_nan)
+            quantity%error_start = not_known()
          else if (self%has_earlier .and. self%has_counted) then
             quantity%error_start = abs(quantity%value - earlier%value)
          end if

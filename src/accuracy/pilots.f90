@@ -5,7 +5,8 @@ module pilots
    use kinds, only: wp
    use line_contact, only: min_in_wave, intervals_for_waves, line_contact_t, shortest_passage
    use line_hierarchy, only: coarsest_for_film
-   use quantities, only: h_min, not_known, quantity_count
+   use missing_value, only: not_known
+   use quantities, only: h_min, quantity_count
    use solver_settings, only: time_settings_t
    use split_errors, only: doubts_at, error_at, forecast_t, new_split_error, shift_at, split_error_t
    implicit none (type, external)

@@ -4,8 +4,9 @@ module pressure_errors
    use grid_errors, only: error_from_levels, observed_order, orders, safety
    use kinds, only: wp
    use line_summary, only: crests_t, line_summary_t, quantity_t
+   use missing_value, only: not_known
    use pressure_spike, only: ceiling_of_spike, spike_law_t
-   use quantities, only: h_central, not_known, p_max
+   use quantities, only: h_central, p_max
    use transient_errors, only: error_by_reference, error_in_time, limit_in_time, &
       pressure_safety_in_time
    implicit none (type, external)

@@ -24,10 +24,11 @@
 !> or there is none. The numbers come from 90 contacts (M_sum 0.1 to 2000, L_sum 0.5 to 35, all
 !> laws) on 64 to 262144 intervals.
 module pressure_spike
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
    use line_summary, only: crests_t
    use lubricant, only: fluid_density, fluid_ln_viscosity, fluid_t
+   use missing_value, only: not_known
    use rheology, only: ln_slip, thins, wall_stress
    implicit none (type, external)
    private
@@ -172,12 +173,5 @@ contains
       end do
       length = exp(lower)
    end function thinned_length
-
-   !> A quiet NaN.
-   pure function not_known() result(value)
-      real(wp) :: value
-
-      value = ieee_value(0.0_wp, ieee_quiet_nan)
-   end function not_known
 
 end module pressure_spike

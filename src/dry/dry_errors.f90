@@ -7,7 +7,6 @@
 !> difference may vanish by chance; the root mean square of those of several grids hardly does.
 !> Areas count nodes: to their error comes a share of the nodes at the edges.
 module dry_errors
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use dry_problem, only: dry_grid_t, kernel_open
    use dry_scaling, only: dry_scaling_t
    use dry_settings, only: dry_loads_t, dry_settings_t, method_conjugate_gradient
@@ -15,6 +14,7 @@ module dry_errors
    use errors, only: error_t, input_error
    use fourier_resampling, only: resample_heights
    use kinds, only: wp
+   use missing_value, only: not_known
    use open_resampling, only: interpolate_heights
    implicit none (type, external)
    private
@@ -110,8 +110,7 @@ contains
       do i = 1, size(rows)
          squares(:, i) = safety*sqrt(squares(:, i)/max(count(i), 1)) &
             + rows(i)%kkt*abs(figures_of(rows(i)))
-         if (count(i) < fewest_grids .or. .not. rows(i)%is_converged) squares(:, &
-            i) = ieee_value(1.0_wp, ieee_quiet_nan)
+         if (count(i) < fewest_grids .or. .not. rows(i)%is_converged) squares(:, i) = not_known()
          call fill_errors(rows(i), squares(:, i), errors(i))
          call add_edges(sweep%grid, rows(i), errors(i))
          errors(i)%p_max = errors(i)%p_max + pressure_noise*sweep%grid%nx*rows(i)%kkt &

@@ -4,10 +4,11 @@
 !> Where a grid sees the waves of the surface the estimated error of the area falls like dx, or with
 !> the order that the last two grids show; the next grid is the one that is foretold to do.
 module dry_resolution
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use dry_sweep, only: dry_row_t
    use even_grids, only: even_nodes
    use kinds, only: wp
+   use missing_value, only: not_known
    implicit none (type, external)
    private
 
@@ -42,7 +43,7 @@ contains
          if (ieee_is_finite(errors(i)%contact_area_fraction)) then
             doubt = max(doubt, errors(i)%contact_area_fraction/rows(i)%contact_area_fraction)
          else
-            doubt = ieee_value(1.0_wp, ieee_quiet_nan)
+            doubt = not_known()
             return
          end if
       end do

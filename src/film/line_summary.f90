@@ -6,7 +6,8 @@ module line_summary
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
    use line_state, only: line_state_t
-   use quantities, only: not_known, quantity_count, quantity_rows, quantity_values, &
+   use missing_value, only: not_known
+   use quantities, only: quantity_count, quantity_rows, quantity_values, &
       rule_between, rule_crest, rule_value
    implicit none (type, external)
    private

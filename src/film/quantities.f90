@@ -5,13 +5,14 @@
 !> Dimensionless (H, P, X). Where a quantity cannot be known it is NaN, never a number that looks
 !> like an answer.
 module quantities
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
+   use missing_value, only: not_known
    implicit none (type, external)
    private
 
    public :: central_by_cubic, central_value, exit_between_nodes, exit_position, node_minimum, &
-      not_known, parabola_minimum, peak_value, quantity_values
+      parabola_minimum, peak_value, quantity_values
 
    !> Rows of the table.
    integer, parameter, public :: h_min = 1, h_min_node = 2, h_central = 3, p_max = 4, &
@@ -202,12 +203,5 @@ contains
       end if
       position = x(i) + min(ahead, 2.0_wp)*(x(i) - x(i - 1))
    end function exit_between_nodes
-
-   !> A quiet NaN.
-   pure function not_known() result(value)
-      real(wp) :: value
-
-      value = ieee_value(0.0_wp, ieee_quiet_nan)
-   end function not_known
 
 end module quantities

@@ -142,7 +142,7 @@ contains
       if (size(extents) == 0) then
          call h5screate_f(h5s_scalar_f, space, status)
       else
-         ! gfortran 12: `shape` of an assumed-rank array may give -1 where an extent is 0.
+         ! gfortran 12: where an expression like int(x, int64) is empty its `shape` here has a -1.
          call h5screate_simple_f(size(extents), int(max(extents, 0), hsize_t), space, status)
       end if
       call file%check(status, path)

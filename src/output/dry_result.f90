@@ -1,6 +1,6 @@
 !> The sections of a dry result: /scaling, /solution, /sweep and /summary, all in SI.
 module dry_result
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use analytic_heights, only: node_positions
    use dry_case, only: dry_case_t
@@ -10,6 +10,7 @@ module dry_result
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
+   use missing_value, only: not_known
    use roughness, only: bearing_ratio, height_density, power_spectrum, rms_curvature, rms_slope, &
       roughness_t
    implicit none (type, external)
@@ -158,7 +159,7 @@ contains
          real(wp) :: known(size(values))
          character(:), allocatable :: missing
 
-         known = ieee_value(0.0_wp, ieee_quiet_nan)
+         known = not_known()
          missing = 'no other grids are compared'
          if (size(estimates) > 0) then
             known = estimates

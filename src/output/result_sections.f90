@@ -1,6 +1,6 @@
 !> The closing sections of a result file: /scaling, /solution, /summary and /report.
 module result_sections
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use constants, only: pi
    use hdf5_attribute, only: write_attribute
@@ -10,6 +10,7 @@ module result_sections
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, quantity_t
+   use missing_value, only: not_known
    use moes, only: moes_m_sum_from_mean
    use passage_times, only: passage_times_t
    use quantities, only: quantity_count, quantity_row_t, quantity_rows
@@ -165,7 +166,7 @@ contains
             quantity%extrapolated, scale, quantity%error_estimate, missing)
          if (.not. is_transient .or. index(name, '_moes') > 0) return
          call write_value(path//'_time', 'time at which '//name//' was reached', quantity%time, &
-            quantity_label('', 's', scaling%time, scaling), ieee_value(0.0_wp, ieee_quiet_nan), &
+            quantity_label('', 's', scaling%time, scaling), not_known(), &
             'one of the time steps; from one to another of nearly equal extremes it jumps, '// &
             'which no grids foretell')
       end subroutine write_quantity
