@@ -100,7 +100,8 @@ which no program can know beforehand: these are the cases with the largest ratio
 Kinds of input that once ended with a wrong number and a small estimate, each a family of random members beside their truth
 (`bench/families.py`), on a seed that no rule was fitted on. `refused`: no number that looks like an answer; `noted`: the
 closing table says that the numbers are not to be relied on; `not known`: no estimate; of all others, how often the truth is
-within the estimate (asked: 95 %), and the estimate below ten times the true error (80 %).
+within the estimate (asked: 95 %), and the estimate below ten times the true error (80 %). The inputs and templates of the
+repository, `shipped_...`, are no sample: there every truth must be within.
 
 ```text
 {families}
