@@ -152,7 +152,7 @@ bench-program: build
 	@gfortran $(RELEASE) -J build/bench -I build/include $(BENCH) -L build/lib -lasperity \
 	   $$(pkg-config --libs-only-L hdf5) -lhdf5_fortran -lhdf5 $$(pkg-config --libs fftw3f fftw3 openblas) -o build/bin/asperity-bench
 
-docs: ## the pages of the programming interface, docs/api/index.html; a warning is an error
+docs: prepare ## the pages of the programming interface, docs/api/index.html; a warning is an error
 	@sh tools/build_docs.sh
 
 clean: ## remove everything that make has made

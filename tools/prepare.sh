@@ -1,5 +1,5 @@
 #!/bin/sh
-# Before fpm: tools that must be there, the right HDF5 for pkg-config, the git commit for the program.
+# Before fpm: tools that must be there, the right HDF5 for pkg-config, the interface of FFTW and the git commit for the program.
 set -eu
 
 for tool in fpm gfortran pkg-config; do
@@ -15,11 +15,14 @@ if folder=$(pkg-config --variable=pcfiledir hdf5-serial 2> /dev/null) && [ -n "$
   ln -sf "$folder/hdf5-serial.pc" .pc/hdf5.pc
 fi
 
+# FFTW's own Fortran interface; gfortran does not look for it in the folders of the system.
+mkdir -p build/info
+ln -sf "$(pkg-config --variable=includedir fftw3)/fftw3.f03" build/info/
+
 # The file is only touched when the commit changes; fpm does not watch included files, so its note of build_info goes too.
 commit=$(git describe --always --dirty --abbrev=12 --exclude '*' 2> /dev/null || echo unknown)
 line="commit = '$commit'"
 if [ "$(cat build/info/git_commit.inc 2> /dev/null)" != "$line" ]; then
-  mkdir -p build/info
   echo "$line" > build/info/git_commit.inc
   rm -f build/gfortran_*/*/src_base_build_info.f90.o.digest
 fi

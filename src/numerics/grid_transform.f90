@@ -26,7 +26,7 @@ contains
       type(c_ptr) :: plan
 
       allocate (spectrum(0:grid(1)/2, 0:grid(2) - 1), copy(size(z)))
-      plan = fftw_plan_dft_r2c(rank_of(grid), sizes_of(grid), copy, spectrum, fftw_estimate)
+      plan = fftw_plan_dft_r2c(2_c_int, int(grid(2:1:-1), c_int), copy, spectrum, fftw_estimate)
       call check_plan(plan, grid, error)
       if (allocated(error)) return
       copy = z
@@ -44,29 +44,12 @@ contains
       type(c_ptr) :: plan
 
       allocate (z(grid(1)*grid(2)))
-      plan = fftw_plan_dft_c2r(rank_of(grid), sizes_of(grid), spectrum, z, fftw_estimate)
+      plan = fftw_plan_dft_c2r(2_c_int, int(grid(2:1:-1), c_int), spectrum, z, fftw_estimate)
       call check_plan(plan, grid, error)
       if (allocated(error)) return
       call fftw_execute_dft_c2r(plan, spectrum, z)
       call fftw_destroy_plan(plan)
    end subroutine transform_back
-
-   !> 1 for a line, 2 for an area.
-   pure function rank_of(grid) result(rank)
-      integer, intent(in) :: grid(2)
-      integer(c_int) :: rank
-
-      rank = merge(1_c_int, 2_c_int, grid(2) == 1)
-   end function rank_of
-
-   !> The sizes in the order of C.
-   pure function sizes_of(grid) result(sizes)
-      integer, intent(in) :: grid(2)
-      integer(c_int), allocatable :: sizes(:)
-
-      sizes = int(grid(2:1:-1), c_int)
-      if (grid(2) == 1) sizes = int(grid(1:1), c_int)
-   end function sizes_of
 
    !> Error if FFTW has given no plan.
    subroutine check_plan(plan, grid, error)
@@ -75,8 +58,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (.not. c_associated(plan)) call fail(error, internal_error, &
-         'FFTW: no plan for a transform of ' // to_text(grid(1)) &
-         // ' x ' // to_text(grid(2)))
+         'FFTW: no plan for a transform of ' // to_text(grid(1)) // ' x ' // to_text(grid(2)))
    end subroutine check_plan
 
 end module grid_transform

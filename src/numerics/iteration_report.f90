@@ -115,8 +115,8 @@ contains
 
       if (.not. allocated(self%residuals)) allocate (self%residuals(32), self%load_errors(32))
       if (self%history_size == size(self%residuals)) then
-         call double(self%residuals)
-         call double(self%load_errors)
+         self%residuals = [self%residuals, self%residuals]
+         self%load_errors = [self%load_errors, self%load_errors]
       end if
       self%history_size = self%history_size + 1
       self%residuals(self%history_size) = residual
@@ -157,15 +157,5 @@ contains
          call self%add(residuals(i), load_errors(i))
       end do
    end subroutine restore
-
-   !> Twice the storage, contents kept.
-   pure subroutine double(array)
-      real(wp), allocatable, intent(inout) :: array(:)
-      real(wp), allocatable :: longer(:)
-
-      allocate (longer(2*size(array)))
-      longer(:size(array)) = array
-      call move_alloc(longer, array)
-   end subroutine double
 
 end module iteration_report

@@ -42,25 +42,25 @@ contains
       type(toeplitz_t), intent(inout) :: self
       real(wp), intent(in) :: column(0:)
       type(error_t), allocatable, intent(out) :: error
-      type(c_ptr) :: memory
-      integer :: n, m
+      integer :: n
+      integer(c_int) :: m
+      logical :: is_planned
 
       call destroy_toeplitz(self)
       n = ubound(column, 1)
-      m = 2*n
+      m = int(2*n, c_int)
       self%n = n
-      memory = fftw_alloc_real(int(m, c_size_t))
-      if (c_associated(memory)) call c_f_pointer(memory, self%values, [m])
-      memory = fftw_alloc_complex(int(n + 1, c_size_t))
-      if (c_associated(memory)) call c_f_pointer(memory, self%spectrum, [n + 1])
-      if (.not. (associated(self%values) .and. associated(self%spectrum))) then
-         call fail(error, internal_error, 'FFTW: no memory for a transform of length '//to_text(m))
-         return
+      call c_f_pointer(fftw_alloc_real(int(m, c_size_t)), self%values, [m])
+      call c_f_pointer(fftw_alloc_complex(int(n + 1, c_size_t)), self%spectrum, [n + 1])
+      is_planned = associated(self%values) .and. associated(self%spectrum)
+      if (is_planned) then
+         self%forward = fftw_plan_dft_r2c_1d(m, self%values, self%spectrum, fftw_estimate)
+         self%backward = fftw_plan_dft_c2r_1d(m, self%spectrum, self%values, fftw_estimate)
+         is_planned = c_associated(self%forward) .and. c_associated(self%backward)
       end if
-      self%forward = fftw_plan_dft_r2c_1d(int(m, c_int), self%values, self%spectrum, fftw_estimate)
-      self%backward = fftw_plan_dft_c2r_1d(int(m, c_int), self%spectrum, self%values, fftw_estimate)
-      if (.not. (c_associated(self%forward) .and. c_associated(self%backward))) then
-         call fail(error, internal_error, 'FFTW: no plan for a transform of length '//to_text(m))
+      if (.not. is_planned) then
+         call fail(error, internal_error, 'FFTW: no memory or no plan for a transform of length ' &
+            //to_text(m))
          return
       end if
       self%values(1:n) = column(0:n - 1)
