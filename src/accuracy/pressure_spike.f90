@@ -27,7 +27,7 @@ module pressure_spike
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
    use line_summary, only: crests_t
-   use lubricant, only: fluid_density, fluid_ln_viscosity, fluid_t
+   use lubricant, only: fluid_density, fluid_t, fluid_viscosity
    use missing_value, only: not_known
    use rheology, only: ln_slip, thins, wall_stress
    implicit none (type, external)
@@ -141,7 +141,7 @@ contains
       real(wp) :: lengths(2)
       real(wp), dimension(1) :: ln_mu, rho, drho
 
-      call fluid_ln_viscosity(law%fluid, [pressure], ln_mu)
+      call fluid_viscosity(law%fluid, [pressure], ln_mu)
       call fluid_density(law%fluid, [pressure], rho, drho)
       lengths(1) = exp(0.5_wp*(3*log(film) - ln_mu(1) - log(law%lambda)))
       if (thins(law%fluid)) lengths(1) = thinned_length(law%fluid, pressure, film, ln_mu(1), &

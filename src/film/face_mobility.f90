@@ -10,8 +10,7 @@
 !> harmonic or geometric mean of the whole e leads to wrong films.)
 module face_mobility
    use kinds, only: wp
-   use lubricant, only: fluid_density, fluid_density_value, fluid_ln_viscosity, fluid_t, &
-      fluid_viscosity
+   use lubricant, only: fluid_density, fluid_t, fluid_viscosity
    use mobility_slopes, only: face_slopes_t, largest_exponent
    use rheology, only: block_size => slip_block, evaluate_slip, evaluate_slip_slopes, slip_t, thins
    use sinh_series, only: ds, s, series_limit
@@ -36,11 +35,11 @@ contains
       type(slip_t) :: slip
       integer :: first, last, m
 
-      call fluid_density_value(fluid, p, rho)
+      call fluid_density(fluid, p, rho)
       do first = 1, ubound(p, 1), block_size
          last = min(first + block_size - 1, ubound(p, 1))
          m = last - first + 1
-         call fluid_ln_viscosity(fluid, p(first - 1:last), ln_mu(:m))
+         call fluid_viscosity(fluid, p(first - 1:last), ln_mu(:m))
          call mean_fluidity(ln_mu(:m), exponent(:m), shape_factor(:m), unused(:m))
          if (thins(fluid)) then
             mean_ln_mu(:m) = 0.5_wp*(ln_mu(0:m - 1) + ln_mu(1:m))

@@ -4,7 +4,7 @@ module march_history
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t
-   use lubricant, only: fluid_density_value
+   use lubricant, only: fluid_density
    use march_state, only: march_state_t
    use time_scheme, only: parabola_weights
    implicit none (type, external)
@@ -67,7 +67,7 @@ contains
       history%pressure(:, 1) = level%state%pressure
       history%lengths = [length, history%lengths(1)]
       history%rigid_displacement = [level%state%rigid_displacement, history%rigid_displacement(1:2)]
-      call fluid_density_value(contact%fluid, level%state%pressure, level%density)
+      call fluid_density(contact%fluid, level%state%pressure, level%density)
       history%mass(:, 2) = history%mass(:, 1)
       history%mass(:, 1) = level%density*level%state%film
       history%size = min(history%size + 1, 3)

@@ -5,8 +5,7 @@
 !> procedure but the laws' own array loops.
 module mobility
    use kinds, only: wp
-   use lubricant, only: fluid_density, fluid_density_value, fluid_ln_viscosity, fluid_t, &
-      fluid_viscosity
+   use lubricant, only: fluid_density, fluid_t, fluid_viscosity
    use mobility_slopes, only: largest_exponent, mobility_slopes_t
    use rheology, only: block_size => slip_block, evaluate_slip, evaluate_slip_slopes, slip_t, thins
    implicit none (type, external)
@@ -32,8 +31,8 @@ contains
       do first = 0, ubound(p, 1), block_size
          last = min(first + block_size - 1, ubound(p, 1))
          m = last - first + 1
-         call fluid_ln_viscosity(fluid, p(first:last), ln_mu(:m))
-         call fluid_density_value(fluid, p(first:last), rho(first:last))
+         call fluid_viscosity(fluid, p(first:last), ln_mu(:m))
+         call fluid_density(fluid, p(first:last), rho(first:last))
          if (thins(fluid)) then
             call drive_at_nodes(dx, p, h, first, drive(:m), inverse_film(:m), compensation)
             call evaluate_slip(fluid, drive(:m), inverse_film(:m), ln_mu(:m), slip)

@@ -11,7 +11,7 @@ module pseudo_time
    use line_contact, only: line_contact_t
    use line_hierarchy, only: count_work, line_hierarchy_t
    use line_level, only: line_level_t
-   use lubricant, only: fluid_density_value
+   use lubricant, only: fluid_density
    use newton_line, only: solve_newton
    use observer, only: is_stopped, observer_t
    implicit none (type, external)
@@ -79,7 +79,7 @@ contains
       real(wp), intent(in) :: right_side(0:)
       real(wp), intent(in) :: time_step
 
-      call fluid_density_value(contact%fluid, level%state%pressure, level%density)
+      call fluid_density(contact%fluid, level%state%pressure, level%density)
       level%inverse_time_step = 1.0_wp/time_step
       level%rhs_reynolds = right_side - contact%lambda/time_step*level%density*level%state%film
    end subroutine pose_step

@@ -5,7 +5,7 @@ module state_output
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t
    use line_state, only: line_state_t
-   use lubricant, only: fluid_density_value, fluid_ln_viscosity
+   use lubricant, only: fluid_density, fluid_viscosity
    use rheology, only: ln_slip
    implicit none (type, external)
    private
@@ -43,9 +43,9 @@ contains
 
       n = size(state%x)
       allocate (drive(n), ln_mu(n), source=0.0_wp)
-      call fluid_ln_viscosity(contact%fluid, state%pressure, ln_mu)
+      call fluid_viscosity(contact%fluid, state%pressure, ln_mu)
       state%density = ln_mu
-      call fluid_density_value(contact%fluid, state%pressure, state%density)
+      call fluid_density(contact%fluid, state%pressure, state%density)
       state%viscosity = exp(min(ln_mu, largest_exponent))
       drive(2:n - 1) = state%film_thickness(2:n - 1)*(state%pressure(3:) - state%pressure(:n - 2)) &
          /(state%x(3:) - state%x(:n - 2))

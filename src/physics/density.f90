@@ -4,7 +4,7 @@ module density
    implicit none (type, external)
    private
 
-   public :: dowson_higginson_densities, dowson_higginson_density_values
+   public :: dowson_higginson_densities
 
    !> Pressure constant C1 [Pa] of (2.28), (2.63); D. Dowson and G. R. Higginson,
    !> Elasto-hydrodynamic lubrication, 1966.
@@ -19,30 +19,26 @@ contains
    !> vectorises:  rho/rho_0 = (C1 + C2 p)/(C1 + p).
    !>
    !> `p` >= 0 and `c1` > 0 in one and the same unit (SI, or both divided by the Hertz pressure).
-   !> `rho` = rho/rho_0 [-], between 1 and C2; `drho` its derivative by p [1/unit of p].
+   !> `rho` = rho/rho_0 [-], between 1 and C2; `drho`, where it is asked for, its derivative by p
+   !> [1/unit of p].
    pure subroutine dowson_higginson_densities(p, c1, rho, drho)
       real(wp), intent(in), contiguous :: p(:)
       real(wp), intent(in) :: c1
-      real(wp), intent(out), contiguous :: rho(:), drho(:)
-      integer :: i
-
-      do i = 1, size(p)
-         call dowson_higginson(p(i), c1, rho(i), drho(i))
-      end do
-   end subroutine dowson_higginson_densities
-
-   !> The value of `dowson_higginson_densities` without the derivative.
-   pure subroutine dowson_higginson_density_values(p, c1, rho)
-      real(wp), intent(in), contiguous :: p(:)
-      real(wp), intent(in) :: c1
       real(wp), intent(out), contiguous :: rho(:)
+      real(wp), intent(out), contiguous, optional :: drho(:)
       real(wp) :: unused
       integer :: i
 
-      do i = 1, size(p)
-         call dowson_higginson(p(i), c1, rho(i), unused)
-      end do
-   end subroutine dowson_higginson_density_values
+      if (present(drho)) then
+         do i = 1, size(p)
+            call dowson_higginson(p(i), c1, rho(i), drho(i))
+         end do
+      else
+         do i = 1, size(p)
+            call dowson_higginson(p(i), c1, rho(i), unused)
+         end do
+      end if
+   end subroutine dowson_higginson_densities
 
    !> The law at one pressure; private, so that position-independent code inlines it in the loops
    !> too.

@@ -1,14 +1,13 @@
 !> The lubricant in SI, and the same in dimensionless form with its laws evaluated on arrays of
 !> nodes.
 module lubricant
-   use density, only: dowson_higginson_densities, dowson_higginson_density_values
+   use density, only: dowson_higginson_densities
    use kinds, only: wp
-   use viscosity, only: barus_ln_viscosities, barus_viscosities, roelands_ln_viscosities, &
-      roelands_viscosities
+   use viscosity, only: barus_viscosities, roelands_viscosities
    implicit none (type, external)
    private
 
-   public :: fluid_viscosity, fluid_ln_viscosity, fluid_density, fluid_density_value
+   public :: fluid_viscosity, fluid_density
 
    !> Viscosity laws: mu = mu_0; Barus; Roelands (module viscosity).
    integer, parameter, public :: viscosity_constant = 0, viscosity_barus = 1, viscosity_roelands = 2
@@ -60,11 +59,12 @@ module lubricant
 
 contains
 
-   !> ln(mu/mu_0) and its derivative by P at the pressures `p` (n) >= 0 [-].
+   !> ln(mu/mu_0) and, where it is asked for, its derivative by P at the pressures `p` (n) >= 0 [-].
    pure subroutine fluid_viscosity(fluid, p, ln_mu, dln_mu)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in), contiguous :: p(:)
-      real(wp), intent(out), contiguous :: ln_mu(:), dln_mu(:)
+      real(wp), intent(out), contiguous :: ln_mu(:)
+      real(wp), intent(out), contiguous, optional :: dln_mu(:)
 
       select case (fluid%viscosity_law)
       case (viscosity_roelands)
@@ -73,53 +73,24 @@ contains
          call barus_viscosities(p, fluid%alpha_bar, ln_mu, dln_mu)
       case default
          ln_mu = 0.0_wp
-         dln_mu = 0.0_wp
+         if (present(dln_mu)) dln_mu = 0.0_wp
       end select
    end subroutine fluid_viscosity
 
-   !> ln(mu/mu_0) alone, the same value as from `fluid_viscosity`.
-   pure subroutine fluid_ln_viscosity(fluid, p, ln_mu)
-      type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in), contiguous :: p(:)
-      real(wp), intent(out), contiguous :: ln_mu(:)
-
-      select case (fluid%viscosity_law)
-      case (viscosity_roelands)
-         call roelands_ln_viscosities(p, fluid%alpha_bar, fluid%p0, fluid%z, ln_mu)
-      case (viscosity_barus)
-         call barus_ln_viscosities(p, fluid%alpha_bar, ln_mu)
-      case default
-         ln_mu = 0.0_wp
-      end select
-   end subroutine fluid_ln_viscosity
-
-   !> rho/rho_0 and its derivative by P at the pressures `p` (n) >= 0 [-].
+   !> rho/rho_0 and, where it is asked for, its derivative by P at the pressures `p` (n) >= 0 [-].
    pure subroutine fluid_density(fluid, p, rho, drho)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in), contiguous :: p(:)
-      real(wp), intent(out), contiguous :: rho(:), drho(:)
+      real(wp), intent(out), contiguous :: rho(:)
+      real(wp), intent(out), contiguous, optional :: drho(:)
 
       select case (fluid%density_law)
       case (density_dowson_higginson)
          call dowson_higginson_densities(p, fluid%c1, rho, drho)
       case default
          rho = 1.0_wp
-         drho = 0.0_wp
+         if (present(drho)) drho = 0.0_wp
       end select
    end subroutine fluid_density
-
-   !> rho/rho_0 alone, the same value as from `fluid_density`.
-   pure subroutine fluid_density_value(fluid, p, rho)
-      type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in), contiguous :: p(:)
-      real(wp), intent(out), contiguous :: rho(:)
-
-      select case (fluid%density_law)
-      case (density_dowson_higginson)
-         call dowson_higginson_density_values(p, fluid%c1, rho)
-      case default
-         rho = 1.0_wp
-      end select
-   end subroutine fluid_density_value
 
 end module lubricant

@@ -20,29 +20,29 @@ module scaling
    !> hertz_pressure if alpha is known; the rest is 0.
    type, public :: scaling_t
       !> b [m], unit of x.
-      real(wp) :: half_width
+      real(wp) :: half_width = 0.0_wp
       !> p_h [Pa], unit of pressure.
-      real(wp) :: hertz_pressure
+      real(wp) :: hertz_pressure = 0.0_wp
       !> R [m] and E' [Pa] as in `bodies_t`.
-      real(wp) :: reduced_radius, reduced_modulus
+      real(wp) :: reduced_radius = 0.0_wp, reduced_modulus = 0.0_wp
       !> w [N/m].
-      real(wp) :: load_per_length
+      real(wp) :: load_per_length = 0.0_wp
       !> b^2/R [m], unit of film thickness and of surface heights.
-      real(wp) :: film
+      real(wp) :: film = 0.0_wp
       !> 2 b/u_s [s], unit of time.
-      real(wp) :: time
+      real(wp) :: time = 0.0_wp
       !> mu_0 [Pa s], unit of viscosity.
-      real(wp) :: viscosity
+      real(wp) :: viscosity = 0.0_wp
       !> u_s = u1 + u2 [m/s].
-      real(wp) :: speed_sum
+      real(wp) :: speed_sum = 0.0_wp
       !> Speed parameter [-] of (2.57).
-      real(wp) :: lambda
+      real(wp) :: lambda = 0.0_wp
       !> alpha p_h [-], (2.56); 0 for constant viscosity.
-      real(wp) :: alpha_bar
+      real(wp) :: alpha_bar = 0.0_wp
       !> Moes' M and L [-] of (2.53, 2.54), mean speed.
-      real(wp) :: moes_m, moes_l
+      real(wp) :: moes_m = 0.0_wp, moes_l = 0.0_wp
       !> True if the SI scales are known.
-      logical :: is_dimensional
+      logical :: is_dimensional = .false.
    end type scaling_t
 
 contains
@@ -72,7 +72,6 @@ contains
       scaling%viscosity = lubricant%viscosity
       scaling%lambda = 6.0_wp*scaling%speed_sum*bodies%reduced_radius**2*lubricant%viscosity &
                        /(scaling%hertz_pressure*scaling%half_width**3)
-      scaling%alpha_bar = 0.0_wp
       if (lubricant%viscosity_law /= viscosity_constant) then
          scaling%alpha_bar = lubricant%pressure_viscosity*scaling%hertz_pressure
       end if
@@ -90,20 +89,10 @@ contains
       real(wp), intent(in) :: moes_m_mean, moes_l_mean
       type(lubricant_t), intent(in) :: lubricant
 
-      scaling%is_dimensional = .false.
-      scaling%half_width = 0.0_wp
-      scaling%reduced_radius = 0.0_wp
-      scaling%reduced_modulus = 0.0_wp
-      scaling%load_per_length = 0.0_wp
-      scaling%film = 0.0_wp
-      scaling%time = 0.0_wp
-      scaling%viscosity = 0.0_wp
-      scaling%speed_sum = 0.0_wp
       scaling%moes_m = moes_m_mean
       scaling%moes_l = moes_l_mean
       scaling%lambda = lambda_from_moes_sum(moes_m_sum_from_mean(moes_m_mean))
       scaling%alpha_bar = alpha_bar_from_moes(moes_m_mean, moes_l_mean)
-      scaling%hertz_pressure = 0.0_wp
       if (lubricant%pressure_viscosity > 0.0_wp) then
          scaling%hertz_pressure = scaling%alpha_bar/lubricant%pressure_viscosity
       end if

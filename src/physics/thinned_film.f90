@@ -23,7 +23,7 @@
 !> 2.3.
 module thinned_film
    use kinds, only: wp
-   use lubricant, only: fluid_ln_viscosity, fluid_t
+   use lubricant, only: fluid_t, fluid_viscosity
    use rheology, only: ln_slip, thins
    implicit none (type, external)
    private
@@ -86,7 +86,7 @@ contains
 
       ln_slope = min(-ln_film/3, -ln_film)
       pressure = pressure_share*exp(min(ln_film/3, -ln_film/2))
-      call fluid_ln_viscosity(fluid, [pressure], ln_mu)
+      call fluid_viscosity(fluid, [pressure], ln_mu)
       excess = 2*ln_film + ln_slope - ln_mu(1) - log(flow_share*lambda)
       if (is_thinning) excess = excess + ln_slip(fluid, exp(ln_film + ln_slope), exp(ln_film), &
          ln_mu(1))

@@ -8,8 +8,7 @@ module viscosity
    implicit none (type, external)
    private
 
-   public :: barus_ln_viscosities, barus_viscosities
-   public :: roelands_ln_viscosities, roelands_viscosities
+   public :: barus_viscosities, roelands_viscosities
 
 contains
 
@@ -20,49 +19,36 @@ contains
    pure subroutine barus_viscosities(p, alpha, ln_mu, dln_mu)
       real(wp), intent(in), contiguous :: p(:)
       real(wp), intent(in) :: alpha
-      real(wp), intent(out), contiguous :: ln_mu(:), dln_mu(:)
-
-      call barus_ln_viscosities(p, alpha, ln_mu)
-      dln_mu = alpha
-   end subroutine barus_viscosities
-
-   !> The value of `barus_viscosities` without the derivative.
-   pure subroutine barus_ln_viscosities(p, alpha, ln_mu)
-      real(wp), intent(in), contiguous :: p(:)
-      real(wp), intent(in) :: alpha
       real(wp), intent(out), contiguous :: ln_mu(:)
+      real(wp), intent(out), contiguous, optional :: dln_mu(:)
 
       ln_mu = alpha*p
-   end subroutine barus_ln_viscosities
+      if (present(dln_mu)) dln_mu = alpha
+   end subroutine barus_viscosities
 
    !> Roelands' law (2.26), (2.61) on arrays (n), in one loop that the compiler vectorises:
    !> ln(mu/mu_0) = (alpha P0/z) [ (1 + p/P0)^z - 1 ].
    !>
    !> `p` >= 0; `alpha` >= 0; `p0` > 0; `z` > 0 (0.4 ... 0.8 for oils; z = 1 is Barus).
-   !> `ln_mu` = ln(mu/mu_0) [-]; `dln_mu` its derivative by p [1/unit of p].
+   !> `ln_mu` = ln(mu/mu_0) [-]; `dln_mu`, where it is asked for, its derivative by p [1/unit of p].
    pure subroutine roelands_viscosities(p, alpha, p0, z, ln_mu, dln_mu)
       real(wp), intent(in), contiguous :: p(:)
       real(wp), intent(in) :: alpha, p0, z
-      real(wp), intent(out), contiguous :: ln_mu(:), dln_mu(:)
-      integer :: i
-
-      do i = 1, size(p)
-         call roelands(p(i), alpha, p0, z, ln_mu(i), dln_mu(i))
-      end do
-   end subroutine roelands_viscosities
-
-   !> The value of `roelands_viscosities` without the derivative.
-   pure subroutine roelands_ln_viscosities(p, alpha, p0, z, ln_mu)
-      real(wp), intent(in), contiguous :: p(:)
-      real(wp), intent(in) :: alpha, p0, z
       real(wp), intent(out), contiguous :: ln_mu(:)
+      real(wp), intent(out), contiguous, optional :: dln_mu(:)
       real(wp) :: unused
       integer :: i
 
-      do i = 1, size(p)
-         call roelands(p(i), alpha, p0, z, ln_mu(i), unused)
-      end do
-   end subroutine roelands_ln_viscosities
+      if (present(dln_mu)) then
+         do i = 1, size(p)
+            call roelands(p(i), alpha, p0, z, ln_mu(i), dln_mu(i))
+         end do
+      else
+         do i = 1, size(p)
+            call roelands(p(i), alpha, p0, z, ln_mu(i), unused)
+         end do
+      end if
+   end subroutine roelands_viscosities
 
    !> The law at one pressure; private, so that position-independent code inlines it in the loops
    !> too.
