@@ -3,12 +3,11 @@
 module dry_target
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_memory, only: dry_memory
-   use dry_case, only: dry_case_t
-   use dry_checks, only: add_note
+   use dry_case, only: add_note, dry_case_t
    use dry_errors, only: dry_sweep_t, estimate_dry_errors
-   use dry_heights, only: is_refinable, refine_heights
    use dry_resolution, only: area_doubt, dry_rung_t, finer_nodes, is_met
    use dry_scaling, only: new_dry_scaling
+   use dry_surfaces, only: is_refinable, refine_heights
    use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
    use errors, only: error_t, input_error
    use iteration_report, only: phase_error_bars, phase_steady

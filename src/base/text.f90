@@ -6,7 +6,7 @@ module text
    implicit none (type, external)
    private
 
-   public :: count_of, to_lower, to_text
+   public :: count_of, joined, to_lower, to_text
 
    !> A number or logical as short text without surrounding blanks.
    interface to_text
@@ -83,6 +83,24 @@ contains
          lower(i:i) = achar(code)
       end do
    end function to_lower
+
+   !> `words` in a row with `mark` between them, or `last` before the last one.
+   pure function joined(words, mark, last) result(list)
+      character(*), intent(in) :: words(:), mark
+      character(*), intent(in), optional :: last
+      character(:), allocatable :: list
+      integer :: i
+
+      list = ''
+      do i = 1, size(words)
+         if (i > 1 .and. i == size(words) .and. present(last)) then
+            list = list // last
+         else if (i > 1) then
+            list = list // mark
+         end if
+         list = list // trim(words(i))
+      end do
+   end function joined
 
    !> How often `mark` is in `words`.
    pure function count_of(mark, words) result(number)

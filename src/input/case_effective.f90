@@ -1,8 +1,6 @@
 !> The list of all values that a case uses, given, default or derived, for the result file.
 module case_effective
    use case_record, only: case_t, set_effective
-   use dry_checks, only: has_shape
-   use findings, only: findings_t
    use input_keys, only: key_rows
    use input_values, only: input_values_t, value_t
    use key_row, only: has_word, integer_kind, is_chosen, key_row_t, lubricated, real_kind, &
@@ -10,8 +8,9 @@ module case_effective
    use key_rules, only: is_used
    use kinds, only: wp
    use lubricant, only: density_constant, viscosity_constant, viscosity_roelands
-   use synthesis_keys, only: read_synthesis
+   use surface_keys, only: has_shape, read_synthesis
    use synthetic_surface, only: synthesis_t
+   use text, only: joined
    implicit none (type, external)
    private
 
@@ -45,8 +44,6 @@ contains
       type(case_t), intent(inout) :: case
       type(key_row_t), intent(in) :: row
       type(value_t), intent(in) :: slot
-      character(:), allocatable :: text
-      integer :: i
 
       select case (row%kind)
       case (real_kind, reals_kind)
@@ -56,11 +53,7 @@ contains
       case (text_kind)
          call set_effective(case, trim(row%group), trim(row%key), slot%text)
       case default
-         text = trim(slot%words(1))
-         do i = 2, size(slot%words)
-            text = text//', '//trim(slot%words(i))
-         end do
-         call set_effective(case, trim(row%group), trim(row%key), text)
+         call set_effective(case, trim(row%group), trim(row%key), joined(slot%words, ', '))
       end select
    end subroutine list_value
 
@@ -114,12 +107,11 @@ contains
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: group
       type(synthesis_t) :: wanted
-      type(findings_t) :: findings
 
-      associate (dry => case%dry, recipe => case%dry%recipe)
-         if (.not. has_shape(recipe%values, group, 'synthetic')) return
-         call read_synthesis(recipe%values, group, maxval(dry%lengths), &
-            2.0_wp*dry%lengths(1)/recipe%nodes(1), wanted, findings)
+      associate (dry => case%dry)
+         if (.not. has_shape(dry%values, group, 'synthetic')) return
+         call read_synthesis(dry%values, group, maxval(dry%lengths), &
+            2.0_wp*dry%lengths(1)/dry%first_nodes(1), wanted)
       end associate
       call set_effective(case, group, 'wavelength_long', wanted%wavelength_long)
       call set_effective(case, group, 'wavelength_rolloff', wanted%wavelength_rolloff)

@@ -1,35 +1,34 @@
 !> A dry contact as it will be solved: grid, heights, loads, in SI.
 module dry_case
    use dry_problem, only: dry_grid_t
-   use input_values, only: input_values_t
    use dry_settings, only: dry_loads_t, dry_settings_t
+   use height_file, only: heights_t
+   use input_values, only: input_values_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: dry_case_t, dry_recipe_t
-
-   !> What the heights are made of, on any grid.
-   type :: dry_recipe_t
-      type(input_values_t) :: values
-      !> Folder of the namelist, with its slash.
-      character(:), allocatable :: folder
-      !> R of a parabola [m]; 0: there is none.
-      real(wp) :: radius = 0.0_wp
-      !> The first grid, on which synthetic heights are made; finer ones have the same Fourier
-      !> series.
-      integer :: nodes(2) = 0
-   end type dry_recipe_t
+   public :: add_note, dry_case_t
 
    !> Made by `fill_dry_case` of module dry_input.
    type :: dry_case_t
+      !> What its namelist says, from which the heights are made on any grid, and the findings.
+      type(input_values_t) :: values
+      !> Folder of the namelist, with its slash.
+      character(:), allocatable :: folder
+      !> Heights of the files of both surfaces, once they are read.
+      type(heights_t) :: files(2)
+      !> R of a parabola [m]; 0: there is none.
+      real(wp) :: radius = 0.0_wp
       type(dry_grid_t) :: grid
+      !> The first grid, on which synthetic heights are made; finer ones have the same Fourier
+      !> series.
+      integer :: first_nodes(2) = 0
       !> Lx, Ly [m]; a line has Ly = 0.
       real(wp) :: lengths(2)
       logical :: is_periodic
       !> Composite height z_1 + z_2 (nx*ny) [m].
       real(wp), allocatable :: height(:)
-      type(dry_recipe_t) :: recipe
       !> E' [Pa].
       real(wp) :: reduced_modulus
       type(dry_loads_t) :: loads
@@ -41,5 +40,19 @@ module dry_case
       !> What the reader of the result should know about it; not allocated: nothing.
       character(:), allocatable :: note
    end type dry_case_t
+
+contains
+
+   !> Adds a sentence to the notes.
+   pure subroutine add_note(dry, sentence)
+      type(dry_case_t), intent(inout) :: dry
+      character(*), intent(in) :: sentence
+
+      if (allocated(dry%note)) then
+         dry%note = dry%note // '; ' // sentence
+      else
+         dry%note = sentence
+      end if
+   end subroutine add_note
 
 end module dry_case

@@ -2,15 +2,12 @@
 !> one to begin with.
 module dry_grids
    use dry_case, only: dry_case_t
-   use dry_checks, only: fewest_nodes, finest_wave, has_shape, is_periodic
-   use dry_surfaces, only: load_first_file, same_length
+   use dry_checks, only: fewest_nodes, finest_wave
+   use dry_surfaces, only: load_file, same_length
    use even_grids, only: even_nodes
-   use findings, only: findings_t
-   use height_file, only: heights_t
-   use input_values, only: input_values_t, value_t
    use kinds, only: wp
+   use surface_keys, only: has_shape, surfaces
    use text, only: to_text
-   use validation_messages, only: report_missing
    implicit none (type, external)
    private
 
@@ -26,80 +23,79 @@ contains
 
    !> Nodes and lengths, from &domain or from the file of a surface. Findings: missing or
    !> contradictory sizes; the file.
-   subroutine find_grid(values, folder, dry, findings)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: folder
+   subroutine find_grid(dry)
       type(dry_case_t), intent(inout) :: dry
-      type(findings_t), intent(inout) :: findings
       character(len=12) :: counts(2), lengths(2)
-      type(heights_t) :: heights
-      type(value_t) :: slot
-      integer :: i, nodes(2)
+      character(:), allocatable :: count
+      logical :: has_target
+      real(wp) :: length
+      integer :: directions, first, given, i, nodes(2)
 
-      dry%is_periodic = is_periodic(values)
+      directions = 2
       counts = ['intervals_x ', 'intervals_y ']
       lengths = ['length_x    ', 'length_y    ']
-      nodes = [1, 1]
-      dry%lengths = 0.0_wp
-      if (values%problem == 'dry_line') then
+      if (dry%values%problem == 'dry_line') then
+         directions = 1
          counts(1) = 'intervals'
          lengths(1) = 'length'
       end if
-      call load_first_file(values, folder, heights, findings)
-      if (findings%count > 0) return
-      do i = 1, merge(1, 2, values%problem == 'dry_line')
-         slot = values%slot('domain', trim(counts(i)))
-         if (heights%grid(i) > 0) nodes(i) = heights%grid(i)
-         dry%lengths(i) = nodes(i)*heights%spacing(i)
-         if (slot%is_given .and. heights%grid(i) > 0 .and. slot%integer /= nodes(i) &
-            .and. .not. dry%is_periodic) then
-            call findings%add(slot%line, 'domain', trim(counts(i)), &
-               'found ' // to_text(slot%integer) // ', expected the ' &
-               // to_text(nodes(i)) // ' nodes of the file: without a period its heights have '// &
-                  'no Fourier series to resample')
-         else if (slot%is_given) then
-            nodes(i) = slot%integer
-         else if (heights%grid(i) <= 0 .and. .not. values%is_given('accuracy', 'target')) then
-            call report_missing(values, 'domain', trim(counts(i)), findings)
-         end if
-         call find_length(values, trim(lengths(i)), dry%lengths(i), findings, heights%file)
-      end do
-      if (values%is_given('accuracy', 'target') .and. findings%count == 0) then
-         call choose_first_grid(values, dry, heights%grid, nodes, findings)
-      end if
+      has_target = dry%values%is_given('accuracy', 'target')
+      nodes = [1, 1]
+      dry%lengths = 0.0_wp
+      first = findloc(has_shape(dry%values, surfaces, 'file'), .true., dim=1)
+      if (first > 0) call load_file(dry, first)
+      if (dry%values%findings%count > 0) return
+      associate (file => dry%files(max(first, 1)))
+         do i = 1, directions
+            count = trim(counts(i))
+            given = dry%values%integer_value('domain', count)
+            if (file%grid(i) > 0) nodes(i) = file%grid(i)
+            length = nodes(i)*file%spacing(i)
+            if (given > 0 .and. file%grid(i) > 0 .and. given /= nodes(i) &
+               .and. .not. dry%is_periodic) then
+               call dry%values%refuse('domain', count, 'found ' // to_text(given) &
+                  // ', expected the ' // to_text(nodes(i)) // ' nodes of the file: without a '// &
+                  'period its heights have no Fourier series to resample')
+            else if (given > 0) then
+               nodes(i) = given
+            else if (file%grid(i) <= 0 .and. .not. has_target) then
+               call dry%values%refuse_missing('domain', count)
+            end if
+            call find_length(dry, trim(lengths(i)), length, file%file)
+            dry%lengths(i) = length
+         end do
+         if (has_target .and. dry%values%findings%count == 0) call choose_first_grid(dry, &
+            file%grid, directions, nodes)
+      end associate
       dry%grid%nx = nodes(1)
       dry%grid%ny = nodes(2)
-      dry%recipe%nodes = nodes
+      dry%first_nodes = nodes
       dry%grid%aspect = 1.0_wp
-      if (findings%count == 0 .and. nodes(2) > 1) dry%grid%aspect = dry%lengths(2)/dry%lengths(1)
+      if (dry%values%findings%count == 0 .and. nodes(2) > 1) dry%grid%aspect = dry%lengths(2) &
+         /dry%lengths(1)
    end subroutine find_grid
 
    !> The `length` of one direction, that of the `file` of heights (if there is one) or 0
    !> before. Findings: neither is known; they contradict each other.
-   subroutine find_length(values, key, length, findings, file)
-      type(input_values_t), intent(in) :: values
+   subroutine find_length(dry, key, length, file)
+      type(dry_case_t), intent(inout) :: dry
       character(*), intent(in) :: key
       real(wp), intent(inout) :: length
-      type(findings_t), intent(inout) :: findings
       character(*), intent(in), optional :: file
-      type(value_t) :: slot
+      character(:), allocatable :: hint
+      real(wp) :: given
 
-      slot = values%slot('domain', key)
-      if (.not. slot%is_given) then
-         if (length > 0.0_wp) return
-         if (present(file)) then
-            call report_missing(values, 'domain', key, findings, &
-               ': '//file//' has no attribute spacing, or spacing_'// &
-               trim(merge('y', 'x', key == 'length_y')))
-         else
-            call report_missing(values, 'domain', key, findings)
-         end if
+      given = dry%values%real_value('domain', key)
+      if (given <= 0.0_wp .and. length <= 0.0_wp) then
+         hint = ''
+         if (present(file)) hint = ': '//file//' has no attribute spacing, or spacing_'// &
+            trim(merge('y', 'x', key == 'length_y'))
+         call dry%values%refuse_missing('domain', key, hint)
       else if (length <= 0.0_wp) then
-         length = slot%reals(1)
-      else if (abs(slot%reals(1) - length) > same_length*length) then
-         call findings%add(slot%line, 'domain', key, 'found ' // to_text(slot%reals(1)) // ' '// &
-            'm, expected ' // to_text(length) &
-            // ' m, nodes times spacing of the file')
+         length = given
+      else if (given > 0.0_wp .and. abs(given - length) > same_length*length) then
+         call dry%values%refuse('domain', key, 'found ' // to_text(given) // ' m, expected ' &
+            // to_text(length) // ' m, nodes times spacing of the file')
       end if
    end subroutine find_length
 
@@ -107,26 +103,21 @@ contains
    !> needs: even numbers, or the nodes of a periodic file (`in_file`) times a power of two; the
    !> heights of an open file stay on their own. Finding: a synthetic surface whose shortest waves
    !> would be those of the grid.
-   subroutine choose_first_grid(values, dry, in_file, nodes, findings)
-      type(input_values_t), intent(in) :: values
-      type(dry_case_t), intent(in) :: dry
-      integer, intent(in) :: in_file(2)
+   subroutine choose_first_grid(dry, in_file, directions, nodes)
+      type(dry_case_t), intent(inout) :: dry
+      integer, intent(in) :: in_file(2), directions
       integer, intent(inout) :: nodes(2)
-      type(findings_t), intent(inout) :: findings
-      character(len=9), parameter :: groups(2) = ['surface_1', 'surface_2']
       real(wp) :: finest, spacing
-      integer :: directions, i
+      integer :: i
 
-      surfaces: do i = 1, 2
-         if (values%is_given(groups(i), 'wavelength_short') .or. .not. has_shape(values, &
-            groups(i), 'synthetic')) cycle surfaces
-         call report_missing(values, groups(i), 'wavelength_short', findings, &
-            'with &accuracy target')
-      end do surfaces
-      if (findings%count > 0) return
+      do i = 1, size(surfaces)
+         if (has_shape(dry%values, surfaces(i), 'synthetic') .and. .not. dry%values%is_given( &
+            surfaces(i), 'wavelength_short')) call dry%values%refuse_missing(surfaces(i), &
+            'wavelength_short', 'with &accuracy target')
+      end do
+      if (dry%values%findings%count > 0) return
       if (in_file(1) > 0 .and. .not. dry%is_periodic) return
-      directions = merge(1, 2, values%problem == 'dry_line')
-      finest = min(finest_wave(values, groups(1)), finest_wave(values, groups(2)))/fewest_nodes
+      finest = minval(finest_wave(dry%values, surfaces))/fewest_nodes
       associate (lengths => dry%lengths(:directions))
          if (in_file(1) > 0) then
             do while (any((1.0_wp - rounding)*lengths/finest > nodes(:directions)) &

@@ -1,19 +1,19 @@
 !> From the checked values of a namelist to a dry contact.
 module dry_input
    use, intrinsic :: iso_fortran_env, only: int64
-   use bodies, only: reduced_modulus, reduced_radius
+   use body_values, only: modulus_of, radius_of
    use case_memory, only: dry_memory, most_nodes
-   use dry_case, only: dry_case_t, dry_recipe_t
+   use dry_case, only: dry_case_t
    use dry_checks, only: check_parabola, check_waves
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
-   use dry_scaling, only: contact_modulus
    use dry_grids, only: find_grid
-   use dry_heights, only: make_heights
-   use findings, only: findings_t
+   use dry_surfaces, only: make_heights
+   use height_file, only: heights_t
    use hertz, only: line_load_from_pressure, point_load_from_pressure
-   use input_values, only: input_values_t, value_t
+   use input_values, only: value_t
    use dry_settings, only: method_conjugate_gradient, method_steepest_descent
    use kinds, only: wp
+   use surface_keys, only: has_shape, surfaces
    use system_limits, only: memory_fault
    use text, only: to_text
    implicit none (type, external)
@@ -23,179 +23,134 @@ module dry_input
 
 contains
 
-   !> Fills `dry` from the `values` of a dry problem; `folder` is that of the namelist, with its
-   !> slash. Findings: grids, surfaces and loads that cannot be.
-   subroutine fill_dry_case(values, folder, dry, findings)
-      type(input_values_t), intent(in) :: values
+   !> Fills `dry` from its values; `folder` is that of the namelist, with its slash. Findings:
+   !> grids, surfaces and loads that cannot be.
+   subroutine fill_dry_case(folder, dry)
       character(*), intent(in) :: folder
-      type(dry_case_t), intent(out) :: dry
-      type(findings_t), intent(inout) :: findings
+      type(dry_case_t), intent(inout) :: dry
 
-      dry%reduced_modulus = modulus_of(values)
-      dry%recipe = dry_recipe_t(values, folder, radius_of(values))
-      call find_grid(values, folder, dry, findings)
-      if (findings%count == 0) call check_waves(values, dry, findings)
-      if (findings%count == 0) call check_size(values, dry, findings)
-      if (findings%count > 0) return
-      call make_heights(dry, findings)
-      if (findings%count > 0) return
-      call fill_loads(values, dry%recipe%radius, dry, findings)
-      call fill_solver(values, dry, findings)
-      if (findings%count == 0) call check_parabola(values, dry%recipe%radius, dry, findings)
+      dry%folder = folder
+      dry%reduced_modulus = modulus_of(dry%values)
+      dry%radius = radius_of(dry%values)
+      ! Where it is not said, a parabola is not periodic.
+      dry%is_periodic = .not. any(has_shape(dry%values, surfaces, 'parabola'))
+      if (dry%values%has_value('domain', 'periodic')) dry%is_periodic = &
+         dry%values%logical_value('domain', 'periodic')
+      call find_grid(dry)
+      if (dry%values%findings%count == 0) call check_waves(dry)
+      if (dry%values%findings%count == 0) call check_size(dry)
+      if (dry%values%findings%count > 0) return
+      call make_heights(dry)
+      if (dry%values%findings%count > 0) return
+      call fill_loads(dry)
+      call fill_solver(dry)
+      ! Only the way to a target makes the heights again.
+      if (.not. dry%target > 0.0_wp) dry%files = heights_t()
+      if (dry%values%findings%count == 0) call check_parabola(dry)
    end subroutine fill_dry_case
 
    !> Findings: more nodes than can be counted, or than there is memory for.
-   subroutine check_size(values, dry, findings)
-      type(input_values_t), intent(in) :: values
-      type(dry_case_t), intent(in) :: dry
-      type(findings_t), intent(inout) :: findings
+   subroutine check_size(dry)
+      type(dry_case_t), intent(inout) :: dry
       character(:), allocatable :: fault, key
       integer(int64) :: nodes
 
-      key = trim(merge('intervals  ', 'intervals_x', values%problem == 'dry_line'))
+      key = trim(merge('intervals  ', 'intervals_x', dry%values%problem == 'dry_line'))
       nodes = int(dry%grid%nx, int64)*dry%grid%ny
       fault = memory_fault('a grid', dry_memory([dry%grid%nx, dry%grid%ny], dry%is_periodic))
       if (nodes > most_nodes) fault = 'found ' // to_text(nodes) // ' nodes, expected at most ' &
          // to_text(most_nodes)
-      if (fault /= '') call findings%add(values%line_of('domain', key), 'domain', key, fault)
+      if (fault /= '') call dry%values%refuse('domain', key, fault)
    end subroutine check_size
 
-   !> E' [Pa]: given, of both bodies, or of the first against a rigid one.
-   function modulus_of(values) result(modulus)
-      type(input_values_t), intent(in) :: values
-      real(wp) :: modulus
-
-      if (values%is_given('bodies', 'reduced_modulus')) then
-         modulus = values%real_value('bodies', 'reduced_modulus')
-      else if (values%is_given('bodies', 'youngs_modulus_2')) then
-         modulus = reduced_modulus(values%real_value('bodies', 'youngs_modulus_1'), &
-            values%real_value('bodies', 'poisson_ratio_1'), values%real_value('bodies', &
-               'youngs_modulus_2'), &
-            values%real_value('bodies', 'poisson_ratio_2'))
-      else
-         modulus = contact_modulus(values%real_value('bodies', 'youngs_modulus_1'), &
-            values%real_value('bodies', 'poisson_ratio_1'))
-      end if
-   end function modulus_of
-
-   !> R [m] of a parabola; 0 if there is none.
-   function radius_of(values) result(radius)
-      type(input_values_t), intent(in) :: values
-      real(wp) :: radius
-
-      radius = 0.0_wp
-      if (values%is_given('bodies', 'reduced_radius')) then
-         radius = values%real_value('bodies', 'reduced_radius')
-      else if (values%is_given('bodies', 'radius_1')) then
-         radius = reduced_radius(values%real_value('bodies', 'radius_1'), &
-            values%real_value('bodies', 'radius_2'))
-      end if
-   end function radius_of
-
    !> Mean pressures and hardness. Finding: a load above hardness times area.
-   subroutine fill_loads(values, radius, dry, findings)
-      type(input_values_t), intent(in) :: values
-      real(wp), intent(in) :: radius
+   subroutine fill_loads(dry)
       type(dry_case_t), intent(inout) :: dry
-      type(findings_t), intent(inout) :: findings
-      type(value_t) :: slot
-      real(wp) :: area
+      type(value_t) :: pressures
+      real(wp) :: area, load
       character(:), allocatable :: key
 
-      dry%loads%has_history = values%word_value('load', 'loading') == 'history'
-      dry%loads%hardness = no_hardness
-      if (values%is_given('bodies', 'hardness')) dry%loads%hardness = values%real_value('bodies', &
-         'hardness')
-      if (values%is_given('load', 'separation')) then
-         call fill_separations(values, dry, findings)
+      dry%loads%has_history = dry%values%word_value('load', 'loading') == 'history'
+      dry%loads%hardness = dry%values%real_value('bodies', 'hardness', no_hardness)
+      if (dry%values%is_given('load', 'separation')) then
+         call fill_separations(dry)
          return
       end if
       area = dry%lengths(1)
       if (dry%grid%ny > 1) area = area*dry%lengths(2)
-      if (values%is_given('load', 'mean_pressure')) then
+      if (dry%values%is_given('load', 'mean_pressure')) then
          key = 'mean_pressure'
-         slot = values%slot('load', key)
-         dry%loads%mean_pressure = slot%reals
-      else if (values%is_given('load', 'hertz_pressure')) then
-         key = 'hertz_pressure'
-         if (dry%grid%ny == 1) then
-            dry%loads%mean_pressure = [line_load_from_pressure(values%real_value('load', key), &
-               radius, dry%reduced_modulus)/area]
-         else
-            dry%loads%mean_pressure = [point_load_from_pressure(values%real_value('load', key), &
-               radius, dry%reduced_modulus)/area]
-         end if
+         pressures = dry%values%slot('load', key)
+         dry%loads%mean_pressure = pressures%reals
       else
-         key = 'load_per_length'
-         if (dry%grid%ny > 1) key = 'load'
-         dry%loads%mean_pressure = [values%real_value('load', key)/area]
+         key = trim(merge('load_per_length', 'load           ', dry%grid%ny == 1))
+         if (dry%values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
+         load = dry%values%real_value('load', key)
+         if (key == 'hertz_pressure' .and. dry%grid%ny == 1) then
+            load = line_load_from_pressure(load, dry%radius, dry%reduced_modulus)
+         else if (key == 'hertz_pressure') then
+            load = point_load_from_pressure(load, dry%radius, dry%reduced_modulus)
+         end if
+         dry%loads%mean_pressure = [load/area]
       end if
-      if (maxval(dry%loads%mean_pressure) &
-         > dry%loads%hardness) call findings%add(values%line_of('load', key), 'load', key, &
-         'found a mean pressure of ' // to_text(maxval(dry%loads%mean_pressure)) &
-            // ' Pa, expected at most the hardness, ' &
-         // to_text(dry%loads%hardness) // ' Pa')
+      if (maxval(dry%loads%mean_pressure) > dry%loads%hardness) call dry%values%refuse('load', &
+         key, 'found a mean pressure of ' // to_text(maxval(dry%loads%mean_pressure)) &
+         // ' Pa, expected at most the hardness, ' // to_text(dry%loads%hardness) // ' Pa')
    end subroutine fill_loads
 
    !> Separations. Findings: an open line; nothing touches; an elastic periodic surface pressed
    !> further than flat.
-   subroutine fill_separations(values, dry, findings)
-      type(input_values_t), intent(in) :: values
+   subroutine fill_separations(dry)
       type(dry_case_t), intent(inout) :: dry
-      type(findings_t), intent(inout) :: findings
-      type(value_t) :: slot
+      type(value_t) :: given
       real(wp) :: top
-      character(:), allocatable :: found
+      character(:), allocatable :: fault
 
-      slot = values%slot('load', 'separation')
-      dry%loads%separation = slot%reals
-      found = ''
-      if (.not. dry%is_periodic .and. dry%grid%ny == 1) then
-         found = 'found a separation with periodic = .false., expected a load: the deflection '// &
-            'of an open line has no datum'
-      else if (.not. dry%is_periodic) then
-         if (minval(slot%reals) <= 0.0_wp) found = 'found ' // to_text(minval(slot%reals)) &
-            // ' m, expected > 0: in an open ' &
-            // 'area the approach of the bodies since first touch'
-      else
-         top = maxval(dry%height) - sum(dry%height)/size(dry%height)
-         if (maxval(slot%reals) >= top) then
-            found = 'found ' // to_text(maxval(slot%reals)) // ' m, at which nothing touches, '// &
-               'expected < ' // to_text(top) // ' m'
-         else if (minval(slot%reals) <= 0.0_wp .and. dry%loads%hardness >= no_hardness) then
-            found = 'found ' // to_text(minval(slot%reals)) // ' m, expected > 0: an elastic '// &
-               'surface is flat there'
+      given = dry%values%slot('load', 'separation')
+      dry%loads%separation = given%reals
+      fault = ''
+      associate (highest => maxval(given%reals), lowest => minval(given%reals))
+         if (.not. dry%is_periodic .and. dry%grid%ny == 1) then
+            fault = 'found a separation with periodic = .false., expected a load: the '// &
+               'deflection of an open line has no datum'
+         else if (.not. dry%is_periodic) then
+            if (lowest <= 0.0_wp) fault = 'found ' // to_text(lowest) // ' m, expected > 0: in '// &
+               'an open area the approach of the bodies since first touch'
+         else
+            top = maxval(dry%height) - sum(dry%height)/size(dry%height)
+            if (highest >= top) then
+               fault = 'found ' // to_text(highest) // ' m, at which nothing touches, '// &
+                  'expected < ' // to_text(top) // ' m'
+            else if (lowest <= 0.0_wp .and. dry%loads%hardness >= no_hardness) then
+               fault = 'found ' // to_text(lowest) // ' m, expected > 0: an elastic surface is '// &
+                  'flat there'
+            end if
          end if
-      end if
-      if (found /= '') call findings%add(slot%line, 'load', 'separation', found)
+      end associate
+      if (fault /= '') call dry%values%refuse('load', 'separation', fault)
    end subroutine fill_separations
 
    !> Kernel, method, tolerance, error bars. Finding: band_limited on an open domain.
-   subroutine fill_solver(values, dry, findings)
-      type(input_values_t), intent(in) :: values
+   subroutine fill_solver(dry)
       type(dry_case_t), intent(inout) :: dry
-      type(findings_t), intent(inout) :: findings
-      type(value_t) :: slot
 
-      dry%grid%kernel = kernel_open
-      if (dry%is_periodic) then
-         dry%grid%kernel = kernel_band_limited
-         if (values%word_value('domain', 'kernel') == 'element') dry%grid%kernel = kernel_element
-      else if (values%is_given('domain', 'kernel') .and. values%word_value('domain', &
-         'kernel') == 'band_limited') then
-         call findings%add(values%line_of('domain', 'kernel'), 'domain', 'kernel', &
-            "found 'band_limited' with periodic = .false., expected 'element'")
-      end if
-      dry%settings%method = method_conjugate_gradient
-      if (values%word_value('solver', 'method') == 'steepest_descent') dry%settings%method = &
-         method_steepest_descent
-      dry%settings%tolerance = values%real_value('solver', 'tolerance')
-      slot = values%slot('solver', 'max_cycles')
-      dry%settings%max_cycles = slot%integer
-      slot = values%slot('accuracy', 'error_bars')
-      dry%has_error_bars = slot%logical
-      if (values%is_given('accuracy', 'target')) dry%target = values%real_value('accuracy', &
-         'target')
+      associate (values => dry%values)
+         if (dry%is_periodic) then
+            dry%grid%kernel = merge(kernel_element, kernel_band_limited, &
+               values%word_value('domain', 'kernel') == 'element')
+         else
+            dry%grid%kernel = kernel_open
+            if (values%is_given('domain', 'kernel') .and. values%word_value('domain', &
+               'kernel') == 'band_limited') call values%refuse('domain', 'kernel', &
+               "found 'band_limited' with periodic = .false., expected 'element'")
+         end if
+         dry%settings%method = merge(method_steepest_descent, method_conjugate_gradient, &
+            values%word_value('solver', 'method') == 'steepest_descent')
+         dry%settings%tolerance = values%real_value('solver', 'tolerance')
+         dry%settings%max_cycles = values%integer_value('solver', 'max_cycles')
+         dry%has_error_bars = values%logical_value('accuracy', 'error_bars')
+         dry%target = values%real_value('accuracy', 'target')
+      end associate
    end subroutine fill_solver
 
 end module dry_input

@@ -1,103 +1,111 @@
-!> Composite heights of a dry case from the two surfaces.
+!> The heights of a dry case from its two surfaces, on its first grid and on finer ones.
 module dry_surfaces
    use analytic_heights, only: feature_heights, node_positions, parabola_heights
    use dry_case, only: dry_case_t
-   use errors, only: error_t
-   use features, only: feature_ridge, feature_sinusoid, feature_t
-   use findings, only: findings_t
+   use errors, only: error_t, fail, input_error
    use fourier_resampling, only: resample_centres, resample_heights
-   use height_file, only: heights_t, read_heights
-   use input_values, only: input_values_t, value_t
+   use height_file, only: read_heights
+   use input_values, only: value_t
    use kinds, only: wp
    use life_sign, only: begin_activity
-   use synthesis_keys, only: read_synthesis
+   use surface_keys, only: features_of, has_shape, read_synthesis, surfaces
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: add_surface, load_first_file, same_length
+   public :: is_refinable, load_file, make_heights, refine_heights, same_length
 
    !> Relative difference of two lengths that are the same.
    real(wp), parameter :: same_length = 1.0e-3_wp
+
 contains
 
-   !> The heights of the first surface that is a file; nothing if none is.
-   subroutine load_first_file(values, folder, heights, findings)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: folder
-      type(heights_t), intent(out) :: heights
-      type(findings_t), intent(inout) :: findings
-      type(value_t) :: shape
-      integer :: i
-      character(len=9), parameter :: groups(2) = ['surface_1', 'surface_2']
+   !> Fills the heights on the grid of `dry`. Findings: no memory; what the surfaces find.
+   subroutine make_heights(dry)
+      type(dry_case_t), intent(inout) :: dry
+      integer :: i, status
 
-      do i = 1, 2
-         shape = values%slot(groups(i), 'shape')
-         if (.not. shape%has_value) cycle
-         if (.not. any(shape%words == 'file')) cycle
-         call load_file(values, groups(i), folder, heights, findings)
+      allocate (dry%height(dry%grid%nx*dry%grid%ny), source=0.0_wp, stat=status)
+      if (status /= 0) then
+         call dry%values%refuse('domain', '', 'found no memory for the heights of the grid')
          return
-      end do
-   end subroutine load_first_file
-
-   !> The heights of the file of one surface.
-   subroutine load_file(values, group, folder, heights, findings)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group, folder
-      type(heights_t), intent(out) :: heights
-      type(findings_t), intent(inout) :: findings
-      type(value_t) :: dataset, name
-      type(error_t), allocatable :: error
-      character(:), allocatable :: path
-
-      name = values%slot(group, 'file')
-      dataset = values%slot(group, 'dataset')
-      path = trim(name%text)
-      if (index(path, '/') /= 1) path = folder // path
-      call read_heights(path, trim(dataset%text), heights, error)
-      if (allocated(error)) then
-         call findings%add(name%line, group, 'file', error%message)
-      else if (values%problem == 'dry_line' .and. heights%grid(2) > 1) then
-         call findings%add(name%line, group, 'file', 'found an area, expected a profile: '// &
-            "problem = 'dry_area' takes areas")
-      else if (values%problem == 'dry_area' .and. heights%grid(2) == 1) then
-         call findings%add(name%line, group, 'file', 'found a profile, expected an area: '// &
-            "problem = 'dry_line' takes profiles")
       end if
+      do i = 1, size(surfaces)
+         call add_surface(dry, i)
+      end do
+   end subroutine make_heights
+
+   !> The surface on `nodes` in x and y: formulas at the new nodes, synthetic and periodic heights
+   !> by their Fourier series. Errors (input_error): as the findings of `make_heights`.
+   subroutine refine_heights(dry, nodes, error)
+      type(dry_case_t), intent(inout) :: dry
+      integer, intent(in) :: nodes(2)
+      type(error_t), allocatable, intent(out) :: error
+
+      dry%grid%nx = nodes(1)
+      dry%grid%ny = nodes(2)
+      deallocate (dry%height)
+      call make_heights(dry)
+      associate (findings => dry%values%findings)
+         if (findings%count > 0) call fail(error, input_error, findings%report('finer grid'))
+      end associate
+   end subroutine refine_heights
+
+   !> False where the heights are known at the nodes of a file only: without a period they have no
+   !> Fourier series.
+   pure function is_refinable(dry)
+      type(dry_case_t), intent(in) :: dry
+      logical :: is_refinable
+
+      is_refinable = dry%is_periodic .or. .not. any(has_shape(dry%values, surfaces, 'file'))
+   end function is_refinable
+
+   !> Reads the file of surface `i`, unless it is read already. Findings: the file; an area for a
+   !> profile, or the reverse.
+   subroutine load_file(dry, i)
+      type(dry_case_t), intent(inout) :: dry
+      integer, intent(in) :: i
+      type(error_t), allocatable :: error
+      character(:), allocatable :: fault, path
+
+      if (allocated(dry%files(i)%z)) return
+      fault = ''
+      path = trim(dry%values%text_value(surfaces(i), 'file'))
+      if (index(path, '/') /= 1) path = dry%folder // path
+      call read_heights(path, trim(dry%values%text_value(surfaces(i), 'dataset')), dry%files(i), &
+         error)
+      if (allocated(error)) then
+         fault = error%message
+      else if (dry%values%problem == 'dry_line' .and. dry%files(i)%grid(2) > 1) then
+         fault = "found an area, expected a profile: problem = 'dry_area' takes areas"
+      else if (dry%values%problem == 'dry_area' .and. dry%files(i)%grid(2) == 1) then
+         fault = "found a profile, expected an area: problem = 'dry_line' takes profiles"
+      end if
+      if (fault /= '') call dry%values%refuse(surfaces(i), 'file', fault)
    end subroutine load_file
 
-   !> Adds the heights of the surface `group` to those of `dry`. `radius` [m] is that of a parabola.
-   !> Findings: what the surface itself finds.
-   subroutine add_surface(values, group, folder, radius, dry, findings)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group, folder
-      real(wp), intent(in) :: radius
+   !> Adds the heights of surface `i` to those of `dry`. Findings: what the surface itself finds.
+   subroutine add_surface(dry, i)
       type(dry_case_t), intent(inout) :: dry
-      type(findings_t), intent(inout) :: findings
-      type(value_t) :: shape
+      integer, intent(in) :: i
       real(wp), allocatable :: z(:)
-      character(:), allocatable :: word
 
-      shape = values%slot(group, 'shape')
-      if (.not. shape%has_value) return
-      word = trim(shape%words(1))
-      allocate (z(size(dry%height)), source=0.0_wp)
-      select case (word)
+      select case (dry%values%word_value(surfaces(i), 'shape'))
       case ('file')
-         call add_file(values, group, folder, dry, z, findings)
+         call add_file(dry, i, z)
       case ('synthetic')
-         call add_synthetic(values, group, dry, z, findings)
+         call add_synthetic(dry, surfaces(i), z)
       case ('parabola')
-         z = parabola_heights(radius, positions(dry, 1), positions(dry, 2), dry%lengths, &
+         z = parabola_heights(dry%radius, positions(dry, 1), positions(dry, 2), dry%lengths, &
             dry%is_periodic)
       case ('feature', 'sinusoid')
-         call add_features(values, group, dry, z, findings)
+         call add_features(dry, surfaces(i), z)
       case default
          return
       end select
-      if (findings%count > 0) return
-      if (values%is_given(group, 'harmonics')) call truncate(values, group, dry, z, findings)
+      if (dry%values%findings%count > 0) return
+      if (dry%values%is_given(surfaces(i), 'harmonics')) call truncate(dry, surfaces(i), z)
       dry%height = dry%height + z
    end subroutine add_surface
 
@@ -116,63 +124,55 @@ contains
       end if
    end function positions
 
-   !> Heights of the file, on a periodic domain resampled to its nodes. Findings: another length;
-   !> other nodes of an open domain.
-   subroutine add_file(values, group, folder, dry, z, findings)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group, folder
-      type(dry_case_t), intent(in) :: dry
-      real(wp), intent(inout) :: z(:)
-      type(findings_t), intent(inout) :: findings
-      type(heights_t) :: heights
+   !> Heights of the file of surface `i`, on a periodic domain resampled to its nodes. Findings:
+   !> another length; other nodes of an open domain.
+   subroutine add_file(dry, i, z)
+      type(dry_case_t), intent(inout) :: dry
+      integer, intent(in) :: i
+      real(wp), allocatable, intent(out) :: z(:)
       type(error_t), allocatable :: error
+      character(:), allocatable :: fault
       real(wp) :: length
-      integer :: i, line
+      integer :: k
 
-      call load_file(values, group, folder, heights, findings)
-      if (findings%count > 0) return
-      line = values%line_of(group, 'file')
-      do i = 1, merge(2, 1, dry%grid%ny > 1)
-         length = heights%grid(i)*heights%spacing(i)
-         if (length <= 0.0_wp .or. abs(length - dry%lengths(i)) <= same_length*dry%lengths(i)) cycle
-         call findings%add(line, group, 'file', 'found nodes times spacing '// &
-            '' // to_text(length) // ' m, expected the length of ' &
-            // 'the domain, ' // to_text(dry%lengths(i)) // ' m')
-         return
-      end do
-      call begin_activity('making the surface')
-      if (any(heights%grid /= [dry%grid%nx, dry%grid%ny])) then
-         if (.not. dry%is_periodic) then
-            call findings%add(line, group, 'file', 'found ' // to_text(heights%grid(1)) // ' '// &
-               'x ' // to_text(heights%grid(2)) &
-               // ' nodes, expected ' // to_text(dry%grid%nx) // ' x ' // to_text(dry%grid%ny) &
-                  // ' as in the other surface')
-            return
+      call load_file(dry, i)
+      if (dry%values%findings%count > 0) return
+      fault = ''
+      associate (file => dry%files(i), nodes => [dry%grid%nx, dry%grid%ny])
+         do k = merge(2, 1, dry%grid%ny > 1), 1, -1
+            length = file%grid(k)*file%spacing(k)
+            if (length <= 0.0_wp) cycle
+            if (abs(length - dry%lengths(k)) > same_length*dry%lengths(k)) fault = &
+               'found nodes times spacing ' // to_text(length) // ' m, expected the '// &
+               'length of the domain, ' // to_text(dry%lengths(k)) // ' m'
+         end do
+         call begin_activity('making the surface')
+         if (fault == '' .and. any(file%grid /= nodes) .and. .not. dry%is_periodic) fault = &
+            'found ' // to_text(file%grid(1)) // ' x ' // to_text(file%grid(2)) &
+            // ' nodes, expected ' // to_text(nodes(1)) // ' x ' // to_text(nodes(2)) &
+            // ' as in the other surface'
+         if (fault == '') then
+            z = file%z
+            if (any(file%grid /= nodes)) call resample_heights(file%grid, nodes, z, error)
+            if (allocated(error)) fault = error%message
          end if
-         call resample_heights(heights%grid, [dry%grid%nx, dry%grid%ny], heights%z, error)
-         if (allocated(error)) then
-            call findings%add(line, group, 'file', error%message)
-            return
-         end if
-      end if
-      z = heights%z
+      end associate
+      if (fault /= '') call dry%values%refuse(surfaces(i), 'file', fault)
    end subroutine add_file
 
    !> Heights with a wanted spectrum, those of the first grid resampled. Findings: wavelengths out
    !> of order; what the synthesis finds.
-   subroutine add_synthetic(values, group, dry, z, findings)
-      type(input_values_t), intent(in) :: values
+   subroutine add_synthetic(dry, group, z)
+      type(dry_case_t), intent(inout) :: dry
       character(*), intent(in) :: group
-      type(dry_case_t), intent(in) :: dry
-      real(wp), allocatable, intent(inout) :: z(:)
-      type(findings_t), intent(inout) :: findings
+      real(wp), allocatable, intent(out) :: z(:)
       type(synthesis_t) :: wanted
       type(error_t), allocatable :: error
 
-      associate (first => dry%recipe%nodes, nodes => [dry%grid%nx, dry%grid%ny])
-         call read_synthesis(values, group, maxval(dry%lengths), 2.0_wp*dry%lengths(1)/first(1), &
-            wanted, findings)
-         if (findings%count > 0) return
+      associate (first => dry%first_nodes, nodes => [dry%grid%nx, dry%grid%ny])
+         call read_synthesis(dry%values, group, maxval(dry%lengths), &
+            2.0_wp*dry%lengths(1)/first(1), wanted)
+         if (dry%values%findings%count > 0) return
          call begin_activity('making the surface')
          call synthetic_heights(wanted, first, dry%lengths(1), max(dry%lengths(2), tiny(1.0_wp)), &
             z, error)
@@ -184,67 +184,55 @@ contains
             end if
          end if
       end associate
-      if (allocated(error)) call findings%add(values%line_of(group, 'shape'), group, 'shape', &
-         error%message)
+      if (allocated(error)) call dry%values%refuse(group, 'shape', error%message)
    end subroutine add_synthetic
 
    !> Ridges, dents and sinusoids. Findings: arrays that do not belong together.
-   subroutine add_features(values, group, dry, z, findings)
-      type(input_values_t), intent(in) :: values
+   subroutine add_features(dry, group, z)
+      type(dry_case_t), intent(inout) :: dry
       character(*), intent(in) :: group
-      type(dry_case_t), intent(in) :: dry
-      real(wp), intent(inout) :: z(:)
-      type(findings_t), intent(inout) :: findings
+      real(wp), allocatable, intent(out) :: z(:)
       type(value_t) :: amplitude, position, shape, wavelength
-      type(feature_t), allocatable :: features(:)
-      integer :: i, n
+      integer :: n
 
-      shape = values%slot(group, 'shape')
-      amplitude = values%slot(group, 'amplitude')
-      wavelength = values%slot(group, 'wavelength')
-      position = values%slot(group, 'position')
+      shape = dry%values%slot(group, 'shape')
+      amplitude = dry%values%slot(group, 'amplitude')
+      wavelength = dry%values%slot(group, 'wavelength')
+      position = dry%values%slot(group, 'position')
       n = size(amplitude%reals)
       if (size(wavelength%reals) /= n .or. (size(position%reals) /= n .and. position%is_given) &
          .or. (size(shape%words) /= n .and. size(shape%words) /= 1)) then
-         call findings%add(amplitude%line, group, 'amplitude', &
-            'found ' // to_text(n) // ' values, expected as many of shape ' &
-            // '(or one), wavelength and position')
-         return
+         call dry%values%refuse(group, 'amplitude', 'found ' // to_text(n) &
+            // ' values, expected as many of shape (or one), wavelength and position')
+      else
+         z = feature_heights(features_of(dry%values, group), positions(dry, 1), dry%grid%ny, &
+            dry%lengths(1), dry%is_periodic)
       end if
-      allocate (features(n))
-      do i = 1, n
-         features(i) = feature_t(merge(feature_sinusoid, feature_ridge, &
-            shape%words(min(i, size(shape%words))) == 'sinusoid'), &
-            amplitude%reals(i), wavelength%reals(i), position%reals(min(i, size(position%reals))))
-      end do
-      z = feature_heights(features, positions(dry, 1), dry%grid%ny, dry%lengths(1), dry%is_periodic)
    end subroutine add_features
 
    !> Truncated Fourier series, (4.1). Findings: an open domain; more harmonics than the grid has.
-   subroutine truncate(values, group, dry, z, findings)
-      type(input_values_t), intent(in) :: values
+   subroutine truncate(dry, group, z)
+      type(dry_case_t), intent(inout) :: dry
       character(*), intent(in) :: group
-      type(dry_case_t), intent(in) :: dry
       real(wp), allocatable, intent(inout) :: z(:)
-      type(findings_t), intent(inout) :: findings
-      type(value_t) :: harmonics
       type(error_t), allocatable :: error
-      integer :: most
+      character(:), allocatable :: fault
+      integer :: harmonics, most
 
-      harmonics = values%slot(group, 'harmonics')
+      fault = ''
+      harmonics = dry%values%integer_value(group, 'harmonics')
       most = dry%grid%nx/2 - 1
       if (dry%grid%ny > 1) most = min(most, dry%grid%ny/2 - 1)
       if (.not. dry%is_periodic) then
-         call findings%add(harmonics%line, group, 'harmonics', &
-            'found a truncation with periodic = .false., expected .true.')
-      else if (harmonics%integer > most) then
-         call findings%add(harmonics%line, group, 'harmonics', &
-            'found ' // to_text(harmonics%integer) // ', expected at most ' &
-            // to_text(most) // ', half the nodes less one')
+         fault = 'found a truncation with periodic = .false., expected .true.'
+      else if (harmonics > most) then
+         fault = 'found ' // to_text(harmonics) // ', expected at most ' // to_text(most) &
+            // ', half the nodes less one'
       else
-         call truncate_harmonics(harmonics%integer, [dry%grid%nx, dry%grid%ny], z, error)
-         if (allocated(error)) call findings%add(harmonics%line, group, 'harmonics', error%message)
+         call truncate_harmonics(harmonics, [dry%grid%nx, dry%grid%ny], z, error)
+         if (allocated(error)) fault = error%message
       end if
+      if (fault /= '') call dry%values%refuse(group, 'harmonics', fault)
    end subroutine truncate
 
 end module dry_surfaces

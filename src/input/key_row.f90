@@ -1,9 +1,10 @@
 !> What a row of the key table holds, and what a key expects, in words.
 module key_row
+   use text, only: joined
    implicit none (type, external)
    private
 
-   public :: expected_value, has_word, word_list
+   public :: expected_value, has_word, split_words, word_list
 
    !> Kinds of values.
    integer, parameter, public :: real_kind = 1, integer_kind = 2, logical_kind = 3, &
@@ -86,22 +87,24 @@ contains
    pure function word_list(words) result(list)
       character(*), intent(in) :: words
       character(:), allocatable :: list
-      character(:), allocatable :: rest
-      integer :: blank
 
-      list = ''
-      rest = trim(words)
-      do while (len(rest) > 0)
-         blank = index(rest // ' ', ' ')
-         if (len(list) > 0 .and. blank > len(rest)) then
-            list = list // ' or '
-         else if (len(list) > 0) then
-            list = list // ', '
-         end if
-         list = list // "'" // rest(:blank - 1) // "'"
-         rest = rest(min(blank + 1, len(rest) + 1):)
-      end do
+      list = "'" // joined(split_words(words), "', '", last="' or '") // "'"
    end function word_list
+
+   !> Blank-separated `words` one by one.
+   pure function split_words(words) result(each)
+      character(*), intent(in) :: words
+      character(len=len(words)), allocatable :: each(:)
+      integer :: first, last
+
+      allocate (each(0))
+      first = 1
+      do while (first <= len_trim(words))
+         last = first + index(words(first:) // ' ', ' ') - 2
+         each = [character(len=len(words)) :: each, words(first:last)]
+         first = last + 2
+      end do
+   end function split_words
 
    !> True if `word` is one of the blank-separated `words`.
    pure function has_word(words, word)

@@ -1,13 +1,11 @@
 !> The rules of the key table (see module key_condition) over the values of a case.
 module key_rules
-   use findings, only: findings_t
    use input_keys, only: find_group, find_key, group_rows, key_rows
    use input_values, only: input_values_t, value_t
    use key_condition, only: condition_t, conditions_of, name_of, shown
    use key_row, only: has_word, is_required, key_row_t
    use kinds, only: wp
    use number_text, only: read_real
-   use validation_messages, only: report_missing, report_unused
    implicit none (type, external)
    private
 
@@ -19,32 +17,26 @@ module key_rules
 contains
 
    !> Finds keys that are given and not used, and keys that are needed and not given.
-   subroutine check_rules(values, findings)
-      type(input_values_t), intent(in) :: values
-      type(findings_t), intent(inout) :: findings
-      character(:), allocatable :: reason
-      logical :: is_needed
+   subroutine check_rules(values)
+      type(input_values_t), intent(inout) :: values
       integer :: i
 
       do i = 1, size(key_rows)
          associate (row => key_rows(i))
             if (.not. has_word(row%problems, trim(values%problem))) cycle
             if (values%slots(i)%is_given) then
-               call check_use(values, row, findings)
+               call check_use(values, row)
             else if (values%has_group(row%group)) then
-               call ask_need(values, row, is_needed, reason)
-               if (is_needed) call report_missing(values, trim(row%group), trim(row%key), &
-                  findings, reason)
+               call check_need(values, row)
             end if
          end associate
       end do
    end subroutine check_rules
 
    !> Finding, for each condition that does not hold: a key that is given and not used.
-   subroutine check_use(values, row, findings)
-      type(input_values_t), intent(in) :: values
+   subroutine check_use(values, row)
+      type(input_values_t), intent(inout) :: values
       type(key_row_t), intent(in) :: row
-      type(findings_t), intent(inout) :: findings
       type(condition_t), allocatable :: conditions(:)
       character(:), allocatable :: reason
       integer :: i
@@ -54,7 +46,7 @@ contains
          if (truth(values, conditions(i)) /= no) cycle
          reason = opposite(values, conditions(i))
          if (conditions(i)%reason /= '') reason = reason//', '//trim(conditions(i)%reason)
-         call report_unused(values, trim(row%group), trim(row%key), reason, findings)
+         call values%refuse_unused(trim(row%group), trim(row%key), reason)
       end do
    end subroutine check_use
 
@@ -67,29 +59,26 @@ contains
       integer :: i
 
       conditions = conditions_of(row%used, row%group)
-      is_used = .true.
-      do i = 1, size(conditions)
-         is_used = is_used .and. truth(values, conditions(i)) /= no
-      end do
+      is_used = all([(truth(values, conditions(i)) /= no, i=1, size(conditions))])
    end function is_used
 
-   !> Whether a key must be given, and what the message adds to that.
-   subroutine ask_need(values, row, is_needed, reason)
-      type(input_values_t), intent(in) :: values
+   !> Finding: a key that is not given and must be.
+   subroutine check_need(values, row)
+      type(input_values_t), intent(inout) :: values
       type(key_row_t), intent(in) :: row
-      logical, intent(out) :: is_needed
-      character(:), allocatable, intent(out) :: reason
       type(condition_t), allocatable :: conditions(:)
+      character(:), allocatable :: reason
       integer :: i
 
-      reason = ''
-      is_needed = row%default == is_required .or. row%needed /= ''
+      if (row%default /= is_required .and. row%needed == '') return
       conditions = conditions_of(row%needed, row%group)
+      reason = ''
       do i = 1, size(conditions)
-         is_needed = is_needed .and. truth(values, conditions(i)) == yes
+         if (truth(values, conditions(i)) /= yes) return
          reason = trim(conditions(i)%reason)
       end do
-   end subroutine ask_need
+      call values%refuse_missing(trim(row%group), trim(row%key), reason)
+   end subroutine check_need
 
    !> Whether a condition holds, on either surface if it is about one.
    function truth(values, condition)

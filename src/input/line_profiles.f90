@@ -1,25 +1,24 @@
-!> Measured and synthetic profiles of the lubricated line contact: from the keys of a surface to
-!> heights that enter the contact.
+!> The surfaces of the lubricated line contact: from their keys to features, and to measured or
+!> synthetic heights that enter the contact.
 module line_profiles
    use, intrinsic :: iso_fortran_env, only: int64
    use case_record, only: beside_namelist, case_t, set_effective
    use checksum, only: checksum_t
    use errors, only: error_t
    use features, only: rough_surface_t
-   use findings, only: findings_t
    use height_file, only: open_heights
-   use input_values, only: input_values_t, value_t
+   use input_values, only: input_values_t
    use kinds, only: wp
    use profile, only: profile_length, profile_t
    use scaling, only: new_scaling, scaling_t
-   use synthesis_keys, only: read_synthesis
+   use surface_keys, only: features_of, read_synthesis
    use synthetic_pieces, only: new_synthetic_pieces, synthetic_pieces_t
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: add_profile, place_surface
+   public :: make_surface, place_surface
 
    !> Nodes of a synthetic profile in its shortest wave.
    integer, parameter :: nodes_per_wave = 16
@@ -38,83 +37,80 @@ module line_profiles
 
 contains
 
-   !> Gives `surface` of `case` its entry and, for shape 'file' or 'synthetic', its profile.
-   !> Findings: the file; the synthesis.
-   subroutine add_profile(values, group, case, surface, findings)
-      type(input_values_t), intent(in) :: values
+   !> The surface `group`, which moves at `speed` [m/s]: its features, its entry and, for shape
+   !> 'file' or 'synthetic', its profile. Findings: the file; the synthesis.
+   subroutine make_surface(values, group, speed, case, surface)
+      type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
+      real(wp), intent(in) :: speed
       type(case_t), intent(inout) :: case
-      type(rough_surface_t), intent(inout) :: surface
-      type(findings_t), intent(inout) :: findings
+      type(rough_surface_t), intent(out) :: surface
       character(:), allocatable :: shape
-      type(value_t) :: position
       logical :: is_profile
 
+      surface%features = features_of(values, group)
+      surface%speed = speed
       shape = trim(values%word_value(group, 'shape'))
-      if (case%time%is_transient) surface%entry_length = values%real_value(group, 'entry_length')
       is_profile = shape == 'file' .or. shape == 'synthetic'
-      if (is_profile .and. case%time%is_transient .and. .not. values%is_given(group, &
-         'entry_length')) surface%entry_length = usual_entry
-      if (case%time%is_transient .and. shape /= 'smooth') call set_effective(case, group, &
-         'entry_length', surface%entry_length)
+      if (case%time%is_transient) then
+         surface%entry_length = values%real_value(group, 'entry_length', &
+            merge(usual_entry, 0.0_wp, is_profile))
+         if (shape /= 'smooth') call set_effective(case, group, 'entry_length', &
+            surface%entry_length)
+      end if
       if (.not. is_profile) return
       allocate (surface%profile)
       if (shape == 'file') then
-         call fill_from_file(values, group, case, surface%profile, findings)
+         call fill_from_file(values, group, case, surface%profile)
       else
-         call fill_synthetic(values, group, case, surface, findings)
+         call fill_synthetic(values, group, case, speed, surface%profile)
       end if
-      if (findings%count > 0) return
       surface%profile%end_length = max(surface%entry_length, usual_entry)
-      position = values%slot(group, 'position')
-      surface%profile%is_placed = position%is_given
-      if (position%is_given) surface%profile%start = position%reals(1)
-   end subroutine add_profile
+      surface%profile%is_placed = values%is_given(group, 'position')
+      surface%profile%start = values%real_value(group, 'position', surface%profile%start)
+   end subroutine make_surface
 
    !> Heights of the file, which are read as they are needed; with harmonics they repeat themselves
    !> and are held.
-   subroutine fill_from_file(values, group, case, profile, findings)
-      type(input_values_t), intent(in) :: values
+   subroutine fill_from_file(values, group, case, profile)
+      type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       type(case_t), intent(inout) :: case
       type(profile_t), intent(inout) :: profile
-      type(findings_t), intent(inout) :: findings
-      type(value_t) :: name, dataset, harmonics
       type(error_t), allocatable :: error
-      character(:), allocatable :: path
+      character(:), allocatable :: fault, path
       character(len=16) :: digits
       integer(int64) :: most
+      integer :: harmonics
 
-      name = values%slot(group, 'file')
-      dataset = values%slot(group, 'dataset')
-      path = beside_namelist(case, trim(name%text))
-      call open_heights(path, trim(dataset%text), profile%source, profile%spacing, digits, error)
+      path = beside_namelist(case, trim(values%text_value(group, 'file')))
+      call open_heights(path, trim(values%text_value(group, 'dataset')), profile%source, &
+         profile%spacing, digits, error)
       if (allocated(error)) then
-         call findings%add(name%line, group, 'file', error%message)
+         call values%refuse(group, 'file', error%message)
          return
       end if
-      if (.not. profile%spacing > 0.0_wp) call findings%add(name%line, group, 'file', &
+      if (.not. profile%spacing > 0.0_wp) call values%refuse(group, 'file', &
          'found no spacing in '//path// &
          ', expected the attribute spacing_x or spacing [m] of the dataset')
       profile%finest_wave = 2.0_wp*profile%spacing
       call set_effective(case, group, 'heights_checksum', digits)
       call set_effective(case, group, 'heights_spacing', profile%spacing, 'm')
-      harmonics = values%slot(group, 'harmonics')
-      if (.not. harmonics%is_given .or. findings%count > 0) return
+      if (.not. values%is_given(group, 'harmonics') .or. values%findings%count > 0) return
+      harmonics = values%integer_value(group, 'harmonics')
       most = min(profile%source%nodes/2 - 1, int(most_nodes, int64))
+      fault = ''
       if (profile%source%nodes > most_truncated) then
-         call findings%add(harmonics%line, group, 'harmonics', 'found a profile of ' &
-            //to_text(profile%source%nodes)// &
-            ' nodes, expected at most '//to_text(most_truncated) &
-               //': a series needs all of them at once')
-      else if (harmonics%integer > most) then
-         call findings%add(harmonics%line, group, 'harmonics', &
-            'found '//to_text(harmonics%integer)//', expected at most '// &
-            to_text(most)//', half the nodes less one')
+         fault = 'found a profile of '//to_text(profile%source%nodes)//' nodes, expected at '// &
+            'most '//to_text(most_truncated)//': a series needs all of them at once'
+      else if (harmonics > most) then
+         fault = 'found '//to_text(harmonics)//', expected at most '//to_text(most) &
+            //', half the nodes less one'
       else
-         call truncate_profile(harmonics%integer, profile, error)
-         if (allocated(error)) call findings%add(harmonics%line, group, 'harmonics', error%message)
+         call truncate_profile(harmonics, profile, error)
+         if (allocated(error)) fault = error%message
       end if
+      if (fault /= '') call values%refuse(group, 'harmonics', fault)
    end subroutine fill_from_file
 
    !> The truncated Fourier series of a whole profile, which is held from now on.
@@ -133,52 +129,47 @@ contains
       profile%finest_wave = size(profile%heights)*profile%spacing/harmonics
    end subroutine truncate_profile
 
-   !> Heights with a wanted spectrum, long enough for the whole passage; they repeat themselves
-   !> behind it.
-   subroutine fill_synthetic(values, group, case, surface, findings)
-      type(input_values_t), intent(in) :: values
+   !> Heights with a wanted spectrum, long enough for the whole passage at `speed` [m/s]; they
+   !> repeat themselves behind it.
+   subroutine fill_synthetic(values, group, case, speed, profile)
+      type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       type(case_t), intent(inout) :: case
-      type(rough_surface_t), intent(inout) :: surface
-      type(findings_t), intent(inout) :: findings
+      real(wp), intent(in) :: speed
+      type(profile_t), intent(inout) :: profile
       type(synthesis_t) :: wanted
+      type(error_t), allocatable :: error
       real(wp) :: length, longest, shortest
       integer :: before
 
       shortest = values%real_value(group, 'wavelength_short')
-      length = max(passage(case, surface%speed), values%real_value(group, 'wavelength_long'), &
+      length = max(passage(case, speed), values%real_value(group, 'wavelength_long'), &
          4.0_wp*shortest)
       longest = length
       if (length*nodes_per_wave > most_nodes*shortest) longest = most_waves*shortest
-      before = findings%count
-      call read_synthesis(values, group, longest, shortest, wanted, findings)
-      if (wanted%wavelength_long > longest) then
-         call findings%add(values%line_of(group, 'wavelength_long'), group, 'wavelength_long', &
-            'found '// &
-            to_text(wanted%wavelength_long)//' m, expected at most '//to_text(most_waves) &
-               //' times wavelength_short in a '// &
-            'profile of '//to_text(length, 3)//' m, which is too long to be made at once')
-      end if
-      if (findings%count > before) return
+      before = values%findings%count
+      call read_synthesis(values, group, longest, shortest, wanted)
+      if (wanted%wavelength_long > longest) call values%refuse(group, 'wavelength_long', &
+         'found '//to_text(wanted%wavelength_long)//' m, expected at most '//to_text(most_waves) &
+         //' times wavelength_short in a profile of '//to_text(length, 3) &
+         //' m, which is too long to be made at once')
+      if (values%findings%count > before) return
       call set_effective(case, group, 'wavelength_long', wanted%wavelength_long)
       call set_effective(case, group, 'wavelength_rolloff', wanted%wavelength_rolloff)
-      call synthesise(wanted, length, group, values%line_of(group, 'shape'), case, &
-         surface%profile, findings)
+      call synthesise(wanted, length, group, case, profile, error)
+      if (allocated(error)) call values%refuse(group, 'shape', error%message)
    end subroutine fill_synthetic
 
-   !> At once, or from pieces if that needs more than `most_nodes`. Findings: what the synthesis
-   !> finds.
-   subroutine synthesise(wanted, length, group, line, case, profile, findings)
+   !> At once, or from pieces if that needs more than `most_nodes`. Errors: those of the synthesis.
+   subroutine synthesise(wanted, length, group, case, profile, error)
       type(synthesis_t), intent(in) :: wanted
       real(wp), intent(in) :: length
       character(*), intent(in) :: group
-      integer, intent(in) :: line
       type(case_t), intent(inout) :: case
       type(profile_t), intent(inout) :: profile
-      type(findings_t), intent(inout) :: findings
+      type(error_t), allocatable, intent(out) :: error
       type(synthetic_pieces_t), allocatable :: pieces
       type(checksum_t) :: sums
-      type(error_t), allocatable :: error
       integer :: half, nodes
 
       profile%is_periodic = .true.
@@ -204,7 +195,6 @@ contains
             call set_effective(case, group, 'heights_checksum', sums%digits())
          end if
       end if
-      if (allocated(error)) call findings%add(line, group, 'shape', error%message)
    end subroutine synthesise
 
    !> Length of a surface that passes through the domain or lies in it [m]; `speed` [m/s].

@@ -5,7 +5,6 @@ module wave_validation
    use case_record, only: case_t
    use domain_choice, only: choose_domain
    use features, only: rough_surface_t
-   use findings, only: findings_t
    use input_values, only: input_values_t
    use kinds, only: wp
    use line_case, only: build_line_contact
@@ -23,10 +22,9 @@ module wave_validation
 contains
 
    !> Findings about both surfaces of a `case` whose grid is not chosen for an accuracy.
-   subroutine check_waves(values, case, findings)
-      type(input_values_t), intent(in) :: values
+   subroutine check_waves(values, case)
+      type(input_values_t), intent(inout) :: values
       type(case_t), intent(in) :: case
-      type(findings_t), intent(inout) :: findings
       type(scaling_t) :: scaling
       type(line_contact_t) :: contact
       type(time_settings_t) :: time
@@ -36,65 +34,44 @@ contains
       call choose_domain(contact)
       time = case%time
       call choose_time_step(contact, time)
-      call check_surface_waves(values, 'surface_1', contact%surface_1, contact, &
-         scaling%half_width, findings)
-      call check_surface_waves(values, 'surface_2', contact%surface_2, contact, &
-         scaling%half_width, findings)
-      if (.not. time%is_transient) return
-      call check_passages(values, 'surface_1', contact%surface_1, time%time_step, findings)
-      call check_passages(values, 'surface_2', contact%surface_2, time%time_step, findings)
+      call check_surface(values, 'surface_1', contact%surface_1, contact, scaling%half_width, &
+         time%time_step)
+      call check_surface(values, 'surface_2', contact%surface_2, contact, scaling%half_width, &
+         time%time_step)
    end subroutine check_waves
 
-   !> Finds a wave that falls between the nodes of the grid; lengths over `half_width` [m].
-   subroutine check_surface_waves(values, group, surface, contact, half_width, findings)
-      type(input_values_t), intent(in) :: values
+   !> Finds a wave that falls between the nodes of the grid (lengths over `half_width` [m]), or
+   !> passes within two of the given time steps.
+   subroutine check_surface(values, group, surface, contact, half_width, time_step)
+      type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       type(rough_surface_t), intent(in) :: surface
       type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: half_width
-      type(findings_t), intent(inout) :: findings
-      real(wp) :: wave, dx, nodes
+      real(wp), intent(in) :: half_width, time_step
+      real(wp) :: wave, dx, nodes, way
 
       if (size(surface%features) == 0) return
       wave = minval(surface%features%wavelength)
       dx = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
       nodes = wave/dx
-      if (nodes >= min_in_a_wave) return
-      if (values%has_value('domain', 'intervals')) then
-         call findings%add(values%line_of('domain', 'intervals'), 'domain', 'intervals', &
-            'found '// &
-            to_text(contact%domain%intervals)//', a grid with '//to_text(nodes, 2) &
-               //' nodes in the wavelength '// &
+      way = abs(surface%speed)*time_step
+      if (nodes < min_in_a_wave .and. values%has_value('domain', 'intervals')) then
+         call values%refuse('domain', 'intervals', 'found '//to_text(contact%domain%intervals) &
+            //', a grid with '//to_text(nodes, 2)//' nodes in the wavelength '// &
             to_text(wave*half_width, 3)//' m of &'//group//', expected at least '// &
             to_text(intervals_at_least(min_in_a_wave*contact%domain%intervals/nodes)) &
                //', two nodes in a wave')
-      else
-         call findings%add(values%line_of(group, 'wavelength'), group, 'wavelength', &
-            'found '//to_text(wave*half_width, 3)// &
+      else if (nodes < min_in_a_wave) then
+         call values%refuse(group, 'wavelength', 'found '//to_text(wave*half_width, 3)// &
             ' m, '//to_text(nodes, 2)//' nodes of the finest grid that the program chooses, '// &
-               'expected at least '// &
-            to_text(min_in_a_wave*dx*half_width, 3)//' m, or intervals in &domain')
+            'expected at least '//to_text(min_in_a_wave*dx*half_width, 3) &
+               //' m, or intervals in &domain')
       end if
-   end subroutine check_surface_waves
-
-   !> Finds a wave that passes within two of the given time steps.
-   subroutine check_passages(values, group, surface, time_step, findings)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group
-      type(rough_surface_t), intent(in) :: surface
-      real(wp), intent(in) :: time_step
-      type(findings_t), intent(inout) :: findings
-      real(wp) :: wave, way
-
-      if (size(surface%features) == 0 .or. .not. values%has_value('time', 'time_step')) return
-      wave = minval(surface%features%wavelength)
-      way = abs(surface%speed)*time_step
-      if (wave >= min_in_a_wave*way) return
-      call findings%add(values%line_of('time', 'time_step'), 'time', 'time_step', &
-         'found '//to_text(time_step, 3)// &
-         ', in which &'//group//' moves by '//to_text(way/wave, 2) &
+      if (wave < min_in_a_wave*way .and. values%has_value('time', 'time_step')) call &
+         values%refuse('time', 'time_step', 'found '//to_text(time_step, 3)// &
+            ', in which &'//group//' moves by '//to_text(way/wave, 2) &
             //' of its wavelength, expected at most '// &
-         to_text(wave/(min_in_a_wave*abs(surface%speed)), 3)//' [-], half of it')
-   end subroutine check_passages
+            to_text(wave/(min_in_a_wave*abs(surface%speed)), 3)//' [-], half of it')
+   end subroutine check_surface
 
 end module wave_validation

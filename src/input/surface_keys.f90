@@ -1,0 +1,75 @@
+!> What the keys of a surface want: its features, and the heights of a synthetic one.
+module surface_keys
+   use features, only: feature_ridge, feature_sinusoid, feature_t
+   use input_values, only: input_values_t, value_t
+   use kinds, only: wp
+   use synthetic_surface, only: synthesis_t
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: features_of, has_shape, read_synthesis
+
+   !> The groups of both surfaces.
+   character(len=9), parameter, public :: surfaces(2) = ['surface_1', 'surface_2']
+
+contains
+
+   !> True if the surface `group` has the shape `word`.
+   pure elemental function has_shape(values, group, word)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group, word
+      logical :: has_shape
+      type(value_t) :: shape
+
+      shape = values%slot(group, 'shape')
+      has_shape = any(shape%words == word)
+   end function has_shape
+
+   !> Ridges, dents and sinusoids of the surface `group`; where positions are not given, 0.
+   pure function features_of(values, group) result(features)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      type(feature_t), allocatable :: features(:)
+      type(value_t) :: amplitude, position, shape, wavelength
+      integer :: i
+
+      shape = values%slot(group, 'shape')
+      amplitude = values%slot(group, 'amplitude')
+      wavelength = values%slot(group, 'wavelength')
+      position = values%slot(group, 'position')
+      allocate (features(size(amplitude%reals)))
+      do i = 1, size(features)
+         features(i) = feature_t(merge(feature_sinusoid, feature_ridge, &
+            shape%words(min(i, size(shape%words))) == 'sinusoid'), amplitude%reals(i), &
+            wavelength%reals(i), 0.0_wp, is_placed=position%is_given)
+         if (size(position%reals) > 0) features(i)%position = position%reals(min(i, &
+            size(position%reals)))
+      end do
+   end function features_of
+
+   !> The heights that the surface `group` wants; `longest` and `shortest` are its longest and
+   !> shortest wave [m] where it does not give them, and the roll-off is at the longest then.
+   !> Findings: wavelengths out of order.
+   subroutine read_synthesis(values, group, longest, shortest, wanted)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group
+      real(wp), intent(in) :: longest, shortest
+      type(synthesis_t), intent(out) :: wanted
+
+      wanted%seed = values%integer_value(group, 'seed')
+      wanted%hurst = values%real_value(group, 'hurst')
+      wanted%rms_height = values%real_value(group, 'rms_height')
+      wanted%skewness = values%real_value(group, 'skewness')
+      wanted%kurtosis = values%real_value(group, 'kurtosis')
+      wanted%wavelength_long = values%real_value(group, 'wavelength_long', longest)
+      wanted%wavelength_rolloff = values%real_value(group, 'wavelength_rolloff', &
+         wanted%wavelength_long)
+      wanted%wavelength_short = values%real_value(group, 'wavelength_short', shortest)
+      if (wanted%wavelength_short > wanted%wavelength_rolloff .or. wanted%wavelength_rolloff &
+         > wanted%wavelength_long) call values%findings%add(values%line_of(group, 'shape'), &
+         group, 'wavelength_rolloff', 'found '//to_text(wanted%wavelength_rolloff) &
+         //' m, expected wavelength_short <= wavelength_rolloff <= wavelength_long')
+   end subroutine read_synthesis
+
+end module surface_keys

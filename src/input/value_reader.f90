@@ -1,0 +1,324 @@
+!> From the entries of a namelist to the values of a case.
+!>
+!> Read entry by entry, so that every failure has its line, group and key. What a value means for
+!> the case is the business of `case_input`.
+module value_reader
+   use findings, only: findings_t, quoted
+   use input_keys, only: find_group, find_key, group_rows, key_rows, later_meaning, &
+      renamed_words
+   use input_values, only: input_values_t, value_t
+   use key_range, only: is_in_range
+   use key_row, only: every, expected_value, has_word, integer_kind, is_chosen, is_optional, &
+      is_required, key_row_t, logical_kind, lubricated, real_kind, reals_kind, split_words, &
+      word_kind, words_kind
+   use kinds, only: wp
+   use namelist_text, only: namelist_text_t, entry_t
+   use namelist_values, only: piece_t, split_values, read_real, read_integer, read_logical, &
+      most_values
+   use nearest_name, only: nearest_known
+   use solver_settings, only: word_length
+   use text, only: joined, to_lower, to_text
+   implicit none (type, external)
+   private
+
+   public :: read_values
+
+contains
+
+   !> Fills `values` with the defaults of the table and the entries of `pieces`.
+   !>
+   !> Finds unknown or not built groups, keys and words, values of the wrong type or number or out
+   !> of range, arrays with elements left out.
+   subroutine read_values(pieces, values)
+      type(namelist_text_t), intent(in) :: pieces
+      type(input_values_t), intent(inout) :: values
+      integer :: i, row
+
+      values%last_line = pieces%lines
+      values%problem = problem_of(pieces)
+      do i = 1, size(key_rows)
+         call read_default(key_rows(i), values%slots(i), values%findings)
+      end do
+      do i = 1, pieces%group_count
+         associate (group => pieces%groups(i))
+            row = find_group(group%name)
+            if (row > 0) values%group_lines(row) = group%line
+            call check_group(group%name, group%line, row, values%problem, values%findings)
+         end associate
+      end do
+      do i = 1, pieces%entry_count
+         associate (entry => pieces%entries(i))
+            row = find_key(entry%group, entry%key, values%problem)
+            if (row > 0) then
+               call read_entry(entry, key_rows(row), values%slots(row), values%findings)
+            else if (find_group(entry%group) > 0) then
+               call report_unknown_key(entry, values%problem, values%findings)
+            end if
+         end associate
+      end do
+      do i = 1, size(key_rows)
+         associate (row => key_rows(i), slot => values%slots(i))
+            if (.not. all(slot%is_set)) call values%findings%add(slot%line, row%group, row%key, &
+               'found element ' // to_text(size(slot%is_set)) // ' but not element ' &
+               // to_text(findloc(slot%is_set, .false., dim=1)) &
+               // ', expected every element from 1 on')
+         end associate
+      end do
+   end subroutine read_values
+
+   !> The problem that the file names; the lubricated one if that cannot be read.
+   function problem_of(pieces) result(problem)
+      type(namelist_text_t), intent(in) :: pieces
+      character(len=word_length) :: problem
+      character(:), allocatable :: word
+      character(len=2), parameter :: quotes = achar(39) // achar(34)
+      integer :: i
+
+      problem = lubricated
+      do i = 1, pieces%entry_count
+         associate (entry => pieces%entries(i))
+            if (entry%group /= 'case' .or. entry%key /= 'problem' .or. len(entry%values) < 3) cycle
+            word = to_lower(entry%values(scan(entry%values, quotes) + 1:))
+            word = word(:scan(word // "'", quotes) - 1)
+            if (has_word(every, word)) problem = word
+         end associate
+      end do
+   end function problem_of
+
+   !> Finding: a group that is unknown, or not used by the problem.
+   subroutine check_group(name, line, row, problem, findings)
+      character(*), intent(in) :: name
+      integer, intent(in) :: line, row
+      character(*), intent(in) :: problem
+      type(findings_t), intent(inout) :: findings
+      character(:), allocatable :: hint
+
+      if (row > 0) then
+         if (.not. has_word(group_rows(row)%problems, trim(problem))) call findings%add(line, &
+            name, '', "found a group that problem = '"//trim(problem) &
+            //"' does not use, expected it left out")
+         return
+      end if
+      hint = nearest_known(name, group_rows%group)
+      if (hint /= '') hint = '; did you mean &' // hint // '?'
+      call findings%add(line, name, '', 'found an unknown group, expected one of those that '// &
+         'asperity --keys lists' // hint)
+   end subroutine check_group
+
+   !> Finding: a key that is unknown, belongs to another group, or is known and not built yet.
+   subroutine report_unknown_key(entry, problem, findings)
+      type(entry_t), intent(in) :: entry
+      character(*), intent(in) :: problem
+      type(findings_t), intent(inout) :: findings
+      character(len=len(key_rows%key)) :: names(size(key_rows))
+      character(:), allocatable :: hint, later, message
+      logical :: is_known
+      integer :: i
+
+      hint = ''
+      names = ''
+      is_known = .false.
+      do i = 1, size(key_rows)
+         associate (row => key_rows(i))
+            is_known = is_known .or. (row%group == entry%group .and. row%key == entry%key)
+            if (.not. has_word(row%problems, trim(problem))) cycle
+            if (row%group == entry%group) names(i) = row%key
+            if (row%key == entry%key .and. hint == '') hint = '; it belongs to &'//trim(row%group)
+         end associate
+      end do
+      later = later_meaning(entry%group, entry%key)
+      if (later == '' .and. .not. has_word(group_rows(find_group(entry%group))%problems, &
+         trim(problem))) return
+      if (later /= '') then
+         message = 'found a key that is not built yet (' // later // ')'
+      else if (is_known) then
+         message = "found a key that problem = '" // trim(problem) &
+            // "' does not use, expected it left out"
+      else
+         if (hint == '') then
+            hint = nearest_known(entry%key, names)
+            if (hint /= '') hint = '; did you mean ' // hint // '?'
+         end if
+         message = 'found an unknown key, expected one of ' // joined(pack(names, names /= ''), &
+            ', ') // hint
+      end if
+      call findings%add(entry%line, entry%group, quoted(entry%key), message)
+   end subroutine report_unknown_key
+
+   !> Reads the default of a row through the reader of the user's entries.
+   subroutine read_default(row, slot, findings)
+      type(key_row_t), intent(in) :: row
+      type(value_t), intent(inout) :: slot
+      type(findings_t), intent(inout) :: findings
+
+      call clear(slot)
+      if (any(row%default == [character(len=len(row%default)) :: is_required, is_chosen, &
+         is_optional])) return
+      call read_entry(entry_t(trim(row%group), trim(row%key), trim(row%default)), row, slot, &
+         findings)
+      slot%is_given = .false.
+      slot%is_set = [logical ::]
+   end subroutine read_default
+
+   !> A slot without a value.
+   subroutine clear(slot)
+      type(value_t), intent(inout) :: slot
+
+      slot%text = ''
+      slot%reals = [real(wp) ::]
+      slot%words = [character(len=word_length) ::]
+      slot%is_set = [logical ::]
+   end subroutine clear
+
+   !> Reads one entry into its slot; a default does not count any more. Findings: wrong number of
+   !> values, wrong type, unknown word, out of range.
+   subroutine read_entry(entry, row, slot, findings)
+      type(entry_t), intent(in) :: entry
+      type(key_row_t), intent(in) :: row
+      type(value_t), intent(inout) :: slot
+      type(findings_t), intent(inout) :: findings
+      type(piece_t), allocatable :: pieces(:)
+      character(:), allocatable :: problem
+      logical :: is_array
+      integer :: i
+
+      if (entry%is_broken .or. .not. slot%is_given) call clear(slot)
+      slot%is_given = .true.
+      slot%has_value = .false.
+      slot%line = entry%line
+      if (entry%is_broken) return
+      is_array = row%kind == reals_kind .or. row%kind == words_kind
+      call split_values(entry%values, pieces, problem)
+      if (.not. allocated(problem)) then
+         if (entry%has_subscript .and. .not. is_array) then
+            problem = 'a subscript'
+         else if (size(pieces) > 1 .and. .not. is_array) then
+            problem = to_text(size(pieces)) // ' values, ' // quoted(entry%values)
+         else if (entry%first + size(pieces) - 1 > most_values) then
+            problem = 'more than ' // to_text(most_values) // ' values'
+         end if
+      end if
+      if (allocated(problem)) then
+         call reject(entry, row, problem, findings)
+         return
+      end if
+      slot%has_value = .true.
+      call make_room(slot, entry%first + size(pieces) - 1)
+      do i = 1, size(pieces)
+         call store(entry, row, pieces(i), entry%first + i - 1, slot, findings)
+      end do
+   end subroutine read_entry
+
+   !> Gives the arrays of a slot at least `length` elements.
+   subroutine make_room(slot, length)
+      type(value_t), intent(inout) :: slot
+      integer, intent(in) :: length
+      integer :: missing, i
+
+      missing = length - size(slot%is_set)
+      if (missing <= 0) return
+      slot%reals = [slot%reals, (0.0_wp, i=1, missing)]
+      slot%words = [slot%words, (repeat(' ', word_length), i=1, missing)]
+      slot%is_set = [slot%is_set, (.false., i=1, missing)]
+   end subroutine make_room
+
+   !> Stores one value as element `place`.
+   subroutine store(entry, row, piece, place, slot, findings)
+      type(entry_t), intent(in) :: entry
+      type(key_row_t), intent(in) :: row
+      type(piece_t), intent(in) :: piece
+      integer, intent(in) :: place
+      type(value_t), intent(inout) :: slot
+      type(findings_t), intent(inout) :: findings
+      logical :: good
+
+      if (slot%is_set(place)) call findings%add(entry%line, entry%group, entry%key, &
+         'found element ' // to_text(place) &
+         // ' a second time, expected it once')
+      slot%is_set(place) = .true.
+      good = .true.
+      select case (row%kind)
+      case (real_kind, reals_kind)
+         call read_real(piece, slot%reals(place), good)
+         if (good) good = is_in_range(slot%reals(place), row%range)
+      case (integer_kind)
+         call read_integer(piece, slot%integer, good)
+         if (good) good = is_in_range(real(slot%integer, wp), row%range)
+      case (logical_kind)
+         call read_logical(piece, slot%logical, good)
+         slot%words(place) = merge('.true. ', '.false.', slot%logical)
+      case (word_kind, words_kind)
+         call store_word(entry, row, piece, slot%words(place), findings)
+      case default
+         good = piece%is_string
+         slot%text = piece%text
+      end select
+      if (good) return
+      call reject(entry, row, shown_piece(piece), findings)
+      slot%has_value = .false.
+   end subroutine store
+
+   !> Stores a word in lower case. Finding: not a string, unknown, or not built yet.
+   subroutine store_word(entry, row, piece, word, findings)
+      type(entry_t), intent(in) :: entry
+      type(key_row_t), intent(in) :: row
+      type(piece_t), intent(in) :: piece
+      character(len=word_length), intent(out) :: word
+      type(findings_t), intent(inout) :: findings
+      character(:), allocatable :: lower
+
+      word = '?'
+      lower = to_lower(trim(piece%text))
+      if (.not. piece%is_string) then
+         call reject(entry, row, shown_piece(piece) // ' without quotes', findings)
+      else if (has_word(row%later_words, lower)) then
+         call reject(entry, row, shown_piece(piece) // ', which is not built yet', findings)
+      else if (.not. has_word(row%words, lower)) then
+         call reject(entry, row, shown_piece(piece), findings, nearest_word(row, lower))
+      else
+         word = lower
+      end if
+   end subroutine store_word
+
+   !> "; 'word' is the new name" of a renamed `word`, "; did you mean 'word'?" with the word of the
+   !> row nearest to it, or nothing.
+   function nearest_word(row, word) result(hint)
+      type(key_row_t), intent(in) :: row
+      character(*), intent(in) :: word
+      character(:), allocatable :: hint
+      integer :: i
+
+      do i = 1, size(renamed_words)
+         if (renamed_words(i)%key /= row%key .or. renamed_words(i)%old /= word) cycle
+         hint = "; '" // trim(renamed_words(i)%new) // "' is its new name"
+         return
+      end do
+      hint = nearest_known(word, split_words(row%words))
+      if (hint /= '') hint = "; did you mean '" // hint // "'?"
+   end function nearest_word
+
+   !> Adds "found ..., expected ..." for an entry; `hint` comes behind it.
+   subroutine reject(entry, row, found, findings, hint)
+      type(entry_t), intent(in) :: entry
+      type(key_row_t), intent(in) :: row
+      character(*), intent(in) :: found
+      type(findings_t), intent(inout) :: findings
+      character(*), intent(in), optional :: hint
+      character(:), allocatable :: message
+
+      message = 'found ' // found // ', expected ' // expected_value(row)
+      if (present(hint)) message = message // hint
+      call findings%add(entry%line, entry%group, entry%key, message)
+   end subroutine reject
+
+   !> A value as the user wrote it.
+   function shown_piece(piece) result(shown)
+      type(piece_t), intent(in) :: piece
+      character(:), allocatable :: shown
+
+      shown = quoted(piece%text)
+      if (piece%is_string) shown = "'" // shown // "'"
+      if (piece%is_string .and. len_trim(piece%text) == 0) shown = 'an empty string'
+   end function shown_piece
+
+end module value_reader
