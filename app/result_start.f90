@@ -130,11 +130,11 @@ contains
       call open_hdf5_input(reader, path, error)
       is_complete = .not. allocated(error)
       if (.not. is_complete) return
-      if (is_complete) is_complete = reader%text_attribute('/', 'version') == program_version
-      if (is_complete) is_complete = reader%text_attribute('/', 'git_commit') == git_commit()
+      if (is_complete) is_complete = reader%text('/', 'version') == program_version
+      if (is_complete) is_complete = reader%text('/', 'git_commit') == git_commit()
       if (is_complete) is_complete = reader%text('/input/namelist') == case%namelist
       if (is_complete) is_complete = has_same_heights(reader, case)
-      is_converged = reader%integer_attribute('/', 'converged') == 1
+      is_converged = reader%integer_value('/', 'converged') == 1
       call reader%close(error)
       if (allocated(error)) is_complete = .false.
    end subroutine judge_result

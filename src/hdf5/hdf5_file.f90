@@ -6,6 +6,7 @@
 !> object carries a time stamp: equal contents make equal files.
 module hdf5_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, output_error
    use hdf5, only: h5f_acc_trunc_f, h5f_close_strong_f, h5f_scope_global_f, h5fclose_f, &
@@ -34,7 +35,7 @@ module hdf5_file
       !> HDF5 types of real(wp) and integer(int64).
       integer(hid_t) :: real_type = -1_hid_t
       integer(hid_t) :: integer_type = -1_hid_t
-      !> The first dataset of an answer whose values are none, and why; unallocated = none so far.
+      !> The first dataset whose values are no answer, and why; unallocated: none so far.
       character(:), allocatable :: nonsense
       logical, private :: is_open = .false.
    contains
@@ -44,10 +45,8 @@ module hdf5_file
       procedure :: create_group
       !> Hands everything to the operating system.
       procedure :: flush => flush_file
-      !> Closes the file; `error` is the first failure of its whole life.
+      !> Closes the file, whatever its state; `error` is the first failure of its whole life.
       procedure :: close => close_file
-      !> Closes the file whatever state it is in; what is in it is lost.
-      procedure :: give_up
       !> Keeps the first failure.
       procedure :: check
    end type hdf5_file_t
@@ -69,20 +68,16 @@ contains
          file%real_type = h5kind_to_type(wp, h5_real_kind)
          file%integer_type = h5kind_to_type(int64, h5_integer_kind)
          call h5pcreate_f(h5p_file_access_f, access, status)
-         call file%check(status, 'access properties')
-         call h5pset_fclose_degree_f(access, h5f_close_strong_f, status)
-         call file%check(status, 'access properties')
-         call h5pset_libver_bounds_f(access, h5f_libver_earliest_f, h5f_libver_latest_f, status)
-         call file%check(status, 'access properties')
-         call h5pcreate_f(h5p_link_create_f, file%link_creation, status)
-         call file%check(status, 'link properties')
-         call h5pset_create_inter_group_f(file%link_creation, 1, status)
-         call file%check(status, 'link properties')
-         call h5fcreate_f(path, h5f_acc_trunc_f, file%id, status, access_prp=access)
+         if (status >= 0) call h5pset_fclose_degree_f(access, h5f_close_strong_f, status)
+         if (status >= 0) call h5pset_libver_bounds_f(access, h5f_libver_earliest_f, &
+            h5f_libver_latest_f, status)
+         if (status >= 0) call h5pcreate_f(h5p_link_create_f, file%link_creation, status)
+         if (status >= 0) call h5pset_create_inter_group_f(file%link_creation, 1, status)
+         if (status >= 0) call h5fcreate_f(path, h5f_acc_trunc_f, file%id, status, &
+            access_prp=access)
+         file%is_open = status >= 0
+         if (status >= 0) call h5pclose_f(access, status)
          call file%check(status, 'creating the file')
-         file%is_open = .not. allocated(file%failure)
-         call h5pclose_f(access, status)
-         call file%check(status, 'access properties')
       end if
       if (allocated(file%failure)) error = file%failure
    end subroutine create_hdf5_file
@@ -102,14 +97,16 @@ contains
    subroutine look_at(self, path, values)
       class(hdf5_file_t), intent(inout) :: self
       character(*), intent(in) :: path
-      real(wp), intent(in) :: values(:)
+      real(wp), intent(in), contiguous, target :: values(..)
+      real(wp), pointer :: flat(:)
 
       if (allocated(self%nonsense) .or. index(path, '/report/') == 1 .or. index(path, &
          '/input/') == 1) return
-      if (.not. all(ieee_is_finite(values))) then
+      call c_f_pointer(c_loc(values), flat, [size(values)])
+      if (.not. all(ieee_is_finite(flat))) then
          self%nonsense = path//' holds values that are not finite'
       else if (index(path, '/pressure', back=.true.) == len(path) - len('/pressure') + 1) then
-         if (any(values < 0.0_wp)) self%nonsense = path//' holds values below zero'
+         if (any(flat < 0.0_wp)) self%nonsense = path//' holds values below zero'
       end if
    end subroutine look_at
 
@@ -122,9 +119,7 @@ contains
 
       if (allocated(self%failure)) return
       call h5gcreate_f(self%id, path, group, status, lcpl_id=self%link_creation)
-      call self%check(status, path)
-      if (allocated(self%failure)) return
-      call h5gclose_f(group, status)
+      if (status >= 0) call h5gclose_f(group, status)
       call self%check(status, path)
    end subroutine create_group
 
@@ -143,23 +138,17 @@ contains
    subroutine close_file(self, error)
       class(hdf5_file_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error
-
-      call self%flush()
-      call self%give_up()
-      if (allocated(self%failure)) error = self%failure
-   end subroutine close_file
-
-   !> Closes the file whatever state it is in.
-   subroutine give_up(self)
-      class(hdf5_file_t), intent(inout) :: self
       integer :: status
 
-      if (.not. self%is_open) return
-      self%is_open = .false.
-      call h5pclose_f(self%link_creation, status)
-      call self%check(status, 'link properties')
-      call h5fclose_f(self%id, status)
-      call self%check(status, 'closing the file')
-   end subroutine give_up
+      call self%flush()
+      if (self%is_open) then
+         self%is_open = .false.
+         call h5pclose_f(self%link_creation, status)
+         call self%check(status, 'link properties')
+         call h5fclose_f(self%id, status)
+         call self%check(status, 'closing the file')
+      end if
+      if (allocated(self%failure)) error = self%failure
+   end subroutine close_file
 
 end module hdf5_file

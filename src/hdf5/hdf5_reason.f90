@@ -1,8 +1,8 @@
 !> The first failure of a series of HDF5 calls, with its reason in a few words from the library's
 !> error stack.
 module hdf5_reason
-   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_funloc, c_funptr, c_int, &
-      c_int64_t, c_loc, c_ptr, c_associated, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_funloc, c_funptr, c_int, &
+      c_int64_t, c_loc, c_ptr, c_size_t
    use errors, only: error_t, fail
    implicit none (type, external)
    private
@@ -18,20 +18,10 @@ module hdf5_reason
 
    !> H5E_error2_t: one entry of the stack.
    type, bind(c) :: stack_entry_t
-      integer(c_int64_t) :: class_id
-      integer(c_int64_t) :: major_id
-      integer(c_int64_t) :: minor_id
+      integer(c_int64_t) :: class_id, major_id, minor_id
       integer(c_int) :: line
-      type(c_ptr) :: function_name
-      type(c_ptr) :: file_name
-      type(c_ptr) :: description
+      type(c_ptr) :: function_name, file_name, description
    end type stack_entry_t
-
-   !> Receives the description of the most specific entry.
-   type, bind(c) :: description_t
-      integer(c_int) :: length
-      character(kind=c_char) :: characters(max_length)
-   end type description_t
 
    interface
       !> Calls `visit` for every entry of the error stack.
@@ -74,13 +64,13 @@ contains
    function last_hdf5_reason() result(reason)
       character(:), allocatable :: reason
       character(len=*), parameter :: marker = "error message = '"
-      type(description_t), target :: description
+      character(len=max_length), target :: description
       integer :: start, length
 
-      description%length = 0
+      description = ''
       reason = ''
       if (h5ewalk2(default_stack, walk_upward, c_funloc(keep_first), c_loc(description)) < 0) return
-      reason = joined(description%characters(:description%length))
+      reason = trim(description)
       start = index(reason, marker)
       if (start == 0) return
       reason = reason(start + len(marker):)
@@ -95,28 +85,13 @@ contains
       type(stack_entry_t), intent(in) :: entry
       type(c_ptr), value :: client
       integer(c_int) :: status
-      type(description_t), pointer :: kept
-      character(kind=c_char), pointer :: source(:)
-      integer :: length
+      character(len=max_length), pointer :: kept, source
 
       status = 0_c_int
       if (number /= 0_c_int .or. .not. c_associated(entry%description)) return
-      length = int(min(strlen(entry%description), int(max_length, c_size_t)))
       call c_f_pointer(client, kept)
-      call c_f_pointer(entry%description, source, [length])
-      kept%length = int(length, c_int)
-      kept%characters(:length) = source
+      call c_f_pointer(entry%description, source)
+      kept = source(:min(strlen(entry%description), int(max_length, c_size_t)))
    end function keep_first
-
-   !> Single characters as one string.
-   pure function joined(characters) result(string)
-      character(kind=c_char), intent(in) :: characters(:)
-      character(size(characters)) :: string
-      integer :: i
-
-      do i = 1, size(characters)
-         string(i:i) = characters(i)
-      end do
-   end function joined
 
 end module hdf5_reason

@@ -1,7 +1,7 @@
-!> Datasets of an HDF5 file that grow by one record at a time, so that a long run needs no more
-!> memory than a short one.
+!> Datasets of an HDF5 file that grow record by record, so that a long run needs no more memory than
+!> a short one.
 module hdf5_series
-   use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_loc
    use hdf5, only: h5dget_space_f, h5dset_extent_f, h5dwrite_f, h5pset_chunk_f, h5pset_deflate_f, &
       h5pset_shuffle_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, h5screate_simple_f, &
       h5sselect_hyperslab_f, h5z_filter_deflate_f, h5zfilter_avail_f, hid_t, hsize_t
@@ -28,9 +28,8 @@ module hdf5_series
       character(:), allocatable, private :: path
       integer(hid_t), private :: id = -1_hid_t
    contains
-      !> Appends a record or several.
-      generic :: append => append_number, append_row, append_rows
-      procedure, private :: append_number, append_row, append_rows
+      !> Appends records: rows (row_length, n), or numbers (1, n).
+      procedure :: append
    end type series_t
 
 contains
@@ -53,105 +52,59 @@ contains
       limits = [int(row_length, hsize_t), h5s_unlimited_f]
       first = merge(2, 1, row_length == 0)
       call h5screate_simple_f(3 - first, extents(first:), space, status, limits(first:))
+      if (status >= 0) call new_properties(properties, status)
+      if (status >= 0) call add_chunks(row_length, properties, status)
       call file%check(status, path)
-      call new_properties(file, path, properties)
-      call add_chunks(file, path, row_length, properties)
       call create_labelled(file, path, file%real_type, space, properties, label, series%id)
    end subroutine create_series
 
-   !> Chunks, and compression of rows.
-   subroutine add_chunks(file, path, row_length, properties)
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: path
+   !> Chunks, and compression of rows; `status` < 0: failed.
+   subroutine add_chunks(row_length, properties, status)
       integer, intent(in) :: row_length
       integer(hid_t), intent(in) :: properties
+      integer, intent(out) :: status
       integer(hsize_t) :: chunk(2)
       logical :: can_deflate
-      integer :: status, rank
+      integer :: rank
 
-      if (allocated(file%failure)) return
       rank = merge(1, 2, row_length == 0)
       chunk(1) = int(min(row_length, chunk_numbers), hsize_t)
       chunk(2) = int(max(chunk_numbers/max(row_length, 32), 1), hsize_t)
       call h5pset_chunk_f(properties, rank, chunk(3 - rank:), status)
-      call file%check(status, path)
-      if (rank == 1) return
+      if (rank == 1 .or. status < 0) return
       call h5zfilter_avail_f(h5z_filter_deflate_f, can_deflate, status)
-      call file%check(status, path)
-      if (.not. can_deflate) return
+      if (.not. can_deflate .or. status < 0) return
       call h5pset_shuffle_f(properties, status)
-      call file%check(status, path)
-      call h5pset_deflate_f(properties, deflate_level, status)
-      call file%check(status, path)
+      if (status >= 0) call h5pset_deflate_f(properties, deflate_level, status)
    end subroutine add_chunks
 
-   !> Appends a number.
-   subroutine append_number(self, file, value)
-      class(series_t), intent(inout) :: self
-      class(hdf5_file_t), intent(inout) :: file
-      real(wp), intent(in), target :: value
-
-      call file%look_at(self%path, [value])
-      call append_records(self, file, [int(self%records, hsize_t)], [1_hsize_t], c_loc(value))
-   end subroutine append_number
-
-   !> Appends a row of `row_length` numbers.
-   subroutine append_row(self, file, values)
-      class(series_t), intent(inout) :: self
-      class(hdf5_file_t), intent(inout) :: file
-      real(wp), intent(in), contiguous, target :: values(:)
-
-      call file%look_at(self%path, values)
-      call append_records(self, file, [0_hsize_t, int(self%records, hsize_t)], &
-         [int(self%row_length, hsize_t), 1_hsize_t], &
-                         c_loc(values))
-   end subroutine append_row
-
-   !> Appends several records: rows (row_length, n), or numbers (1, n).
-   subroutine append_rows(self, file, values)
+   !> Makes room for the records behind the last one and writes them there.
+   subroutine append(self, file, values)
       class(series_t), intent(inout) :: self
       class(hdf5_file_t), intent(inout) :: file
       real(wp), intent(in), contiguous, target :: values(:, :)
+      integer(hid_t) :: file_space, memory_space
       integer(hsize_t) :: offset(2), extents(2)
-      integer :: first, i
+      integer :: first, status
 
-      if (size(values, 2) == 0) return
-      do i = 1, size(values, 2)
-         call file%look_at(self%path, values(:, i))
-      end do
+      if (allocated(file%failure) .or. size(values, 2) == 0) return
+      call file%look_at(self%path, values)
       offset = [0_hsize_t, int(self%records, hsize_t)]
       extents = [int(self%row_length, hsize_t), size(values, 2, kind=hsize_t)]
       first = merge(2, 1, self%row_length == 0)
-      call append_records(self, file, offset(first:), extents(first:), c_loc(values))
-   end subroutine append_rows
-
-   !> Makes room for records (`extents`) and writes them at `offset`.
-   subroutine append_records(series, file, offset, extents, values)
-      type(series_t), intent(inout) :: series
-      class(hdf5_file_t), intent(inout) :: file
-      integer(hsize_t), intent(in) :: offset(:)
-      integer(hsize_t), intent(in) :: extents(:)
-      type(c_ptr), intent(in) :: values
-      integer(hid_t) :: file_space, memory_space
-      integer :: status
-
-      if (allocated(file%failure)) return
-      call h5dset_extent_f(series%id, offset + extents, status)
-      call file%check(status, series%path)
-      call h5dget_space_f(series%id, file_space, status)
-      call file%check(status, series%path)
-      call h5screate_simple_f(size(extents), extents, memory_space, status)
-      call file%check(status, series%path)
-      if (allocated(file%failure)) return
-      call h5sselect_hyperslab_f(file_space, h5s_select_set_f, offset, extents, status)
-      call file%check(status, series%path)
-      call h5dwrite_f(series%id, file%real_type, values, status, memory_space, file_space)
-      call file%check(status, series%path)
-      call h5sclose_f(memory_space, status)
-      call file%check(status, series%path)
-      call h5sclose_f(file_space, status)
-      call file%check(status, series%path)
-      series%records = series%records + int(extents(size(extents)))
-   end subroutine append_records
+      associate (start => offset(first:), count => extents(first:))
+         call h5dset_extent_f(self%id, start + count, status)
+         if (status >= 0) call h5dget_space_f(self%id, file_space, status)
+         if (status >= 0) call h5screate_simple_f(size(count), count, memory_space, status)
+         if (status >= 0) call h5sselect_hyperslab_f(file_space, h5s_select_set_f, start, count, &
+            status)
+         if (status >= 0) call h5dwrite_f(self%id, file%real_type, c_loc(values), status, &
+            memory_space, file_space)
+         if (status >= 0) call h5sclose_f(memory_space, status)
+         if (status >= 0) call h5sclose_f(file_space, status)
+      end associate
+      call file%check(status, self%path)
+      self%records = self%records + size(values, 2)
+   end subroutine append
 
 end module hdf5_series

@@ -4,18 +4,18 @@
 module hdf5_source
    use, intrinsic :: iso_c_binding, only: c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
-   use hdf5, only: h5aget_space_f, h5aget_type_f, h5aread_f, h5d_chunked_f, h5d_virtual_f, &
-      h5dget_create_plist_f, h5dget_space_f, h5dget_storage_size_f, h5dget_type_f, h5dread_f, &
-      h5pclose_f, h5pget_chunk_f, h5pget_external_count_f, h5pget_layout_f, h5sclose_f, &
-      h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, h5t_float_f, h5t_integer_f, &
-      h5t_string_f, h5tclose_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, hid_t, &
-      hsize_t, size_t
+   use hdf5, only: h5aclose_f, h5aget_space_f, h5aget_type_f, h5aread_f, h5d_chunked_f, &
+      h5d_virtual_f, h5dclose_f, h5dget_create_plist_f, h5dget_space_f, h5dget_storage_size_f, &
+      h5dget_type_f, h5dread_f, h5pclose_f, h5pget_chunk_f, h5pget_external_count_f, &
+      h5pget_layout_f, h5sclose_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
+      h5sget_simple_extent_npoints_f, h5t_float_f, h5t_integer_f, h5t_string_f, h5tclose_f, &
+      h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, hid_t, hsize_t, size_t
    use kinds, only: wp
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: fault_of_size, fault_of_storage, hdf5_source_t, number_class, text_class
+   public :: hdf5_source_t, new_source, number_class, text_class
 
    !> Classes of values that are read: integers or reals of at most 16 bytes; a text of fixed
    !> length.
@@ -31,16 +31,68 @@ module hdf5_source
 
    !> An open attribute or dataset.
    type :: hdf5_source_t
-      integer(hid_t) :: id = -1_hid_t
-      logical :: is_attribute = .false.
+      !> Identifiers of HDF5: of the source itself, and of the type of its values.
+      integer(hid_t) :: id = -1_hid_t, type_id = -1_hid_t
+      logical, private :: is_attribute = .false.
+      !> Bytes of one value.
+      integer(size_t) :: bytes = 0_size_t
+      !> Number of values; -1 where it is unknown.
+      integer(int64) :: values = -1_int64
+      !> Extents as Fortran sees them, the fastest first; none for a single value.
+      integer(hsize_t), allocatable :: extents(:)
+      !> Class of the type in HDF5, and whether it is text of variable length.
+      integer, private :: class = -1
+      logical, private :: is_variable = .false.
    contains
-      procedure :: fault
-      procedure :: value_bytes
-      procedure :: open_type
+      procedure :: fault, fault_of_size, fault_of_storage
       procedure :: read_into
+      procedure :: close => close_source
    end type hdf5_source_t
 
 contains
+
+   !> Looks at what the attribute or dataset `id` holds.
+   function new_source(id, is_attribute) result(source)
+      integer(hid_t), intent(in) :: id
+      logical, intent(in) :: is_attribute
+      type(hdf5_source_t) :: source
+      integer(hid_t) :: space
+      integer :: status
+
+      source%id = id
+      source%is_attribute = is_attribute
+      if (is_attribute) then
+         call h5aget_space_f(id, space, status)
+         call h5aget_type_f(id, source%type_id, status)
+      else
+         call h5dget_space_f(id, space, status)
+         call h5dget_type_f(id, source%type_id, status)
+      end if
+      if (status >= 0) call h5tget_class_f(source%type_id, source%class, status)
+      if (status >= 0) call h5tget_size_f(source%type_id, source%bytes, status)
+      if (source%class == h5t_string_f) call h5tis_variable_str_f(source%type_id, &
+         source%is_variable, status)
+      call look_at_space(source, space)
+   end function new_source
+
+   !> Number of values and extents; closes the dataspace.
+   subroutine look_at_space(source, space)
+      type(hdf5_source_t), intent(inout) :: source
+      integer(hid_t), intent(in) :: space
+      integer(hsize_t), allocatable :: limits(:)
+      integer(hsize_t) :: points
+      integer :: rank, status
+
+      rank = 0
+      call h5sget_simple_extent_ndims_f(space, rank, status)
+      allocate (source%extents(max(rank, 0)), limits(max(rank, 0)), source=0_hsize_t)
+      if (status < 0) return
+      if (rank > 0) call h5sget_simple_extent_dims_f(space, source%extents, limits, status)
+      call h5sget_simple_extent_npoints_f(space, points, status)
+      if (status < 0) points = 0_hsize_t   ! to the library's Fortran side no values are a failure
+      source%values = int(points, int64)
+      call h5sclose_f(space, status)
+   end subroutine look_at_space
 
    !> "found ..., expected ..." where the source is not `count` values of the class; empty if it is.
    !> Below 0: any number of values.
@@ -49,63 +101,82 @@ contains
       integer, intent(in) :: class
       integer(int64), intent(in) :: count
       character(:), allocatable :: fault
-      integer(hid_t) :: type_id
-      integer(size_t) :: bytes
-      integer(int64) :: found
-      integer :: found_class, status
-      logical :: is_right, is_variable
+      logical :: is_number, is_text
 
-      found_class = -1
-      bytes = 0_size_t
-      is_variable = .false.
-      call self%open_type(type_id, status)
-      if (status >= 0) call h5tget_class_f(type_id, found_class, status)
-      if (status >= 0) call h5tget_size_f(type_id, bytes, status)
-      if (found_class == h5t_string_f) call h5tis_variable_str_f(type_id, is_variable, status)
-      call h5tclose_f(type_id, status)
-      found = number_of_values(self)
-      if (class == number_class) then
-         is_right = (found_class == h5t_integer_f .or. found_class == h5t_float_f) &
-            .and. bytes <= largest_number
-      else
-         is_right = found_class == h5t_string_f .and. bytes <= largest_text .and. .not. is_variable
-      end if
+      is_number = self%class == h5t_integer_f .or. self%class == h5t_float_f
+      is_text = self%class == h5t_string_f
       fault = ''
-      if (.not. is_right) then
-         fault = 'found '//class_words(found_class)//', expected ' &
-            //trim(merge('numbers               ', &
-            'a text of fixed length', class == number_class))
-      else if (count >= 0 .and. found /= count) then
-         fault = 'found '//to_text(found)//' values, expected '//to_text(count)
+      if (class == number_class .and. .not. (is_number .and. self%bytes <= largest_number)) then
+         fault = 'found '//class_words(is_number, is_text)//', expected numbers'
+      else if (class == text_class .and. .not. (is_text .and. self%bytes <= largest_text &
+         .and. .not. self%is_variable)) then
+         fault = 'found '//class_words(is_number, is_text)//', expected a text of fixed length'
+      else if (count >= 0 .and. self%values /= count) then
+         fault = 'found '//to_text(self%values)//' values, expected '//to_text(count)
       end if
    end function fault
 
-   !> What values of a class of HDF5 are.
-   function class_words(class) result(words)
-      integer, intent(in) :: class
+   !> What the values are.
+   pure function class_words(is_number, is_text) result(words)
+      logical, intent(in) :: is_number, is_text
       character(:), allocatable :: words
 
-      if (class == h5t_string_f) then
-         words = 'text'
-      else if (class == h5t_integer_f .or. class == h5t_float_f) then
-         words = 'numbers'
-      else
-         words = 'something else (a compound, an enumeration, references, ...)'
-      end if
+      words = 'something else (a compound, an enumeration, references, ...)'
+      if (is_number) words = 'numbers'
+      if (is_text) words = 'text'
    end function class_words
 
-   !> Bytes of one value of a source.
-   function value_bytes(self) result(bytes)
+   !> "found ..., expected ..." where the values of a dataset lie in other files, or in chunks that
+   !> are too large; else empty.
+   function fault_of_storage(self) result(fault)
       class(hdf5_source_t), intent(in) :: self
-      integer(size_t) :: bytes
-      integer(hid_t) :: type_id
+      character(:), allocatable :: fault
+      integer(hid_t) :: properties
+      integer(hsize_t) :: chunk(size(self%extents))
+      real(wp) :: bytes
+      integer :: external_files, layout, status
+
+      fault = 'found properties that cannot be read'
+      call h5dget_create_plist_f(self%id, properties, status)
+      if (status < 0) return
+      external_files = 0
+      chunk = 1_hsize_t
+      call h5pget_layout_f(properties, layout, status)
+      if (status >= 0 .and. layout /= h5d_virtual_f) call h5pget_external_count_f(properties, &
+         external_files, status)
+      if (status >= 0 .and. layout == h5d_chunked_f) call h5pget_chunk_f(properties, size(chunk), &
+         chunk, status)
+      if (status < 0) return
+      call h5pclose_f(properties, status)
+      bytes = product(real(chunk, wp))*real(self%bytes, wp)
+      fault = ''
+      if (layout == h5d_virtual_f) then
+         fault = 'found a virtual dataset, expected its values in the file itself'
+      else if (external_files > 0) then
+         fault = 'found external storage, expected the values in the file itself'
+      else if (bytes > real(largest_chunk, wp)) then
+         fault = 'found chunks of '//to_text(nint(bytes, int64))//' bytes, expected at most ' &
+            //to_text(largest_chunk)
+      end if
+   end function fault_of_storage
+
+   !> "found ..., expected ..." where a large dataset is declared but not stored: reading it would
+   !> take for ever. Else empty.
+   function fault_of_size(self) result(fault)
+      class(hdf5_source_t), intent(in) :: self
+      character(:), allocatable :: fault
+      integer(hsize_t) :: stored
+      real(wp) :: bytes
       integer :: status
 
-      bytes = 0_size_t
-      call self%open_type(type_id, status)
-      if (status >= 0) call h5tget_size_f(type_id, bytes, status)
-      if (status >= 0) call h5tclose_f(type_id, status)
-   end function value_bytes
+      fault = ''
+      bytes = real(self%bytes, wp)*real(self%values, wp)
+      call h5dget_storage_size_f(self%id, stored, status)
+      if (status < 0) stored = 0_hsize_t   ! to the library's Fortran side a size of 0 is a failure
+      if (bytes > real(large_dataset, wp) .and. bytes/most_packed > real(stored, wp)) fault = &
+         'found a dataset of '//to_text(nint(bytes, int64))//' bytes of which the file stores ' &
+         //to_text(int(stored, int64))//', expected all of them'
+   end function fault_of_size
 
    !> Reads all values as `type_id` to `place`; what is there must have been looked at with `fault`.
    subroutine read_into(self, type_id, place, status)
@@ -123,110 +194,17 @@ contains
       end if
    end subroutine read_into
 
-   !> The type of the values, to be closed.
-   subroutine open_type(self, type_id, status)
+   !> Closes the source and its type.
+   subroutine close_source(self)
       class(hdf5_source_t), intent(in) :: self
-      integer(hid_t), intent(out) :: type_id
-      integer, intent(out) :: status
+      integer :: status
 
+      call h5tclose_f(self%type_id, status)
       if (self%is_attribute) then
-         call h5aget_type_f(self%id, type_id, status)
+         call h5aclose_f(self%id, status)
       else
-         call h5dget_type_f(self%id, type_id, status)
+         call h5dclose_f(self%id, status)
       end if
-   end subroutine open_type
-
-   !> How many values a source has; 0 of an empty one, -1 where it is unknown.
-   function number_of_values(source) result(number)
-      class(hdf5_source_t), intent(in) :: source
-      integer(int64) :: number
-      integer(hid_t) :: space
-      integer(hsize_t) :: points
-      integer :: status
-
-      if (source%is_attribute) then
-         call h5aget_space_f(source%id, space, status)
-      else
-         call h5dget_space_f(source%id, space, status)
-      end if
-      number = -1_int64
-      if (status < 0) return
-      call h5sget_simple_extent_npoints_f(space, points, status)
-      if (status < 0) points = 0_hsize_t   ! to the library's Fortran side no values are a failure
-      number = int(points, int64)
-      call h5sclose_f(space, status)
-   end function number_of_values
-
-   !> Number of dimensions of a source; 0 where it is unknown.
-   function rank_of(source) result(rank)
-      class(hdf5_source_t), intent(in) :: source
-      integer :: rank
-      integer(hid_t) :: space
-      integer :: status
-
-      rank = 0
-      call h5dget_space_f(source%id, space, status)
-      if (status < 0) return
-      call h5sget_simple_extent_ndims_f(space, rank, status)
-      call h5sclose_f(space, status)
-   end function rank_of
-
-   !> "found ..., expected ..." where the values of the open dataset `id` lie in other files, or in
-   !> chunks that are too large; else empty.
-   function fault_of_storage(id) result(fault)
-      integer(hid_t), intent(in) :: id
-      character(:), allocatable :: fault
-      type(hdf5_source_t) :: source
-      integer(hid_t) :: properties
-      integer(hsize_t), allocatable :: chunk(:)
-      real(wp) :: bytes
-      integer :: external_files, layout, status
-
-      fault = 'found properties that cannot be read'
-      call h5dget_create_plist_f(id, properties, status)
-      if (status < 0) return
-      external_files = 0
-      call h5pget_layout_f(properties, layout, status)
-      if (status >= 0 .and. layout /= h5d_virtual_f) call h5pget_external_count_f(properties, &
-         external_files, status)
-      source%id = id
-      ! for another length the library returns garbage
-      allocate (chunk(rank_of(source)), source=1_hsize_t)
-      if (status >= 0 .and. layout == h5d_chunked_f) call h5pget_chunk_f(properties, size(chunk), &
-         chunk, status)
-      if (status < 0) return
-      call h5pclose_f(properties, status)
-      bytes = product(real(chunk, wp))*real(source%value_bytes(), wp)
-      fault = ''
-      if (layout == h5d_virtual_f) then
-         fault = 'found a virtual dataset, expected its values in the file itself'
-      else if (external_files > 0) then
-         fault = 'found external storage, expected the values in the file itself'
-      else if (bytes > real(largest_chunk, wp)) then
-         fault = 'found chunks of '//to_text(nint(bytes, int64))//' bytes, expected at most ' &
-            //to_text(largest_chunk)
-      end if
-   end function fault_of_storage
-
-   !> "found ..., expected ..." where a large dataset is declared but not stored: reading it would
-   !> take for ever. Else empty.
-   function fault_of_size(id) result(fault)
-      integer(hid_t), intent(in) :: id
-      character(:), allocatable :: fault
-      type(hdf5_source_t) :: source
-      integer(hsize_t) :: stored
-      real(wp) :: bytes
-      integer :: status
-
-      fault = ''
-      source%id = id
-      bytes = real(source%value_bytes(), wp)*real(number_of_values(source), wp)
-      call h5dget_storage_size_f(id, stored, status)
-      if (status < 0) stored = 0_hsize_t   ! to the library's Fortran side a size of 0 is a failure
-      if (bytes > real(large_dataset, wp) .and. bytes/most_packed > real(stored, wp)) fault = &
-         'found a dataset of '// &
-         to_text(nint(bytes, int64))//' bytes of which the file stores ' &
-            //to_text(int(stored, int64))//', expected all of them'
-   end function fault_of_size
+   end subroutine close_source
 
 end module hdf5_source

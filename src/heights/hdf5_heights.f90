@@ -9,7 +9,7 @@ module hdf5_heights
    use hdf5, only: h5dget_space_f, h5dread_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
       h5sselect_hyperslab_f, h5t_native_double, hid_t, hsize_t
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
-   use hdf5_source, only: fault_of_size, hdf5_source_t, number_class
+   use hdf5_source, only: hdf5_source_t, number_class
    use height_limits, only: scale_fault, spacing_fault
    use height_source, only: height_source_t
    use kinds, only: wp
@@ -47,8 +47,7 @@ contains
       real(wp), intent(out) :: spacing(2)
       type(error_t), allocatable, intent(out) :: error
       type(hdf5_input_t) :: reader
-      integer(int64), allocatable :: extents(:)
-      integer(hid_t) :: set_id
+      type(hdf5_source_t) :: values
       logical :: exists
 
       source%file = file
@@ -58,24 +57,23 @@ contains
       if (allocated(error)) return
       exists = reader%has(dataset)
       if (exists) then
-         extents = reader%extents(dataset)
-         call reader%open_dataset(dataset, set_id)
+         call reader%open(values, dataset)
          if (.not. allocated(reader%failure)) then
-            call look_at_dataset(reader, source, set_id, spacing)
+            call look_at_dataset(reader, source, values, spacing)
+            call values%close()
          end if
-         call reader%close_dataset(dataset, set_id)
       end if
       call reader%close(error)
       if (allocated(error)) return
       if (.not. exists) then
          call fail(error, input_error, file//': found no dataset '//quoted(dataset))
-      else if (size(extents) < 1 .or. size(extents) > 2) then
-         call fail(error, input_error, file//': found '//to_text(size(extents)) &
+      else if (size(values%extents) < 1 .or. size(values%extents) > 2) then
+         call fail(error, input_error, file//': found '//to_text(size(values%extents)) &
             //' dimensions in '// &
             dataset//', expected 1 or 2')
       else
          source%grid = 1
-         source%grid(:size(extents)) = extents
+         source%grid(:size(values%extents)) = values%extents
          if (product(real(source%grid, wp)) > most_nodes) call fail(error, input_error, &
             file//': found too many nodes in '//dataset)
          if (.not. allocated(error)) source%nodes = product(source%grid)
@@ -84,25 +82,23 @@ contains
 
    !> Spacing and scale of an open dataset. Failures: it holds no numbers or does not store them;
    !> attributes that are no single numbers or of no use.
-   subroutine look_at_dataset(reader, source, set_id, spacing)
+   subroutine look_at_dataset(reader, source, values, spacing)
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(inout) :: source
-      integer(hid_t), intent(in) :: set_id
+      type(hdf5_source_t), intent(in) :: values
       real(wp), intent(inout) :: spacing(2)
-      type(hdf5_source_t) :: values
       character(len=*), parameter :: names(2) = ['spacing_x', 'spacing_y']
       integer :: i
 
-      values%id = set_id
       call reader%refuse(source%dataset, values%fault(number_class, any_count))
-      call reader%refuse(source%dataset, fault_of_size(set_id))
-      spacing = reader%number_of(set_id, 'spacing', no_spacing)
+      call reader%refuse(source%dataset, values%fault_of_size())
+      spacing = reader%number_of(source%dataset, 'spacing', no_spacing)
       call refuse_spacing(reader, 'spacing', spacing(1))
       do i = 1, 2
-         spacing(i) = reader%number_of(set_id, names(i), spacing(i))
+         spacing(i) = reader%number_of(source%dataset, names(i), spacing(i))
          call refuse_spacing(reader, names(i), spacing(i))
       end do
-      source%si_scale = reader%number_of(set_id, 'si_scale', 1.0_wp)
+      source%si_scale = reader%number_of(source%dataset, 'si_scale', 1.0_wp)
       call reader%refuse('si_scale', scale_fault(source%si_scale))
       do i = 1, 2
          if (.not. is_stated(spacing(i))) spacing(i) = 0.0_wp
@@ -135,7 +131,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(hdf5_input_t) :: reader
       real(wp), allocatable, target :: values(:)
-      integer(hid_t) :: file_space, memory_space, set_id
+      type(hdf5_source_t) :: source
+      integer(hid_t) :: file_space, memory_space
       integer(hsize_t) :: extents(2), offset(2)
       type(c_ptr) :: place
       integer :: status
@@ -148,23 +145,23 @@ contains
       if (self%grid(2) > 1) extents = self%grid
       allocate (values(size(z)))
       place = c_loc(values)
-      call reader%open_dataset(self%dataset, set_id)
+      call reader%open(source, self%dataset)
       if (.not. allocated(reader%failure)) then
-         call h5dget_space_f(set_id, file_space, status)
+         call h5dget_space_f(source%id, file_space, status)
          call reader%check(status, self%dataset)
          call h5sselect_hyperslab_f(file_space, h5s_select_set_f, offset, extents, status)
          call reader%check(status, self%dataset//': fewer nodes than before')
          call h5screate_simple_f(1, [size(z, kind=hsize_t)], memory_space, status)
          call reader%check(status, self%dataset)
          if (.not. allocated(reader%failure)) then
-            call h5dread_f(set_id, h5t_native_double, place, status, memory_space, file_space)
+            call h5dread_f(source%id, h5t_native_double, place, status, memory_space, file_space)
             call reader%check(status, self%dataset//' as real numbers')
             z = values*self%si_scale
          end if
          call h5sclose_f(memory_space, status)
          call h5sclose_f(file_space, status)
+         call source%close()
       end if
-      call reader%close_dataset(self%dataset, set_id)
       call reader%close(error)   ! error: handed up
    end subroutine get
 

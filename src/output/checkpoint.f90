@@ -274,9 +274,9 @@ contains
       character(:), allocatable :: version, commit
 
       difference = ''
-      version = reader%text_attribute('/', 'version')
-      commit = reader%text_attribute('/', 'git_commit')
-      if (reader%integer_attribute('/', 'checkpoint_format') /= format_number &
+      version = reader%text('/', 'version')
+      commit = reader%text('/', 'git_commit')
+      if (reader%integer_value('/', 'checkpoint_format') /= format_number &
          .or. version /= program_version &
          .or. commit /= git_commit()) difference = ' was written by another version, ' &
             //program_name//' '//version// &

@@ -180,7 +180,7 @@ contains
       answer = has_seal(path)   ! then what is between need not be looked at, damaged or not
       if (answer .or. .not. has_hdf5_signature(path)) return
       call open_hdf5_input(reader, path, error)   ! error: it stays in the reader
-      answer = reader%text_attribute('/', 'program') == program_name
+      answer = reader%text('/', 'program') == program_name
       call reader%close(error)
       if (allocated(error)) answer = .false.
    end function is_result

@@ -103,18 +103,14 @@ contains
       extents = [int(row_length, hsize_t), int(capacity, hsize_t)]
       first = merge(2, 1, row_length == 0)
       call h5screate_simple_f(3 - first, extents(first:), space, status)
-      call file%check(status, path)
-      call new_properties(file, path, properties)
-      if (allocated(file%failure)) return
-      call h5pset_alloc_time_f(properties, h5d_alloc_time_early_f, status)
-      call file%check(status, path)
-      call h5pset_fill_time_f(properties, h5d_fill_time_never_f, status)
+      if (status >= 0) call new_properties(properties, status)
+      if (status >= 0) call h5pset_alloc_time_f(properties, h5d_alloc_time_early_f, status)
+      if (status >= 0) call h5pset_fill_time_f(properties, h5d_fill_time_never_f, status)
       call file%check(status, path)
       call create_labelled(file, path, file%real_type, space, properties, label, dataset)
       if (allocated(file%failure)) return
       call place_of_dataset(series, dataset, path, row_length, status)
-      call file%check(status, path)
-      call h5dclose_f(dataset, status)
+      if (status >= 0) call h5dclose_f(dataset, status)
       call file%check(status, path)
    end subroutine create_running_series
 

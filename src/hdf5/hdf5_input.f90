@@ -1,0 +1,271 @@
+!> An HDF5 file being read: numbers, texts and attributes by their paths.
+!>
+!> Every return code is checked. The first failure stays in `reader%failure` (kind input_error);
+!> what follows it reads nothing, so a caller checks once, at the end.
+module hdf5_input
+   use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
+   use, intrinsic :: iso_fortran_env, only: int64
+   use errors, only: error_t, fail, input_error
+   use file_identity, only: file_fault
+   use hdf5, only: h5aexists_by_name_f, h5aopen_by_name_f, h5dopen_f, h5f_acc_rdonly_f, &
+      h5fclose_f, h5fopen_f, h5kind_to_type, h5_integer_kind, h5_real_kind, h5lexists_f, hid_t
+   use hdf5_library, only: start_hdf5
+   use hdf5_reason, only: keep_hdf5_failure
+   use hdf5_source, only: hdf5_source_t, new_source, number_class, text_class
+   use kinds, only: wp
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: hdf5_input_t, open_hdf5_input
+
+   !> Most numbers that are read at once.
+   integer, parameter :: most_values = 268435456
+
+   !> An open file for reading.
+   type :: hdf5_input_t
+      character(:), allocatable :: path
+      !> The first thing that went wrong.
+      type(error_t), allocatable :: failure
+      !> HDF5 identifier of the file.
+      integer(hid_t), private :: id = -1_hid_t
+      logical, private :: is_open = .false.
+   contains
+      !> Whether there is a dataset or group of this path.
+      procedure :: has
+      !> Opens a dataset, or an attribute of a dataset or group.
+      procedure :: open => open_source
+      !> All numbers of a dataset, one after another.
+      procedure :: reals
+      !> The number of a dataset, or of an attribute of a dataset or group.
+      procedure :: real_value
+      procedure :: integer_value
+      !> The number of an attribute that may be missing.
+      procedure :: number_of
+      !> All numbers of a dataset or attribute, of which there must be so many, to an address.
+      procedure :: read_numbers
+      !> The text of a dataset, or of an attribute of a dataset or group, of a fixed length.
+      procedure :: text
+      procedure :: check
+      procedure :: refuse
+      !> Closes the file; `error` is the first failure.
+      procedure :: close => close_reader
+   end type hdf5_input_t
+
+contains
+
+   !> Opens `path`. Error: there is no such file, it is a pipe or a device, or it is not HDF5.
+   subroutine open_hdf5_input(reader, path, error)
+      type(hdf5_input_t), intent(out) :: reader
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+      integer :: status
+
+      reader%path = path
+      if (file_fault(path) /= '') then
+         call fail(reader%failure, input_error, 'cannot read '//path//': '//file_fault(path))
+      else
+         call start_hdf5(status)
+         call reader%check(status, 'starting the HDF5 library')
+         call h5fopen_f(path, h5f_acc_rdonly_f, reader%id, status)
+         call reader%check(status, 'opening the file')
+         reader%is_open = .not. allocated(reader%failure)
+      end if
+      if (allocated(reader%failure)) error = reader%failure
+   end subroutine open_hdf5_input
+
+   !> Keeps the first failure: `status` < 0 while `doing`.
+   subroutine check(self, status, doing)
+      class(hdf5_input_t), intent(inout) :: self
+      integer, intent(in) :: status
+      character(*), intent(in) :: doing
+
+      call keep_hdf5_failure(self%failure, input_error, 'cannot read ' // self%path, status, doing)
+   end subroutine check
+
+   !> Keeps "found ..., expected ..." about the dataset or attribute `name` as the first failure,
+   !> unless it is empty.
+   subroutine refuse(self, name, fault)
+      class(hdf5_input_t), intent(inout) :: self
+      character(*), intent(in) :: name, fault
+
+      if (fault == '' .or. allocated(self%failure)) return
+      call fail(self%failure, input_error, 'cannot read '//self%path//' ('//name//'): '//fault)
+   end subroutine refuse
+
+   !> Whether the whole path exists.
+   function has(self, path)
+      class(hdf5_input_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      logical :: has
+      integer :: last, slash, status
+
+      has = .not. allocated(self%failure)
+      last = 1
+      do while (has .and. last <= len_trim(path))
+         slash = index(path(last + 1:), '/')
+         last = merge(last + slash - 1, len_trim(path), slash > 0)
+         call h5lexists_f(self%id, path(:last), has, status)
+         has = has .and. status >= 0
+         last = last + 1
+      end do
+   end function has
+
+   !> Opens the dataset `path`, or the `attribute` of the object there, to be closed unless it
+   !> fails. A failure: there is none, or the values of a dataset lie elsewhere than in the file.
+   subroutine open_source(self, source, path, attribute)
+      class(hdf5_input_t), intent(inout) :: self
+      type(hdf5_source_t), intent(out) :: source
+      character(*), intent(in) :: path
+      character(*), intent(in), optional :: attribute
+      integer(hid_t) :: id
+      integer :: status
+
+      if (allocated(self%failure)) return
+      if (present(attribute)) then
+         call h5aopen_by_name_f(self%id, path, attribute, id, status)
+         call self%check(status, attribute)
+      else
+         call h5dopen_f(self%id, path, id, status)
+         call self%check(status, path)
+      end if
+      if (allocated(self%failure)) return
+      source = new_source(id, present(attribute))
+      if (present(attribute)) return
+      call self%refuse(path, source%fault_of_storage())
+      if (allocated(self%failure)) call source%close()
+   end subroutine open_source
+
+   !> All numbers of a dataset, converted to reals.
+   function reals(self, path) result(values)
+      class(hdf5_input_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      real(wp), allocatable, target :: values(:)
+      type(hdf5_source_t) :: source
+      integer(int64) :: count
+      integer :: status
+
+      count = 0_int64
+      call self%open(source, path)
+      if (.not. allocated(self%failure)) then
+         count = max(source%values, 0_int64)
+         call source%close()
+      end if
+      if (count > most_values) then
+         call self%refuse(path, 'found more than '//to_text(most_values)//' values')
+         count = 0_int64
+      end if
+      allocate (values(count), source=0.0_wp, stat=status)
+      if (status /= 0) then
+         call self%refuse(path, 'found '//to_text(count)//' values, for which there is no memory')
+         allocate (values(0))
+      end if
+      if (size(values) > 0) call self%read_numbers(path, count, h5kind_to_type(wp, h5_real_kind), &
+         c_loc(values))
+   end function reals
+
+   !> The number of a dataset or attribute that holds one.
+   function real_value(self, path, attribute) result(value)
+      class(hdf5_input_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      character(*), intent(in), optional :: attribute
+      real(wp), target :: value
+
+      value = 0.0_wp
+      call self%read_numbers(path, 1_int64, h5kind_to_type(wp, h5_real_kind), c_loc(value), &
+         attribute)
+   end function real_value
+
+   !> The number of a dataset or attribute that holds one.
+   function integer_value(self, path, attribute) result(value)
+      class(hdf5_input_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      character(*), intent(in), optional :: attribute
+      integer(int64), target :: value
+
+      value = 0_int64
+      call self%read_numbers(path, 1_int64, h5kind_to_type(int64, h5_integer_kind), c_loc(value), &
+         attribute)
+   end function integer_value
+
+   !> The number of the `attribute` of the object at `path`; `default` if there is none.
+   function number_of(self, path, attribute, default) result(value)
+      class(hdf5_input_t), intent(inout) :: self
+      character(*), intent(in) :: path, attribute
+      real(wp), intent(in) :: default
+      real(wp) :: value
+      logical :: exists
+      integer :: status
+
+      value = default
+      if (allocated(self%failure)) return
+      call h5aexists_by_name_f(self%id, path, attribute, exists, status)
+      call self%check(status, attribute)
+      if (allocated(self%failure) .or. .not. exists) return
+      value = self%real_value(path, attribute)
+   end function number_of
+
+   !> The one place where numbers are read: the `count` numbers of a dataset or attribute, which
+   !> must have just these, converted to `type_id`, to `place`, which has room for them.
+   subroutine read_numbers(self, path, count, type_id, place, attribute)
+      class(hdf5_input_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      integer(int64), intent(in) :: count
+      integer(hid_t), intent(in) :: type_id
+      type(c_ptr), intent(in) :: place
+      character(*), intent(in), optional :: attribute
+      type(hdf5_source_t) :: source
+      character(:), allocatable :: name
+      integer :: status
+
+      call self%open(source, path, attribute)
+      if (allocated(self%failure)) return
+      name = path
+      if (present(attribute)) name = attribute
+      call self%refuse(name, source%fault(number_class, count))
+      if (.not. allocated(self%failure)) then
+         call source%read_into(type_id, place, status)
+         call self%check(status, name)
+      end if
+      call source%close()
+   end subroutine read_numbers
+
+   !> The one place where texts are read: that of a dataset or attribute, null characters at its
+   !> end cut off.
+   function text(self, path, attribute)
+      class(hdf5_input_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      character(*), intent(in), optional :: attribute
+      character(:), allocatable :: text
+      type(hdf5_source_t) :: source
+      character(kind=c_char, len=:), allocatable, target :: buffer
+      character(:), allocatable :: name
+      integer :: status
+
+      text = ''
+      call self%open(source, path, attribute)
+      if (allocated(self%failure)) return
+      name = path
+      if (present(attribute)) name = attribute
+      call self%refuse(name, source%fault(text_class, 1_int64))
+      if (.not. allocated(self%failure)) then
+         allocate (character(len=source%bytes) :: buffer)
+         call source%read_into(source%type_id, c_loc(buffer), status)
+         call self%check(status, name)
+         if (status >= 0) text = buffer(:verify(buffer, c_null_char, back=.true.))
+      end if
+      call source%close()
+   end function text
+
+   !> Closes the file; twice does nothing.
+   subroutine close_reader(self, error)
+      class(hdf5_input_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+      integer :: status
+
+      if (self%is_open) call h5fclose_f(self%id, status)
+      self%is_open = .false.
+      if (allocated(self%failure)) error = self%failure
+   end subroutine close_reader
+
+end module hdf5_input
