@@ -17,8 +17,7 @@ contains
    !> Reads `files` into `cases`. Error (input_error): the findings of all files, or results that
    !> cannot have their names.
    subroutine read_all_cases(files, output_dir, cases, error)
-      character(*), intent(in) :: files(:)
-      character(*), intent(in) :: output_dir
+      character(*), intent(in) :: files(:), output_dir
       type(case_t), allocatable, intent(out) :: cases(:)
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: problems, found

@@ -9,14 +9,12 @@ module output_names
       kind_regular, look_at_file
    use file_seal, only: has_seal
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   use operating_system, only: folder_of
+   use result_name, only: working_endings
    implicit none (type, external)
    private
 
-   public :: folder_of, output_findings, working_endings
-
-   !> What is written beside a result while it is made.
-   character(len=9), parameter :: working_endings(*) = [character(len=9) :: '.part', '.tmp', &
-      '.ckpt', '.ckpt.tmp']
+   public :: output_findings
 
    !> An input or output, there or not yet.
    type :: place_t
@@ -57,30 +55,19 @@ contains
    function inputs_of(cases) result(places)
       type(case_t), intent(in) :: cases(:)
       type(place_t), allocatable :: places(:)
-      integer :: i, j, next
+      integer :: i, j
 
-      allocate (places(size(cases) + sum([(count(is_file_name(cases(i)%effective)), i=1, &
-         size(cases))])))
-      next = 0
+      allocate (places(0))
       do i = 1, size(cases)
-         next = next + 1
-         places(next) = new_place(cases(i)%file, 'namelist', i)
-         values: do j = 1, size(cases(i)%effective)
-            if (.not. is_file_name(cases(i)%effective(j))) cycle values
-            next = next + 1
-            places(next) = new_place(beside_namelist(cases(i), &
-               trim(cases(i)%effective(j)%text)), 'height file', i)
-         end do values
+         places = [places, new_place(cases(i)%file, 'namelist', i)]
+         do j = 1, size(cases(i)%effective)
+            associate (entry => cases(i)%effective(j))
+               if (entry%key == 'file') places = [places, &
+                  new_place(beside_namelist(cases(i), trim(entry%text)), 'height file', i)]
+            end associate
+         end do
       end do
    end function inputs_of
-
-   !> Whether a value names a file with heights.
-   elemental function is_file_name(entry) result(answer)
-      type(effective_t), intent(in) :: entry
-      logical :: answer
-
-      answer = entry%key == 'file'
-   end function is_file_name
 
    !> Results, each followed by what is written beside it.
    function outputs_of(cases, output_dir) result(places)
@@ -88,17 +75,15 @@ contains
       character(*), intent(in) :: output_dir
       type(place_t), allocatable :: places(:)
       character(:), allocatable :: path
-      integer :: i, j, next
+      integer :: i, j
 
-      allocate (places(size(cases)*(1 + size(working_endings))))
-      next = 1
+      allocate (places(0))
       do i = 1, size(cases)
          path = result_path(cases(i), output_dir)
-         places(next) = new_place(path, 'result', i)
+         places = [places, new_place(path, 'result', i)]
          do j = 1, size(working_endings)
-            places(next + j) = new_place(path//trim(working_endings(j)), 'temporary file', i)
+            places = [places, new_place(path//trim(working_endings(j)), 'temporary file', i)]
          end do
-         next = next + 1 + size(working_endings)
       end do
    end function outputs_of
 
@@ -203,17 +188,5 @@ contains
       if (answer) answer = beginning == signature
       close (unit)
    end function has_hdf5_signature
-
-   !> The folder part of a path; '.' if it has none.
-   pure function folder_of(path) result(folder)
-      character(*), intent(in) :: path
-      character(:), allocatable :: folder
-      integer :: slash
-
-      slash = index(path, '/', back=.true.)
-      folder = '.'
-      if (slash == 1) folder = '/'
-      if (slash > 1) folder = path(:slash - 1)
-   end function folder_of
 
 end module output_names

@@ -10,15 +10,14 @@ module progress_log
    use hdf5_dataset, only: label_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use life_sign, only: begin_activity, begin_line, columns_of_sign, end_line
+   use life_sign, only: begin_line, columns_of_sign, end_line
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use observer, only: observer_t
    use operating_system, only: is_terminal
    use passage_times, only: passage_times_t
    use quantities, only: h_min, p_max, parabola_minimum, quantity_count, quantity_rows
    use quantity_text, only: duration_text, number_text, prefixed_text, shortened, wrapped
-   use result_labels, only: field_label
+   use result_labels, only: row_label
    use scaling, only: scaling_t
    use signal_calls, only: standard_error
    use wall_clock, only: wall_seconds
@@ -40,7 +39,7 @@ module progress_log
    real(wp), parameter :: telling_inlet_error = 5.0e-3_wp
 
    !> Progress of one case after another.
-   type, extends(observer_t) :: progress_log_t
+   type :: progress_log_t
       !> Unit that is written.
       integer :: unit = error_unit
       !> Only what went wrong is said.
@@ -59,7 +58,6 @@ module progress_log
    contains
       procedure :: on_cycle
       procedure :: on_step
-      procedure :: on_stage
       !> A new case begins.
       procedure :: start_case
       !> A case is done: its table.
@@ -100,8 +98,7 @@ contains
    subroutine on_cycle(self, cycle, residual, load_error)
       class(progress_log_t), intent(inout) :: self
       integer, intent(in) :: cycle
-      real(wp), intent(in) :: residual
-      real(wp), intent(in) :: load_error
+      real(wp), intent(in) :: residual, load_error
       logical :: is_due
 
       if (self%is_quiet) return
@@ -118,8 +115,7 @@ contains
    !> more than ten a second.
    subroutine on_step(self, step, steps, state, report)
       class(progress_log_t), intent(inout) :: self
-      integer, intent(in) :: step
-      integer, intent(in) :: steps
+      integer, intent(in) :: step, steps
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       real(wp) :: now, silence
@@ -139,20 +135,9 @@ contains
       if (is_due) call self%update(step_text(self, step, steps, state, report))
    end subroutine on_step
 
-   !> Told where it takes long.
-   subroutine on_stage(self, words)
-      class(progress_log_t), intent(inout) :: self
-      character(*), intent(in) :: words
-
-      associate (unused => self)
-      end associate
-      call begin_activity(words)
-   end subroutine on_stage
-
    !> Tenths of the way after `step` of `steps`.
    pure function tenths(step, steps) result(n)
-      integer, intent(in) :: step
-      integer, intent(in) :: steps
+      integer, intent(in) :: step, steps
       integer :: n
 
       n = int(10_int64*step/steps)
@@ -161,8 +146,7 @@ contains
    !> Step, time, smallest film and remaining time in one line.
    function step_text(log, step, steps, state, report) result(line)
       class(progress_log_t), intent(in) :: log
-      integer, intent(in) :: step
-      integer, intent(in) :: steps
+      integer, intent(in) :: step, steps
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       character(:), allocatable :: line
@@ -250,7 +234,7 @@ contains
          type(label_t) :: scale
 
          associate (quantity => summary%of(i))
-            scale = field_label(trim(quantity_rows(i)%field), self%scaling)
+            scale = row_label(trim(quantity_rows(i)%field), self%scaling)
             row = '  '//quantity_rows(i)%short
             row(13:) = '-'
             if (self%scaling%is_dimensional) row(13:) = prefixed_text(quantity%value &
@@ -313,7 +297,7 @@ contains
       if (self%is_updating) then
          full = full(:min(len(full), columns - 1))
          call begin_line()
-         self%shown = max(self%shown, columns_of_sign())
+         self%shown = max(self%shown, columns_of_sign)
          write (self%unit, '(3a)', advance='no', iostat=status) achar(13), full, &
             repeat(' ', max(self%shown - len(full), 0))
          flush (self%unit, iostat=status)
@@ -330,7 +314,7 @@ contains
       integer :: status
 
       call begin_line()
-      self%shown = max(self%shown, columns_of_sign())
+      self%shown = max(self%shown, columns_of_sign)
       if (self%shown > 0) write (self%unit, '(3a)', advance='no', iostat=status) achar(13), &
          repeat(' ', self%shown), achar(13)
       self%shown = 0

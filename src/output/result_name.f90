@@ -9,15 +9,18 @@ module result_name
    use errors, only: error_t, fail, output_error
    use file_identity, only: file_identity_t, kind_link, kind_other, look_at_file
    use file_seal, only: seal_file
-   use interruption, only: forget_last_words, ignore_file_size_signal, lay_down_last_words, &
+   use interruption, only: forget_last_words, lay_down_last_words, &
       set_patience
-   use operating_system, only: is_folder, lock_t, remove_file, rename_file, sync_file
-   use output_names, only: folder_of, working_endings
+   use operating_system, only: folder_of, is_folder, lock_t, remove_file, rename_file, sync_file
    use text, only: to_text
    implicit none (type, external)
    private
 
    public :: hold_name, result_name_t
+
+   !> What is written beside a result while it is made; the checkpoint comes last.
+   character(len=9), parameter, public :: working_endings(4) = [character(len=9) :: '.part', &
+      '.tmp', '.ckpt.tmp', '.ckpt']
 
    !> A held name.
    type :: result_name_t
@@ -60,7 +63,6 @@ contains
 
       name%path = path
       inquire (file=path//'.part', exist=name%had_part)
-      call ignore_file_size_signal()
       fault = fault_of_name(path)
       if (fault == '') then
          if (.not. name%lock%take(path//'.part')) fault = 'another run is writing '//path//'.part'
@@ -112,14 +114,12 @@ contains
    subroutine expect_interruption(self, step)
       class(result_name_t), intent(inout) :: self
       integer, intent(in) :: step
-      character(len=9), parameter :: endings(3) = [character(len=9) :: '.part', '.tmp', '.ckpt.tmp']
-      character(len=len(self%path) + len(endings)) :: names(size(endings))
       integer :: first
 
       self%kept_step = step
       first = merge(2, 1, self%has_checkpoint)   ! a checkpoint needs NAME.part
-      names = self%path//endings
-      call lay_down_last_words(program_name//': '//self%interruption_text(step), names(first:))
+      call lay_down_last_words(program_name//': '//self%interruption_text(step), &
+         self%path//working_endings(first:3))
    end subroutine expect_interruption
 
    !> The file `temporary` becomes the result. Error: it cannot be renamed.
@@ -145,11 +145,12 @@ contains
    !> Removes NAME.ckpt, NAME.ckpt.tmp and NAME.tmp.
    subroutine remove_checkpoint(self)
       class(result_name_t), intent(inout) :: self
+      integer :: i
       logical :: is_removed
 
-      is_removed = remove_file(self%path//'.ckpt')
-      is_removed = remove_file(self%path//'.ckpt.tmp')
-      is_removed = remove_file(self%path//'.tmp')
+      do i = size(working_endings), 2, -1
+         is_removed = remove_file(self%path//trim(working_endings(i)))
+      end do
       self%has_checkpoint = .false.
    end subroutine remove_checkpoint
 

@@ -17,7 +17,7 @@ module interruption
    implicit none (type, external)
    private
 
-   public :: forget_last_words, ignore_file_size_signal, is_interrupted, lay_down_last_words, &
+   public :: forget_last_words, is_interrupted, lay_down_last_words, &
       listen_to_signals, set_patience, stop_listening, take_last_words
 
    !> Signals with the same number on every POSIX system; SIGUSR1, SIGUSR2, SIGXCPU and SIGXFSZ as
@@ -62,11 +62,13 @@ contains
 
    !> From now on the first request is recorded instead of ending the program. A signal that was
    !> ignored (nohup, a job in the background) stays ignored. A closed pipe on the output (SIGPIPE)
-   !> does not end the program.
+   !> and a write beyond the allowed file size (SIGXFSZ, `ulimit -f`) fail instead of ending the
+   !> program without a message.
    subroutine listen_to_signals()
       type(c_funptr) :: previous
 
       call ignore(signal_pipe)
+      call ignore(signal_file_size)
       call forget_last_words()
       previous = c_signal(signal_alarm, c_funloc(end_at_last))
       call listen_to(signal_hangup)
@@ -77,16 +79,9 @@ contains
       call listen_to(signal_processor_time)
    end subroutine listen_to_signals
 
-   !> A write beyond the allowed file size (`ulimit -f`) fails from now on instead of ending the
-   !> program without a message.
-   subroutine ignore_file_size_signal()
-      call ignore(signal_file_size)
-   end subroutine ignore_file_size_signal
-
    !> Sets the message and the files to remove if the program has to be ended from now on.
    subroutine lay_down_last_words(words, files)
-      character(*), intent(in) :: words
-      character(*), intent(in) :: files(:)
+      character(*), intent(in) :: words, files(:)
       integer :: i, next
 
       next = merge(2, 1, current == 1)

@@ -14,7 +14,7 @@ module life_sign
    implicit none (type, external)
    private
 
-   public :: begin_activity, begin_line, begin_subject, columns_of_sign, end_line, watch_silence
+   public :: begin_activity, begin_line, begin_subject, end_line, watch_silence
 
    !> ITIMER_PROF, processor time of all threads, and its signal, with the number of Linux.
    integer(c_int), parameter :: processor_timer = 2_c_int, signal_timer = 27_c_int
@@ -42,8 +42,8 @@ module life_sign
    character(len=longest_subject) :: subject = ''
    !> Clock at the last line [s].
    integer(c_long), volatile :: last_line = 0_c_long
-   !> Columns of the updating line that the handler has left on a terminal.
-   integer, volatile :: columns = 0
+   !> Columns of the updating line that the handler has left on a terminal since the last line.
+   integer, volatile, protected, public :: columns_of_sign = 0
 
 contains
 
@@ -89,18 +89,11 @@ contains
 
    !> The line is written: the timer starts again.
    subroutine end_line()
-      columns = 0
+      columns_of_sign = 0
       last_line = c_time(c_null_ptr)
       if (is_watching) call set_timer(processor_timer, longest_silence)
       is_writing = .false.
    end subroutine end_line
-
-   !> Columns of a terminal that a sign has filled since the last line.
-   function columns_of_sign() result(count)
-      integer :: count
-
-      count = columns
-   end function columns_of_sign
 
    !> The handler of the timer. If the output is blocked or closed, it stays silent from then on.
    subroutine give_sign(number) bind(c)
@@ -120,7 +113,7 @@ contains
       call compose(activities(current), now, line, length)
       is_watching = tell(line, length, 0)
       last_line = now
-      if (is_updating) columns = length - 1
+      if (is_updating) columns_of_sign = length - 1
       if (is_watching) call set_timer(processor_timer, longest_silence)
    end subroutine give_sign
 

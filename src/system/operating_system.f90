@@ -1,13 +1,13 @@
 !> The few services of the operating system that Fortran lacks, through the C library (POSIX).
 module operating_system
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_loc, c_null_char, &
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, &
       c_null_ptr, c_ptr, c_size_t
    use file_identity, only: is_same_file, look_at_file, look_at_open_file
    use signal_calls, only: c_unlink
    implicit none (type, external)
    private
 
-   public :: closed, is_folder, is_terminal, lock_t, opened, remove_file, rename_file, &
+   public :: closed, folder_of, is_folder, is_terminal, lock_t, opened, remove_file, rename_file, &
       set_environment, start_again, sync_file, sync_folder
 
    !> LOCK_EX + LOCK_NB, LOCK_SH + LOCK_NB, LOCK_UN of flock(2).
@@ -17,7 +17,7 @@ module operating_system
 
    !> A lock on a file, held until `release` or the end of the process, however that comes.
    type :: lock_t
-      type(c_ptr), private :: stream = c_null_ptr
+      integer(c_int), private :: descriptor = -1_c_int
    contains
       !> Takes the lock for writing, making the file if there is none; false if another process
       !> reads or writes the file.
@@ -32,8 +32,7 @@ module operating_system
       function c_rename(old, new) bind(c, name='rename') result(status)
          import :: c_char, c_int
          implicit none (type, external)
-         character(kind=c_char), intent(in) :: old(*)
-         character(kind=c_char), intent(in) :: new(*)
+         character(kind=c_char), intent(in) :: old(*), new(*)
          integer(c_int) :: status
       end function c_rename
 
@@ -45,37 +44,11 @@ module operating_system
          integer(c_int) :: answer
       end function c_isatty
 
-      !> fopen(3).
-      function c_fopen(path, mode) bind(c, name='fopen') result(stream)
-         import :: c_char, c_ptr
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         character(kind=c_char), intent(in) :: mode(*)
-         type(c_ptr) :: stream
-      end function c_fopen
-
-      !> fclose(3); the lock of the stream goes with it.
-      function c_fclose(stream) bind(c, name='fclose') result(status)
-         import :: c_int, c_ptr
-         implicit none (type, external)
-         type(c_ptr), value :: stream
-         integer(c_int) :: status
-      end function c_fclose
-
-      !> fileno(3): the descriptor of a stream.
-      function c_fileno(stream) bind(c, name='fileno') result(descriptor)
-         import :: c_int, c_ptr
-         implicit none (type, external)
-         type(c_ptr), value :: stream
-         integer(c_int) :: descriptor
-      end function c_fileno
-
       !> flock(2), as HDF5 uses it on files that it writes.
       function c_flock(descriptor, operation) bind(c, name='flock') result(status)
          import :: c_int
          implicit none (type, external)
-         integer(c_int), value :: descriptor
-         integer(c_int), value :: operation
+         integer(c_int), value :: descriptor, operation
          integer(c_int) :: status
       end function c_flock
 
@@ -108,8 +81,7 @@ module operating_system
       function c_setenv(name, value, overwrite) bind(c, name='setenv') result(status)
          import :: c_char, c_int
          implicit none (type, external)
-         character(kind=c_char), intent(in) :: name(*)
-         character(kind=c_char), intent(in) :: value(*)
+         character(kind=c_char), intent(in) :: name(*), value(*)
          integer(c_int), value :: overwrite
          integer(c_int) :: status
       end function c_setenv
@@ -139,8 +111,7 @@ contains
 
    !> Renames a file in one step, replacing an older one; true if that worked.
    function rename_file(old, new) result(is_done)
-      character(*), intent(in) :: old
-      character(*), intent(in) :: new
+      character(*), intent(in) :: old, new
       logical :: is_done
 
       is_done = c_rename(old//c_null_char, new//c_null_char) == 0_c_int
@@ -168,19 +139,23 @@ contains
       class(lock_t), intent(inout) :: self
       character(*), intent(in) :: path
       logical :: is_taken
-      integer(c_int) :: descriptor
+      integer :: status, unit
 
       is_taken = .true.
       do
          call self%release()
-         self%stream = c_fopen(path//c_null_char, 'a+'//c_null_char)
-         if (.not. c_associated(self%stream)) return
-         descriptor = c_fileno(self%stream)
-         if (c_flock(descriptor, lock_exclusive) /= 0_c_int) exit
-         if (is_same_file(look_at_open_file(descriptor), look_at_file(path, follows=.true.))) return
+         open (newunit=unit, file=path, access='stream', form='unformatted', action='readwrite', &
+            iostat=status)
+         if (status == 0) close (unit, iostat=status)
+         if (status /= 0) return
+         self%descriptor = opened(path, for_writing=.true.)
+         if (self%descriptor < 0_c_int) cycle
+         if (c_flock(self%descriptor, lock_exclusive) /= 0_c_int) exit
+         if (is_same_file(look_at_open_file(self%descriptor), look_at_file(path, &
+            follows=.true.))) return
       end do
       ! releasing what one does not have always works
-      is_taken = c_flock(descriptor, lock_none) /= 0_c_int
+      is_taken = c_flock(self%descriptor, lock_none) /= 0_c_int
       if (.not. is_taken) call self%release()
    end function take
 
@@ -189,16 +164,16 @@ contains
       class(lock_t), intent(inout) :: self
       integer(c_int) :: status
 
-      if (c_associated(self%stream)) status = c_flock(c_fileno(self%stream), lock_shared)
+      if (self%descriptor >= 0_c_int) status = c_flock(self%descriptor, lock_shared)
    end subroutine allow_readers
 
    !> Gives the lock back; twice does nothing.
    subroutine release(self)
       class(lock_t), intent(inout) :: self
-      integer(c_int) :: status
+      logical :: is_closed
 
-      if (c_associated(self%stream)) status = c_fclose(self%stream)
-      self%stream = c_null_ptr
+      if (self%descriptor >= 0_c_int) is_closed = closed(self%descriptor)
+      self%descriptor = -1_c_int
    end subroutine release
 
    !> Descriptor of an existing file or folder, for reading or for both; below 0: it cannot be
@@ -238,17 +213,24 @@ contains
       character(*), intent(in) :: path
       logical :: is_done
 
-      if (index(path, '/') > 0) then
-         is_done = sync_file(path(:index(path, '/', back=.true.)))
-      else
-         is_done = sync_file('.')
-      end if
+      is_done = sync_file(folder_of(path))
    end subroutine sync_folder
+
+   !> The folder part of a path; '.' if it has none.
+   pure function folder_of(path) result(folder)
+      character(*), intent(in) :: path
+      character(:), allocatable :: folder
+      integer :: slash
+
+      slash = index(path, '/', back=.true.)
+      folder = '.'
+      if (slash == 1) folder = '/'
+      if (slash > 1) folder = path(:slash - 1)
+   end function folder_of
 
    !> Sets an environment variable of this process, for libraries that read it.
    subroutine set_environment(name, value)
-      character(*), intent(in) :: name
-      character(*), intent(in) :: value
+      character(*), intent(in) :: name, value
       integer(c_int) :: status
 
       status = c_setenv(name//c_null_char, value//c_null_char, 1_c_int)
@@ -258,30 +240,29 @@ contains
    !> Returns if that fails.
    subroutine start_again()
       character(len=4096, kind=c_char) :: path
-      character(len=:, kind=c_char), allocatable, target :: words
+      character(len=:, kind=c_char), allocatable, target :: words(:)
       type(c_ptr), allocatable :: arguments(:)
-      integer :: i, length, longest
+      integer :: count, i, length, longest
       integer(c_int) :: status
 
       length = int(c_readlink('/proc/self/exe'//c_null_char, path, &
          len(path, kind=c_size_t) - 1_c_size_t))
       if (length <= 0) return
       path(length + 1:length + 1) = c_null_char
+      count = command_argument_count()
       longest = 0
-      do i = 0, command_argument_count()
+      do i = 0, count
          call get_command_argument(i, length=length)
          longest = max(longest, length)
       end do
-      allocate (character(len=(longest + 1)*(command_argument_count() + 1), kind=c_char) :: words)
-      allocate (arguments(0:command_argument_count() + 1))
-      do i = 0, command_argument_count()
-         associate (word => words((longest + 1)*i + 1:(longest + 1)*(i + 1)))
-            call get_command_argument(i, value=word, length=length)
-            word(length + 1:length + 1) = c_null_char
-            arguments(i) = c_loc(word)
-         end associate
+      allocate (character(len=longest + 1, kind=c_char) :: words(0:count))
+      allocate (arguments(0:count + 1))
+      do i = 0, count
+         call get_command_argument(i, value=words(i), length=length)
+         words(i)(length + 1:length + 1) = c_null_char
+         arguments(i) = c_loc(words(i))
       end do
-      arguments(command_argument_count() + 1) = c_null_ptr
+      arguments(count + 1) = c_null_ptr
       status = c_execv(path, arguments)
    end subroutine start_again
 

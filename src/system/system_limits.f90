@@ -60,8 +60,7 @@ module system_limits
       function c_mallopt(parameter, value) bind(c, name='mallopt') result(status)
          import :: c_int
          implicit none (type, external)
-         integer(c_int), value :: parameter
-         integer(c_int), value :: value
+         integer(c_int), value :: parameter, value
          integer(c_int) :: status
       end function c_mallopt
 

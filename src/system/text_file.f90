@@ -7,7 +7,7 @@ module text_file
    implicit none (type, external)
    private
 
-   public :: read_text_file, find_bad_byte
+   public :: find_bad_byte, open_stream, read_text_file
 
    !> Largest file that is read [bytes]; a namelist has a few thousand.
    integer(int64), parameter :: largest_file = 16777216_int64
@@ -27,18 +27,8 @@ contains
       character(len=256) :: message
 
       content = ''
-      if (file_fault(file) /= '') then
-         call fail(error, input_error, file // ': ' // file_fault(file))
-         return
-      end if
-      open (newunit=unit, file=file, access='stream', form='unformatted', action='read', &
-         status='old', &
-         iostat=status, iomsg=message)
-      if (status /= 0) then
-         call fail(error, input_error, file // ': cannot be opened: ' // trim(message))
-         return
-      end if
-      inquire (unit=unit, size=bytes)
+      call open_stream(file, unit, bytes, error)
+      if (allocated(error)) return
       if (bytes > largest_file) then
          call fail(error, input_error, file // ': found ' // to_text(bytes) // ' bytes, '// &
             'expected a namelist of at most 16 MB')
@@ -46,18 +36,40 @@ contains
          deallocate (content)
          allocate (character(len=bytes) :: content)
          read (unit, iostat=status, iomsg=message) content
-         if (status /= 0) call fail(error, input_error, file // ': cannot be read: '// &
-            '' // trim(message))
+         if (status /= 0) call fail(error, input_error, file // ': cannot be read: ' &
+            // trim(message))
       end if
       close (unit, iostat=status)
    end subroutine read_text_file
+
+   !> Opens `file` for reading byte by byte; it has so many `bytes`. Errors (input_error): the file
+   !> does not exist, is a folder, a pipe or a device, cannot be opened.
+   subroutine open_stream(file, unit, bytes, error)
+      character(*), intent(in) :: file
+      integer, intent(out) :: unit
+      integer(int64), intent(out) :: bytes
+      type(error_t), allocatable, intent(out) :: error
+      integer :: status
+      character(len=256) :: message
+
+      unit = -1
+      bytes = 0_int64
+      if (file_fault(file) /= '') then
+         call fail(error, input_error, file // ': ' // file_fault(file))
+         return
+      end if
+      open (newunit=unit, file=file, access='stream', form='unformatted', action='read', &
+         status='old', iostat=status, iomsg=message)
+      if (status == 0) inquire (unit=unit, size=bytes)
+      if (status /= 0) call fail(error, input_error, file // ': cannot be opened: ' &
+         // trim(message))
+   end subroutine open_stream
 
    !> Position of the first byte of `content` that is not UTF-8 text (0: none). Tab, line feed, form
    !> feed and carriage return are text; other control characters are not.
    pure function find_bad_byte(content) result(position)
       character(*), intent(in) :: content
-      integer :: position
-      integer :: i, j, code, following
+      integer :: position, i, j, code, following
 
       i = 1
       do while (i <= len(content))

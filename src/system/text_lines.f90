@@ -2,8 +2,8 @@
 module text_lines
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
-   use file_identity, only: file_fault
    use text, only: to_text
+   use text_file, only: open_stream
    implicit none (type, external)
    private
 
@@ -42,19 +42,9 @@ contains
       type(text_lines_t), intent(out) :: lines
       character(*), intent(in) :: file
       type(error_t), allocatable, intent(out) :: error
-      integer :: status
-      character(len=256) :: message
 
       lines%file = file
-      if (file_fault(file) /= '') then
-         call fail(error, input_error, file//': '//file_fault(file))
-         return
-      end if
-      open (newunit=lines%unit, file=file, access='stream', form='unformatted', action='read', &
-         status='old', iostat=status, &
-         iomsg=message)
-      if (status == 0) inquire (unit=lines%unit, size=lines%bytes)
-      if (status /= 0) call fail(error, input_error, file//': cannot be opened: '//trim(message))
+      call open_stream(file, lines%unit, lines%bytes, error)   ! error: handed up
    end subroutine open_lines
 
    !> Goes elsewhere.
