@@ -7,7 +7,7 @@ module breakdown_text
    use iteration_report, only: breakdown_t
    use kinds, only: wp
    use quantity_text, only: number_text, prefixed_text
-   use result_labels, only: quantity_label
+   use result_labels, only: scaled_label
    use scaling, only: scaling_t
    implicit none (type, external)
    private
@@ -24,16 +24,15 @@ contains
       type(scaling_t), intent(in) :: scaling
       character(:), allocatable :: sentence
 
-      sentence = 'film breakdown at x = '//prefixed_text(breakdown%position*scaling%half_width, &
-         'm')//' (X = '// &
-         number_text(breakdown%position, 4)//'), t = ' &
-            //prefixed_text(breakdown%time*scaling%time, 's')//' (T = '// &
-         number_text(breakdown%time, 4)//', time step '//number_text(real(breakdown%step, wp), 9) &
-            //'): '
+      sentence = 'film breakdown at x = ' &
+         //prefixed_text(breakdown%position*scaling%half_width, 'm')//' (X = ' &
+         //number_text(breakdown%position, 4)//'), t = ' &
+         //prefixed_text(breakdown%time*scaling%time, 's')//' (T = ' &
+         //number_text(breakdown%time, 4)//', time step ' &
+         //number_text(real(breakdown%step, wp), 9)//'): '
       if (breakdown%film > 0.0_wp) then
          sentence = sentence//'film '//prefixed_text(breakdown%film*scaling%film, 'm') &
-            //', below film_floor = '// &
-            prefixed_text(film_floor*scaling%film, 'm')
+            //', below film_floor = '//prefixed_text(film_floor*scaling%film, 'm')
       else
          sentence = sentence//'the film would close'
       end if
@@ -48,20 +47,17 @@ contains
       call write_attribute(file, '/', 'film_breakdown', merge(1, 0, breakdown%count > 0))
       if (breakdown%count == 0) return
       call write_dataset(file, '/report/film_breakdown_count', int(breakdown%count, int64), &
-                         new_label('solutions with a film below film_floor, or that would close', &
-                            '1'))
+         new_label('solutions with a film below film_floor, or that would close', '1'))
       call write_dataset(file, '/report/film_breakdown_step', int(breakdown%step, int64), &
-                         new_label('time step of the first of them', '1'))
+         new_label('time step of the first of them', '1'))
       call write_dataset(file, '/report/film_breakdown_time', breakdown%time, &
-                         quantity_label('time of the first of them', 's', scaling%time, scaling))
+         scaled_label('time of the first of them', 'time', scaling))
       call write_dataset(file, '/report/film_breakdown_position', breakdown%position, &
-                         quantity_label('place of the smallest film of the first of them', 'm', &
-                            scaling%half_width, scaling))
+         scaled_label('place of the smallest film of the first of them', 'half_width', scaling))
       call write_dataset(file, '/report/film_breakdown_film', breakdown%film, &
-                         quantity_label('smallest film of the first of them', 'm', scaling%film, &
-                            scaling))
+         scaled_label('smallest film of the first of them', 'film', scaling))
       call write_dataset(file, '/report/film_breakdown_smallest_film', breakdown%smallest_film, &
-                         quantity_label('smallest film of all of them', 'm', scaling%film, scaling))
+         scaled_label('smallest film of all of them', 'film', scaling))
    end subroutine write_breakdown
 
 end module breakdown_text

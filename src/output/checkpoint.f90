@@ -82,8 +82,7 @@ contains
    !> Reads the checkpoint `path` for the case `case`. Error: it is damaged, of another version or
    !> of another case.
    subroutine read_checkpoint(path, case, checkpoint, error)
-      character(*), intent(in) :: path
-      character(*), intent(in) :: case
+      character(*), intent(in) :: path, case
       type(checkpoint_t), intent(out) :: checkpoint
       type(error_t), allocatable, intent(out) :: error
       type(checkpoint_file_t) :: file
@@ -270,8 +269,7 @@ contains
    !> What is wrong with program or version; empty: nothing.
    function other_version(reader) result(difference)
       type(hdf5_input_t), intent(inout) :: reader
-      character(:), allocatable :: difference
-      character(:), allocatable :: version, commit
+      character(:), allocatable :: difference, version, commit
 
       difference = ''
       version = reader%text('/', 'version')

@@ -103,8 +103,9 @@ contains
             'load over nominal area', 'Pa')
          call write_estimated('load', rows%load, errors%load, 'load', load_unit)
       else
-         call write_column('mean_pressure', rows%mean_pressure, 'load over nominal area', 'Pa')
-         call write_column('load', rows%load, 'load', load_unit)
+         call write_dataset(file, '/sweep/mean_pressure', [rows%mean_pressure], &
+            new_label('load over nominal area', 'Pa'))
+         call write_dataset(file, '/sweep/load', [rows%load], new_label('load', load_unit))
       end if
       call write_estimated('contact_area_fraction', rows%contact_area_fraction, &
          errors%contact_area_fraction, &
@@ -136,21 +137,12 @@ contains
          'stored elastic energy', energy_unit)
       call write_estimated('dissipated_energy', rows%dissipated_energy, errors%dissipated_energy, &
          'energy dissipated by plastic deformation', energy_unit)
-      call write_column('kkt', rows%kkt, 'violation of the contact conditions', '1')
+      call write_dataset(file, '/sweep/kkt', [rows%kkt], &
+         new_label('violation of the contact conditions', '1'))
       call write_dataset(file, '/sweep/fft_pairs', int(rows%fft_pairs, int64), &
          new_label('pairs of transforms, in pairs of the full grid', '1'))
 
    contains
-
-      !> One column.
-      subroutine write_column(name, values, long_name, units)
-         character(*), intent(in) :: name, long_name, units
-         real(wp), intent(in) :: values(:)
-         real(wp) :: copy(size(values))
-
-         copy = values
-         call write_dataset(file, '/sweep/' // name, copy, new_label(long_name, units))
-      end subroutine write_column
 
       !> One column with its estimated errors, and its last value in /summary if that has it.
       subroutine write_estimated(name, values, estimates, long_name, units)
@@ -165,7 +157,7 @@ contains
             known = estimates
             missing = 'no solution, or too few other grids with one'
          end if
-         call write_column(name, values, long_name, units)
+         call write_dataset(file, '/sweep/' // name, [values], new_label(long_name, units))
          call write_attribute(file, '/sweep/' // name, 'error_estimate', known)
          if (.not. all(ieee_is_finite(known))) call write_attribute(file, '/sweep/' // name, &
             'no_estimate', missing)
@@ -192,25 +184,16 @@ contains
 
       height = 'highest less lowest'
       if (is_line) height = height//', mean of five parts'
-      call write_parameter('ra', 'arithmetic mean height', 'm', roughness%ra)
-      call write_parameter('rq', 'rms height', 'm', roughness%rq)
-      call write_parameter('rz', height, 'm', roughness%rz)
-      call write_parameter('rsk', 'skewness', '1', roughness%rsk)
-      call write_parameter('rku', 'kurtosis', '1', roughness%rku)
-
-   contains
-
-      !> One parameter.
-      subroutine write_parameter(name, long_name, units, values)
-         character(*), intent(in) :: name, long_name, units
-         real(wp), intent(in) :: values(:)
-         real(wp) :: copy(size(values))
-
-         copy = values
-         call write_dataset(file, '/sweep/'//name//'_'//state, copy, &
-            new_label(long_name//' '//when, units))
-      end subroutine write_parameter
-
+      call write_dataset(file, '/sweep/ra_'//state, [roughness%ra], &
+         new_label('arithmetic mean height '//when, 'm'))
+      call write_dataset(file, '/sweep/rq_'//state, [roughness%rq], &
+         new_label('rms height '//when, 'm'))
+      call write_dataset(file, '/sweep/rz_'//state, [roughness%rz], &
+         new_label(height//' '//when, 'm'))
+      call write_dataset(file, '/sweep/rsk_'//state, [roughness%rsk], &
+         new_label('skewness '//when, '1'))
+      call write_dataset(file, '/sweep/rku_'//state, [roughness%rku], &
+         new_label('kurtosis '//when, '1'))
    end subroutine write_roughness
 
    !> /surface: slope, curvature, bearing curves, height density and spectrum of the undeformed,

@@ -4,7 +4,7 @@ module input_section
    use case_record, only: effective_t
    use hdf5_dataset, only: label_t, new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
-   use result_labels, only: quantity_label
+   use result_labels, only: scaled_label
    use scaling, only: scaling_t
    implicit none (type, external)
    private
@@ -24,8 +24,7 @@ contains
       path = '/input/effective/'//trim(entry%group)//'/'//trim(entry%key)
       label = new_label('&'//trim(entry%group)//' '//trim(entry%key), '1')
       if (entry%unit == 'half-widths') then
-         label = quantity_label(label%long_name//', in half-widths', 'm', scaling%half_width, &
-            scaling)
+         label = scaled_label(label%long_name//', in half-widths', 'half_width', scaling)
       else if (entry%unit /= '' .and. entry%unit /= '-') then
          label%si_units = trim(entry%unit)
       end if

@@ -1,5 +1,5 @@
-!> What the stored fields of a lubricated line contact are: name, meaning, unit and scale, each in
-!> one place.
+!> What the stored fields and series of a lubricated line contact are: name, meaning and scale, each
+!> in one place.
 module result_labels
    use hdf5_dataset, only: label_t, new_label
    use kinds, only: wp
@@ -8,46 +8,77 @@ module result_labels
    implicit none (type, external)
    private
 
-   public :: field_label, field_values, quantity_label
+   public :: field_values, row_label, scaled_label
 
-   !> Names of the fields of `line_state_t`, as in /solution.
+   !> A field or series.
+   type :: row_t
+      character(len=20) :: name
+      !> The quantity of `scaling_t` that is its unit; '1': none.
+      character(len=14) :: unit
+      character(len=64) :: text
+   end type row_t
+
+   !> The fields of `line_state_t`, as in /solution, then the series of /transient.
+   type(row_t), parameter :: rows(*) = [ &
+      row_t('x', 'half_width', 'position along the contact, X = x/b'), &
+      row_t('pressure', 'hertz_pressure', 'pressure, P = p/p_h'), &
+      row_t('film_thickness', 'film', 'film thickness, H = h R/b^2'), &
+      row_t('viscosity', 'viscosity', 'viscosity over ambient viscosity, mu/mu_0'), &
+      row_t('density', '1', 'density over ambient density, rho/rho_0'), &
+      row_t('slip_factor', '1', 'Eyring slip factor S; 1 for a Newtonian fluid'), &
+      row_t('roughness_1', 'film', &
+      'height of surface 1, positive out of its material, psi_1 R/b^2'), &
+      row_t('roughness_2', 'film', &
+      'height of surface 2, positive out of its material, psi_2 R/b^2'), &
+      row_t('time', 'time', 'time of every step, T = t u_s/(2 b)'), &
+      row_t('rigid_displacement', 'film', 'rigid displacement H0 of (2.58)'), &
+      row_t('h_min', 'film', 'smallest film thickness, parabola through three nodes'), &
+      row_t('p_max', 'hertz_pressure', 'largest pressure of a node'), &
+      row_t('residual', '1', 'residual reached in the step'), &
+      row_t('film_breakdown', '1', '1 where the film is below film_floor, else 0'), &
+      row_t('profile_time', 'time', 'time of the stored profiles, T = t u_s/(2 b)')]
+
+   !> Names of the fields.
    character(len=*), parameter, public :: field_names(8) = [character(len=14) :: 'x', 'pressure', &
-      'film_thickness', &
-      'viscosity', 'density', 'slip_factor', 'roughness_1', 'roughness_2']
+      'film_thickness', 'viscosity', 'density', 'slip_factor', 'roughness_1', 'roughness_2']
 
 contains
 
-   !> Label of a field of `field_names`.
-   pure function field_label(name, scaling) result(label)
+   !> Label of a field or series.
+   pure function row_label(name, scaling) result(label)
       character(*), intent(in) :: name
       type(scaling_t), intent(in) :: scaling
       type(label_t) :: label
+      type(row_t) :: row
 
-      select case (name)
-      case ('x')
-         label = quantity_label('position along the contact, X = x/b', 'm', scaling%half_width, &
-            scaling)
-      case ('pressure')
-         label = quantity_label('pressure, P = p/p_h', 'Pa', scaling%hertz_pressure, scaling)
-      case ('film_thickness')
-         label = quantity_label('film thickness, H = h R/b^2', 'm', scaling%film, scaling)
+      row = rows(findloc(rows%name == name, .true., 1))
+      label = scaled_label(trim(row%text), trim(row%unit), scaling)
+   end function row_label
+
+   !> Label of a value whose unit is the quantity `unit` of `scaling`, or a pure number ('1', or if
+   !> the SI scales are unknown: input by Moes' numbers).
+   pure function scaled_label(long_name, unit, scaling) result(label)
+      character(*), intent(in) :: long_name, unit
+      type(scaling_t), intent(in) :: scaling
+      type(label_t) :: label
+
+      label = new_label(long_name, '1')
+      if (.not. scaling%is_dimensional) return
+      select case (unit)
+      case ('half_width')
+         label = new_label(long_name, 'm', scaling%half_width)
+      case ('film')
+         label = new_label(long_name, 'm', scaling%film)
+      case ('hertz_pressure')
+         label = new_label(long_name, 'Pa', scaling%hertz_pressure)
+      case ('time')
+         label = new_label(long_name, 's', scaling%time)
       case ('viscosity')
-         label = quantity_label('viscosity over ambient viscosity, mu/mu_0', 'Pa s', &
-            scaling%viscosity, scaling)
-      case ('density')
-         label = new_label('density over ambient density, rho/rho_0', '1')
-      case ('slip_factor')
-         label = new_label('Eyring slip factor S; 1 for a Newtonian fluid', '1')
-      case ('roughness_1')
-         label = quantity_label('height of surface 1, positive out of its material, psi_1 R/b^2', &
-            'm', scaling%film, scaling)
-      case ('roughness_2')
-         label = quantity_label('height of surface 2, positive out of its material, psi_2 R/b^2', &
-            'm', scaling%film, scaling)
+         label = new_label(long_name, 'Pa s', scaling%viscosity)
       case default
-         label = new_label(name, '1')
+         return
       end select
-   end function field_label
+   end function scaled_label
 
    !> Values of a field of `field_names` (nx); none for an unknown name or a field that the state
    !> does not hold.
@@ -78,21 +109,5 @@ contains
          return
       end select
    end function field_values
-
-   !> Label of a scaled quantity: `si_scale` [si_units], or a pure number if the SI scales are
-   !> unknown (input by Moes' numbers).
-   pure function quantity_label(long_name, si_units, si_scale, scaling) result(label)
-      character(*), intent(in) :: long_name
-      character(*), intent(in) :: si_units
-      real(wp), intent(in) :: si_scale
-      type(scaling_t), intent(in) :: scaling
-      type(label_t) :: label
-
-      if (scaling%is_dimensional) then
-         label = new_label(long_name, si_units, si_scale)
-      else
-         label = new_label(long_name, '1')
-      end if
-   end function quantity_label
 
 end module result_labels

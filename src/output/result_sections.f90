@@ -14,7 +14,7 @@ module result_sections
    use moes, only: moes_m_sum_from_mean
    use passage_times, only: passage_times_t
    use quantities, only: quantity_count, quantity_row_t, quantity_rows
-   use result_labels, only: field_label, field_names, field_values, quantity_label
+   use result_labels, only: field_names, field_values, row_label, scaled_label
    use scaling, only: scaling_t
    implicit none (type, external)
    private
@@ -77,15 +77,13 @@ contains
          values = field_values(trim(field_names(i)), state)
          if (size(values) == 0) cycle
          call write_dataset(file, '/solution/'//trim(field_names(i)), values, &
-            field_label(trim(field_names(i)), scaling))
+            row_label(trim(field_names(i)), scaling))
       end do
       call write_dataset(file, '/solution/rigid_displacement', state%rigid_displacement, &
-                         quantity_label('rigid displacement H0 of (2.58); h0 of (2.24) = '// &
-                            '(b^2/R)(H0 + ln(b)/2), b in m', 'm', &
-                                        scaling%film, scaling))
+         scaled_label('rigid displacement H0 of (2.58); h0 of (2.24) = '// &
+         '(b^2/R)(H0 + ln(b)/2), b in m', 'film', scaling))
       call write_dataset(file, '/solution/time', state%time, &
-                         quantity_label('time of these fields, T = t u_s/(2 b)', 's', &
-                            scaling%time, scaling))
+         scaled_label('time of these fields, T = t u_s/(2 b)', 'time', scaling))
    end subroutine write_solution
 
    !> /summary: quantities in SI; `is_transient`: extremes over the times that count, each with its
@@ -96,26 +94,21 @@ contains
       type(scaling_t), intent(in) :: scaling
       logical, intent(in) :: is_transient
       character(*), intent(in) :: missing
-      real(wp) :: moes_unit
       integer :: i
 
-      moes_unit = 8.0_wp*scaling%moes_m/pi
       call file%create_group('/summary')
       call write_attribute(file, '/summary', 'about', 'values in their units; attribute '// &
-         'dimensionless: the same as H, P, '// &
-                           'X or T; error_estimate: estimated error, the sum of error_grid '// &
-                              '(grid and time step), '// &
-                           'error_domain (its length), error_iteration and error_start (of a '// &
-                              'transient); NaN = not '// &
-                           'estimated, no_estimate says why')
+         'dimensionless: the same as H, P, X or T; error_estimate: estimated error, the sum of '// &
+         'error_grid (grid and time step), error_domain (its length), error_iteration and '// &
+         'error_start (of a transient); NaN = not estimated, no_estimate says why')
       do i = 1, quantity_count
          associate (row => quantity_rows(i), quantity => summary%of(i))
-            call write_quantity(trim(row%name), trim(row%text)//over_time(row), quantity, &
-               field_label(trim(row%field), scaling))
+            call write_quantity(trim(row%name), trim(row%text)//over_time(row), quantity, 1.0_wp, &
+               row_label(trim(row%field), scaling))
             if (row%field == 'film_thickness' .and. len_trim(row%short) > 0) call &
                write_quantity(trim(row%name)//'_moes', trim(row%name)// &
                " in units of Moes, (h/R) sqrt(E' R/(mu_0 u)), mean velocity u = u_s/2", &
-               in_unit(quantity), new_label('', '1'))
+               quantity, 8.0_wp*scaling%moes_m/pi, new_label('', '1'))
          end associate
       end do
 
@@ -131,42 +124,30 @@ contains
             //trim(row%extreme)//' over time'
       end function over_time
 
-      !> A film thickness in units of Moes.
-      pure function in_unit(quantity) result(scaled)
+      !> One quantity times `factor`, what it tends to and when it was reached; `scale` gives its
+      !> unit.
+      subroutine write_quantity(name, long_name, quantity, factor, scale)
+         character(*), intent(in) :: name, long_name
          type(quantity_t), intent(in) :: quantity
-         type(quantity_t) :: scaled
-
-         scaled = quantity
-         scaled%value = quantity%value*moes_unit
-         scaled%error_estimate = quantity%error_estimate*moes_unit
-         scaled%extrapolated = quantity%extrapolated*moes_unit
-         scaled%error_grid = quantity%error_grid*moes_unit
-         scaled%error_domain = quantity%error_domain*moes_unit
-         scaled%error_iteration = quantity%error_iteration*moes_unit
-         scaled%error_start = quantity%error_start*moes_unit
-      end function in_unit
-
-      !> One quantity, what it tends to and when it was reached; `scale` gives its unit.
-      subroutine write_quantity(name, long_name, quantity, scale)
-         character(*), intent(in) :: name
-         character(*), intent(in) :: long_name
-         type(quantity_t), intent(in) :: quantity
+         real(wp), intent(in) :: factor
          type(label_t), intent(in) :: scale
          character(:), allocatable :: path
 
          path = '/summary/'//name
-         call write_value(path, long_name, quantity%value, scale, quantity%error_estimate, missing)
-         call write_attribute(file, path, 'error_grid', quantity%error_grid*scale%si_scale)
-         call write_attribute(file, path, 'error_domain', quantity%error_domain*scale%si_scale)
-         call write_attribute(file, path, 'error_iteration', &
-            quantity%error_iteration*scale%si_scale)
-         call write_attribute(file, path, 'error_start', quantity%error_start*scale%si_scale)
-         if (ieee_is_finite(quantity%extrapolated)) call write_value(path//'_extrapolated', &
-            name//' by Richardson extrapolation from n and n/2 intervals', &
-            quantity%extrapolated, scale, quantity%error_estimate, missing)
+         associate (error => quantity%error_estimate*factor, unit => scale%si_scale)
+            call write_value(path, long_name, quantity%value*factor, scale, error, missing)
+            call write_attribute(file, path, 'error_grid', quantity%error_grid*factor*unit)
+            call write_attribute(file, path, 'error_domain', quantity%error_domain*factor*unit)
+            call write_attribute(file, path, 'error_iteration', &
+               quantity%error_iteration*factor*unit)
+            call write_attribute(file, path, 'error_start', quantity%error_start*factor*unit)
+            if (ieee_is_finite(quantity%extrapolated)) call write_value(path//'_extrapolated', &
+               name//' by Richardson extrapolation from n and n/2 intervals', &
+               quantity%extrapolated*factor, scale, error, missing)
+         end associate
          if (.not. is_transient .or. index(name, '_moes') > 0) return
          call write_value(path//'_time', 'time at which '//name//' was reached', quantity%time, &
-            quantity_label('', 's', scaling%time, scaling), not_known(), &
+            scaled_label('', 'time', scaling), not_known(), &
             'one of the time steps; from one to another of nearly equal extremes it jumps, '// &
             'which no grids foretell')
       end subroutine write_quantity
@@ -210,58 +191,44 @@ contains
          phases = phases//', '//trim(phase_names(i))
       end do
       call write_dataset(file, '/report/method', method, new_label('method of solution', '1'))
-      call write_count('cycles', int(report%cycles, int64), &
-         'cycles on the finest level, time steps included')
-      call write_count('steps', int(report%steps, int64), 'time steps')
-      call write_count('uncut_steps', int(report%uncut_steps, int64), &
-         'steps of the start taken whole: parts without a solution')
-      call write_count('levels', int(report%levels, int64), 'grid levels, the finest counted')
-      call write_count('fft_pairs', report%fft_pairs, 'pairs of forward and backward transforms')
+      call write_dataset(file, '/report/cycles', int(report%cycles, int64), &
+         new_label('cycles on the finest level, time steps included', '1'))
+      call write_dataset(file, '/report/steps', int(report%steps, int64), &
+         new_label('time steps', '1'))
+      call write_dataset(file, '/report/uncut_steps', int(report%uncut_steps, int64), &
+         new_label('steps of the start taken whole: parts without a solution', '1'))
+      call write_dataset(file, '/report/levels', int(report%levels, int64), &
+         new_label('grid levels, the finest counted', '1'))
+      call write_dataset(file, '/report/fft_pairs', report%fft_pairs, &
+         new_label('pairs of forward and backward transforms', '1'))
       call write_dataset(file, '/report/work_units', report%work_units, &
-                         new_label('sweeps, each weighted by its share of the nodes of the '// &
-                            'finest level', '1'))
-      call write_dataset(file, '/report/residual', report%residual, &
-                         new_label('last residual, unit of d(rho H)/dX; dry: violation of the '// &
-                            'contact conditions', '1'))
+         new_label('sweeps, each weighted by its share of the nodes of the finest level', '1'))
+      call write_dataset(file, '/report/residual', report%residual, new_label( &
+         'last residual, unit of d(rho H)/dX; dry: violation of the contact conditions', '1'))
       call write_dataset(file, '/report/load_error', report%load_error, &
-                         new_label('last |dX sum P - pi/2|; dry: relative error of the load', '1'))
+         new_label('last |dX sum P - pi/2|; dry: relative error of the load', '1'))
       call write_dataset(file, '/report/inlet_error', report%inlet_error, &
-                         new_label('relative error of the film thickness because the domain '// &
-                            'ends at its inlet (estimate)', '1'))
+         new_label('relative error of the film thickness because the domain ends at its inlet '// &
+         '(estimate)', '1'))
       call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, &
-                         new_label('bound on residual and load error: max(tolerance, 5 x '// &
-                            'round-off floor)', '1'))
+         new_label('bound on residual and load error: max(tolerance, 5 x round-off floor)', '1'))
       if (report%nodes_per_wave < huge(1.0_wp)) call write_dataset(file, &
          '/report/nodes_per_wave', report%nodes_per_wave, &
-                         new_label('nodes of the grid in the finest wave of the surfaces', '1'))
+         new_label('nodes of the grid in the finest wave of the surfaces', '1'))
       if (report%steps_per_wave < huge(1.0_wp)) call write_dataset(file, &
          '/report/steps_per_wave', report%steps_per_wave, &
-                         new_label('time steps in which the finest moving wave passes a place', &
-                            '1'))
+         new_label('time steps in which the finest moving wave passes a place', '1'))
       if (allocated(report%note)) call write_dataset(file, '/report/note', report%note, &
-                                                     new_label('what should be known about '// &
-                                                        'this result', '1'))
+         new_label('what should be known about this result', '1'))
       call write_dataset(file, '/report/residual_history', report%residual_history(), &
-                         new_label('residual after each cycle', '1'))
+         new_label('residual after each cycle', '1'))
       call write_dataset(file, '/report/load_error_history', report%load_error_history(), &
-                         new_label('load error after each cycle', '1'))
+         new_label('load error after each cycle', '1'))
       call write_dataset(file, '/report/wall_seconds', report%wall_seconds, &
          new_label('wall time of the solution', 's'))
       call write_dataset(file, '/report/phase_seconds', report%phase_seconds, &
          new_label('wall time of: '//phases, 's'))
       call write_attribute(file, '/report/phase_seconds', 'phases', phases)
-
-   contains
-
-      !> A number of something.
-      subroutine write_count(name, value, long_name)
-         character(*), intent(in) :: name
-         integer(int64), intent(in) :: value
-         character(*), intent(in) :: long_name
-
-         call write_dataset(file, '/report/'//name, value, new_label(long_name, '1'))
-      end subroutine write_count
-
    end subroutine write_report
 
 end module result_sections

@@ -63,7 +63,8 @@ module result_writer
       type(hdf5_file_t) :: file
       character(:), allocatable, private :: problem, title, namelist
       type(scaling_t), private :: scaling
-      type(transient_store_t), private :: store
+      !> The time steps in NAME.part.
+      type(transient_store_t) :: store
       !> Lock on the NAME.part that comes from NAME.tmp.
       type(lock_t), private :: store_lock
       logical, private :: is_transient = .false., is_scaled = .false.
@@ -72,8 +73,6 @@ module result_writer
       procedure :: store_step
       !> Takes down what is known before the run.
       procedure :: describe
-      !> What is stored in NAME.part.
-      procedure :: part => stored_part
       !> Brings NAME.part to the disk as far as it is written.
       procedure :: sync
       !> Whether something could not be written.
@@ -86,7 +85,7 @@ module result_writer
       procedure :: suspend
       !> Gives the file up; nothing of it stays, but NAME.part if there is a checkpoint.
       procedure :: discard
-      procedure, private :: keep_failure, is_kept
+      procedure, private :: keep_failure
    end type result_writer_t
 
 contains
@@ -112,8 +111,7 @@ contains
    !> profiles of `nx` nodes) and its `figures`. Error: NAME.part is not what the checkpoint says.
    subroutine reopen_result(writer, path, fields, part, nx, figures, error)
       type(result_writer_t), intent(out) :: writer
-      character(*), intent(in) :: path
-      character(*), intent(in) :: fields(:)
+      character(*), intent(in) :: path, fields(:)
       type(part_t), intent(in) :: part
       integer, intent(in) :: nx
       type(passage_figures_t), intent(in) :: figures
@@ -145,9 +143,7 @@ contains
    !> lubricated contact.
    subroutine describe(self, problem, title, namelist, scaling)
       class(result_writer_t), intent(inout) :: self
-      character(*), intent(in) :: problem
-      character(*), intent(in) :: title
-      character(*), intent(in) :: namelist
+      character(*), intent(in) :: problem, title, namelist
       type(scaling_t), intent(in), optional :: scaling
 
       self%problem = problem
@@ -179,8 +175,7 @@ contains
    !> Appends a time step to /transient.
    subroutine store_step(self, step, steps, state, report)
       class(result_writer_t), intent(inout) :: self
-      integer, intent(in) :: step
-      integer, intent(in) :: steps
+      integer, intent(in) :: step, steps
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       type(line_summary_t) :: summary
@@ -240,14 +235,6 @@ contains
       self%file%failure = self%store%file%failure
    end subroutine keep_failure
 
-   !> What is stored in NAME.part.
-   function stored_part(self) result(part)
-      class(result_writer_t), intent(in) :: self
-      type(part_t) :: part
-
-      part = self%store%part()
-   end function stored_part
-
    !> Whether something could not be written.
    pure function has_failed(self)
       class(result_writer_t), intent(in) :: self
@@ -255,14 +242,6 @@ contains
 
       has_failed = allocated(self%file%failure)
    end function has_failed
-
-   !> Whether the checkpoint holds all time steps: the result can then be put together again.
-   pure function is_kept(self)
-      class(result_writer_t), intent(in) :: self
-      logical :: is_kept
-
-      is_kept = self%name%has_checkpoint .and. self%name%kept_step == self%store%records() - 1
-   end function is_kept
 
    !> Waits until NAME.part is on the disk; true if that worked.
    function sync(self) result(is_done)
@@ -284,7 +263,9 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: missing
 
-      call set_patience(.not. self%is_kept())
+      ! with all time steps in the checkpoint the result can be put together again
+      call set_patience(.not. (self%name%has_checkpoint &
+         .and. self%name%kept_step == self%store%records() - 1))
       call begin_activity('writing the result')
       self%summary = self%figures%extremes(summary_of(state))
       if (self%is_transient .and. .not. allocated(self%file%failure)) then
@@ -316,7 +297,6 @@ contains
       character(:), allocatable :: reason
       integer :: i
 
-      call set_patience(.not. self%is_kept())
       do i = 1, size(self%inputs)
          call write_input(self%file, self%inputs(i), self%scaling)
       end do

@@ -10,6 +10,7 @@ module run_observer
    use interruption, only: is_interrupted, set_patience
    use iteration_report, only: phase_output, phase_transient, report_t
    use kinds, only: wp
+   use life_sign, only: begin_activity
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use march_state, only: march_state_t
@@ -79,8 +80,7 @@ contains
    subroutine on_cycle(self, cycle, residual, load_error)
       class(run_observer_t), intent(inout) :: self
       integer, intent(in) :: cycle
-      real(wp), intent(in) :: residual
-      real(wp), intent(in) :: load_error
+      real(wp), intent(in) :: residual, load_error
 
       call self%log%on_cycle(cycle, residual, load_error)
       self%wants_stop = is_interrupted()
@@ -89,8 +89,7 @@ contains
    !> A time step is stored, then told.
    subroutine on_step(self, step, steps, state, report)
       class(run_observer_t), intent(inout) :: self
-      integer, intent(in) :: step
-      integer, intent(in) :: steps
+      integer, intent(in) :: step, steps
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       real(wp) :: begin
@@ -109,12 +108,14 @@ contains
       self%output_seconds = self%output_seconds + wall_seconds() - begin
    end subroutine on_step
 
-   !> Told by the log.
+   !> Told where it takes long.
    subroutine on_stage(self, words)
       class(run_observer_t), intent(inout) :: self
       character(*), intent(in) :: words
 
-      call self%log%on_stage(words)
+      associate (unused => self)
+      end associate
+      call begin_activity(words)
    end subroutine on_stage
 
    !> Writes a checkpoint. One that cannot be written is told and does not stop the run: the last
@@ -131,7 +132,7 @@ contains
       checkpoint%figures = self%writer%figures
       checkpoint%forecast = self%writer%bars%forecast
       checkpoint%statistics = self%writer%statistics
-      checkpoint%part = self%writer%part()
+      checkpoint%part = self%writer%store%part()
       checkpoint%intervals = self%intervals
       checkpoint%time_step = self%time_step
       checkpoint%space_scheme = trim(self%space_scheme)

@@ -48,7 +48,8 @@ module running_series
       !> Places in the file [bytes from its start]: first number, object header, number of records.
       integer(int64), private :: data_place = 0, header_place = 0, count_place = 0
       !> Checksum of the counted records, and with the one that was put.
-      type(checksum_t), private :: sums, next_sums
+      type(checksum_t) :: sums
+      type(checksum_t), private :: next_sums
    contains
       !> Finds the place of the count in an open file, if it is not known, and sets the count.
       procedure :: begin
@@ -56,8 +57,6 @@ module running_series
       procedure :: take_up
       !> Places in the file of the first number and of the number of records, for `take_up` [bytes].
       procedure :: places
-      !> Checksum of the counted records.
-      procedure :: digits => series_digits
       !> Writes a record behind the counted ones.
       procedure :: put
       !> Counts the record that was put.
@@ -88,7 +87,7 @@ module running_series
 
 contains
 
-   !> Makes room for `capacity` records at `path` of an open HDF5 file.
+   !> Makes room for `capacity` records at `path` of an open HDF5 file, at a fixed place in it.
    subroutine create_running_series(series, file, path, row_length, capacity, label)
       type(running_series_t), intent(out) :: series
       class(hdf5_file_t), intent(inout) :: file
@@ -97,9 +96,12 @@ contains
       type(label_t), intent(in) :: label
       integer(hid_t) :: space, properties, dataset
       integer(hsize_t) :: extents(2)
+      integer(c_int64_t) :: info(64)
       integer :: first, status
 
       if (allocated(file%failure)) return
+      series%path = path
+      series%row_length = row_length
       extents = [int(row_length, hsize_t), int(capacity, hsize_t)]
       first = merge(2, 1, row_length == 0)
       call h5screate_simple_f(3 - first, extents(first:), space, status)
@@ -109,28 +111,14 @@ contains
       call file%check(status, path)
       call create_labelled(file, path, file%real_type, space, properties, label, dataset)
       if (allocated(file%failure)) return
-      call place_of_dataset(series, dataset, path, row_length, status)
-      if (status >= 0) call h5dclose_f(dataset, status)
-      call file%check(status, path)
-   end subroutine create_running_series
-
-   !> A series from an open dataset; `status` < 0 if it has no fixed place in the file.
-   subroutine place_of_dataset(series, dataset, path, row_length, status)
-      type(running_series_t), intent(out) :: series
-      integer(hid_t), intent(in) :: dataset
-      character(*), intent(in) :: path
-      integer, intent(in) :: row_length
-      integer, intent(out) :: status
-      integer(c_int64_t) :: info(64)
-
-      series%path = path
-      series%row_length = row_length
       info = 0_c_int64_t
       status = int(h5oget_info1(dataset, info))
       series%header_place = info(2)
       series%data_place = h5dget_offset(dataset)
       if (series%data_place <= 0_int64) status = -1
-   end subroutine place_of_dataset
+      if (status >= 0) call h5dclose_f(dataset, status)
+      call file%check(status, path)
+   end subroutine create_running_series
 
    !> The series at `places` of a file, with its first `records` records.
    subroutine take_up(self, file, path, row_length, places, records)
@@ -154,14 +142,6 @@ contains
 
       places = [self%data_place, self%count_place]
    end function places
-
-   !> 16 hexadecimal digits.
-   pure function series_digits(self) result(digits)
-      class(running_series_t), intent(in) :: self
-      character(len=16) :: digits
-
-      digits = self%sums%digits()
-   end function series_digits
 
    !> Counts the first `records` records, whose checksum is made again.
    subroutine read_back(series, file, records)
@@ -210,8 +190,7 @@ contains
    recursive function count_in_block(file, start, bytes) result(place)
       type(positional_file_t), intent(inout) :: file
       integer(int64), intent(in) :: start, bytes
-      integer(int64) :: place
-      integer(int64) :: message, content
+      integer(int64) :: place, message, content
 
       place = 0_int64
       message = start

@@ -6,8 +6,7 @@
 module transient_store
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
-   use hdf5_dataset, only: label_t, new_label
-   use hdf5_file, only: hdf5_file_t
+      use hdf5_file, only: hdf5_file_t
    use hdf5_series, only: create_series, series_t
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -16,7 +15,7 @@ module transient_store
    use line_summary, only: line_summary_t
    use positional_file, only: open_positional_file, positional_file_t
    use quantities, only: h_min, p_max
-   use result_labels, only: field_label, field_names, field_values, quantity_label
+   use result_labels, only: field_names, field_values, row_label
    use running_series, only: create_running_series, running_series_t
    use scaling, only: scaling_t
    implicit none (type, external)
@@ -89,7 +88,7 @@ contains
       do i = 1, size(store%names)
          call create_running_series(store%series(i), file, '/transient/'//trim(store%names(i)), &
             row_length(store%names(i), nx), capacity(kind_of(store, i)), &
-               series_label(trim(store%names(i)), scaling))
+            row_label(trim(store%names(i)), scaling))
       end do
    end subroutine create_store
 
@@ -98,8 +97,7 @@ contains
    !> not what they were.
    subroutine attach_store(store, path, fields, nx, part, error)
       type(transient_store_t), intent(out) :: store
-      character(*), intent(in) :: path
-      character(*), intent(in) :: fields(:)
+      character(*), intent(in) :: path, fields(:)
       integer, intent(in) :: nx
       type(part_t), intent(in) :: part
       type(error_t), allocatable, intent(out) :: error
@@ -161,7 +159,7 @@ contains
       part%digits = ''
       do i = 1, size(self%series)
          part%places(:, i) = self%series(i)%places()
-         part%digits = part%digits//self%series(i)%digits()
+         part%digits = part%digits//self%series(i)%sums%digits()
       end do
    end function part_of
 
@@ -223,7 +221,7 @@ contains
          associate (series => self%series(i))
             call begin_activity('writing the result, '//self%names(i))
             call create_series(copy, file, series%path, series%row_length, &
-               series_label(trim(self%names(i)), scaling))
+               row_label(trim(self%names(i)), scaling))
             most = max(block_numbers/max(series%row_length, 1), 1)
             do first = 1, series%records, most
                last = min(first + most - 1, series%records)
@@ -267,33 +265,5 @@ contains
 
       length = merge(nx, 0, any(field_names == name))
    end function row_length
-
-   !> What a series is.
-   function series_label(name, scaling) result(label)
-      character(*), intent(in) :: name
-      type(scaling_t), intent(in) :: scaling
-      type(label_t) :: label
-
-      select case (name)
-      case ('time')
-         label = quantity_label('time of every step, T = t u_s/(2 b)', 's', scaling%time, scaling)
-      case (profile_time_name)
-         label = quantity_label('time of the stored profiles, T = t u_s/(2 b)', 's', &
-            scaling%time, scaling)
-      case ('rigid_displacement')
-         label = quantity_label('rigid displacement H0 of (2.58)', 'm', scaling%film, scaling)
-      case ('h_min')
-         label = quantity_label('smallest film thickness, parabola through three nodes', 'm', &
-            scaling%film, scaling)
-      case ('p_max')
-         label = quantity_label('largest pressure of a node', 'Pa', scaling%hertz_pressure, scaling)
-      case ('residual')
-         label = new_label('residual reached in the step', '1')
-      case (breakdown_name)
-         label = new_label('1 where the film is below film_floor, else 0', '1')
-      case default
-         label = field_label(name, scaling)
-      end select
-   end function series_label
 
 end module transient_store
