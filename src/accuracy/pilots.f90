@@ -193,10 +193,8 @@ contains
 
       sizes = 0.0_wp
       if (row == h_min) sizes = pilots%sizes
-      associate (changes => pilots%changes(row, :, :))
-         error = new_split_error(changes(:, space), changes(:, time_step), pilots%time_orders, &
-            sizes)
-      end associate
+      error = new_split_error(pilots%changes(row, :, space), pilots%changes(row, :, time_step), &
+         pilots%time_orders, sizes)
    end function error_of
 
    !> How many times finer than the last pilot the forecast goes, in space and in time.
