@@ -29,13 +29,12 @@ module run_case
    use run_dry_case, only: solve_and_write
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
-   use step_choice, only: choose_time_step
    use solver_settings, only: most_intervals_of, most_refined_intervals, time_settings_t
    use steady_target, only: solve_contact
    use system_limits, only: memory_fault
    use text, only: to_text
    use wall_clock, only: wall_seconds
-   use wave_resolution, only: coarse_waves, nodes_in_wave, steps_in_wave
+   use wave_resolution, only: choose_time_step, coarse_waves, nodes_in_wave, steps_in_wave
    implicit none (type, external)
    private
 

@@ -2,26 +2,23 @@
 !> level, each the start of the next and a companion of its error estimate, until the estimate is
 !> small enough. Nothing is solved twice.
 module steady_target
-   use coarser_solutions, only: coarser_summaries, level_summary
-   use domain_choice, only: choose_domain, lengthen_outlet
-   use ehl_line_solver, only: begin_solution, end_solution, solve_ehl_line, take_steady_state, &
-      tell_steady_solution, wants_longer_outlet
+   use domain_choice, only: choose_domain
+   use ehl_line_solver, only: solve_ehl_line
    use ehl_line_steady, only: solve_steady
    use error_bars, only: domain_error, error_bars_t, estimated_error, new_error_bars, take_coarser
    use errors, only: error_t
-   use iteration_report, only: phase_setup, phase_steady, report_t
+   use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: intervals_for_waves, line_contact_t
-   use line_hierarchy, only: add_level, line_hierarchy_t, new_growing_hierarchy, new_hierarchy, &
-      pose_steady_problem, relaxation_t
+   use line_hierarchy, only: add_level, coarser_summaries, level_summary, line_hierarchy_t, &
+      new_growing_hierarchy, new_hierarchy, pose_steady_problem, relaxation_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use nested_start, only: bump_start, companion_tolerance, max_firsts, refine, solve_level
+   use nested_start, only: companion_tolerance, first_guess, max_firsts, solve_level
    use observer, only: is_stopped, observer_t
    use solver_choice, only: adopt, steady_attempts
-   use solver_settings, only: domain_t, most_chosen, solver_settings_t, time_settings_t
+   use solver_settings, only: most_chosen, solver_settings_t, time_settings_t
    use text, only: to_text
-   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
@@ -42,55 +39,17 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (settings%target > 0.0_wp .and. .not. time%is_transient) then
-         call solve_to_target(contact, settings, watcher, state, report, &
-            error)   ! error: the caller looks
+         call solve_ehl_line(contact, settings, time, watcher, state, report, error, &
+            solve_to_accuracy)   ! error: the caller looks
       else
          call solve_ehl_line(contact, settings, time, watcher, state, report, &
             error)   ! error: the caller looks
       end if
    end subroutine solve_contact
 
-   !> The steady contact on a grid for the wanted accuracy. An inlet of the program takes a part of
-   !> it.
-   recursive subroutine solve_to_target(contact, settings, watcher, state, report, error)
-      type(line_contact_t), intent(inout) :: contact
-      type(solver_settings_t), intent(in) :: settings
-      class(observer_t), intent(inout) :: watcher
-      type(line_state_t), intent(out) :: state
-      type(report_t), intent(out) :: report
-      type(error_t), allocatable, intent(out) :: error
-      type(line_hierarchy_t) :: hierarchy
-      type(solver_settings_t) :: rest
-      type(time_settings_t) :: at_rest
-      type(domain_t) :: open
-      real(wp) :: start
-
-      start = wall_seconds()
-      open = contact%domain
-      call begin_solution(contact, settings, at_rest, report, error)
-      if (allocated(error)) return
-      rest = settings
-      if (.not. open%has_inlet) rest%target = &
-         max(settings%target - domain_error(report%inlet_error), 0.0_wp)
-      call solve_to_accuracy(hierarchy, contact, rest, watcher, report, error)
-      if (allocated(error)) return
-      call take_steady_state(hierarchy, contact, state, report)
-      report%phase_seconds(phase_setup) = hierarchy%setup_seconds
-      report%phase_seconds(phase_steady) = report%phase_seconds(phase_steady) + wall_seconds() &
-         - start - hierarchy%setup_seconds
-      if (wants_longer_outlet(contact%domain, report)) then
-         call lengthen_outlet(contact%domain, open)
-         call solve_to_target(contact, settings, watcher, state, report, error)
-         return
-      end if
-      if (report%converged) call tell_steady_solution(hierarchy, settings, watcher, state, report)
-      call end_solution(hierarchy, contact, state, report)
-      report%wall_seconds = report%wall_seconds + wall_seconds() - start
-   end subroutine solve_to_target
-
    !> Solves the steady contact on the coarsest grid of 2^k intervals whose estimated relative error
-   !> of h_min is below `settings%target`, or on the finest that there is;
-   !> `contact%domain%intervals` becomes its number.
+   !> of h_min is below `settings%target`, of which an inlet of the program takes a part, or on the
+   !> finest that there is; `contact%domain%intervals` becomes its number.
    subroutine solve_to_accuracy(hierarchy, contact, settings, watcher, report, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
@@ -100,24 +59,27 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
       type(relaxation_t), allocatable :: ways(:)
+      type(solver_settings_t) :: rest
       logical :: is_sound
       integer :: i
 
+      rest = settings
+      if (contact%domain%inlet_is_chosen) rest%target = &
+         max(settings%target - domain_error(report%inlet_error), 0.0_wp)
       bars = new_error_bars(contact, time_settings_t(), settings%space_scheme)
       allocate (ways, source=steady_attempts(contact, solver_settings_t(method='newton_krylov')))
-      hierarchy%is_kappa = settings%space_scheme == 'kappa'
       do i = 1, size(ways)
          if (ways(i)%first_stress > 1.0_wp) cycle
          call new_growing_hierarchy(hierarchy, contact, most_chosen(settings), error)
          if (allocated(error)) return
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
          call adopt(hierarchy, ways(i))
-         call climb(hierarchy, contact, settings%target, watcher, bars, is_sound, error)
+         call climb(hierarchy, contact, rest%target, watcher, bars, is_sound, error)
          if (allocated(error) .or. watcher%wants_stop) return
          if (is_sound) exit
       end do
       if (.not. is_sound) then
-         call double_grid(hierarchy, contact, settings, watcher, bars, report, &
+         call double_grid(hierarchy, contact, rest, watcher, bars, report, &
             error)   ! error: the caller looks
          return
       end if
@@ -154,13 +116,9 @@ contains
             call add_level(hierarchy, contact, .true., error)
             if (allocated(error)) return
          end if
-         if (k == first) then
-            call bump_start(hierarchy, contact, k)
-         else
-            call refine(hierarchy, contact, k)
-         end if
+         call first_guess(hierarchy, contact, k, first)
          call watcher%on_stage('steady on '//to_text(hierarchy%levels(k)%n)//' intervals')
-         call solve_level(hierarchy, contact, k, min(companion_tolerance, target), is_sound, &
+         call solve_level(hierarchy, k, min(companion_tolerance, target), is_sound, &
             watcher)
          if (is_sound) then
             call take_coarser(bars, coarser_summaries(hierarchy))
@@ -197,7 +155,6 @@ contains
          call new_hierarchy(hierarchy, contact, settings%levels, error)
          if (allocated(error)) return
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
-         hierarchy%levels(hierarchy%finest)%is_kappa = hierarchy%is_kappa
          call solve_steady(hierarchy, contact, settings, watcher, report)
          if (watcher%wants_stop) return
          if (2*contact%domain%intervals > most_chosen(settings)) return

@@ -1,18 +1,16 @@
 !> Repeats cycles until the residuals of the original problem are below their bounds, or says why
 !> they are not.
 module cycle_control
-   use cycle_limits, only: cycle_limits_t
    use fas_cycle, only: cycle_from
-   use film_state, only: film_state_t, keep_finite
+   use film_state, only: film_state_t, is_finite
    use inlet_tail, only: close_inlet
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_hierarchy, only: count_work, is_newton, line_hierarchy_t, method_block_jacobi, &
       method_fas
    use line_level, only: largest_pressure
    use newton_line, only: solve_newton
-   use observer, only: observer_t
+   use observer, only: is_stopped, observer_t
    use relaxation_sweeps, only: sweep_under_load
    use residuals, only: measure_residual, residual_t
    use text, only: to_text
@@ -60,30 +58,11 @@ contains
       bound = max(tolerance, floor_factor*residual%floor)
    end function effective_tolerance
 
-   !> Cycles on the finest level, from a film that is that of its pressure and of H0. The report
-   !> gets every cycle, `converged` and `reason`; `watcher`, if there, is told each.
-   subroutine iterate(hierarchy, contact, limits, report, watcher)
+   !> Cycles on the finest level, from a film that is that of its pressure and of H0, as the
+   !> relaxation of the hierarchy says. The report gets every cycle, `converged` and `reason`;
+   !> `watcher`, if there, is told each.
+   subroutine iterate(hierarchy, report, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
-      type(cycle_limits_t), intent(in) :: limits
-      type(report_t), intent(inout) :: report
-      class(observer_t), intent(inout), optional :: watcher
-
-      associate (level => hierarchy%levels(hierarchy%finest))
-         if (is_newton(hierarchy%relaxation) .and. level%n > largest_plain &
-            .and. .not. level%inverse_time_step > 0.0_wp) then
-            allocate (level%state%compensation(0:level%n), source=0.0_wp)
-         end if
-         call run_cycles(hierarchy, contact, limits, report, watcher)
-         if (allocated(level%state%compensation)) deallocate (level%state%compensation)
-      end associate
-   end subroutine iterate
-
-   !> The cycles of `iterate`.
-   subroutine run_cycles(hierarchy, contact, limits, report, watcher)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
-      type(cycle_limits_t), intent(in) :: limits
       type(report_t), intent(inout) :: report
       class(observer_t), intent(inout), optional :: watcher
       type(residual_t) :: residual
@@ -92,77 +71,97 @@ contains
       integer :: cycle
 
       report%converged = .false.
-      hierarchy%goal = limits%tolerance
-      do cycle = 1, limits%max_cycles
-         before = hierarchy%levels(hierarchy%finest)%state
-         call advance(hierarchy, contact)
-         call measure_residual(contact, hierarchy%levels(hierarchy%finest), &
-            residual, film_is_exact=is_newton(hierarchy%relaxation))
-         call count_work(hierarchy, hierarchy%finest, 1)
-         call report%add(residual%reynolds, residual%load)
-         report%tolerance_effective = effective_tolerance(limits%tolerance, residual)
-         hierarchy%goal = report%tolerance_effective
-         if (present(watcher)) call watcher%on_cycle(cycle, residual%reynolds, residual%load)
-         call follow(course, cycle, residual)
-         report%converged = residual%film_is_open &
-            .and. residual%reynolds <= report%tolerance_effective &
-            .and. residual%load <= max(limits%tolerance, load_floor)
-         if (report%converged) exit
-         report%reason = obstacle(cycle)
-         if (present(watcher)) then
-            if (watcher%wants_stop) report%reason = 'stopped from outside'
+      associate (level => hierarchy%levels(hierarchy%finest), choice => hierarchy%relaxation)
+         if (is_newton(choice) .and. level%n > largest_plain &
+            .and. .not. level%inverse_time_step > 0.0_wp) then
+            allocate (level%state%compensation(0:level%n), source=0.0_wp)
          end if
-         if (len(report%reason) > 0) return
-         call close_inlet(contact, hierarchy%levels(hierarchy%finest))
-      end do
-      report%reason = 'converged'
-      if (.not. report%converged) report%reason = 'cycle limit: '//to_text(limits%max_cycles)// &
-         ' cycles left the residual at '//to_text(course%last, 2)
+         report%reason = ''
+         hierarchy%goal = choice%tolerance
+         do cycle = 1, choice%max_cycles
+            before = level%state
+            call advance(hierarchy)
+            call measure_residual(level, residual, film_is_exact=is_newton(choice))
+            call count_work(hierarchy, hierarchy%finest, 1)
+            call report%add(residual%reynolds, residual%load)
+            report%tolerance_effective = effective_tolerance(choice%tolerance, residual)
+            hierarchy%goal = report%tolerance_effective
+            if (present(watcher)) call watcher%on_cycle(cycle, residual%reynolds, residual%load)
+            call follow(course, cycle, residual)
+            report%converged = residual%film_is_open &
+               .and. residual%reynolds <= report%tolerance_effective &
+               .and. residual%load <= max(choice%tolerance, load_floor)
+            if (report%converged) exit
+            call look_for_obstacle(hierarchy, before, residual, course, cycle, report%reason)
+            if (is_stopped(watcher)) report%reason = 'stopped from outside'
+            if (len(report%reason) > 0) exit
+            call close_inlet(level)
+         end do
+         if (report%converged) then
+            report%reason = 'converged'
+         else if (len(report%reason) == 0) then
+            report%reason = 'cycle limit: '//to_text(choice%max_cycles)// &
+               ' cycles left the residual at '//to_text(course%last, 2)
+         end if
+         if (allocated(level%state%compensation)) deallocate (level%state%compensation)
+      end associate
+   end subroutine iterate
 
-   contains
+   !> Why going on after `cycle` is of no use; empty if it is of use. A state that is not finite is
+   !> replaced by the one before. Newton steps at round-off move nothing any more, so that no step
+   !> will: nodes at the exit on which the linear system and the conditions P >= 0, r <= 0 do not
+   !> agree (an inlet tail lags a step behind).
+   subroutine look_for_obstacle(hierarchy, before, residual, course, cycle, reason)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(film_state_t), intent(in) :: before
+      type(residual_t), intent(in) :: residual
+      type(course_t), intent(in) :: course
+      integer, intent(in) :: cycle
+      character(:), allocatable, intent(out) :: reason
+      logical :: is_still
 
-      !> Why going on is of no use; empty if it is. A state that is no numbers is replaced by the
-      !> one before.
-      function obstacle(cycle) result(reason)
-         integer, intent(in) :: cycle
-         character(:), allocatable :: reason
-         logical :: is_restored
-
-         reason = ''
-         call keep_finite(hierarchy%levels(hierarchy%finest)%state, before, is_restored)
-         if (is_restored) reason = 'divergence: pressure, film or rigid displacement '// &
-            'outgrew all numbers; the state before is kept'
-         if (is_lost(course, cycle)) reason = 'divergence: the residual has grown to ' &
-            //to_text(course%last, 2)
-         if (len(reason) > 0 .or. cycle - course%progress_cycle < merge(2, limits%patience, &
-            steps_at_round_off(hierarchy))) return
+      reason = ''
+      associate (level => hierarchy%levels(hierarchy%finest), choice => hierarchy%relaxation)
+         if (.not. is_finite(level%state)) then
+            level%state = before
+            reason = 'divergence: pressure, film or rigid displacement '// &
+               'outgrew all numbers; the state before is kept'
+         end if
+         if (cycle - course%near_cycle >= lost_cycles .and. course%last >= course%lost) reason = &
+            'divergence: the residual has grown to '//to_text(course%last, 2)
+         is_still = is_newton(choice) .and. hierarchy%newton%last_step < still_step &
+            .and. .not. level%has_tail
+         if (len(reason) > 0 .or. cycle - course%progress_cycle < merge(2, choice%patience, &
+            is_still)) return
          if (.not. residual%film_is_open) then
             reason = 'film closed: the film of the pressure is negative and stays so for ' &
-               //to_text(limits%patience)//' cycles'
+               //to_text(choice%patience)//' cycles'
          else if (course%last/divergence_factor > course%first) then
             reason = 'divergence: the residual has grown to '//to_text(course%last, 2)
+         else if (is_still) then
+            reason = 'stagnation: Newton steps at round-off leave the residual at ' &
+               //to_text(course%best, 2)
          else
-            reason = stagnation(hierarchy, limits)//to_text(course%best, 2)
+            reason = 'stagnation: '//to_text(choice%patience)//' cycles left the residual at ' &
+               //to_text(course%best, 2)
          end if
-      end function obstacle
-
-   end subroutine run_cycles
+      end associate
+   end subroutine look_for_obstacle
 
    !> One cycle of the present method on the finest level: a FAS cycle, a block of Block-Jacobi
    !> sweeps, or a Newton step.
-   subroutine advance(hierarchy, contact)
+   subroutine advance(hierarchy)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
 
       associate (level => hierarchy%levels(hierarchy%finest), &
          method => hierarchy%relaxation%method)
          if (method == method_fas) then
-            call cycle_from(hierarchy, contact, hierarchy%finest)
+            call cycle_from(hierarchy, hierarchy%finest)
          else if (maxval(level%state%pressure) < largest_pressure) then
             if (method == method_block_jacobi) then
-               call sweep_under_load(hierarchy, contact, hierarchy%finest)
+               call sweep_under_load(hierarchy, hierarchy%finest)
             else
-               call solve_newton(hierarchy%newton, contact, level, still_step, max_steps=1, &
+               call solve_newton(hierarchy%newton, level, still_step, max_steps=1, &
                   goal=hierarchy%goal, film_is_exact=.true.)
             end if
          end if
@@ -187,36 +186,5 @@ contains
       if (.not. (is_far .and. residual%film_is_open)) course%near_cycle = cycle
       if (cycle == course%near_cycle + 1) course%lost = course%last
    end subroutine follow
-
-   !> Whether the residual is so far beyond its start for so long that it does not come back.
-   pure function is_lost(course, cycle)
-      type(course_t), intent(in) :: course
-      integer, intent(in) :: cycle
-      logical :: is_lost
-
-      is_lost = cycle - course%near_cycle >= lost_cycles .and. course%last >= course%lost
-   end function is_lost
-
-   !> What leaves the residual where it is.
-   pure function stagnation(hierarchy, limits) result(reason)
-      type(line_hierarchy_t), intent(in) :: hierarchy
-      type(cycle_limits_t), intent(in) :: limits
-      character(:), allocatable :: reason
-
-      reason = 'stagnation: '//to_text(limits%patience)//' cycles left the residual at '
-      if (steps_at_round_off(hierarchy)) reason = 'stagnation: Newton steps at round-off '// &
-         'leave the residual at '
-   end function stagnation
-
-   !> Whether Newton's method on the finest level moves nothing any more, so that no step will:
-   !> nodes at the exit on which the linear system and the conditions P >= 0, r <= 0 do not agree.
-   !> An inlet tail lags a step behind.
-   pure function steps_at_round_off(hierarchy) result(is_still)
-      type(line_hierarchy_t), intent(in) :: hierarchy
-      logical :: is_still
-
-      is_still = is_newton(hierarchy%relaxation) .and. hierarchy%newton%last_step < still_step &
-         .and. .not. hierarchy%levels(hierarchy%finest)%has_tail
-   end function steps_at_round_off
 
 end module cycle_control

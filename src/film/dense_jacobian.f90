@@ -3,10 +3,9 @@
 module dense_jacobian
    use dense_solve, only: solve_dense, use_one_blas_thread
    use errors, only: error_t
-   use jacobian_bands, only: reynolds_jacobian_t
    use kinds, only: wp
    use line_level, only: line_level_t
-   use linear_solver, only: linear_solver_t
+   use newton_work, only: linear_solver_t, reynolds_jacobian_t
    implicit none (type, external)
    private
 

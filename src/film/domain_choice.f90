@@ -82,7 +82,8 @@ contains
                   + distance('tail'))) domain%inlet = 'tail'
             end if
          end if
-         if (.not. domain%has_inlet) domain%x_inlet = -distance(domain%inlet)
+         domain%inlet_is_chosen = .not. domain%has_inlet
+         if (domain%inlet_is_chosen) domain%x_inlet = -distance(domain%inlet)
          domain%has_inlet = .true.
          if (domain%intervals <= 0) then
             domain%intervals = min(max(intervals_for(contact, accurate_spacing), &

@@ -1,7 +1,6 @@
 !> The steady lubricated line contact: start, cycles, and the next way when one does not converge.
 module ehl_line_steady
    use cycle_control, only: iterate
-   use cycle_limits, only: cycle_limits_t
    use domain_choice, only: intervals_for_film
    use errors, only: error_t
    use iteration_report, only: report_t
@@ -11,11 +10,11 @@ module ehl_line_steady
    use line_hierarchy, only: line_hierarchy_t, method_fas, method_newton_krylov, new_hierarchy, &
       pose_coarser_levels, pose_steady_problem, relaxation_t, roughness_at
    use line_level, only: line_level_t
-   use nested_start, only: full_multigrid_start, hertz_start
+   use nested_start, only: bump_start, full_multigrid_start
    use observer, only: lookout_t, observer_t
-   use pseudo_time, only: follow_time
-   use solver_choice, only: adopt, limits_of, note_choice, steady_attempts
-   use solver_settings, only: solver_settings_t, steady_tolerance
+   use continuation, only: follow_time
+   use solver_choice, only: adopt, note_choice, steady_attempts
+   use solver_settings, only: solver_settings_t
    use text, only: to_text
    use rheology, only: thins
    implicit none (type, external)
@@ -47,7 +46,6 @@ contains
       type(report_t), intent(inout) :: report
       logical, intent(in), optional :: is_started
       type(relaxation_t), allocatable :: attempts(:)
-      type(cycle_limits_t) :: limits
       character(:), allocatable :: failure, failures
       logical :: has_start, is_sound
       integer :: i
@@ -57,24 +55,23 @@ contains
       allocate (attempts, source=steady_attempts(contact, settings))
       do i = 1, size(attempts)
          call adopt(hierarchy, attempts(i))
-         limits = limits_of(settings, steady_tolerance, attempts(i)%method)
-         call note_choice(report, attempts(i), limits)
+         call note_choice(report, attempts(i))
          call watcher%on_stage('steady on '//to_text(contact%domain%intervals)//' intervals by ' &
             //report%method)
          if (has_start .and. attempts(i)%method == method_newton_krylov) then
             has_start = .false.
             is_sound = .true.
          else if (settings%start == 'hertz') then
-            call hertz_start(hierarchy, contact)
+            call bump_start(hierarchy, contact, hierarchy%finest)
             is_sound = .true.
-            if (attempts(i)%follows_time) call follow_time(hierarchy, contact, hierarchy%finest, &
+            if (attempts(i)%follows_time) call follow_time(hierarchy, hierarchy%finest, &
                is_sound, watcher)
          else
             call full_multigrid_start(hierarchy, contact, is_sound, watcher)
          end if
          if (is_sound) then
-            if (attempts(i)%thesis_first) call start_from_thesis(hierarchy, contact, watcher)
-            call iterate(hierarchy, contact, limits, report, watcher)
+            if (attempts(i)%thesis_first) call start_from_thesis(hierarchy, watcher)
+            call iterate(hierarchy, report, watcher)
             if (report%converged .or. watcher%wants_stop) return
          else
             report%converged = .false.
@@ -92,20 +89,22 @@ contains
    end subroutine solve_steady
 
    !> Start of the kappa scheme from the solution of the thesis's scheme on the same level.
-   subroutine start_from_thesis(hierarchy, contact, watcher)
+   subroutine start_from_thesis(hierarchy, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
       class(observer_t), intent(inout), target :: watcher
       type(lookout_t) :: lookout
+      type(relaxation_t) :: choice
       type(report_t) :: report
 
       lookout%watcher => watcher
-      associate (level => hierarchy%levels(hierarchy%finest))
-         level%is_kappa = .false.
-         call iterate(hierarchy, contact, cycle_limits_t(rough_tolerance, rough_cycles, &
-            rough_cycles), report, lookout)
-         level%is_kappa = .true.
-      end associate
+      choice = hierarchy%relaxation
+      hierarchy%relaxation%tolerance = rough_tolerance
+      hierarchy%relaxation%max_cycles = rough_cycles
+      hierarchy%relaxation%patience = rough_cycles
+      hierarchy%levels(hierarchy%finest)%is_kappa = .false.
+      call iterate(hierarchy, report, lookout)
+      hierarchy%levels(hierarchy%finest)%is_kappa = .true.
+      hierarchy%relaxation = choice
    end subroutine start_from_thesis
 
    !> Where there is no solution, but Newton's method finds one on a finer grid, the grid is to
@@ -173,13 +172,13 @@ contains
       type(report_t) :: report
       type(error_t), allocatable :: error
 
+      hierarchy%is_kappa = space_scheme == 'kappa'
       call new_hierarchy(hierarchy, contact, 0, error)
       is_solved = .not. allocated(error)
       if (.not. is_solved) return
       call pose_steady_problem(hierarchy, contact, with_roughness)
       settings%method = 'newton_krylov'
       settings%space_scheme = space_scheme
-      hierarchy%levels(hierarchy%finest)%is_kappa = space_scheme == 'kappa'
       settings%max_cycles = blame_cycles
       call solve_steady(hierarchy, contact, settings, lookout, report)
       is_solved = report%converged

@@ -11,13 +11,19 @@
 module face_mobility
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_t, fluid_viscosity
-   use mobility_slopes, only: face_slopes_t, largest_exponent
-   use rheology, only: block_size => slip_block, evaluate_slip, evaluate_slip_slopes, slip_t, thins
+   use rheology, only: block_size => slip_block, evaluate_slip, evaluate_slip_slopes, &
+      largest_exponent, slip_t, thins
    use sinh_series, only: ds, s, series_limit
    implicit none (type, external)
    private
 
-   public :: fluid_face_mobility, fluid_face_slopes
+   public :: face_slopes_t, fluid_face_mobility, fluid_face_slopes
+
+   !> Mobility of the faces (1:n), face i left of node i, and its partial derivatives by P and H of
+   !> both nodes.
+   type :: face_slopes_t
+      real(wp), allocatable :: e(:), by_p_left(:), by_p_right(:), by_h_left(:), by_h_right(:)
+   end type face_slopes_t
 
 contains
 

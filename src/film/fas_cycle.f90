@@ -8,10 +8,9 @@
 !> cut by P >= 0; a coarse correction falls to zero where the finest grid has P = 0, which need not
 !> be a coarse node.
 module fas_cycle
-   use film_equation, only: evaluate_deflection, film_of
+   use film_equation, only: elastic_film, evaluate_deflection
    use force_balance, only: carried_load, load_defect
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_hierarchy, only: count_work, line_hierarchy_t
    use line_level, only: largest_pressure, line_level_t, thinnest_film
    use newton_line, only: solve_newton
@@ -35,36 +34,34 @@ module fas_cycle
 contains
 
    !> One cycle on level k: V if `relaxation%visits` is 1, W if 2.
-   recursive subroutine cycle_from(hierarchy, contact, k)
+   recursive subroutine cycle_from(hierarchy, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: k
       integer :: visit
 
       if (k == hierarchy%coarsest) then
-         call solve_coarsest(hierarchy, contact)
+         call solve_coarsest(hierarchy)
          return
       end if
-      call smooth(hierarchy, contact, k, hierarchy%relaxation%pre_sweeps, is_last_leg=.false.)
-      call restrict(hierarchy, contact, k)
+      call smooth(hierarchy, k, hierarchy%relaxation%pre_sweeps, is_last_leg=.false.)
+      call restrict(hierarchy, k)
       do visit = 1, merge(hierarchy%relaxation%visits, 1, k - 1 > hierarchy%coarsest)
-         call cycle_from(hierarchy, contact, k - 1)
+         call cycle_from(hierarchy, k - 1)
       end do
       call prolong(hierarchy%levels(k), hierarchy%levels(k - 1))
-      call smooth(hierarchy, contact, k, hierarchy%relaxation%post_sweeps, is_last_leg=.true.)
+      call smooth(hierarchy, k, hierarchy%relaxation%post_sweeps, is_last_leg=.true.)
    end subroutine cycle_from
 
    !> The coarsest level: exactly, or by sweeps.
-   subroutine solve_coarsest(hierarchy, contact)
+   subroutine solve_coarsest(hierarchy)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
 
       associate (level => hierarchy%levels(hierarchy%coarsest), choice => hierarchy%relaxation)
          if (maxval(level%state%pressure) >= largest_pressure) return
          if (choice%coarse_sweeps > 0) then
-            call sweep_under_load(hierarchy, contact, hierarchy%coarsest)
+            call sweep_under_load(hierarchy, hierarchy%coarsest)
          else
-            call solve_newton(hierarchy%newton, contact, level, coarse_tolerance, coarse_steps, &
+            call solve_newton(hierarchy%newton, level, coarse_tolerance, coarse_steps, &
                goal=hierarchy%goal)
          end if
       end associate
@@ -72,9 +69,8 @@ contains
 
    !> Poses the coarse problem of level k - 1: unknowns by injection, right sides = coarse
    !> operator + restricted residual.
-   subroutine restrict(hierarchy, contact, k)
+   subroutine restrict(hierarchy, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: k
 
       associate (fine => hierarchy%levels(k), coarse => hierarchy%levels(k - 1))
@@ -85,11 +81,11 @@ contains
          coarse%inverse_time_step = fine%inverse_time_step
          coarse%has_tail = .false.
          coarse%rhs_load = carried_load(coarse) + load_defect(fine)
-         call film_of(fine, fine%work)
-         fine%work = fine%work - fine%state%film
+         call evaluate_deflection(fine)
+         fine%work = elastic_film(fine) - fine%state%film
          call full_weighting(fine%work, coarse%rhs_film)
-         call evaluate_reynolds(contact, fine)
-         call evaluate_reynolds(contact, coarse)
+         call evaluate_reynolds(fine)
+         call evaluate_reynolds(coarse)
          call restrict_exit(fine, coarse)
          call restrict_reynolds(fine, coarse)
          call evaluate_deflection(coarse)

@@ -6,7 +6,7 @@ module film_equation
    implicit none (type, external)
    private
 
-   public :: evaluate_deflection, film_of, start_from_pressure, take_film, update_film
+   public :: elastic_film, evaluate_deflection, start_from_pressure, take_film, update_film
 
 contains
 
@@ -18,21 +18,20 @@ contains
       level%products = level%products + 1
    end subroutine evaluate_deflection
 
-   !> The film (0:n) that belongs to the present pressure and H0; it may be closed (H <= 0).
-   subroutine film_of(level, film)
-      type(line_level_t), intent(inout) :: level
-      real(wp), intent(out) :: film(0:)
+   !> The film (0:n) of the present H0 and of the last K P; it may be closed (H <= 0).
+   pure function elastic_film(level) result(film)
+      type(line_level_t), intent(in) :: level
+      real(wp) :: film(0:level%n)
 
-      call evaluate_deflection(level)
       film = level%rhs_film + level%state%rigid_displacement - level%deflection
-   end subroutine film_of
+   end function elastic_film
 
-   !> Makes it the film of the level.
+   !> The film of the level becomes that of the present pressure and H0.
    subroutine take_film(level)
       type(line_level_t), intent(inout) :: level
 
       call evaluate_deflection(level)
-      level%state%film = level%rhs_film + level%state%rigid_displacement - level%deflection
+      level%state%film = elastic_film(level)
    end subroutine take_film
 
    !> Takes over a pressure (0:n), and with it the film that belongs to it.
@@ -52,8 +51,7 @@ contains
       type(line_level_t), intent(inout) :: level
 
       call evaluate_deflection(level)
-      level%state%film = max(level%rhs_film + level%state%rigid_displacement - level%deflection, &
-         0.5_wp*level%state%film, thinnest_film)
+      level%state%film = max(elastic_film(level), 0.5_wp*level%state%film, thinnest_film)
    end subroutine update_film
 
 end module film_equation

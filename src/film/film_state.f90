@@ -7,7 +7,7 @@ module film_state
    implicit none (type, external)
    private
 
-   public :: film_state_t, is_finite, keep_finite
+   public :: film_state_t, is_finite
 
    !> Dimensionless, on the nodes (0:n) of one grid.
    type :: film_state_t
@@ -30,15 +30,5 @@ contains
       is_finite = all(ieee_is_finite(state%pressure)) .and. all(ieee_is_finite(state%film)) &
          .and. ieee_is_finite(state%rigid_displacement)
    end function is_finite
-
-   !> Puts the state `before` back where the present one is not finite; tells it.
-   pure subroutine keep_finite(state, before, is_restored)
-      type(film_state_t), intent(inout) :: state
-      type(film_state_t), intent(in) :: before
-      logical, intent(out) :: is_restored
-
-      is_restored = .not. is_finite(state)
-      if (is_restored) state = before
-   end subroutine keep_finite
 
 end module film_state

@@ -14,7 +14,6 @@
 module inlet_tail
    use constants, only: pi
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_level, only: contact_load, line_level_t
    use lubricant, only: fluid_t, viscosity_constant
    use rheology, only: ln_slip_with_slope, thins
@@ -36,38 +35,35 @@ contains
 
    !> Where the level has a tail, takes its pressure and load over: P(0), the film that follows, the
    !> load left for the grid. Coefficients are those of the last evaluation.
-   pure subroutine close_inlet(contact, level)
-      type(line_contact_t), intent(in) :: contact
+   pure subroutine close_inlet(level)
       type(line_level_t), intent(inout) :: level
       real(wp) :: pressure, load
 
       if (.not. level%has_tail) return
-      call tail_of(contact, level, pressure, load)
+      call tail_of(level, pressure, load)
       level%state%film = level%state%film - (pressure - level%state%pressure(0))*level%kernel
       level%state%pressure(0) = pressure
       level%rhs_load = contact_load - load
    end subroutine close_inlet
 
    !> The load in front of the grid, for the force balance.
-   pure function tail_load(contact, level) result(load)
-      type(line_contact_t), intent(in) :: contact
+   pure function tail_load(level) result(load)
       type(line_level_t), intent(in) :: level
       real(wp) :: load
       real(wp) :: pressure
 
-      call tail_of(contact, level, pressure, load)
+      call tail_of(level, pressure, load)
    end function tail_load
 
    !> Pressure P(X_a) and load of the tail of the present state, that in front of the cell of node
    !> 0, which is the grid's.
-   pure subroutine tail_of(contact, level, pressure, load)
-      type(line_contact_t), intent(in) :: contact
+   pure subroutine tail_of(level, pressure, load)
       type(line_level_t), intent(in) :: level
       real(wp), intent(out) :: pressure, load
       real(wp) :: flow, first_film, centre, share, x, h, gain, reduced, drive
       integer :: i
 
-      flow = flow_at_peak(contact, level)
+      flow = flow_at_peak(level)
       pressure = 0.0_wp
       load = 0.0_wp
       associate (x_a => level%x(0), p => level%state%pressure)
@@ -82,14 +78,14 @@ contains
             x = x_a*points/(i - 0.5_wp)
             h = first_film + 0.5_wp*(x**2 - x_a**2) - share*log((centre - x)/(centre - x_a))
             reduced = pressure + 0.5_wp*gain
-            gain = contact%lambda*max(h - flow, 0.0_wp)/h**3
-            if (thins(contact%fluid)) call divide_by_slip(contact%fluid, h, reduced, gain, drive)
+            gain = level%lambda*max(h - flow, 0.0_wp)/h**3
+            if (thins(level%fluid)) call divide_by_slip(level%fluid, h, reduced, gain, drive)
             gain = -x**2/(points*x_a)*gain
             pressure = pressure + gain
             load = load + gain*(x_a - x)
          end do
-         reduced = min(contact%fluid%alpha_bar*pressure, largest_reduced)
-         if (contact%fluid%viscosity_law /= viscosity_constant .and. reduced > 0.0_wp) then
+         reduced = min(level%fluid%alpha_bar*pressure, largest_reduced)
+         if (level%fluid%viscosity_law /= viscosity_constant .and. reduced > 0.0_wp) then
             load = -log(1 - reduced)/reduced*load
             pressure = -log(1 - reduced)/reduced*pressure
          end if
@@ -135,8 +131,7 @@ contains
 
    !> The flow rho H - e/lambda dP/dX at the face behind the largest pressure, as the space scheme
    !> has it: there it is known best while the solution is on its way.
-   pure function flow_at_peak(contact, level) result(flow)
-      type(line_contact_t), intent(in) :: contact
+   pure function flow_at_peak(level) result(flow)
       type(line_level_t), intent(in) :: level
       real(wp) :: flow, mass(3)
       integer :: i
@@ -149,7 +144,7 @@ contains
          else
             flow = 0.5_wp*(3*mass(2) - mass(1))
          end if
-         flow = flow - level%face_mobility(i + 1)*(p(i + 1) - p(i))/(contact%lambda*level%dx)
+         flow = flow - level%face_mobility(i + 1)*(p(i + 1) - p(i))/(level%lambda*level%dx)
       end associate
    end function flow_at_peak
 

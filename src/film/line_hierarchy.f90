@@ -7,6 +7,7 @@ module line_hierarchy
    use expected_film, only: film_estimate
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t, new_level, set_plain_problem
+   use line_summary, only: line_summary_t, summary_of_fields
    use newton_work, only: newton_t
    use transfer, only: inject
    use wall_clock, only: wall_seconds
@@ -15,8 +16,8 @@ module line_hierarchy
 
    public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_coarser_levels, &
       pose_steady_problem, roughness_at
-   public :: add_level, coarsest_for_film, count_work, is_newton, new_growing_hierarchy, &
-      total_products
+   public :: add_level, coarser_summaries, coarsest_for_film, count_work, is_newton, &
+      level_summary, new_growing_hierarchy
 
    !> Smoother words.
    integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, &
@@ -26,7 +27,7 @@ module line_hierarchy
    integer, parameter, public :: method_fas = 1, method_block_jacobi = 2, &
       method_newton_dense = 3, method_newton_krylov = 4
 
-   !> How a solution is sought: the method, and how its cycle relaxes.
+   !> How a solution is sought: the method, how its cycle relaxes, and when the cycles end.
    type :: relaxation_t
       !> One of the method constants.
       integer :: method = method_fas
@@ -57,6 +58,11 @@ module line_hierarchy
       !> The film is recomputed from the pressure before every sweep (false: H is relaxed with P, as
       !> in the thesis).
       logical :: film_is_recomputed = .true.
+      !> Bound on the residuals (theory page, residuals and convergence), and cycles at most.
+      real(wp) :: tolerance = 1.0e-8_wp
+      integer :: max_cycles = 60
+      !> Stagnation: the smallest residual has not fallen by a third within this many cycles.
+      integer :: patience = 12
    end type relaxation_t
 
    !> All grids, and what their solution works with.
@@ -76,7 +82,7 @@ module line_hierarchy
       logical :: is_kappa = .false.
       !> The nested start solves the two levels below the finest well enough to be compared with it.
       logical :: wants_companions = .false.
-      !> Wall time that the levels of a growing hierarchy took to set up [s].
+      !> Wall time that the levels took to set up [s].
       real(wp) :: setup_seconds = 0.0_wp
       !> Sweeps weighted by nodes, in sweeps of the finest level.
       real(wp) :: work_units = 0.0_wp
@@ -86,6 +92,8 @@ module line_hierarchy
    integer, parameter :: smallest_coarsest = 64, largest_coarsest = 512
    !> No grid has fewer intervals.
    integer, parameter :: smallest_grid = 8
+   !> Solutions on coarser grids that an error estimate can use.
+   integer, parameter :: max_coarser = 3
 
 contains
 
@@ -117,23 +125,21 @@ contains
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: levels
       type(error_t), allocatable, intent(out) :: error
-      integer :: first, coarsest, k, n
+      integer :: first, coarsest, n
 
       n = contact%domain%intervals
       first = halved(n, coarsest_for_film(contact))
       coarsest = cycle_coarsest(first, n)
       if (levels > 0) coarsest = halved(n, max(n/2**(levels - 1), smallest_grid))
       first = min(first, coarsest)
-      if (allocated(hierarchy%levels)) deallocate (hierarchy%levels)
-      hierarchy%fas_coarsest = 1 + doublings(first, coarsest)
-      hierarchy%coarsest = hierarchy%fas_coarsest
-      hierarchy%finest = 1 + doublings(first, n)
-      hierarchy%top = hierarchy%finest
-      allocate (hierarchy%levels(hierarchy%top))
-      do k = 1, hierarchy%top
-         call new_level(hierarchy%levels(k), ends_of(contact), first*2**(k - 1), error)
+      call make_room(hierarchy, 1 + doublings(first, n))
+      do while (hierarchy%top < size(hierarchy%levels))
+         call new_grid(hierarchy, contact, first, error)
          if (allocated(error)) return
       end do
+      hierarchy%fas_coarsest = 1 + doublings(first, coarsest)
+      hierarchy%coarsest = hierarchy%fas_coarsest
+      hierarchy%levels(hierarchy%finest)%is_kappa = hierarchy%is_kappa
    end subroutine new_hierarchy
 
    !> A hierarchy of the coarsest level alone, to which `add_level` adds finer ones of up to `most`
@@ -149,15 +155,9 @@ contains
       do while (first > most .and. first > smallest_grid)
          first = first/2
       end do
-      if (allocated(hierarchy%levels)) deallocate (hierarchy%levels)
-      allocate (hierarchy%levels(1 + int(log(real(max(most, first), wp)/first)/log(2.0_wp) &
-         + 1.0e-9_wp)))
-      call new_level(hierarchy%levels(1), ends_of(contact), first, &
-         error)   ! error: the caller looks
-      hierarchy%top = 1
-      hierarchy%finest = 1
-      hierarchy%coarsest = 1
-      hierarchy%fas_coarsest = 1
+      call make_room(hierarchy, 1 + int(log(real(max(most, first), wp)/first)/log(2.0_wp) &
+         + 1.0e-9_wp))
+      call new_grid(hierarchy, contact, first, error)   ! error: the caller looks
    end subroutine new_growing_hierarchy
 
    !> Adds a level of twice the intervals and poses the steady problem on it.
@@ -166,30 +166,46 @@ contains
       type(line_contact_t), intent(in) :: contact
       logical, intent(in) :: with_roughness
       type(error_t), allocatable, intent(out) :: error
+
+      associate (first => hierarchy%levels(1)%n)
+         call new_grid(hierarchy, contact, first, error)
+         if (allocated(error)) return
+         hierarchy%fas_coarsest = 1 + doublings(first, &
+            cycle_coarsest(first, hierarchy%levels(hierarchy%top)%n))
+      end associate
+      hierarchy%work_units = 0.5_wp*hierarchy%work_units
+      call pose_level(hierarchy%levels(hierarchy%top), contact, with_roughness)
+   end subroutine add_level
+
+   !> No level yet, room for `most`.
+   pure subroutine make_room(hierarchy, most)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      integer, intent(in) :: most
+
+      if (allocated(hierarchy%levels)) deallocate (hierarchy%levels)
+      allocate (hierarchy%levels(most))
+      hierarchy%top = 0
+      hierarchy%fas_coarsest = 1
+   end subroutine make_room
+
+   !> Adds a level on the domain of the contact, the first of `first` intervals and each of twice
+   !> those of the one before, which becomes the finest.
+   subroutine new_grid(hierarchy, contact, first, error)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: first
+      type(error_t), allocatable, intent(out) :: error
       real(wp) :: start
-      integer :: n
 
       start = wall_seconds()
-      n = 2*hierarchy%levels(hierarchy%top)%n
       hierarchy%top = hierarchy%top + 1
       hierarchy%finest = hierarchy%top
       hierarchy%coarsest = hierarchy%top
-      hierarchy%fas_coarsest = 1 + doublings(hierarchy%levels(1)%n, &
-         cycle_coarsest(hierarchy%levels(1)%n, n))
-      hierarchy%work_units = 0.5_wp*hierarchy%work_units
-      call new_level(hierarchy%levels(hierarchy%top), ends_of(contact), n, error)
-      if (allocated(error)) return
-      call pose_level(hierarchy%levels(hierarchy%top), contact, with_roughness)
+      call new_level(hierarchy%levels(hierarchy%top), contact%lambda, contact%fluid, &
+         [contact%domain%x_inlet, contact%domain%x_outlet], first*2**(hierarchy%top - 1), &
+         error)   ! error: the caller looks
       hierarchy%setup_seconds = hierarchy%setup_seconds + wall_seconds() - start
-   end subroutine add_level
-
-   !> Where the domain begins and ends, X.
-   pure function ends_of(contact) result(ends)
-      type(line_contact_t), intent(in) :: contact
-      real(wp) :: ends(2)
-
-      ends = [contact%domain%x_inlet, contact%domain%x_outlet]
-   end function ends_of
+   end subroutine new_grid
 
    !> Intervals of the coarsest grid of the cycles, where the nested start begins with `first`.
    pure function cycle_coarsest(first, n) result(coarsest)
@@ -258,14 +274,9 @@ contains
       type(line_level_t), intent(inout) :: level
       type(line_contact_t), intent(in) :: contact
       logical, intent(in) :: with_roughness
-      real(wp), allocatable :: roughness(:)
 
-      if (with_roughness) then
-         roughness = roughness_at(contact, level, 0.0_wp)
-      else
-         allocate (roughness(0:level%n), source=0.0_wp)
-      end if
-      call set_plain_problem(level, roughness)
+      call set_plain_problem(level, 0*level%x)
+      if (with_roughness) level%rhs_film = level%rhs_film - roughness_at(contact, level, 0.0_wp)
       level%has_tail = contact%domain%inlet == 'tail'
    end subroutine pose_level
 
@@ -287,12 +298,29 @@ contains
          + sweeps*real(hierarchy%levels(k)%n, wp)/hierarchy%levels(hierarchy%top)%n
    end subroutine count_work
 
-   !> Kernel products (FFT pairs) on all levels so far.
-   pure function total_products(hierarchy) result(products)
+   !> Summaries on n/2, n/4 and n/8 intervals, n those of the finest level: as far as these levels
+   !> are solved well enough and no cycle has changed them since.
+   pure function coarser_summaries(hierarchy) result(coarser)
       type(line_hierarchy_t), intent(in) :: hierarchy
-      integer :: products
+      type(line_summary_t), allocatable :: coarser(:)
+      integer :: below
 
-      products = sum(hierarchy%levels%products)
-   end function total_products
+      allocate (coarser(0))
+      if (hierarchy%coarsest < hierarchy%finest) return
+      do below = 1, min(max_coarser, hierarchy%finest - 1)
+         associate (level => hierarchy%levels(hierarchy%finest - below))
+            if (.not. level%is_companion) exit
+            coarser = [coarser, level_summary(level)]
+         end associate
+      end do
+   end function coarser_summaries
+
+   !> Summary of the solution on a level.
+   pure function level_summary(level) result(summary)
+      type(line_level_t), intent(in) :: level
+      type(line_summary_t) :: summary
+
+      summary = summary_of_fields(level%x, level%state%pressure, level%state%film, 0.0_wp)
+   end function level_summary
 
 end module line_hierarchy

@@ -6,6 +6,7 @@ module line_level
    use film_state, only: film_state_t
    use half_space, only: line_deflection_coefficients
    use kinds, only: wp
+   use lubricant, only: fluid_t
    use toeplitz, only: new_toeplitz, toeplitz_t
    implicit none (type, external)
    private
@@ -27,6 +28,9 @@ module line_level
       integer :: n = 0
       !> Spacing dX [b].
       real(wp) :: dx = 0.0_wp
+      !> Speed parameter lambda and scaled laws of the oil, those of the contact.
+      real(wp) :: lambda = 0.0_wp
+      type(fluid_t) :: fluid
       !> Space scheme: kappa, else that of the thesis (module reynolds_line).
       logical :: is_kappa = .false.
       !> 1/dT of the time step, 0 in the steady problem.
@@ -68,8 +72,10 @@ contains
 
    !> Allocates a level of `n` intervals between the `ends` X of the domain with unknowns zero and
    !> plans its convolution.
-   subroutine new_level(level, ends, n, error)
+   subroutine new_level(level, lambda, fluid, ends, n, error)
       type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: lambda
+      type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: ends(2)
       integer, intent(in) :: n
       type(error_t), allocatable, intent(out) :: error
@@ -77,12 +83,10 @@ contains
 
       level%n = n
       level%dx = (ends(2) - ends(1))/n
-      allocate (level%x(0:n))
-      do i = 0, n
-         level%x(i) = ends(1) + i*level%dx
-      end do
-      level%x(n) = ends(2)
-      allocate (level%kernel(0:n))
+      level%lambda = lambda
+      level%fluid = fluid
+      allocate (level%x(0:n), level%kernel(0:n))
+      level%x = [(ends(1) + i*level%dx, i=0, n - 1), ends(2)]
       level%kernel = line_deflection_coefficients(n, level%dx)
       call new_toeplitz(level%convolution, level%kernel, error)
       if (allocated(error)) return

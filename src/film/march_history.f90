@@ -2,7 +2,6 @@
 module march_history
    use film_state, only: film_state_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_level, only: line_level_t
    use lubricant, only: fluid_density
    use march_state, only: march_state_t
@@ -54,9 +53,8 @@ contains
    end subroutine extrapolate
 
    !> Takes the present solution, at the end of a step of `length`, into the history.
-   pure subroutine remember(history, contact, level, length)
+   pure subroutine remember(history, level, length)
       type(march_state_t), intent(inout) :: history
-      type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: length
 
@@ -67,7 +65,7 @@ contains
       history%pressure(:, 1) = level%state%pressure
       history%lengths = [length, history%lengths(1)]
       history%rigid_displacement = [level%state%rigid_displacement, history%rigid_displacement(1:2)]
-      call fluid_density(contact%fluid, level%state%pressure, level%density)
+      call fluid_density(level%fluid, level%state%pressure, level%density)
       history%mass(:, 2) = history%mass(:, 1)
       history%mass(:, 1) = level%density*level%state%film
       history%size = min(history%size + 1, 3)

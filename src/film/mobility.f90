@@ -6,12 +6,20 @@
 module mobility
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_t, fluid_viscosity
-   use mobility_slopes, only: largest_exponent, mobility_slopes_t
-   use rheology, only: block_size => slip_block, evaluate_slip, evaluate_slip_slopes, slip_t, thins
+   use rheology, only: block_size => slip_block, evaluate_slip, evaluate_slip_slopes, &
+      largest_exponent, slip_t, thins
    implicit none (type, external)
    private
 
-   public :: fluid_mobility, fluid_mobility_slopes
+   public :: fluid_mobility, fluid_mobility_slopes, mobility_slopes_t
+
+   !> Mobility, density and their partial derivatives, each (0:n).
+   type :: mobility_slopes_t
+      !> e, and its derivatives by P(i), H(i) and the slope dP/dX(i) inside S.
+      real(wp), allocatable :: e(:), e_p(:), e_h(:), e_slope(:)
+      !> rho and d rho/dP.
+      real(wp), allocatable :: rho(:), rho_p(:)
+   end type mobility_slopes_t
 
 contains
 

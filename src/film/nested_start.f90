@@ -1,6 +1,7 @@
 !> First approximations: nested exact solutions and full multigrid, or the Hertz pressure.
 module nested_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use continuation, only: follow_stress, follow_time
    use fas_cycle, only: cycle_from
    use film_equation, only: take_film
    use film_state, only: film_state_t
@@ -14,14 +15,12 @@ module nested_start
    use quantities, only: exit_between_nodes
    use newton_line, only: solve_newton
    use observer, only: is_stopped, observer_t
-   use pseudo_time, only: follow_time
-   use stress_continuation, only: eased_contact, follow_stress
    use transfer, only: prolong_cubic
-   use rheology, only: thins, wall_stress
+   use rheology, only: eased_fluid, thins, wall_stress
    implicit none (type, external)
    private
 
-   public :: bump_start, full_multigrid_start, hertz_start, refine, solve_level
+   public :: bump_start, first_guess, full_multigrid_start, solve_level
 
    !> Accuracy and steps of the exact solutions below the coarsest grid of the cycles.
    real(wp), parameter :: nested_tolerance = 1.0e-2_wp
@@ -38,49 +37,41 @@ module nested_start
 
 contains
 
-   !> Exact solutions from the coarsest grid that carries a film up to the coarsest of the cycles,
-   !> then cubic interpolation and one cycle on each finer level; the finest is left with the
-   !> interpolated pressure. Where no film is found on the first grid, the next finer ones are
-   !> tried. `is_sound` is false if that fails too, or `watcher` wants to stop.
+   !> Exact solutions from the coarsest grid that carries a film (level 1 unless the user's number
+   !> of levels makes that one coarser) up to the coarsest of the cycles, then cubic interpolation
+   !> and one cycle on each finer level; the finest is left with the interpolated pressure. Where no
+   !> film is found on the first grid, the next finer ones are tried. `is_sound` is false if that
+   !> fails too, or `watcher` wants to stop.
    subroutine full_multigrid_start(hierarchy, contact, is_sound, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       logical, intent(out) :: is_sound
       class(observer_t), intent(inout), optional :: watcher
-      integer :: finest, first, k, sound
-
-      sound = first_with_film(hierarchy, contact)
-      do first = sound, min(sound + max_firsts - 1, hierarchy%coarsest)
-         call nested_solutions(hierarchy, contact, first, is_sound, watcher)
-         if (is_sound) exit
-         if (is_stopped(watcher)) return
-      end do
-      if (.not. is_sound) return
-      finest = hierarchy%finest
-      do k = hierarchy%coarsest + 1, finest
-         call refine(hierarchy, contact, k)
-         if (k == finest) exit
-         is_sound = .not. is_stopped(watcher)
-         if (.not. is_sound) return
-         hierarchy%finest = k
-         call cycle_from(hierarchy, contact, k)
-         hierarchy%finest = finest
-      end do
-   end subroutine full_multigrid_start
-
-   !> The coarsest level that carries a film, at most the coarsest of the cycles. It is level 1
-   !> unless the user's number of levels makes that one coarser.
-   pure function first_with_film(hierarchy, contact) result(first)
-      type(line_hierarchy_t), intent(in) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
-      integer :: first
+      integer :: finest, first, k, last
 
       first = 1
       do while (first < hierarchy%coarsest &
          .and. hierarchy%levels(first)%n < coarsest_for_film(contact))
          first = first + 1
       end do
-   end function first_with_film
+      last = min(first + max_firsts - 1, hierarchy%coarsest)
+      do k = first, last
+         call nested_solutions(hierarchy, contact, k, is_sound, watcher)
+         if (is_sound) exit
+         if (is_stopped(watcher)) return
+      end do
+      if (.not. is_sound) return
+      finest = hierarchy%finest
+      do k = hierarchy%coarsest + 1, finest
+         call refine(hierarchy, k)
+         if (k == finest) exit
+         is_sound = .not. is_stopped(watcher)
+         if (.not. is_sound) return
+         hierarchy%finest = k
+         call cycle_from(hierarchy, k)
+         hierarchy%finest = finest
+      end do
+   end subroutine full_multigrid_start
 
    !> Exact solutions on the levels from `first` (`first_stress`: there by way of a higher Eyring
    !> stress) to the coarsest of the cycles; if that is the finest level, it is left with the
@@ -91,110 +82,98 @@ contains
       integer, intent(in) :: first
       logical, intent(out) :: is_sound
       class(observer_t), intent(inout), optional :: watcher
+      type(line_contact_t) :: eased
       real(wp) :: tolerance
       integer :: k
 
-      call bump_start(hierarchy, eased_contact(contact, hierarchy%relaxation%first_stress), first)
       is_sound = .true.
-      do k = first, hierarchy%coarsest
-         if (k > first) call refine(hierarchy, contact, k)
-         if (k == first .and. hierarchy%relaxation%first_stress > 1.0_wp) then
-            call follow_stress(hierarchy, contact, k, hierarchy%relaxation%first_stress, &
-               is_sound, watcher)
-            if (.not. is_sound) return
-         end if
-         if (k == hierarchy%top) then
-            if (hierarchy%relaxation%follows_time) call follow_time(hierarchy, contact, k, &
-               is_sound, watcher)
-            return
-         end if
-         tolerance = merge(companion_tolerance, nested_tolerance, hierarchy%wants_companions &
-            .and. k >= hierarchy%top - 2)
-         call solve_level(hierarchy, contact, k, tolerance, is_sound, watcher)
-         if (.not. is_sound .and. hierarchy%relaxation%follows_time) then
-            if (is_stopped(watcher)) return
-            if (k == first) then
-               call bump_start(hierarchy, contact, k)
-            else
-               call refine(hierarchy, contact, k)
+      associate (choice => hierarchy%relaxation)
+         eased = contact
+         eased%fluid = eased_fluid(contact%fluid, choice%first_stress)
+         do k = first, hierarchy%coarsest
+            call first_guess(hierarchy, eased, k, first)
+            if (k == first .and. choice%first_stress > 1.0_wp) then
+               call follow_stress(hierarchy, k, choice%first_stress, is_sound, watcher)
+               if (.not. is_sound) return
             end if
-            call follow_time(hierarchy, contact, k, is_sound, watcher)
-            if (is_sound) call solve_level(hierarchy, contact, k, tolerance, is_sound, watcher)
-         end if
-         if (.not. is_sound) return
-      end do
+            if (k == hierarchy%top) then
+               if (choice%follows_time) call follow_time(hierarchy, k, is_sound, watcher)
+               return
+            end if
+            tolerance = merge(companion_tolerance, nested_tolerance, hierarchy%wants_companions &
+               .and. k >= hierarchy%top - 2)
+            call solve_level(hierarchy, k, tolerance, is_sound, watcher)
+            if (.not. is_sound .and. choice%follows_time) then
+               if (is_stopped(watcher)) return
+               call first_guess(hierarchy, contact, k, first)
+               call follow_time(hierarchy, k, is_sound, watcher)
+               if (is_sound) call solve_level(hierarchy, k, tolerance, is_sound, watcher)
+            end if
+            if (.not. is_sound) return
+         end do
+      end associate
    end subroutine nested_solutions
 
-   !> Exact solution on level k from its present pressure.
-   subroutine solve_level(hierarchy, contact, k, tolerance, is_sound, watcher)
+   !> Where level k starts from: the level below, or nothing on the `first` one.
+   subroutine first_guess(hierarchy, contact, k, first)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: k, first
+
+      if (k == first) then
+         call bump_start(hierarchy, contact, k)
+      else
+         call refine(hierarchy, k)
+      end if
+   end subroutine first_guess
+
+   !> Exact solution on level k from its present pressure, of a companion by the space scheme of the
+   !> hierarchy: from the solution of the thesis's scheme to that of the kappa scheme. Where that
+   !> step fails, the first solution stays, which is no companion.
+   subroutine solve_level(hierarchy, k, tolerance, is_sound, watcher)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
       real(wp), intent(in) :: tolerance
       logical, intent(out) :: is_sound
       class(observer_t), intent(inout), optional :: watcher
-
-      associate (level => hierarchy%levels(k))
-         level%is_kappa = .false.
-         call solve_newton(hierarchy%newton, contact, level, tolerance, nested_steps, watcher)
-         is_sound = hierarchy%newton%is_converged
-         level%is_companion = is_sound .and. tolerance <= companion_tolerance
-         if (level%is_companion .and. hierarchy%is_kappa) call start_kappa_scheme(hierarchy, &
-            contact, k, tolerance, watcher)
-      end associate
-   end subroutine solve_level
-
-   !> From the solution of the thesis's scheme on level k to that of the kappa scheme; where that
-   !> fails, the first stays, which is no companion.
-   subroutine start_kappa_scheme(hierarchy, contact, k, tolerance, watcher)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
-      integer, intent(in) :: k
-      real(wp), intent(in) :: tolerance
-      class(observer_t), intent(inout), optional :: watcher
       type(film_state_t) :: thesis
 
-      associate (level => hierarchy%levels(k))
+      associate (level => hierarchy%levels(k), is_solved => hierarchy%newton%is_converged)
+         level%is_kappa = .false.
+         call solve_newton(hierarchy%newton, level, tolerance, nested_steps, watcher)
+         is_sound = is_solved
+         level%is_companion = is_sound .and. tolerance <= companion_tolerance
+         if (.not. (level%is_companion .and. hierarchy%is_kappa)) return
          thesis = level%state
          level%is_kappa = .true.
-         call solve_newton(hierarchy%newton, contact, level, tolerance, nested_steps, watcher)
-         level%is_companion = hierarchy%newton%is_converged
-         if (level%is_companion) return
-         level%is_kappa = .false.
-         level%state = thesis
+         call solve_newton(hierarchy%newton, level, tolerance, nested_steps, watcher)
+         level%is_kappa = is_solved
+         level%is_companion = is_solved
+         if (.not. is_solved) level%state = thesis
       end associate
-   end subroutine start_kappa_scheme
-
-   !> The Hertz pressure (a wide bump for a thick film) on the finest level.
-   subroutine hertz_start(hierarchy, contact)
-      type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
-
-      call bump_start(hierarchy, contact, hierarchy%finest)
-   end subroutine hertz_start
+   end subroutine solve_level
 
    !> Pressure of level k from level k - 1 by cubic interpolation, film from the pressure.
    !>
    !> A zigzag of the coarse pressure is invisible to its central slopes but not to those of the
    !> fine grid, where the slip factor would start at exp(100): the pressure of a fluid that thins
    !> is smoothed until no wall stress is larger than `largest_sigma`.
-   subroutine refine(hierarchy, contact, k)
+   subroutine refine(hierarchy, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: k
       integer :: pass
 
-      associate (level => hierarchy%levels(k))
-         level%state%rigid_displacement = hierarchy%levels(k - 1)%state%rigid_displacement
-         call prolong_cubic(hierarchy%levels(k - 1)%state%pressure, level%state%pressure)
-         call place_exit(hierarchy%levels(k - 1), level)
-         level%has_tail = contact%domain%inlet == 'tail'
-         if (level%has_tail) level%rhs_load = hierarchy%levels(k - 1)%rhs_load &
+      associate (level => hierarchy%levels(k), coarse => hierarchy%levels(k - 1))
+         level%state%rigid_displacement = coarse%state%rigid_displacement
+         call prolong_cubic(coarse%state%pressure, level%state%pressure)
+         call place_exit(coarse, level)
+         level%has_tail = coarse%has_tail
+         if (level%has_tail) level%rhs_load = coarse%rhs_load &
             - 0.5_wp*level%dx*level%state%pressure(0)
          do pass = 0, max_smoothings
             call take_film(level)
-            if (.not. thins(contact%fluid)) exit
-            if (wall_stress(contact%fluid, &
+            if (.not. thins(level%fluid)) exit
+            if (wall_stress(level%fluid, &
                maxval(abs(level%state%film(1:level%n - 1)*(level%state%pressure(2:) &
                - level%state%pressure(:level%n - 2)))))/(2*level%dx) < largest_sigma) exit
             level%state%pressure(1:level%n - 1) = 0.25_wp*(level%state%pressure(:level%n - 2) &

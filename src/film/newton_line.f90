@@ -9,7 +9,6 @@ module newton_line
    use force_balance, only: load_defect
    use inlet_tail, only: close_inlet
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_level, only: line_level_t
    use newton_work, only: allocate_work, newton_t
    use observer, only: is_stopped, observer_t
@@ -51,11 +50,9 @@ contains
    !> relative H, or at round-off, after `max_steps`, or before a step where `watcher` wants to
    !> stop. `goal`: bound on |r|/lambda that the caller is after. `film_is_exact`: the level's film
    !> is already that of its pressure and of H0.
-   ! allow(too-many-arguments)  the last three are optional
-   subroutine solve_newton(newton, contact, level, tolerance, max_steps, &
+   subroutine solve_newton(newton, level, tolerance, max_steps, &
       watcher, goal, film_is_exact)
       type(newton_t), intent(inout) :: newton
-      type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: tolerance
       integer, intent(in) :: max_steps
@@ -67,9 +64,9 @@ contains
 
       call allocate_work(newton, level%n)
       newton%is_converged = .false.
-      newton%stress_scale = wall_stress(contact%fluid, 1.0_wp)
+      newton%stress_scale = wall_stress(level%fluid, 1.0_wp)
       ! bent steps do not converge for thinning oils under heavy load (docs/decisions.md)
-      newton%is_bent = .not. thins(contact%fluid)
+      newton%is_bent = .not. thins(level%fluid)
       previous_step = huge(1.0_wp)
       is_at_hand = .false.
       if (present(film_is_exact)) is_at_hand = film_is_exact
@@ -81,10 +78,10 @@ contains
       end if
       do while (newton%steps < max_steps)
          if (is_stopped(watcher)) return
-         if (newton%steps > 0) call close_inlet(contact, level)
-         call evaluate_jacobian(contact, level, newton%jacobian)
+         if (newton%steps > 0) call close_inlet(level)
+         call evaluate_jacobian(level, newton%jacobian)
          call prepare_system(newton, level)
-         newton%linear%goal = linear_goal(newton%residual, contact%lambda, goal)
+         newton%linear%goal = linear_goal(newton%residual, level%lambda, goal)
          call newton%linear%solve(level, newton%jacobian, newton%is_cavitated, newton%step, &
             is_solved)
          if (.not. is_solved) return

@@ -1,13 +1,44 @@
-!> What Newton's method keeps from call to call, and what the last call did.
+!> What Newton's method keeps from call to call, what the last call did, and the linear system of
+!> one of its steps.
+!>
+!> Unknowns of that are the changes of P(1..n-1) and of H0. Row i < n is the Reynolds equation of
+!> node i divided by the elastic diagonal (the identity where the node is cavitated), row n the
+!> force balance.
 module newton_work
+   use face_mobility, only: face_slopes_t
    use film_state, only: film_state_t
-   use jacobian_bands, only: new_jacobian, reynolds_jacobian_t
    use kinds, only: wp
-   use linear_solver, only: linear_solver_t
+   use line_level, only: line_level_t
+   use mobility, only: mobility_slopes_t
    implicit none (type, external)
    private
 
-   public :: allocate_work, newton_t
+   public :: allocate_work, linear_solver_t, new_jacobian, newton_t, reynolds_jacobian_t
+
+   !> Bands by offset and row: by_pressure(o, i) = dL_R(i)/dP(i+o), by_film(o, i) = dL_R(i)/dH(i+o).
+   type :: reynolds_jacobian_t
+      !> (-2:2, 0:n)
+      real(wp), allocatable :: by_pressure(:, :)
+      !> (-2:1, 0:n)
+      real(wp), allocatable :: by_film(:, :)
+      !> Diagonal of the elastic Jacobian JP - JH K (0:n), negative in a sound state.
+      real(wp), allocatable :: diagonal(:)
+      type(mobility_slopes_t) :: slopes
+      !> Mobility of the faces in the kappa scheme; allocated when first used.
+      type(face_slopes_t) :: faces
+   end type reynolds_jacobian_t
+
+   !> A way to solve the system.
+   type, abstract :: linear_solver_t
+      !> Share of the right side that an iterative solution may leave.
+      real(wp) :: tolerance = 1.0e-2_wp
+      !> Bound on what it may leave of a Reynolds residual |r|.
+      real(wp) :: goal = huge(1.0_wp)
+      !> Iterations of the last call (0 for a direct solution).
+      integer :: iterations = 0
+   contains
+      procedure(solve_interface), deferred :: solve
+   end type linear_solver_t
 
    !> Linear solver, Jacobian, step and outcome.
    type :: newton_t
@@ -33,7 +64,36 @@ module newton_work
       logical :: is_converged = .false.
    end type newton_t
 
+   abstract interface
+      !> `jacobian` holds bands that are already divided by the elastic diagonal; `step` (n) is the
+      !> right side on entry and the solution on return. `is_solved` is false if the system is
+      !> singular.
+      subroutine solve_interface(self, level, jacobian, is_cavitated, step, is_solved)
+         import :: line_level_t, linear_solver_t, reynolds_jacobian_t, wp
+         implicit none (type, external)
+         class(linear_solver_t), intent(inout), target :: self
+         type(line_level_t), intent(inout), target :: level
+         type(reynolds_jacobian_t), intent(in), target :: jacobian
+         logical, intent(in) :: is_cavitated(:)
+         real(wp), intent(inout) :: step(:)
+         logical, intent(out) :: is_solved
+      end subroutine solve_interface
+   end interface
+
 contains
+
+   !> Allocates the bands for `n` intervals.
+   pure subroutine new_jacobian(jacobian, n)
+      type(reynolds_jacobian_t), intent(out) :: jacobian
+      integer, intent(in) :: n
+
+      allocate (jacobian%by_pressure(-2:2, 0:n), jacobian%by_film(-2:1, 0:n), &
+         jacobian%diagonal(0:n), source=0.0_wp)
+      associate (slopes => jacobian%slopes)
+         allocate (slopes%e(0:n), slopes%e_p(0:n), slopes%e_h(0:n), slopes%e_slope(0:n), &
+            slopes%rho(0:n), slopes%rho_p(0:n))
+      end associate
+   end subroutine new_jacobian
 
    !> Work space for n intervals.
    subroutine allocate_work(newton, n)
@@ -42,12 +102,12 @@ contains
 
       newton%steps = 0
       newton%last_step = huge(1.0_wp)
-      call new_jacobian(newton%jacobian, n)
       if (allocated(newton%step)) then
          if (size(newton%step) == n) return
          deallocate (newton%step, newton%is_cavitated)
       end if
       allocate (newton%step(n), newton%is_cavitated(n - 1))
+      call new_jacobian(newton%jacobian, n)
    end subroutine allocate_work
 
 end module newton_work

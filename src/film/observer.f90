@@ -8,10 +8,10 @@ module observer
    implicit none (type, external)
    private
 
-   public :: is_stopped, lookout_t, observer_t, silent_observer_t
+   public :: is_stopped, lookout_t, observer_t
 
-   !> Somebody who listens to a solver.
-   type, abstract :: observer_t
+   !> Somebody who listens to a solver. This one ignores everything: who wants to know extends it.
+   type :: observer_t
       !> Set by the observer: the solver ends after this cycle or step, as not converged (a full
       !> disk, a signal).
       logical :: wants_stop = .false.
@@ -20,9 +20,9 @@ module observer
       logical :: wants_state = .false.
    contains
       !> After each cycle of a steady solve.
-      procedure(on_cycle_interface), deferred :: on_cycle
+      procedure :: on_cycle => ignore_cycle
       !> After each time step, and once at T = 0 with step = 0.
-      procedure(on_step_interface), deferred :: on_step
+      procedure :: on_step => ignore_step
       !> After a time step for which `wants_state` is set.
       procedure :: keep_state => ignore_state
       !> After a steady solution: the summaries of the coarser grids that it has passed, of n/2
@@ -30,53 +30,19 @@ module observer
       procedure :: keep_coarser => ignore_coarser
       !> What is done from now on, in a few words for somebody who waits.
       procedure :: on_stage => ignore_stage
-      !> Looks whether there is a reason to stop that the solver's own calls would not bring up.
+      !> Looks whether there is a reason to stop: after each cycle of a steady solve, and between
+      !> the parts of its start.
       procedure :: look_outside => ignore_outside
    end type observer_t
 
-   !> An observer that ignores everything, for tests and comparisons.
-   type, extends(observer_t) :: silent_observer_t
-   contains
-      procedure :: on_cycle => ignore_cycle
-      procedure :: on_step => ignore_step
-   end type silent_observer_t
-
-   !> Listens to a run that serves another one: tells nobody, but ends the run where the other one's
-   !> `watcher` wants to stop.
-   type, extends(silent_observer_t) :: lookout_t
+   !> Listens to a run that serves another one: tells nobody of its cycles and steps, but ends a
+   !> steady run where the other one's `watcher` wants to stop.
+   type, extends(observer_t) :: lookout_t
       class(observer_t), pointer :: watcher => null()
    contains
-      procedure :: on_cycle => look_at_cycle
-      procedure :: on_step => look_at_step
       procedure :: on_stage => tell_watcher
       procedure :: look_outside => look_through
    end type lookout_t
-
-   abstract interface
-
-      !> `cycle` counts from 1; `residual` and `load_error` are those after it [-].
-      subroutine on_cycle_interface(self, cycle, residual, load_error)
-         import :: observer_t, wp
-         implicit none (type, external)
-         class(observer_t), intent(inout) :: self
-         integer, intent(in) :: cycle
-         real(wp), intent(in) :: residual
-         real(wp), intent(in) :: load_error
-      end subroutine on_cycle_interface
-
-      !> Time step `step` of `steps` is done (0 = the start) and left `state`; `report` as far as it
-      !> is known.
-      subroutine on_step_interface(self, step, steps, state, report)
-         import :: line_state_t, observer_t, report_t
-         implicit none (type, external)
-         class(observer_t), intent(inout) :: self
-         integer, intent(in) :: step
-         integer, intent(in) :: steps
-         type(line_state_t), intent(in) :: state
-         type(report_t), intent(in) :: report
-      end subroutine on_step_interface
-
-   end interface
 
 contains
 
@@ -90,6 +56,30 @@ contains
       call watcher%look_outside()
       answer = watcher%wants_stop
    end function is_stopped
+
+   !> `cycle` counts from 1; `residual` and `load_error` are those after it [-].
+   subroutine ignore_cycle(self, cycle, residual, load_error)
+      class(observer_t), intent(inout) :: self
+      integer, intent(in) :: cycle
+      real(wp), intent(in) :: residual, load_error
+
+      associate (unused_self => self, unused_cycle => cycle, unused_residual => residual, &
+         unused_load_error => load_error)
+      end associate
+   end subroutine ignore_cycle
+
+   !> Time step `step` of `steps` is done (0 = the start) and left `state`; `report` as far as it is
+   !> known.
+   subroutine ignore_step(self, step, steps, state, report)
+      class(observer_t), intent(inout) :: self
+      integer, intent(in) :: step, steps
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(in) :: report
+
+      associate (unused_self => self, unused_step => step, unused_steps => steps, &
+         unused_state => state, unused_report => report)
+      end associate
+   end subroutine ignore_step
 
    !> Keeps nothing.
    subroutine ignore_state(self, history)
@@ -126,58 +116,6 @@ contains
       associate (unused_self => self)
       end associate
    end subroutine ignore_outside
-
-   !> Does nothing.
-   subroutine ignore_cycle(self, cycle, residual, load_error)
-      class(silent_observer_t), intent(inout) :: self
-      integer, intent(in) :: cycle
-      real(wp), intent(in) :: residual
-      real(wp), intent(in) :: load_error
-
-      associate (unused_self => self, unused_cycle => cycle, unused_residual => residual, &
-         unused_load_error => load_error)
-      end associate
-   end subroutine ignore_cycle
-
-   !> Does nothing.
-   subroutine ignore_step(self, step, steps, state, report)
-      class(silent_observer_t), intent(inout) :: self
-      integer, intent(in) :: step
-      integer, intent(in) :: steps
-      type(line_state_t), intent(in) :: state
-      type(report_t), intent(in) :: report
-
-      associate (unused_self => self, unused_step => step, unused_steps => steps, &
-         unused_state => state, unused_report => report)
-      end associate
-   end subroutine ignore_step
-
-   !> A cycle is a moment to look outside.
-   subroutine look_at_cycle(self, cycle, residual, load_error)
-      class(lookout_t), intent(inout) :: self
-      integer, intent(in) :: cycle
-      real(wp), intent(in) :: residual
-      real(wp), intent(in) :: load_error
-
-      associate (unused_cycle => cycle, unused_residual => residual, &
-         unused_load_error => load_error)
-      end associate
-      call self%look_outside()
-   end subroutine look_at_cycle
-
-   !> And so is a time step.
-   subroutine look_at_step(self, step, steps, state, report)
-      class(lookout_t), intent(inout) :: self
-      integer, intent(in) :: step
-      integer, intent(in) :: steps
-      type(line_state_t), intent(in) :: state
-      type(report_t), intent(in) :: report
-
-      associate (unused_step => step, unused_steps => steps, unused_state => state, &
-         unused_report => report)
-      end associate
-      call self%look_outside()
-   end subroutine look_at_step
 
    !> Whoever waits for the other run waits for this one.
    recursive subroutine tell_watcher(self, words)

@@ -3,7 +3,6 @@ module relaxation_sweeps
    use film_equation, only: evaluate_deflection, update_film
    use force_balance, only: relax_load
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_hierarchy, only: count_work, line_hierarchy_t, smoother_block_jacobi, &
       smoother_gauss_seidel, smoother_hybrid, smoother_line
    use line_level, only: largest_pressure
@@ -18,23 +17,21 @@ contains
 
    !> `coarse_sweeps` sweeps on level k with the force balance relaxed after each (thesis, section
    !> 2.7).
-   subroutine sweep_under_load(hierarchy, contact, k)
+   subroutine sweep_under_load(hierarchy, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: k
       integer :: i
 
       do i = 1, hierarchy%relaxation%coarse_sweeps
-         call smooth(hierarchy, contact, k, 1, is_last_leg=.true.)
+         call smooth(hierarchy, k, 1, is_last_leg=.true.)
          call relax_load(hierarchy%levels(k), hierarchy%relaxation%load_relaxation)
       end do
    end subroutine sweep_under_load
 
    !> `sweeps` of the chosen smoother on level k. The hybrid sweeps by line before and downstream
    !> after the correction.
-   subroutine smooth(hierarchy, contact, k, sweeps, is_last_leg)
+   subroutine smooth(hierarchy, k, sweeps, is_last_leg)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: k, sweeps
       logical, intent(in) :: is_last_leg
       integer :: i, smoother
@@ -43,16 +40,15 @@ contains
       if (smoother == smoother_hybrid) smoother = merge(smoother_gauss_seidel, smoother_line, &
          is_last_leg)
       do i = 1, sweeps
-         call sweep(hierarchy, contact, k, smoother)
+         call sweep(hierarchy, k, smoother)
       end do
       if (smoother == smoother_line) call update_film(hierarchy%levels(k))
       call count_work(hierarchy, k, sweeps)
    end subroutine smooth
 
    !> One sweep of one smoother, from coefficients evaluated at the present state.
-   subroutine sweep(hierarchy, contact, k, smoother)
+   subroutine sweep(hierarchy, k, smoother)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: k, smoother
       real(wp) :: kernel_diagonal
 
@@ -64,13 +60,13 @@ contains
          else
             call evaluate_deflection(level)
          end if
-         call evaluate_reynolds(contact, level)
-         call reynolds_diagonals(contact%lambda, level, kernel_diagonal)
+         call evaluate_reynolds(level)
+         call reynolds_diagonals(level, kernel_diagonal)
          select case (smoother)
          case (smoother_block_jacobi)
             call block_jacobi_sweep(level, kernel_diagonal, choice%relaxation)
          case (smoother_gauss_seidel)
-            call gauss_seidel_sweep(level, contact%lambda, kernel_diagonal, choice%relaxation)
+            call gauss_seidel_sweep(level, kernel_diagonal, choice%relaxation)
          case default
             call line_sweep(level, choice%relaxation)
          end select

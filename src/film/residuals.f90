@@ -1,10 +1,9 @@
 !> The residuals that decide on convergence.
 module residuals
-   use film_equation, only: film_of
+   use film_equation, only: elastic_film, evaluate_deflection
    use force_balance, only: carried_load, load_defect
    use inlet_tail, only: tail_load
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_level, only: contact_load, line_level_t
    use reynolds_line, only: evaluate_reynolds
    implicit none (type, external)
@@ -28,8 +27,7 @@ contains
 
    !> The residuals with the film that belongs exactly to the pressure.
    !> The level's film becomes that film unless it closes; with `film_is_exact` it is that already.
-   subroutine measure_residual(contact, level, residual, film_is_exact)
-      type(line_contact_t), intent(in) :: contact
+   subroutine measure_residual(level, residual, film_is_exact)
       type(line_level_t), intent(inout) :: level
       type(residual_t), intent(out) :: residual
       logical, intent(in), optional :: film_is_exact
@@ -38,27 +36,29 @@ contains
       is_at_hand = .false.
       if (present(film_is_exact)) is_at_hand = film_is_exact
       level%work = level%state%film
-      if (.not. is_at_hand) call film_of(level, level%work)
+      if (.not. is_at_hand) then
+         call evaluate_deflection(level)
+         level%work = elastic_film(level)
+      end if
       residual%load = abs(load_defect(level))
       residual%film_is_open = all(level%work > 0.0_wp)
       if (.not. residual%film_is_open) return
       level%state%film = level%work
-      call evaluate_reynolds(contact, level)
+      call evaluate_reynolds(level)
       if (level%has_tail) residual%load = abs(contact_load &
-         - tail_load(contact, level) - carried_load(level))
-      level%work = (level%operator - level%rhs_reynolds)/contact%lambda
+         - tail_load(level) - carried_load(level))
+      level%work = (level%operator - level%rhs_reynolds)/level%lambda
       level%work(0) = 0.0_wp
       level%work(level%n) = 0.0_wp
       residual%reynolds = maxval(merge(abs(level%work), max(level%work, 0.0_wp), &
          level%state%pressure > 0.0_wp))
-      residual%floor = round_off(contact%lambda, level)
+      residual%floor = round_off(level)
    end subroutine measure_residual
 
    !> What rounding leaves of |r|/lambda: 4e-16 ( max(e P)/(lambda dX^2) + max(H)/dT ), that of P
    !> and H in their differences; where the compensation of P is kept, 1e-15 ( max(H) + max|K P|/pi
    !> )/dX, that of the flow: of e, of H and of what H is a sum of.
-   pure function round_off(lambda, level) result(floor)
-      real(wp), intent(in) :: lambda
+   pure function round_off(level) result(floor)
       type(line_level_t), intent(in) :: level
       real(wp) :: floor
 
@@ -67,7 +67,7 @@ contains
       else
          floor = 4.0e-16_wp*(maxval(level%face_mobility*max(level%state%pressure(1:), &
             level%state%pressure(:level%n - 1))) &
-            /(lambda*level%dx**2) + maxval(level%state%film)*level%inverse_time_step)
+            /(level%lambda*level%dx**2) + maxval(level%state%film)*level%inverse_time_step)
       end if
    end function round_off
 

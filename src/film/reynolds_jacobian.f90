@@ -4,13 +4,11 @@
 !> With the film equation H = ... + H0 - K P it gives the elastic Jacobian J = JP - JH K of the
 !> Newton methods.
 module reynolds_jacobian
-   use face_mobility, only: fluid_face_slopes
-   use jacobian_bands, only: reynolds_jacobian_t
+   use face_mobility, only: face_slopes_t, fluid_face_slopes
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_level, only: has_close_exit, line_level_t
    use mobility, only: fluid_mobility_slopes
-   use mobility_slopes, only: face_slopes_t
+   use newton_work, only: reynolds_jacobian_t
    use reynolds_line, only: apply_reynolds, third_order_share, third_order_slope, wedge_weights
    use rheology, only: thins
    implicit none (type, external)
@@ -23,26 +21,25 @@ contains
    !> The bands at the present pressure and film of the level; rows 0 and n stay zero. The laws are
    !> evaluated once: the level gets its coefficients and the operator L_R from the same values (as
    !> from `evaluate_reynolds`).
-   pure subroutine evaluate_jacobian(contact, level, jacobian)
-      type(line_contact_t), intent(in) :: contact
+   pure subroutine evaluate_jacobian(level, jacobian)
       type(line_level_t), intent(inout) :: level
       type(reynolds_jacobian_t), intent(inout) :: jacobian
       real(wp) :: left_p(-2:1), left_h(-2:0), right_p(-2:1), right_h(-2:0), weights(-2:0)
       integer :: i, n
 
       n = level%n
-      call evaluate_slopes(contact, level, jacobian)
-      call apply_reynolds(contact, level)
-      call differentiate_flux(contact, level, jacobian, 1, right_p, right_h)
+      call evaluate_slopes(level, jacobian)
+      call apply_reynolds(level)
+      call differentiate_flux(level, jacobian, 1, right_p, right_h)
       associate (jp => jacobian%by_pressure, jh => jacobian%by_film, kernel => level%kernel)
          do i = 1, n - 1
             left_p = right_p
             left_h = right_h
-            call differentiate_flux(contact, level, jacobian, i + 1, right_p, right_h)
+            call differentiate_flux(level, jacobian, i + 1, right_p, right_h)
             jp(:, i) = [-left_p(-2), right_p(-2) - left_p(-1), right_p(-1) - left_p(0), &
                right_p(0) - left_p(1), right_p(1)]
             jh(:, i) = [-left_h(-2), right_h(-2) - left_h(-1), right_h(-1) - left_h(0), right_h(0)]
-            if (i <= 2) weights = wedge_and_squeeze(contact%lambda, level, i)
+            if (i <= 2) weights = wedge_and_squeeze(level, i)
             call add_flow(weights, level, i, jacobian)
             jacobian%diagonal(i) = jp(0, i) - jh(-2, i)*kernel(2) - jh(-1, i)*kernel(1) - jh(0, &
                i)*kernel(0) - jh(1, i)*kernel(1)
@@ -56,25 +53,24 @@ contains
    end subroutine evaluate_jacobian
 
    !> Mobility and density with their derivatives, and the coefficients of the level.
-   pure subroutine evaluate_slopes(contact, level, jacobian)
-      type(line_contact_t), intent(in) :: contact
+   pure subroutine evaluate_slopes(level, jacobian)
       type(line_level_t), intent(inout) :: level
       type(reynolds_jacobian_t), intent(inout) :: jacobian
 
       associate (slopes => jacobian%slopes)
          if (level%is_kappa) then
             if (.not. allocated(jacobian%faces%e)) call new_faces(jacobian%faces, level%n)
-            call fluid_face_slopes(contact%fluid, level%dx, level%state%pressure, &
+            call fluid_face_slopes(level%fluid, level%dx, level%state%pressure, &
                level%state%film, &
                jacobian%faces, slopes%rho, slopes%rho_p, &
                level%state%compensation)
             level%face_mobility = jacobian%faces%e
             ! Newton's method bends steps by the mobility of the nodes
-            if (.not. thins(contact%fluid)) call fluid_mobility_slopes(contact%fluid, level%dx, &
+            if (.not. thins(level%fluid)) call fluid_mobility_slopes(level%fluid, level%dx, &
                level%state%pressure, &
                level%state%film, slopes)
          else
-            call fluid_mobility_slopes(contact%fluid, level%dx, level%state%pressure, &
+            call fluid_mobility_slopes(level%fluid, level%dx, level%state%pressure, &
                level%state%film, &
                slopes, level%state%compensation)
             level%mobility = slopes%e
@@ -86,8 +82,7 @@ contains
 
    !> Derivatives of the flux e(i-1/2) (P(i) - P(i-1))/dX^2 through the face left of node i, with
    !> what the kappa scheme has more of the flow rH there, by P(i-2..i+1) and H(i-2..i).
-   pure subroutine differentiate_flux(contact, level, jacobian, i, flux_p, flux_h)
-      type(line_contact_t), intent(in) :: contact
+   pure subroutine differentiate_flux(level, jacobian, i, flux_p, flux_h)
       type(line_level_t), intent(in) :: level
       type(reynolds_jacobian_t), intent(in) :: jacobian
       integer, intent(in) :: i
@@ -102,7 +97,7 @@ contains
                faces%by_p_right(i)*slope + conductance, 0.0_wp]
             flux_h = [0.0_wp, faces%by_h_left(i)*slope, faces%by_h_right(i)*slope]
          end associate
-         if (i > 1) call add_third_order_slopes(contact, level, jacobian%slopes%rho_p(i - 2:i), &
+         if (i > 1) call add_third_order_slopes(level, jacobian%slopes%rho_p(i - 2:i), &
             i, flux_p(:0), flux_h)
       else
          associate (s => jacobian%slopes)
@@ -116,8 +111,7 @@ contains
    end subroutine differentiate_flux
 
    !> The part of -lambda/dX theta/3 ( rH(i) - 2 rH(i-1) + rH(i-2) ) in these derivatives.
-   pure subroutine add_third_order_slopes(contact, level, rho_p, i, flux_p, flux_h)
-      type(line_contact_t), intent(in) :: contact
+   pure subroutine add_third_order_slopes(level, rho_p, i, flux_p, flux_h)
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: i
       real(wp), intent(in) :: rho_p(-2:0)
@@ -127,8 +121,8 @@ contains
 
       associate (p => level%state%pressure(i - 2:i), h => level%state%film(i - 2:i), &
          rho => level%density(i - 2:i), &
-         alpha => contact%fluid%alpha_bar)
-         factor = contact%lambda/(3*level%dx)
+         alpha => level%fluid%alpha_bar)
+         factor = level%lambda/(3*level%dx)
          curvature = alpha*dot_product(second, p)
          share = third_order_share(curvature)
          flux_p = flux_p - factor*second*(share*rho_p*h + alpha*third_order_slope(curvature) &
@@ -139,14 +133,13 @@ contains
 
    !> Weights of rH(i-2) ... rH(i) in the wedge and the squeeze term of row i, the same ones from
    !> the second row on.
-   pure function wedge_and_squeeze(lambda, level, i) result(weights)
-      real(wp), intent(in) :: lambda
+   pure function wedge_and_squeeze(level, i) result(weights)
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: i
       real(wp) :: weights(-2:0)
 
-      weights = wedge_weights(i)*lambda/level%dx
-      weights(0) = weights(0) + lambda*level%inverse_time_step
+      weights = wedge_weights(i)*level%lambda/level%dx
+      weights(0) = weights(0) + level%lambda*level%inverse_time_step
    end function wedge_and_squeeze
 
    !> The wedge and the squeeze term of row i.

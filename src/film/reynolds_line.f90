@@ -17,9 +17,7 @@
 module reynolds_line
    use face_mobility, only: fluid_face_mobility
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_level, only: has_close_exit, line_level_t
-   use lubricant, only: fluid_t
    use mobility, only: fluid_mobility
    implicit none (type, external)
    private
@@ -34,16 +32,15 @@ contains
 
    !> Density rho of the nodes and mobility e(i-1/2) of the faces at the present pressure and film;
    !> in the thesis's scheme that of the nodes too.
-   pure subroutine evaluate_coefficients(fluid, level)
-      type(fluid_t), intent(in) :: fluid
+   pure subroutine evaluate_coefficients(level)
       type(line_level_t), intent(inout) :: level
 
       if (level%is_kappa) then
-         call fluid_face_mobility(fluid, level%dx, level%state%pressure, level%state%film, &
+         call fluid_face_mobility(level%fluid, level%dx, level%state%pressure, level%state%film, &
             level%face_mobility, level%density, &
             level%state%compensation)
       else
-         call fluid_mobility(fluid, level%dx, level%state%pressure, level%state%film, &
+         call fluid_mobility(level%fluid, level%dx, level%state%pressure, level%state%film, &
             level%mobility, &
             level%density, &
             level%state%compensation)
@@ -84,32 +81,30 @@ contains
    end function third_order_slope
 
    !> Coefficients, then the operator L_R at nodes 1..n-1 (0 at both ends).
-   pure subroutine evaluate_reynolds(contact, level)
-      type(line_contact_t), intent(in) :: contact
+   pure subroutine evaluate_reynolds(level)
       type(line_level_t), intent(inout) :: level
 
-      call evaluate_coefficients(contact%fluid, level)
-      call apply_reynolds(contact, level)
+      call evaluate_coefficients(level)
+      call apply_reynolds(level)
    end subroutine evaluate_reynolds
 
    !> L_R with the present coefficients.
-   pure subroutine apply_reynolds(contact, level)
-      type(line_contact_t), intent(in) :: contact
+   pure subroutine apply_reynolds(level)
       type(line_level_t), intent(inout) :: level
       real(wp) :: diffusion, squeeze, w(-2:0)
       integer :: i, n
 
       n = level%n
       diffusion = 1.0_wp/level%dx**2
-      squeeze = contact%lambda*level%inverse_time_step
+      squeeze = level%lambda*level%inverse_time_step
       associate (p => level%state%pressure, h => level%state%film, e => level%face_mobility, &
          rho => level%density, flow => level%operator)
          flow(0) = 0.0_wp
          flow(n) = 0.0_wp
-         w = contact%lambda/level%dx*wedge_weights(1)
+         w = level%lambda/level%dx*wedge_weights(1)
          flow(1) = diffusion*(e(2)*(p(2) - p(1)) - e(1)*(p(1) - p(0))) &
             - (w(0)*rho(1)*h(1) + w(-1)*rho(0)*h(0)) - squeeze*rho(1)*h(1)
-         w = contact%lambda/level%dx*wedge_weights(2)
+         w = level%lambda/level%dx*wedge_weights(2)
          do concurrent (i=2:n - 1)
             flow(i) = diffusion*(e(i + 1)*(p(i + 1) - p(i)) - e(i)*(p(i) - p(i - 1))) &
                - (w(0)*rho(i)*h(i) + w(-1)*rho(i - 1)*h(i - 1) + w(-2)*rho(i - 2)*h(i - 2)) &
@@ -120,28 +115,27 @@ contains
             flow(i) = flow(i) - level%exit_conductance*(p(i) - level%start%pressure(i))
          end if
       end associate
-      if (level%is_kappa) call add_third_order(contact, level)
+      if (level%is_kappa) call add_third_order(level)
       if (allocated(level%state%compensation)) call add_flow_of_compensation(level)
    end subroutine apply_reynolds
 
    !> Adds what the kappa scheme has more of the flow rH at the faces (in the work space of the
    !> level, by the node upstream).
-   pure subroutine add_third_order(contact, level)
-      type(line_contact_t), intent(in) :: contact
+   pure subroutine add_third_order(level)
       type(line_level_t), intent(inout) :: level
       integer :: i, n
 
       n = level%n
       associate (p => level%state%pressure, h => level%state%film, rho => level%density, &
          more => level%work, &
-         alpha => contact%fluid%alpha_bar)
+         alpha => level%fluid%alpha_bar)
          more(0) = 0.0_wp
          do concurrent (i=1:n - 1)
             more(i) = third_order_share(alpha*(p(i - 1) - 2*p(i) + p(i + 1)))/3 &
                *(rho(i + 1)*h(i + 1) - 2*rho(i)*h(i) + rho(i - 1)*h(i - 1))
          end do
          level%operator(1:n - 1) = level%operator(1:n - 1) &
-            - contact%lambda/level%dx*(more(1:n - 1) - more(:n - 2))
+            - level%lambda/level%dx*(more(1:n - 1) - more(:n - 2))
       end associate
    end subroutine add_third_order
 
@@ -164,21 +158,20 @@ contains
    !> For the smoothers, thesis's scheme only: diagonals at nodes 1..n-1 with frozen coefficients,
    !> b = dL_R/dH of (2.71), and the elastic diagonal a - b K_0/pi, the change of L_R with P(i)
    !> alone when H(i) follows. `kernel_diagonal` is K_0/pi or a bound of it.
-   pure subroutine reynolds_diagonals(lambda, level, kernel_diagonal)
-      real(wp), intent(in) :: lambda
+   pure subroutine reynolds_diagonals(level, kernel_diagonal)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: kernel_diagonal
       real(wp) :: diffusion, convection
       integer :: i
 
       diffusion = 0.5_wp/level%dx**2
-      convection = lambda*(1.5_wp/level%dx + level%inverse_time_step)
+      convection = level%lambda*(1.5_wp/level%dx + level%inverse_time_step)
       associate (e => level%mobility, b => level%film_diagonal, diagonal => level%diagonal)
          do concurrent (i=1:level%n - 1)
             b(i) = -convection*level%density(i)
             diagonal(i) = -diffusion*(e(i - 1) + 2*e(i) + e(i + 1)) - b(i)*kernel_diagonal
          end do
-         b(1) = -lambda*level%density(1)*(1.0_wp/level%dx + level%inverse_time_step)
+         b(1) = -level%lambda*level%density(1)*(1.0_wp/level%dx + level%inverse_time_step)
          diagonal(1) = -diffusion*(e(0) + 2*e(1) + e(2)) - b(1)*kernel_diagonal
          if (has_close_exit(level)) diagonal(level%exit_node) = diagonal(level%exit_node) &
             - level%exit_conductance

@@ -10,10 +10,9 @@ module semiseparable_jacobian
    use errors, only: error_t
    use exponential_sum, only: exponential_sum_t, fit_exponentials, terms
    use gmres, only: gmres_t, krylov_system_t, solve_gmres
-   use jacobian_bands, only: reynolds_jacobian_t
    use kinds, only: wp
    use line_level, only: line_level_t
-   use linear_solver, only: linear_solver_t
+   use newton_work, only: linear_solver_t, reynolds_jacobian_t
    use semiseparable, only: factor_semiseparable, new_semiseparable, semiseparable_t, &
       solve_semiseparable, solve_two
    implicit none (type, external)

@@ -53,31 +53,31 @@ contains
    !> Gauss-Seidel downstream: the same 2x2 system with the new P and H upstream; the integral is
    !> frozen, only the own share K_0/pi of a change enters H at once. The nodes round the exit are
    !> passed a few times more.
-   pure subroutine gauss_seidel_sweep(level, lambda, kernel_diagonal, relaxation)
+   pure subroutine gauss_seidel_sweep(level, kernel_diagonal, relaxation)
       type(line_level_t), intent(inout) :: level
-      real(wp), intent(in) :: lambda, kernel_diagonal, relaxation
+      real(wp), intent(in) :: kernel_diagonal, relaxation
       integer :: exit_node, pass
 
-      call downstream_pass(level, lambda, kernel_diagonal, relaxation, [1, level%n - 1])
+      call downstream_pass(level, kernel_diagonal, relaxation, [1, level%n - 1])
       exit_node = findloc(level%state%pressure > 0.0_wp, .true., 1, back=.true.) - 1
       do pass = 1, exit_passes
-         call downstream_pass(level, lambda, kernel_diagonal, relaxation, &
+         call downstream_pass(level, kernel_diagonal, relaxation, &
             [max(1, exit_node - exit_upstream), min(level%n - 1, exit_node + exit_downstream)])
       end do
    end subroutine gauss_seidel_sweep
 
    !> One pass over the nodes range(1) to range(2).
-   pure subroutine downstream_pass(level, lambda, kernel_diagonal, relaxation, range)
+   pure subroutine downstream_pass(level, kernel_diagonal, relaxation, range)
       type(line_level_t), intent(inout) :: level
-      real(wp), intent(in) :: lambda, kernel_diagonal, relaxation
+      real(wp), intent(in) :: kernel_diagonal, relaxation
       integer, intent(in) :: range(2)
       real(wp) :: diffusion, wedge, squeeze, upstream, downstream, flow, change
       integer :: i, exit_node
 
       exit_node = merge(level%exit_node, 0, has_close_exit(level))
       diffusion = 0.5_wp/level%dx**2
-      wedge = 0.5_wp*lambda/level%dx
-      squeeze = lambda*level%inverse_time_step
+      wedge = 0.5_wp*level%lambda/level%dx
+      squeeze = level%lambda*level%inverse_time_step
       associate (p => level%state%pressure, h => level%state%film, e => level%mobility, &
          rho => level%density)
          do i = range(1), range(2)

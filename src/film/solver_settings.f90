@@ -40,6 +40,8 @@ module solver_settings
       character(len=word_length) :: inlet = 'zero'
       !> True: the outlet is the program's, which moves it out where it cuts the film off.
       logical :: may_lengthen = .false.
+      !> True: so is the inlet.
+      logical :: inlet_is_chosen = .false.
    end type domain_t
 
    !> Steady or in time, and the steps. Time is dimensionless, T = t u_s/(2 b).

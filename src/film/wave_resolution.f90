@@ -1,9 +1,9 @@
 !> How finely the grid and the time steps of a contact resolve the waves of its surfaces: ridges,
-!> dents, sinusoids, profiles.
+!> dents, sinusoids, profiles; the choice of the time step, which goes by them.
 !>
 !> A wave that falls between the nodes, or passes within a step, is not there at all, and companions
-!> on coarser grids do not show what is missing
-!> (theory page, section on domain and grid; docs/decisions.md).
+!> on coarser grids do not show what is missing (theory page, section on domain and grid;
+!> docs/decisions.md).
 module wave_resolution
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t, shortest_passage
@@ -12,11 +12,13 @@ module wave_resolution
    implicit none (type, external)
    private
 
-   public :: coarse_waves, intervals_at_least, nodes_in_wave, steps_in_wave, unseen_waves
+   public :: choose_time_step, coarse_waves, count_steps, intervals_at_least, nodes_in_wave, &
+      steps_in_wave, unseen_waves
 
    !> Nodes in the finest wave, and steps in which it passes a place, for 1 % in h_min: those of the
    !> default, and what is told.
-   integer, parameter, public :: wanted_nodes = 32, wanted_steps = 16
+   integer, parameter, public :: wanted_nodes = 32
+   integer, parameter :: wanted_steps = 16
    !> Nodes (at rest, in time) and steps from which on companions see what this grid sees; steps
    !> only where they are longer than dX.
    real(wp), parameter :: seen_nodes(2) = [16.0_wp, 8.0_wp], seen_steps = 32.0_wp
@@ -28,6 +30,8 @@ module wave_resolution
    real(wp), parameter :: max_steps = 1.0e6_wp
    !> Grids have these times a power of two of intervals.
    integer, parameter :: families(4) = [4, 5, 6, 7]
+   !> So much of a step is rounding: a step given to a few digits is not cut for it.
+   real(wp), parameter :: rounding = 1.0e-3_wp
 
 contains
 
@@ -122,5 +126,29 @@ contains
 
       spacing = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
    end function node_spacing
+
+   !> Sets the time step of a transient on a complete domain: the given one, or dX, but at least
+   !> `wanted_steps` in the passage of the finest wave; made shorter so that a whole number of steps
+   !> ends at `time%end_time`. A steady case stays as it is, and so does a step that has been
+   !> through here.
+   pure subroutine choose_time_step(contact, time)
+      type(line_contact_t), intent(in) :: contact
+      type(time_settings_t), intent(inout) :: time
+      real(wp) :: wanted
+
+      if (.not. (time%is_transient .and. time%end_time > 0.0_wp)) return
+      wanted = time%time_step
+      if (.not. wanted > 0.0_wp) wanted = min(node_spacing(contact), &
+         shortest_passage(contact)/wanted_steps)
+      time%time_step = time%end_time/max(1, ceiling(time%end_time/wanted - rounding))
+   end subroutine choose_time_step
+
+   !> Number of steps to the end, for a step from `choose_time_step`.
+   pure function count_steps(time) result(steps)
+      type(time_settings_t), intent(in) :: time
+      integer :: steps
+
+      steps = nint(time%end_time/time%time_step)
+   end function count_steps
 
 end module wave_resolution

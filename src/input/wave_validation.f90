@@ -11,9 +11,8 @@ module wave_validation
    use line_contact, only: line_contact_t
    use scaling, only: scaling_t
    use solver_settings, only: time_settings_t
-   use step_choice, only: choose_time_step
    use text, only: to_text
-   use wave_resolution, only: min_in_a_wave, intervals_at_least
+   use wave_resolution, only: choose_time_step, intervals_at_least, min_in_a_wave
    implicit none (type, external)
    private
 

@@ -16,6 +16,9 @@ module rheology
 
    !> Places evaluated at a time, at most.
    integer, parameter, public :: slip_block = 128
+   !> Bound of ln(S/mu): a wild iterate (|Sigma| beyond 500 at low pressure) must not overflow. No
+   !> solution comes near it.
+   real(wp), parameter, public :: largest_exponent = 500.0_wp
 
    !> S = exp(growth) factor at up to `slip_block` places, and the derivatives of ln S by the drive
    !> H dP/dX, by ln(mu/mu_0), and by ln H where dP/dX stays.
