@@ -113,7 +113,7 @@ contains
          is_sound = .false.
          if (is_stopped(watcher)) return
          if (k > hierarchy%top) then
-            call add_level(hierarchy, contact, .true., error)
+            call add_level(hierarchy, contact, error)
             if (allocated(error)) return
          end if
          call first_guess(hierarchy, contact, k, first)

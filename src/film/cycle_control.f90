@@ -107,7 +107,7 @@ contains
       end associate
    end subroutine iterate
 
-   !> Why going on after `cycle` is of no use; empty if it is of use. A state that is not finite is
+   !> Why no more cycles are tried after `cycle`; empty if they are. A state that is not finite is
    !> replaced by the one before. Newton steps at round-off move nothing any more, so that no step
    !> will: nodes at the exit on which the linear system and the conditions P >= 0, r <= 0 do not
    !> agree (an inlet tail lags a step behind).

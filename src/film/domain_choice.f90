@@ -20,15 +20,14 @@ module domain_choice
    use constants, only: pi
    use kinds, only: wp
    use expected_film, only: film_estimate, newtonian_film
-   use line_contact, only: closing_slope, is_smooth, line_contact_t
+   use line_contact, only: closing_slope, finest_wave, line_contact_t
    use moes, only: rigid_film
-   use solver_settings, only: domain_t
    use wave_resolution, only: intervals_at_least, nodes_in_wave, wanted_nodes
    implicit none (type, external)
    private
 
    public :: choose_domain, inlet_error, inlet_pressure_error, intervals_for, &
-      intervals_for_film, lengthen_outlet
+      intervals_for_film
 
    !> Spacing that gives 1 % in the central film: dX <= 0.045 sqrt(H_c).
    real(wp), parameter, public :: accurate_spacing = 0.045_wp
@@ -57,12 +56,12 @@ module domain_choice
 contains
 
    !> Fills what `contact%domain` leaves open: what is in front of the inlet, inlet, outlet,
-   !> intervals. For a wanted relative error `target` > 0 of the film the inlet takes at most its
-   !> eighth.
+   !> intervals. For a wanted relative error `target` > 0 of the film the inlet takes at most an
+   !> eighth of it.
    pure subroutine choose_domain(contact, target)
       type(line_contact_t), intent(inout) :: contact
       real(wp), intent(in), optional :: target
-      real(wp) :: tolerance, width
+      real(wp) :: tolerance, width, smooth
 
       tolerance = default_inlet_error
       if (present(target)) then
@@ -71,13 +70,17 @@ contains
       width = sqrt(2*newtonian_film(contact))
       associate (domain => contact%domain)
          if (.not. domain%has_outlet) then
-            domain%x_outlet = outlet_behind_waves(contact, max(1.5_wp, 1 + 0.5_wp*width))
+            ! behind X = sqrt(1 + s^2) the gap opens faster, about as sqrt(X^2 - 1), than passing
+            ! waves of the slope s close it, and pressure does not build up again
+            smooth = max(1.5_wp, 1 + 0.5_wp*width)
+            domain%x_outlet = max(smooth, min(wave_margin*sqrt(1 + closing_slope(contact)**2), &
+               1 + max_widening*(smooth - 1)))
             domain%has_outlet = .true.
             domain%may_lengthen = .true.
          end if
          if (domain%inlet == 'auto') then
             domain%inlet = 'zero'
-            if (is_smooth(contact) .and. .not. domain%has_inlet) then
+            if (finest_wave(contact) >= huge(1.0_wp) .and. .not. domain%has_inlet) then
                if (domain%x_outlet + distance('zero') > least_shortening*(domain%x_outlet &
                   + distance('tail'))) domain%inlet = 'tail'
             end if
@@ -107,62 +110,26 @@ contains
 
    end subroutine choose_domain
 
-   !> The outlet of a contact whose smooth film has ruptured before `smooth`: behind
-   !> X = sqrt(1 + s^2) the gap opens faster, about as sqrt(X^2 - 1), than passing waves of the
-   !> slope s close it, and pressure does not build up again in the ruptured film. Not further out
-   !> than `max_widening` times.
-   pure function outlet_behind_waves(contact, smooth) result(outlet)
-      type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: smooth
-      real(wp) :: outlet
-
-      outlet = wave_margin*sqrt(1 + closing_slope(contact)**2)
-      outlet = max(smooth, min(outlet, 1 + max_widening*(smooth - 1)))
-   end function outlet_behind_waves
-
-   !> Moves an outlet of the program out that cuts the film off: to twice the distance from the end
-   !> of the contact, at most to `farthest`. All else is as in `open` again, the domain before it
-   !> was completed.
-   pure subroutine lengthen_outlet(domain, open)
-      type(domain_t), intent(inout) :: domain
-      type(domain_t), intent(in) :: open
-      real(wp) :: outlet
-
-      outlet = min(2*domain%x_outlet - 1, farthest)
-      domain = open
-      domain%x_outlet = outlet
-      domain%has_outlet = .true.
-      domain%may_lengthen = .true.
-   end subroutine lengthen_outlet
-
    !> c of an inlet at X = -(1 + c S) that starves the film by the share `tolerance`, for what is in
    !> front of it.
    pure function inlet_reach(contact, inlet, tolerance) result(reach)
       type(line_contact_t), intent(in) :: contact
       character(*), intent(in) :: inlet
       real(wp), intent(in) :: tolerance
-      real(wp) :: reach, rigid_share, load_effect, ratio
+      real(wp) :: reach, rigid_share, load_effect, b_squared, ratio
 
       if (inlet == 'tail') then
          reach = 4*(default_tail_error/tolerance)**0.25_wp
          return
       end if
       rigid_share = rigid_film(contact%moes_m_sum)/newtonian_film(contact)
+      ! 1 - 1/S^2 where the pressure builds up: 0 where sliding does not thin the oil, up to 1
+      b_squared = (inlet_viscosity*exp(contact%fluid%ln_b_scale)/newtonian_film(contact))**2
       load_effect = rigid_share**2
-      load_effect = load_effect + max(1 - load_effect, 0.0_wp)*thinning_by_sliding(contact)
+      load_effect = load_effect + max(1 - load_effect, 0.0_wp)*(b_squared/(1 + b_squared))
       ratio = default_inlet_error/tolerance
       reach = sqrt((9.5_wp*ratio**0.4_wp)**2 + 42.0_wp**2*(rigid_share*load_effect)*ratio)
    end function inlet_reach
-
-   !> 1 - 1/S^2 where the pressure builds up: 0 where sliding does not thin the oil (Newton's law),
-   !> up to 1.
-   pure function thinning_by_sliding(contact) result(share)
-      type(line_contact_t), intent(in) :: contact
-      real(wp) :: share, b_squared
-
-      b_squared = (inlet_viscosity*exp(contact%fluid%ln_b_scale)/newtonian_film(contact))**2
-      share = b_squared/(1 + b_squared)
-   end function thinning_by_sliding
 
    !> Relative error of the film thickness because the inlet is where it is and not far away: the
    !> inverse of the rule above, by bisection, between 1e-6 and 1.

@@ -1,8 +1,7 @@
 !> The lubricated line contact from its data to its fields: the page to read beside chapter 2 of the
 !> thesis.
 module ehl_line_solver
-   use domain_choice, only: choose_domain, farthest, inlet_error, inlet_pressure_error, &
-      lengthen_outlet
+   use domain_choice, only: choose_domain, farthest, inlet_error, inlet_pressure_error
    use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
@@ -98,7 +97,11 @@ contains
             report%outlet_pressure = level%state%pressure(level%n - 1)
             if (report%converged .and. report%outlet_pressure > 0.0_wp &
                .and. contact%domain%may_lengthen .and. contact%domain%x_outlet < farthest) then
-               call lengthen_outlet(contact%domain, open)
+               ! at twice the distance from the end of the contact; all else is chosen anew
+               open%x_outlet = min(2*contact%domain%x_outlet - 1, farthest)
+               open%has_outlet = .true.
+               open%may_lengthen = .true.
+               contact%domain = open
                call solve_ehl_line(contact, settings, time, watcher, state, report, error, &
                   find_steady)
                return

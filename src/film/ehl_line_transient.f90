@@ -27,7 +27,6 @@ module ehl_line_transient
    use state_output, only: fill_state
    use text, only: to_text
    use time_scheme, only: derivative_weights, part_ends
-   use wave_resolution, only: count_steps
    implicit none (type, external)
    private
 
@@ -68,7 +67,7 @@ contains
       call note_choice(report, plan%attempts(1))
       plan%length = time%time_step
       plan%scheme = time%scheme
-      steps = count_steps(time)
+      steps = nint(time%end_time/time%time_step)
       associate (level => hierarchy%levels(hierarchy%finest))
          call watcher%on_stage('time steps on '//to_text(level%n)//' intervals')
          if (allocated(time%resume_from)) then

@@ -48,8 +48,8 @@ contains
       if (allocated(surface%profile)) has_waves = has_waves .or. surface%profile%is_periodic
    end function has_waves
 
-   !> Whether a ridge or a profile reaches into the contact at T = 0. A profile at rest is there to
-   !> be inside.
+   !> Whether a ridge or a profile reaches into the contact at T = 0. A profile at rest is meant
+   !> to be inside.
    pure function has_something_inside(surface, zone) result(is_inside)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone

@@ -16,54 +16,36 @@ module film_breakdown
 
 contains
 
-   !> Takes down a film below the floor; the report is not converged any more if that is the end. x,
-   !> film (n).
+   !> Takes down a film below the floor (its smallest value by the parabola through three nodes) or
+   !> closed at a node: the first one with its place, the smallest of all. The report is not
+   !> converged any more if that is the end. x, film (n).
    pure subroutine look_for_breakdown(x, film, settings, step, time, report)
       real(wp), intent(in) :: x(:), film(:)
       type(solver_settings_t), intent(in) :: settings
       integer, intent(in) :: step
       real(wp), intent(in) :: time
       type(report_t), intent(inout) :: report
-
-      report%breakdown%is_now = is_below_floor(film, settings%film_floor)
-      if (.not. report%breakdown%is_now) return
-      call note_breakdown(x, film, step, time, report%breakdown)
-      if (settings%on_film_breakdown == 'continue' .and. all(film > 0.0_wp)) return
-      report%converged = .false.
-      report%reason = breakdown_reason(report%breakdown, settings%film_floor)
-   end subroutine look_for_breakdown
-
-   !> Whether the smallest film (parabola through three nodes) is below the floor, or a node closed.
-   !> film (n), floor >= 0.
-   pure function is_below_floor(film, floor)
-      real(wp), intent(in) :: film(:)
-      real(wp), intent(in) :: floor
-      logical :: is_below_floor
-
-      is_below_floor = parabola_minimum(film) < floor .or. any(film <= 0.0_wp)
-   end function is_below_floor
-
-   !> Takes down a film below the floor: the first one with its place, the smallest of all. x, film
-   !> (n).
-   pure subroutine note_breakdown(x, film, step, time, breakdown)
-      real(wp), intent(in) :: x(:), film(:)
-      integer, intent(in) :: step
-      real(wp), intent(in) :: time
-      type(breakdown_t), intent(inout) :: breakdown
       real(wp) :: smallest
       integer :: node
 
-      node = minloc(film, 1)
       smallest = parabola_minimum(film)
-      breakdown%count = breakdown%count + 1
-      breakdown%smallest_film = min(breakdown%smallest_film, smallest)
-      if (breakdown%count > 1) return
-      breakdown%step = step
-      breakdown%time = time
-      breakdown%position = x(node)
-      breakdown%film = smallest
-      if (film(node) <= 0.0_wp) breakdown%film = film(node)
-   end subroutine note_breakdown
+      associate (breakdown => report%breakdown)
+         breakdown%is_now = smallest < settings%film_floor .or. any(film <= 0.0_wp)
+         if (.not. breakdown%is_now) return
+         breakdown%count = breakdown%count + 1
+         breakdown%smallest_film = min(breakdown%smallest_film, smallest)
+         if (breakdown%count == 1) then
+            node = minloc(film, 1)
+            breakdown%step = step
+            breakdown%time = time
+            breakdown%position = x(node)
+            breakdown%film = merge(film(node), smallest, film(node) <= 0.0_wp)
+         end if
+         if (settings%on_film_breakdown == 'continue' .and. all(film > 0.0_wp)) return
+         report%converged = .false.
+         report%reason = breakdown_reason(breakdown, settings%film_floor)
+      end associate
+   end subroutine look_for_breakdown
 
    !> Where and when the film first broke down, dimensionless: 'film breakdown at X = -0.3
    !> (T = 0.5): H = 0.01 ...'.

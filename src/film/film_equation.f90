@@ -6,7 +6,7 @@ module film_equation
    implicit none (type, external)
    private
 
-   public :: elastic_film, evaluate_deflection, start_from_pressure, take_film, update_film
+   public :: elastic_film, evaluate_deflection, take_film, update_film
 
 contains
 
@@ -33,17 +33,6 @@ contains
       call evaluate_deflection(level)
       level%state%film = elastic_film(level)
    end subroutine take_film
-
-   !> Takes over a pressure (0:n), and with it the film that belongs to it.
-   subroutine start_from_pressure(level, pressure, rigid_displacement)
-      type(line_level_t), intent(inout) :: level
-      real(wp), intent(in) :: pressure(0:)
-      real(wp), intent(in) :: rigid_displacement
-
-      level%state%pressure = pressure
-      level%state%rigid_displacement = rigid_displacement
-      call take_film(level)
-   end subroutine start_from_pressure
 
    !> The film of the present pressure, guarded: it may at most halve in one go, so that it stays
    !> positive.

@@ -3,11 +3,11 @@
 !> asks for. That load is `rhs_load`.
 module force_balance
    use kinds, only: wp
-   use line_level, only: contact_load, line_level_t
+   use line_level, only: line_level_t
    implicit none (type, external)
    private
 
-   public :: carried_load, load_defect, relax_load, scale_to_load
+   public :: carried_load, load_defect, relax_load
 
 contains
 
@@ -35,12 +35,5 @@ contains
       level%state%rigid_displacement = level%state%rigid_displacement &
          - relaxation*load_defect(level)
    end subroutine relax_load
-
-   !> Scales the pressure to the load of the contact.
-   pure subroutine scale_to_load(level)
-      type(line_level_t), intent(inout) :: level
-
-      level%state%pressure = level%state%pressure*contact_load/carried_load(level)
-   end subroutine scale_to_load
 
 end module force_balance

@@ -1,14 +1,14 @@
 !> The inlet in front of the domain: the pressure and the load that it leaves to the grid.
 !>
 !> In front of the first node X_a the bodies keep their shape there, but for the far field of the
-!> load (its centre at X_c), and the pressure is low. With the flow rho H - e/lambda dP/dX = m,
-!> which is the same everywhere,
+!> load (its centre at X_c), and the pressure is low. With the mass flux
+!> rho H - e/lambda dP/dX = m, which is the same everywhere,
 !>
 !>     H(X) = H(X_a) + (X^2 - X_a^2)/2 - 1/2 ln( (X_c - X)/(X_c - X_a) )
 !>     Q(X_a) = lambda Int_{-inf}^{X_a} (H - m)/(H^3 S) dX ,   P = -ln(1 - alpha_bar Q)/alpha_bar
 !>
 !> Q is the reduced pressure (Barus' law, which all laws are at low pressure, mu = 1/(1 - alpha_bar
-!> Q)), and S(Sigma, B) the slip factor at the slope that carries the flow there, found from it
+!> Q)), and S(Sigma, B) the slip factor at the slope that carries the mass flux there, found from it
 !> point by point (`divide_by_slip`). Roughness in front of the domain and the compression there are
 !> left out, and what the tail deforms.
 module inlet_tail
@@ -20,7 +20,7 @@ module inlet_tail
    implicit none (type, external)
    private
 
-   public :: close_inlet, tail_load, tail_of
+   public :: close_inlet, tail_of
 
    !> Points of the midpoint rule in X_a/X: the integral is exact to 1e-4 (a test compares).
    integer, parameter :: points = 64
@@ -45,15 +45,6 @@ contains
       level%state%pressure(0) = pressure
       level%rhs_load = contact_load - load
    end subroutine close_inlet
-
-   !> The load in front of the grid, for the force balance.
-   pure function tail_load(level) result(load)
-      type(line_level_t), intent(in) :: level
-      real(wp) :: load
-      real(wp) :: pressure
-
-      call tail_of(level, pressure, load)
-   end function tail_load
 
    !> Pressure P(X_a) and load of the tail of the present state, that in front of the cell of node
    !> 0, which is the grid's.
@@ -129,8 +120,8 @@ contains
       drive = exp(y)
    end subroutine divide_by_slip
 
-   !> The flow rho H - e/lambda dP/dX at the face behind the largest pressure, as the space scheme
-   !> has it: there it is known best while the solution is on its way.
+   !> The mass flux rho H - e/lambda dP/dX at the face behind the largest pressure, as the space
+   !> scheme has it: there it is known best while the solution is on its way.
    pure function flow_at_peak(level) result(flow)
       type(line_level_t), intent(in) :: level
       real(wp) :: flow, mass(3)

@@ -11,7 +11,7 @@ module line_contact
    implicit none (type, external)
    private
 
-   public :: closing_slope, finest_wave, intervals_for_waves, is_smooth, line_contact_t, &
+   public :: closing_slope, finest_wave, intervals_for_waves, line_contact_t, &
       move_profiles, shortest_passage
 
    !> Intervals in the finest wave (feature, sinusoid, profile) below which companions on n/4 may
@@ -44,21 +44,18 @@ contains
    pure function intervals_for_waves(contact) result(intervals)
       type(line_contact_t), intent(in) :: contact
       integer :: intervals
-      real(wp) :: wave
 
-      wave = min(finest_wave(contact%surface_1), finest_wave(contact%surface_2))
       intervals = ceiling(min(min_in_wave*(contact%domain%x_outlet - contact%domain%x_inlet) &
-         /max(wave, 1.0e-9_wp), 1.0e9_wp))
+         /max(finest_wave(contact), 1.0e-9_wp), 1.0e9_wp))
    end function intervals_for_waves
 
-   !> Whether both surfaces are smooth.
-   pure function is_smooth(contact)
+   !> Shortest wavelength of both surfaces [b]; huge if they are smooth.
+   pure function finest_wave(contact) result(wave)
       type(line_contact_t), intent(in) :: contact
-      logical :: is_smooth
+      real(wp) :: wave
 
-      is_smooth = min(finest_wave(contact%surface_1), &
-         finest_wave(contact%surface_2)) >= huge(1.0_wp)
-   end function is_smooth
+      wave = min(wave_of(contact%surface_1), wave_of(contact%surface_2))
+   end function finest_wave
 
    !> Slope by which the features of both surfaces close the film as they pass: of each surface the
    !> steepest one, 2 pi A/wavelength, times how fast it moves relative to the flow, |1 - dX/dT|;
@@ -91,20 +88,29 @@ contains
       type(line_contact_t), intent(in) :: contact
       real(wp) :: time
 
-      time = min(min(finest_wave(contact%surface_1), longest)/max(abs(contact%surface_1%speed), &
-         slow), &
-         min(finest_wave(contact%surface_2), longest)/max(abs(contact%surface_2%speed), slow))
+      time = min(passage_of(contact%surface_1), passage_of(contact%surface_2))
+
+   contains
+
+      !> That of one surface.
+      pure function passage_of(surface) result(time)
+         type(rough_surface_t), intent(in) :: surface
+         real(wp) :: time
+
+         time = min(wave_of(surface), longest)/max(abs(surface%speed), slow)
+      end function passage_of
+
    end function shortest_passage
 
    !> Shortest wavelength of a surface [b]; huge if it is smooth.
-   pure function finest_wave(surface) result(wave)
+   pure function wave_of(surface) result(wave)
       type(rough_surface_t), intent(in) :: surface
       real(wp) :: wave
 
       wave = huge(1.0_wp)
       if (allocated(surface%features)) wave = minval([wave, surface%features%wavelength])
       if (allocated(surface%profile)) wave = min(wave, surface%profile%finest_wave)
-   end function finest_wave
+   end function wave_of
 
    !> Has the profiles of both surfaces at hand for the whole of a complete domain at `time`. Error:
    !> a file cannot be read.
@@ -113,20 +119,14 @@ contains
       real(wp), intent(in) :: time
       type(error_t), allocatable, intent(out) :: error
 
-      call move_profile(contact%surface_1, contact%domain, time, error)
-      if (.not. allocated(error)) call move_profile(contact%surface_2, contact%domain, time, error)
+      associate (ends => [contact%domain%x_inlet, contact%domain%x_outlet], &
+         one => contact%surface_1, two => contact%surface_2)
+         if (allocated(one%profile)) call load_window(one%profile, ends(1) - one%speed*time, &
+            ends(2) - one%speed*time, error)
+         if (allocated(error)) return
+         if (allocated(two%profile)) call load_window(two%profile, ends(1) - two%speed*time, &
+            ends(2) - two%speed*time, error)   ! error: the caller looks
+      end associate
    end subroutine move_profiles
-
-   !> The same of one surface.
-   subroutine move_profile(surface, domain, time, error)
-      type(rough_surface_t), intent(inout) :: surface
-      type(domain_t), intent(in) :: domain
-      real(wp), intent(in) :: time
-      type(error_t), allocatable, intent(out) :: error
-
-      if (allocated(surface%profile)) call load_window(surface%profile, &
-         domain%x_inlet - surface%speed*time, &
-         domain%x_outlet - surface%speed*time, error)
-   end subroutine move_profile
 
 end module line_contact

@@ -160,11 +160,10 @@ contains
       call new_grid(hierarchy, contact, first, error)   ! error: the caller looks
    end subroutine new_growing_hierarchy
 
-   !> Adds a level of twice the intervals and poses the steady problem on it.
-   subroutine add_level(hierarchy, contact, with_roughness, error)
+   !> Adds a level of twice the intervals and poses the steady problem of rough surfaces on it.
+   subroutine add_level(hierarchy, contact, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
-      logical, intent(in) :: with_roughness
       type(error_t), allocatable, intent(out) :: error
 
       associate (first => hierarchy%levels(1)%n)
@@ -174,7 +173,7 @@ contains
             cycle_coarsest(first, hierarchy%levels(hierarchy%top)%n))
       end associate
       hierarchy%work_units = 0.5_wp*hierarchy%work_units
-      call pose_level(hierarchy%levels(hierarchy%top), contact, with_roughness)
+      call pose_level(hierarchy%levels(hierarchy%top), contact, with_roughness=.true.)
    end subroutine add_level
 
    !> No level yet, room for `most`.
@@ -257,8 +256,8 @@ contains
       end do
    end subroutine pose_steady_problem
 
-   !> The same on the levels below the finest, from there: after cycles, which have posed theirs on
-   !> them.
+   !> The same on the levels below the finest, from the right side there: cycles have left their
+   !> coarse problems on them.
    pure subroutine pose_coarser_levels(hierarchy)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer :: k

@@ -14,10 +14,10 @@ module line_level
    public :: line_level_t, new_level, set_plain_problem, has_close_exit
 
    !> No sweep takes a film below this [b^2/R]: a film that is halved a thousand times must not
-   !> reach 0, where its mobility is no number; its cube is one still.
+   !> reach 0, by which the slip factor divides; the cube of this is still above 0.
    real(wp), parameter, public :: thinnest_film = 1.0e-30_wp
-   !> No sweep takes a pressure above this, in Hertz's, and none begins there: an iterate that is
-   !> lost stays a number until its residual ends it.
+   !> No sweep takes a pressure above this [p_h], and none begins there: an iteration that diverges
+   !> stays finite until its residual ends it.
    real(wp), parameter, public :: largest_pressure = 1.0e6_wp
    !> Load of the contact: Hertz's pressure, integrated over X.
    real(wp), parameter, public :: contact_load = 0.5_wp*pi

@@ -5,7 +5,7 @@ module nested_start
    use fas_cycle, only: cycle_from
    use film_equation, only: take_film
    use film_state, only: film_state_t
-   use force_balance, only: scale_to_load
+   use force_balance, only: carried_load
    use hertz, only: line_pressure
    use kinds, only: wp
    use expected_film, only: film_estimate
@@ -207,7 +207,7 @@ contains
 
    !> Hertz pressure, or for a thick film a bump of the width S = sqrt(2 H_c) of the pressure
    !> build-up, scaled to the load, all of it on the node next to X = 0 where no node lies under the
-   !> bump; H0 so that H(0) is the Moes film times `start_film` of the way.
+   !> bump; H0 so that H(0) is the Moes film times `start_film` of the relaxation.
    subroutine bump_start(hierarchy, contact, k)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -230,7 +230,7 @@ contains
          level%state%pressure(level%n) = 0.0_wp
          centre = minloc(abs(level%x(1:level%n - 1)), 1)
          if (.not. any(level%state%pressure > 0.0_wp)) level%state%pressure(centre) = 1.0_wp
-         call scale_to_load(level)
+         level%state%pressure = level%state%pressure*contact_load/carried_load(level)
          level%state%rigid_displacement = 0.0_wp
          call take_film(level)
          level%state%rigid_displacement = hierarchy%relaxation%start_film*film &

@@ -85,8 +85,8 @@ contains
          call newton%linear%solve(level, newton%jacobian, newton%is_cavitated, newton%step, &
             is_solved)
          if (.not. is_solved) return
-         ! an iterative solution leaves the rest of its tolerance here, which would count as a
-         ! pressurised node
+         ! an iterative solution misses this by its tolerance, and the node would count as one with
+         ! pressure
          where (newton%is_cavitated) newton%step(1:level%n - 1) = -level%state%pressure(1:level%n &
             - 1)
          newton%linear_iterations = newton%linear_iterations + newton%linear%iterations
@@ -204,22 +204,10 @@ contains
          if (allocated(new%compensation)) new%compensation(1:n - 1) = &
             merge(old%compensation(1:n - 1) + rest_of_sum(new%pressure(1:n - 1), &
             old%pressure(1:n - 1), share*step(1:n - 1)), 0.0_wp, new%pressure(1:n - 1) > 0.0_wp)
-         newton%last_film_step = film_step(new%film, old%film)
+         newton%last_film_step = maxval(abs(new%film - old%film)/old%film)
          newton%last_step = max(maxval(abs(new%pressure - old%pressure)), abs(share*step(n)))
       end associate
    end subroutine take_step
-
-   !> Largest change from `old` > 0 to `new` as a share of `old`, both (0:n).
-   pure function film_step(new, old) result(largest)
-      real(wp), intent(in), contiguous :: new(0:), old(0:)
-      real(wp) :: largest
-      integer :: i
-
-      largest = 0.0_wp
-      do i = 0, ubound(new, 1)
-         largest = max(largest, abs(new(i) - old(i))/old(i))
-      end do
-   end function film_step
 
    !> Largest change of Sigma in a full step: the slip factor grows like exp(|Sigma|), a Newton step
    !> must not run ahead of it.

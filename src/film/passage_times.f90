@@ -1,4 +1,4 @@
-!> Which times of a transient count for its figures: from when its start is forgotten.
+!> Which times of a transient count for its quantities: from when its start is forgotten.
 !>
 !> At T = 0 the film is that of the smooth contact, and surfaces that are then inside the contact
 !> have entered it without a new solve. With S = sqrt(2 H_c) the film is made in front of
@@ -8,7 +8,8 @@
 !> more in each further such time. A ridge that begins in front of X = -1 - S/2 leaves nothing of
 !> the start: its film differs by less than 0.4 % from that of a start far outside (10 contacts).
 !>
-!> A passage of nothing but waves becomes periodic: its figures are those of the last whole periods.
+!> A passage of nothing but waves becomes periodic: its quantities are those of the last whole
+!> periods.
 module passage_times
    use entry_zone, only: half_ridge, has_something_inside, has_waves, is_cut, is_moving, is_ridge, &
       is_wave, last_passage, zone_of, zone_t
@@ -24,8 +25,8 @@ module passage_times
 
    !> The start is forgotten after so many times 2 + S, and half of that suffices for a comparison.
    real(wp), parameter :: settling = 1.5_wp, comparable = 1.0_wp
-   !> Figures of periodic passages are taken over whole periods that last this many times 2 + S at
-   !> least.
+   !> Quantities of periodic passages are taken over whole periods that last this many times 2 + S
+   !> at least.
    real(wp), parameter :: least_window = 1.0_wp/3.0_wp
    !> A feature is put in front of X = -1 - c S.
    real(wp), parameter :: entry = 1.0_wp
@@ -38,7 +39,7 @@ module passage_times
 
    !> The times of one passage, all T.
    type :: passage_times_t
-      !> Figures are the extremes over this time and all later ones.
+      !> Quantities are the extremes over this time and all later ones.
       real(wp) :: counts_from = 0.0_wp
       !> Where a period is known: the extremes between this time and `counts_from` tell how far the
       !> passage is from periodic.
@@ -58,13 +59,13 @@ module passage_times
       !> Whether a time counts, and whether it belongs to the comparison.
       procedure :: counts
       procedure :: is_earlier
-      !> Whether the run lasts until the figures have nothing of the start in them.
+      !> Whether the run lasts until the quantities have nothing of the start in them.
       procedure :: is_settled
    end type passage_times_t
 
 contains
 
-   !> Whether the figures at `time` count.
+   !> Whether the quantities at `time` count.
    pure elemental function counts(self, time)
       class(passage_times_t), intent(in) :: self
       real(wp), intent(in) :: time
@@ -73,7 +74,7 @@ contains
       counts = time >= self%counts_from - rounding*self%end_time
    end function counts
 
-   !> Whether the figures at `time` are those to compare with.
+   !> Whether the quantities at `time` are those to compare with.
    pure elemental function is_earlier(self, time)
       class(passage_times_t), intent(in) :: self
       real(wp), intent(in) :: time
@@ -101,6 +102,7 @@ contains
       type(passage_times_t) :: times
       type(zone_t) :: zone
       real(wp) :: window
+      logical :: is_periodic
 
       times%end_time = time%end_time
       if (.not. time%is_transient) return
@@ -114,7 +116,8 @@ contains
          return
       end if
       times%period = common_period([periods_of(contact%surface_1), periods_of(contact%surface_2)])
-      if (.not. repeats(contact)) times%period = 0.0_wp
+      is_periodic = is_repeating(contact%surface_1) .and. is_repeating(contact%surface_2)
+      if (.not. is_periodic) times%period = 0.0_wp
       if (times%period > 0.0_wp) then
          window = times%period*ceiling(least_window*zone%transit/times%period)
          times%needed_end = max(times%settled_from + window, &
@@ -168,15 +171,7 @@ contains
       end associate
    end function entering_time
 
-   !> Whether nothing moves but waves.
-   pure function repeats(contact)
-      type(line_contact_t), intent(in) :: contact
-      logical :: repeats
-
-      repeats = is_repeating(contact%surface_1) .and. is_repeating(contact%surface_2)
-   end function repeats
-
-   !> The same of one surface.
+   !> Whether a surface is at rest, or nothing of it moves but waves.
    pure function is_repeating(surface)
       type(rough_surface_t), intent(in) :: surface
       logical :: is_repeating
@@ -251,8 +246,8 @@ contains
 
    end subroutine place_features
 
-   !> What should be known about the times: figures that have the start in them, a passage that is
-   !> not whole; empty: nothing.
+   !> What should be known about the times: quantities that have the start in them, a passage that
+   !> is not whole; empty: nothing.
    pure function passage_note(contact, times) result(note)
       type(line_contact_t), intent(in) :: contact
       type(passage_times_t), intent(in) :: times

@@ -167,12 +167,8 @@ contains
 
       position = not_known()
       if (.not. all(ieee_is_finite(p))) return
-      do i = size(p), 1, -1
-         if (p(i) > 0.0_wp) then
-            position = x(i)
-            return
-         end if
-      end do
+      i = findloc(p > 0.0_wp, .true., 1, back=.true.)
+      if (i > 0) position = x(i)
    end function exit_position
 
    !> X of the exit between two nodes. There P and dP/dX are zero, so that the root of P is nearly

@@ -2,7 +2,7 @@
 module residuals
    use film_equation, only: elastic_film, evaluate_deflection
    use force_balance, only: carried_load, load_defect
-   use inlet_tail, only: tail_load
+   use inlet_tail, only: tail_of
    use kinds, only: wp
    use line_level, only: contact_load, line_level_t
    use reynolds_line, only: evaluate_reynolds
@@ -31,6 +31,7 @@ contains
       type(line_level_t), intent(inout) :: level
       type(residual_t), intent(out) :: residual
       logical, intent(in), optional :: film_is_exact
+      real(wp) :: tail_pressure, tail_load
       logical :: is_at_hand
 
       is_at_hand = .false.
@@ -45,8 +46,10 @@ contains
       if (.not. residual%film_is_open) return
       level%state%film = level%work
       call evaluate_reynolds(level)
-      if (level%has_tail) residual%load = abs(contact_load &
-         - tail_load(level) - carried_load(level))
+      if (level%has_tail) then
+         call tail_of(level, tail_pressure, tail_load)
+         residual%load = abs(contact_load - tail_load - carried_load(level))
+      end if
       level%work = (level%operator - level%rhs_reynolds)/level%lambda
       level%work(0) = 0.0_wp
       level%work(level%n) = 0.0_wp
@@ -57,7 +60,7 @@ contains
 
    !> What rounding leaves of |r|/lambda: 4e-16 ( max(e P)/(lambda dX^2) + max(H)/dT ), that of P
    !> and H in their differences; where the compensation of P is kept, 1e-15 ( max(H) + max|K P|/pi
-   !> )/dX, that of the flow: of e, of H and of what H is a sum of.
+   !> )/dX, that of the mass flux: of e, of H and of what H is a sum of.
    pure function round_off(level) result(floor)
       type(line_level_t), intent(in) :: level
       real(wp) :: floor

@@ -4,7 +4,7 @@
 !> With the film equation H = ... + H0 - K P it gives the elastic Jacobian J = JP - JH K of the
 !> Newton methods.
 module reynolds_jacobian
-   use face_mobility, only: face_slopes_t, fluid_face_slopes
+   use face_mobility, only: fluid_face_slopes
    use kinds, only: wp
    use line_level, only: has_close_exit, line_level_t
    use mobility, only: fluid_mobility_slopes
@@ -25,7 +25,7 @@ contains
       type(line_level_t), intent(inout) :: level
       type(reynolds_jacobian_t), intent(inout) :: jacobian
       real(wp) :: left_p(-2:1), left_h(-2:0), right_p(-2:1), right_h(-2:0), weights(-2:0)
-      integer :: i, n
+      integer :: i, n, o
 
       n = level%n
       call evaluate_slopes(level, jacobian)
@@ -39,8 +39,13 @@ contains
             jp(:, i) = [-left_p(-2), right_p(-2) - left_p(-1), right_p(-1) - left_p(0), &
                right_p(0) - left_p(1), right_p(1)]
             jh(:, i) = [-left_h(-2), right_h(-2) - left_h(-1), right_h(-1) - left_h(0), right_h(0)]
-            if (i <= 2) weights = wedge_and_squeeze(level, i)
-            call add_flow(weights, level, i, jacobian)
+            ! rH(i-2) ... rH(i) in the wedge and the squeeze term, alike from the second row on
+            if (i <= 2) weights = wedge_weights(i)*level%lambda/level%dx &
+               + [0.0_wp, 0.0_wp, level%lambda*level%inverse_time_step]
+            do o = max(-2, -i), 0
+               jp(o, i) = jp(o, i) - weights(o)*jacobian%slopes%rho_p(i + o)*level%state%film(i + o)
+               jh(o, i) = jh(o, i) - weights(o)*jacobian%slopes%rho(i + o)
+            end do
             jacobian%diagonal(i) = jp(0, i) - jh(-2, i)*kernel(2) - jh(-1, i)*kernel(1) - jh(0, &
                i)*kernel(0) - jh(1, i)*kernel(1)
          end do
@@ -59,7 +64,11 @@ contains
 
       associate (slopes => jacobian%slopes)
          if (level%is_kappa) then
-            if (.not. allocated(jacobian%faces%e)) call new_faces(jacobian%faces, level%n)
+            if (.not. allocated(jacobian%faces%e)) then
+               allocate (jacobian%faces%e(level%n), jacobian%faces%by_p_left(level%n), &
+                  jacobian%faces%by_p_right(level%n), jacobian%faces%by_h_left(level%n), &
+                  jacobian%faces%by_h_right(level%n))
+            end if
             call fluid_face_slopes(level%fluid, level%dx, level%state%pressure, &
                level%state%film, &
                jacobian%faces, slopes%rho, slopes%rho_p, &
@@ -81,7 +90,7 @@ contains
    end subroutine evaluate_slopes
 
    !> Derivatives of the flux e(i-1/2) (P(i) - P(i-1))/dX^2 through the face left of node i, with
-   !> what the kappa scheme has more of the flow rH there, by P(i-2..i+1) and H(i-2..i).
+   !> what the kappa scheme adds to the mass flux rH there, by P(i-2..i+1) and H(i-2..i).
    pure subroutine differentiate_flux(level, jacobian, i, flux_p, flux_h)
       type(line_level_t), intent(in) :: level
       type(reynolds_jacobian_t), intent(in) :: jacobian
@@ -130,42 +139,5 @@ contains
          flux_h = flux_h - factor*second*share*rho
       end associate
    end subroutine add_third_order_slopes
-
-   !> Weights of rH(i-2) ... rH(i) in the wedge and the squeeze term of row i, the same ones from
-   !> the second row on.
-   pure function wedge_and_squeeze(level, i) result(weights)
-      type(line_level_t), intent(in) :: level
-      integer, intent(in) :: i
-      real(wp) :: weights(-2:0)
-
-      weights = wedge_weights(i)*level%lambda/level%dx
-      weights(0) = weights(0) + level%lambda*level%inverse_time_step
-   end function wedge_and_squeeze
-
-   !> The wedge and the squeeze term of row i.
-   pure subroutine add_flow(weights, level, i, jacobian)
-      real(wp), intent(in) :: weights(-2:0)
-      type(line_level_t), intent(in) :: level
-      integer, intent(in) :: i
-      type(reynolds_jacobian_t), intent(inout) :: jacobian
-      integer :: o
-
-      associate (s => jacobian%slopes)
-         do o = max(-2, -i), 0
-            jacobian%by_pressure(o, i) = jacobian%by_pressure(o, &
-               i) - weights(o)*s%rho_p(i + o)*level%state%film(i + o)
-            jacobian%by_film(o, i) = jacobian%by_film(o, i) - weights(o)*s%rho(i + o)
-         end do
-      end associate
-   end subroutine add_flow
-
-   !> Storage for n faces.
-   pure subroutine new_faces(faces, n)
-      type(face_slopes_t), intent(out) :: faces
-      integer, intent(in) :: n
-
-      allocate (faces%e(n), faces%by_p_left(n), faces%by_p_right(n), faces%by_h_left(n), &
-         faces%by_h_right(n))
-   end subroutine new_faces
 
 end module reynolds_jacobian

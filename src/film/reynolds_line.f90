@@ -6,13 +6,13 @@
 !> with e = rho H^3 S/mu, e(i+-1/2) the arithmetic mean, rH = rho H, and the first-order wedge at
 !> node 1. The old film of a time step is in the right side: L_R = -lambda rH_old/dT.
 !>
-!> The kappa scheme (`level%is_kappa`) takes e(i+-1/2) from module face_mobility, and the flow rH at
-!> a face from one node downstream too,
+!> The kappa scheme (`level%is_kappa`) takes e(i+-1/2) from module face_mobility, and the mass flux
+!> rH at a face from one node downstream too,
 !>
 !>     rH(i+1/2) = ( 3 rH(i) - rH(i-1) )/2 + theta(i)/3 ( rH(i+1) - 2 rH(i) + rH(i-1) )
 !>
 !> which with theta = 1 is (2 rH(i+1) + 5 rH(i) - rH(i-1))/6, of third order, and with theta = 0 the
-!> flow of the thesis's wedge. The share theta falls where the pressure curves beyond what the grid
+!> flux of the thesis's wedge. The share theta falls where the pressure curves beyond what the grid
 !> resolves (`third_order_share`). At the first face both schemes have (rH(0) + rH(1))/2.
 module reynolds_line
    use face_mobility, only: fluid_face_mobility
@@ -25,7 +25,7 @@ module reynolds_line
    public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, reynolds_diagonals, &
       third_order_share, third_order_slope, wedge_weights
 
-   !> Curvature c at which half of the third order is left in the flow of the kappa scheme.
+   !> Curvature c at which half of the third order is left in the flux of the kappa scheme.
    real(wp), parameter :: strong_curvature = 1.0_wp
 
 contains
@@ -57,14 +57,15 @@ contains
       if (i == 1) weights = [0.0_wp, -1.0_wp, 1.0_wp]
    end function wedge_weights
 
-   !> Share theta of the third order in the flow rH at a face, 1/(1 + (c/c_0)^2), by the
+   !> Share theta of the third order in the mass flux rH at a face, 1/(1 + (c/c_0)^2), by the
    !> curvature c = alpha_bar (P(i-1) - 2 P(i) + P(i+1)) at the node upstream, the change of the
    !> slope of ln mu from interval to interval.
    !>
    !> Where oil is as good as solid, rH is the same at all faces. The third order would let it be so
    !> with a part of H that changes its sign from node to node and falls upstream by 2.7 a node, of
    !> any size: a zigzag of the pressure in front of the spike, and several solutions. (What the
-   !> flow upstream alone leaves falls downstream, by 3 a node.) 1 - theta is of fourth order in dX.
+   !> flux from upstream alone leaves falls downstream, by 3 a node.) 1 - theta is of fourth order
+   !> in dX.
    pure elemental function third_order_share(curvature) result(share)
       real(wp), intent(in) :: curvature
       real(wp) :: share
@@ -119,7 +120,7 @@ contains
       if (allocated(level%state%compensation)) call add_flow_of_compensation(level)
    end subroutine apply_reynolds
 
-   !> Adds what the kappa scheme has more of the flow rH at the faces (in the work space of the
+   !> Adds what the kappa scheme adds to the mass flux rH at the faces (in the work space of the
    !> level, by the node upstream).
    pure subroutine add_third_order(level)
       type(line_level_t), intent(inout) :: level

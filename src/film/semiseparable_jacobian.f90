@@ -71,7 +71,7 @@ contains
       real(wp), intent(inout) :: step(:)
       logical, intent(out) :: is_solved
       type(bordered_system_t) :: system
-      real(wp), allocatable :: rest(:), product(:)
+      real(wp), allocatable :: remainder(:), product(:)
       real(wp) :: allowed, left, largest, share
 
       call prepare_kernel(self, level, is_solved)
@@ -86,20 +86,20 @@ contains
       is_solved = self%smallest_pivot > 0.0_wp
       if (.not. is_solved) return
       allowed = self%tolerance*norm2(step)
-      rest = step
+      remainder = step
       call solve_first(system, step)
       allocate (product, mold=step)
       call system%multiply(step, product)
       self%iterations = 1
-      rest = rest - product
-      left = norm2(rest)
-      largest = maxval(abs(rest(:level%n - 1)*jacobian%diagonal(1:level%n - 1)))
+      remainder = remainder - product
+      left = norm2(remainder)
+      largest = maxval(abs(remainder(:level%n - 1)*jacobian%diagonal(1:level%n - 1)))
       is_solved = left <= allowed .and. largest <= self%goal
       if (is_solved .or. .not. left < huge(1.0_wp)) return
       share = allowed/left
       if (self%goal < largest) share = min(share, self%goal/largest)
-      call solve_gmres(self%krylov, system, share, rest, is_solved)
-      step = step + rest
+      call solve_gmres(self%krylov, system, share, remainder, is_solved)
+      step = step + remainder
       self%iterations = 1 + self%krylov%iterations
       is_solved = is_solved .or. self%krylov%iterations > 0
    end subroutine solve_semiseparable_system

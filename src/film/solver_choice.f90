@@ -76,7 +76,7 @@ contains
          attempts = [stated_way(settings, is_heavy)]
          if (attempts(1)%method == method_fas .and. settings%relaxation <= 0.0_wp &
             .and. settings%max_cycles <= 0) attempts = [attempts, &
-            resweep(stated_way(settings, is_heavy=.true.), 0.2_wp, 10, 3.0_wp)]
+            with_sweeps(stated_way(settings, is_heavy=.true.), 0.2_wp, 10, 3.0_wp)]
          attempts%start_film = films(1)
       end if
       if (settings%space_scheme == 'kappa') then
@@ -118,22 +118,23 @@ contains
 
       base = cycle_with(smoother_gauss_seidel, is_heavy=.true.)
       if (is_automatic(settings)) then
-         attempts = [one_level(method_newton_krylov), resweep(base, 0.6_wp, 3, 0.0_wp), &
-            resweep(base, 0.5_wp, 5, 0.0_wp)]
+         attempts = [one_level(method_newton_krylov), with_sweeps(base, 0.6_wp, 3, 0.0_wp), &
+            with_sweeps(base, 0.5_wp, 5, 0.0_wp)]
          attempts(3)%visits = 2
          if (settings%space_scheme == 'kappa') attempts = attempts(:1)
          if (contact%domain%intervals <= largest_dense) attempts = [attempts, &
             one_level(method_newton_dense)]
       else if (settings%smoother == 'gauss_seidel') then
-         attempts = [resweep(base, 0.8_wp, 2, 0.0_wp)]
+         attempts = [with_sweeps(base, 0.8_wp, 2, 0.0_wp)]
       else
          attempts = [stated_way(settings, is_heavy=.true.)]
       end if
       if (size(attempts) == 1 .and. attempts(1)%method == method_fas &
          .and. settings%relaxation <= 0.0_wp) then
          base = attempts(1)
-         attempts = [base, resweep(base, 0.4_wp, 3, 3.0_wp), resweep(base, 0.2_wp, 5, 3.0_wp), &
-            resweep(base, 0.1_wp, 8, 3.0_wp), resweep(base, 0.05_wp, 12, 3.0_wp)]
+         attempts = [base, with_sweeps(base, 0.4_wp, 3, 3.0_wp), &
+            with_sweeps(base, 0.2_wp, 5, 3.0_wp), with_sweeps(base, 0.1_wp, 8, 3.0_wp), &
+            with_sweeps(base, 0.05_wp, 12, 3.0_wp)]
       end if
       attempts%max_cycles = min(attempts(1)%max_cycles, default_step_cycles)
       attempts%patience = attempts(1)%patience
@@ -207,7 +208,7 @@ contains
    end function cycle_with
 
    !> The same way with another relaxation, other numbers of sweeps and another bound of the kernel.
-   pure function resweep(base, relaxation, sweeps, kernel_bound) result(choice)
+   pure function with_sweeps(base, relaxation, sweeps, kernel_bound) result(choice)
       type(relaxation_t), intent(in) :: base
       real(wp), intent(in) :: relaxation
       integer, intent(in) :: sweeps
@@ -219,7 +220,7 @@ contains
       choice%pre_sweeps = sweeps
       choice%post_sweeps = sweeps
       choice%kernel_bound = kernel_bound
-   end function resweep
+   end function with_sweeps
 
    !> One level: blocks of Block-Jacobi sweeps with the force balance relaxed after each, of which
    !> many are needed, or single Newton steps, whose residual may rise for long while a spike grows.

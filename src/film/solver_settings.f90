@@ -54,8 +54,8 @@ module solver_settings
       real(wp) :: time_step = 0.0_wp
       !> 'bdf2' (second order) or 'backward_euler' (first order, the thesis's).
       character(len=word_length) :: scheme = 'bdf2'
-      !> T from which the figures and the statistics of the film count; below 0: chosen by the
-      !> program.
+      !> T from which the quantities and the statistics of the film count; below 0: chosen by
+      !> the program.
       real(wp) :: statistics_from = -1.0_wp
       !> Where an interrupted transient goes on; not allocated: it begins at T = 0.
       type(march_state_t), allocatable :: resume_from

@@ -12,7 +12,7 @@ module state_output
 
    public :: fill_state, fill_properties
 
-   !> exp of more than this overflows; a viscosity ratio beyond it is reported as exp(this).
+   !> Largest exponent: exp of more overflows, and larger ratios are reported as exp of this.
    real(wp), parameter :: largest_exponent = 700.0_wp
 
 contains

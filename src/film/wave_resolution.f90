@@ -12,7 +12,7 @@ module wave_resolution
    implicit none (type, external)
    private
 
-   public :: choose_time_step, coarse_waves, count_steps, intervals_at_least, nodes_in_wave, &
+   public :: choose_time_step, coarse_waves, intervals_at_least, nodes_in_wave, &
       steps_in_wave, unseen_waves
 
    !> Nodes in the finest wave, and steps in which it passes a place, for 1 % in h_min: those of the
@@ -38,11 +38,10 @@ contains
    !> Nodes of a complete domain in the finest wave of the surfaces; huge if they are smooth.
    pure function nodes_in_wave(contact) result(nodes)
       type(line_contact_t), intent(in) :: contact
-      real(wp) :: nodes, wave
+      real(wp) :: nodes
 
-      wave = min(finest_wave(contact%surface_1), finest_wave(contact%surface_2))
       nodes = huge(1.0_wp)
-      if (wave < nodes) nodes = wave/node_spacing(contact)
+      if (finest_wave(contact) < nodes) nodes = finest_wave(contact)/node_spacing(contact)
    end function nodes_in_wave
 
    !> Time steps in which the finest moving wave passes a place; huge if there is none, or no step
@@ -142,13 +141,5 @@ contains
          shortest_passage(contact)/wanted_steps)
       time%time_step = time%end_time/max(1, ceiling(time%end_time/wanted - rounding))
    end subroutine choose_time_step
-
-   !> Number of steps to the end, for a step from `choose_time_step`.
-   pure function count_steps(time) result(steps)
-      type(time_settings_t), intent(in) :: time
-      integer :: steps
-
-      steps = nint(time%end_time/time%time_step)
-   end function count_steps
 
 end module wave_resolution
