@@ -3,7 +3,7 @@ module dry_surfaces
    use analytic_heights, only: feature_heights, node_positions, parabola_heights
    use dry_case, only: dry_case_t
    use errors, only: error_t, fail, input_error
-   use fourier_resampling, only: resample_centres, resample_heights
+   use fourier_resampling, only: resample_heights
    use height_file, only: read_heights
    use input_values, only: value_t
    use kinds, only: wp
@@ -176,13 +176,8 @@ contains
          call begin_activity('making the surface')
          call synthetic_heights(wanted, first, dry%lengths(1), max(dry%lengths(2), tiny(1.0_wp)), &
             z, error)
-         if (.not. allocated(error) .and. any(nodes /= first)) then
-            if (dry%is_periodic) then
-               call resample_heights(first, nodes, z, error)
-            else
-               call resample_centres(first, nodes, z, error)
-            end if
-         end if
+         if (.not. allocated(error) .and. any(nodes /= first)) call resample_heights(first, nodes, &
+            z, error, at_centres=.not. dry%is_periodic)
       end associate
       if (allocated(error)) call dry%values%refuse(group, 'shape', error%message)
    end subroutine add_synthetic

@@ -89,30 +89,15 @@ contains
       response(0, 0) = 0.0_wp
    end function element_response
 
-   !> Share of the image at `waves` waves per element in one direction: sinc times the window.
+   !> Share of the image at `waves` waves per element in one direction: sinc times a window that
+   !> falls smoothly from 1 to 0 past the last image, as narrow in space as in wavenumber.
    pure elemental function image_share(waves)
       real(wp), intent(in) :: waves
       real(wp) :: image_share
 
-      image_share = sinc(waves)*window(waves/(images + 1))
+      image_share = 0.5_wp*erfc(steepness*(2.0_wp*abs(waves/(images + 1)) - 1.0_wp))
+      if (abs(waves) > 0.0_wp) image_share = image_share*(sin(pi*waves)/(pi*waves))
    end function image_share
-
-   !> sin(pi x)/(pi x).
-   pure elemental function sinc(x)
-      real(wp), intent(in) :: x
-      real(wp) :: sinc
-
-      sinc = 1.0_wp
-      if (abs(x) > 0.0_wp) sinc = sin(pi*x)/(pi*x)
-   end function sinc
-
-   !> A smooth step from 1 at x = 0 to 0 at |x| = 1, as narrow in space as in wavenumber.
-   pure elemental function window(x)
-      real(wp), intent(in) :: x
-      real(wp) :: window
-
-      window = 0.5_wp*erfc(steepness*(2.0_wp*abs(x) - 1.0_wp))
-   end function window
 
    !> Kernel of an open line (0:n-1, 0:0) [m]: deflection at element distance j under unit pressure
    !> on one element of width `dx` [m], by the logarithm integrated exactly; up to a constant, x in

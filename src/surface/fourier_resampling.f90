@@ -8,44 +8,29 @@ module fourier_resampling
    implicit none (type, external)
    private
 
-   public :: resample_centres, resample_heights
+   public :: resample_heights
 
 contains
 
    !> Takes the periodic heights `z` (nx*ny) from the grid `old` = nx, ny to the grid `new`, of the
-   !> same lengths; both have a node at 0.
+   !> same lengths; both have a node at 0, or `at_centres` of cells: the first one lies half a
+   !> spacing from 0.
    !>
    !> More nodes interpolate: where the grids share a node its height stays. Fewer nodes drop the
    !> harmonics from half their number on. The highest harmonic of an even number of old nodes is
    !> taken for a cosine, half of it at +n/2 and half at -n/2. Fails (internal_error) if FFTW does.
-   subroutine resample_heights(old, new, z, error)
+   subroutine resample_heights(old, new, z, error, at_centres)
       integer, intent(in) :: old(2), new(2)
       real(wp), allocatable, intent(inout) :: z(:)
       type(error_t), allocatable, intent(out) :: error
-
-      call resample(old, new, [0.0_wp, 0.0_wp], z, error)   ! error: the caller looks
-   end subroutine resample_heights
-
-   !> The same for nodes at the centres of cells: the first one lies half a spacing from 0. Fails
-   !> (internal_error) if FFTW does.
-   subroutine resample_centres(old, new, z, error)
-      integer, intent(in) :: old(2), new(2)
-      real(wp), allocatable, intent(inout) :: z(:)
-      type(error_t), allocatable, intent(out) :: error
-
-      call resample(old, new, 0.5_wp/new - 0.5_wp/old, z, error)   ! error: the caller looks
-   end subroutine resample_centres
-
-   !> Both: the first new node lies `shift` periods in x and y behind the first old one.
-   subroutine resample(old, new, shift, z, error)
-      integer, intent(in) :: old(2), new(2)
-      real(wp), intent(in) :: shift(2)
-      real(wp), allocatable, intent(inout) :: z(:)
-      type(error_t), allocatable, intent(out) :: error
+      logical, intent(in), optional :: at_centres
       complex(wp), allocatable :: coarse(:, :), spectrum(:, :)
-      real(wp) :: angle, nodes, share_x, share_y
+      real(wp) :: angle, nodes, share_x, share_y, shift(2)
       integer :: k, l
 
+      ! Periods from the first old node to the first new one.
+      shift = 0.0_wp
+      if (present(at_centres)) shift = merge(0.5_wp/new - 0.5_wp/old, 0.0_wp, at_centres)
       call transform_field(old, z, coarse, error)
       if (allocated(error)) return
       nodes = real(old(1), wp)*real(old(2), wp)
@@ -63,7 +48,7 @@ contains
          end do
       end do
       call transform_back(new, spectrum, z, error)
-   end subroutine resample
+   end subroutine resample_heights
 
    !> How much of the old harmonic `k` goes to the new one.
    pure function share_of(k, old, new) result(share)

@@ -120,10 +120,11 @@ contains
       type(bend_t), intent(out) :: bend
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: change(2), determinant, g, goal(2), h, miss(2), slope(2, 2)
+      logical :: is_found
       integer :: i
       real(wp), parameter :: delta = 1.0e-6_wp, longest_step = 0.05_wp
 
-      if (is_gaussian(wanted)) return
+      if (abs(wanted%skewness) <= 0.0_wp .and. abs(wanted%kurtosis - 3.0_wp) <= 0.0_wp) return
       goal = [wanted%skewness, wanted%kurtosis]
       g = wanted%skewness/3.0_wp
       h = 0.0_wp
@@ -140,7 +141,10 @@ contains
          g = g - change(1)
          h = h - change(2)
       end do
-      if (.not. maxval(abs(miss)) < 1.0e-6_wp .or. .not. is_rising(z, g, h)) then
+      is_found = maxval(abs(miss)) < 1.0e-6_wp
+      ! By its derivative, it must rise at every height: then it keeps their order.
+      if (is_found) is_found = all(tukey(z, g, h)*h*z + exp(g*z + 0.5_wp*h*z**2) > 0.0_wp)
+      if (.not. is_found) then
          call fail(error, input_error, 'found skewness ' // to_text(wanted%skewness) // ' and '// &
             'kurtosis ' &
             // to_text(wanted%kurtosis) // ', which this Gaussian surface cannot be given')
@@ -151,15 +155,6 @@ contains
       bend%mean = sum(tukey(z, g, h))/size(z)
       bend%rms = norm2(tukey(z, g, h) - bend%mean)/sqrt(real(size(z), wp))
    end subroutine find_bend
-
-   !> True if heights stay Gaussian.
-   pure function is_gaussian(wanted)
-      type(synthesis_t), intent(in) :: wanted
-      logical :: is_gaussian
-
-      is_gaussian = .not. (abs(wanted%skewness) > 0.0_wp &
-         .or. abs(wanted%kurtosis - 3.0_wp) > 0.0_wp)
-   end function is_gaussian
 
    !> The function of a height.
    pure elemental function bent(z, bend) result(y)
@@ -190,15 +185,6 @@ contains
       square = sum((y - mean)**2)/size(y)
       values = [sum((y - mean)**3)/size(y)/square**1.5_wp, sum((y - mean)**4)/size(y)/square**2]
    end function moments
-
-   !> True if the function rises at every height: it then keeps their order.
-   pure function is_rising(z, g, h)
-      real(wp), intent(in) :: z(:), g, h
-      logical :: is_rising
-
-      ! The derivative is y h z + exp(g z + h z^2/2).
-      is_rising = all(tukey(z, g, h)*h*z + exp(g*z + 0.5_wp*h*z**2) > 0.0_wp)
-   end function is_rising
 
    !> Keeps the harmonics 1 ... `harmonics` of the periodic heights `z` (nx*ny) and drops the mean,
    !> (4.1); of an area those with hypot of the two numbers of waves up to it. Fails
