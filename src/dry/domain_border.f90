@@ -2,6 +2,7 @@
 !> contact that reaches the border is that of a punch with sharp edges, whose pressure grows there
 !> without bound.
 module domain_border
+   use analytic_heights, only: node_positions
    use dry_problem, only: dry_grid_t, kernel_open
    use dry_scaling, only: dry_scaling_t
    use hertz, only: line_half_width, point_radius
@@ -32,7 +33,7 @@ contains
 
       reason = ''
       if (grid%kernel /= kernel_open .or. .not. touches_border(grid, pressure)) return
-      radius = fitted_radius(grid, scaling, z)
+      radius = fitted_radius(grid, scaling%length, z)
       if (radius <= 0.0_wp) then
          reason = 'the contact reaches the border of the open domain, towards which the '// &
             'surface does not fall: no length is enough'
@@ -63,20 +64,16 @@ contains
 
    !> Radius R [m] of the parabola c - r^2/(2 R) that fits the heights best, in the sense of least
    !> squares; 0 if they do not fall towards the border, or are hardly a parabola.
-   pure function fitted_radius(grid, scaling, z) result(radius)
+   pure function fitted_radius(grid, length, z) result(radius)
       type(dry_grid_t), intent(in) :: grid
-      type(dry_scaling_t), intent(in) :: scaling
-      real(wp), intent(in) :: z(:)
+      real(wp), intent(in) :: length, z(:)
       real(wp) :: radius
-      real(wp) :: covariance, squares(size(z)), spread_of_squares, variance
+      real(wp) :: covariance, spread_of_squares, squares(size(z)), variance, x(grid%nx), y(grid%ny)
       integer :: i, j
 
-      do j = 1, grid%ny
-         do i = 1, grid%nx
-            squares(i + grid%nx*(j - 1)) = scaling%length**2*(centred(i, grid%nx)**2 &
-               + (grid%aspect*centred(j, grid%ny))**2)
-         end do
-      end do
+      x = node_positions(grid%nx, length, .false.)
+      y = node_positions(grid%ny, length*grid%aspect, .false.)
+      squares = [((x(i)**2 + y(j)**2, i=1, grid%nx), j=1, grid%ny)]
       squares = squares - sum(squares)/size(z)
       covariance = sum(squares*z)
       variance = sum((z - sum(z)/size(z))**2)
@@ -86,13 +83,5 @@ contains
          radius = -0.5_wp*spread_of_squares/covariance
       end if
    end function fitted_radius
-
-   !> Centre of cell `i` of `n`, from the middle, over the length; 0 of a single one.
-   pure elemental function centred(i, n)
-      integer, intent(in) :: i, n
-      real(wp) :: centred
-
-      centred = (real(i, wp) - 0.5_wp)/n - 0.5_wp
-   end function centred
 
 end module domain_border

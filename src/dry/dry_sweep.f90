@@ -40,7 +40,7 @@ module dry_sweep
       logical :: is_converged
       !> Why the iteration ended.
       character(:), allocatable :: reason
-      !> Contact area less (pi - 1 + ln 2)/24 of its perimeter (areas), as a fraction.
+      !> Contact area less `border_share` of its perimeter (areas), as a fraction.
       real(wp) :: contact_area_corrected
       !> Neighbours one of which is in contact (at the hardness) and the other not, of the periodic
       !> grid.
@@ -67,6 +67,11 @@ module dry_sweep
       integer, allocatable :: transforms(:, :)
    end type dry_outcome_t
 
+   !> Share of a cell by which counted nodes make the contact area too large for each two neighbours
+   !> in and out of contact (V. A. Yastrebov, G. Anciaux and J.-F. Molinari, Tribol. Lett. 56, 2014,
+   !> 171).
+   real(wp), parameter :: border_share = (pi - 1.0_wp + log(2.0_wp))/24.0_wp
+
 contains
 
    !> Solves all `loads` of the heights `z` (nx*ny) [m] on `grid`. Not converging is told in rows
@@ -83,22 +88,23 @@ contains
       type(dry_problem_t) :: problem
       type(dry_solver_t) :: solver
       real(wp), allocatable :: plastic(:), yielded(:)
-      real(wp) :: cpu_start, cpu_stop, top, wall_start
+      real(wp) :: area, cpu_start, cpu_stop, top, wall_start
       integer :: i, n
 
       call cpu_time(cpu_start)
       solver%settings = settings
-      call new_dry_problem(problem, grid, z/scaling%height, error)
+      call new_dry_problem(problem, grid, scaling%scaled_height(z), error)
       if (allocated(error)) return
-      if (loads%hardness < huge(1.0_wp)) problem%hardness = loads%hardness/scaling%pressure
+      if (loads%hardness < huge(1.0_wp)) problem%hardness = scaling%scaled_pressure(loads%hardness)
       n = size(z)
       top = maxval(problem%height)
+      area = scaling%domain_area(grid%aspect, grid%ny == 1)
       if (allocated(loads%separation)) then
          allocate (outcome%rows(size(loads%separation)))
       else
          allocate (outcome%rows(size(loads%mean_pressure)))
       end if
-      call solver%prepare(problem, error)
+      call problem%elastic%plan_single(error)
       if (allocated(error)) return
       call cpu_time(cpu_stop)
       outcome%cpu_prepare = cpu_stop - cpu_start
@@ -112,7 +118,7 @@ contains
                call solve_for_datum(solver, problem, datum_of(problem%grid, scaling, top, &
                   loads%separation(i)), solution, error)
             else
-               problem%load = loads%mean_pressure(i)/scaling%pressure*n
+               problem%load = scaling%scaled_pressure(loads%mean_pressure(i))*n
                call solver%solve(problem, solution, error)
             end if
             if (allocated(error)) return
@@ -126,15 +132,15 @@ contains
                - solution%v, 0.0_wp)
             call fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
             where (solution%pressure >= problem%hardness) fields%pressure = loads%hardness
-            call fill_row(grid, scaling, solution, fields, problem, rows(i))
-            rows(i)%mean_pressure = problem%load/n*scaling%pressure
+            call fill_row(problem, scaling, area, solution, plastic, fields, rows(i))
+            rows(i)%mean_pressure = scaling%pressure_in_si(problem%load/n)
             if (allocated(loads%mean_pressure)) rows(i)%mean_pressure = loads%mean_pressure(i)
-            rows(i)%load = rows(i)%mean_pressure*area_of(grid, scaling)
+            rows(i)%load = rows(i)%mean_pressure*area
             call check_border(grid, scaling, fields, rows(i))
             rows(i)%separation = separation_of(problem%grid, scaling, top, solution%datum)
             rows(i)%dissipated_energy = 0.0_wp
-            if (problem%is_capped()) rows(i)%dissipated_energy = loads%hardness*area_of(grid, &
-               scaling)*rows(i)%dp_mean
+            if (problem%is_capped()) rows(i)%dissipated_energy = loads%hardness*area &
+               *rows(i)%dp_mean
             if (loads%has_history) then
                yielded = yielded + plastic
                problem%height = problem%height - plastic
@@ -153,7 +159,7 @@ contains
       real(wp), intent(in) :: top, separation
       real(wp) :: datum
 
-      datum = -separation/scaling%height
+      datum = -scaling%scaled_height(separation)
       if (grid%kernel == kernel_open) datum = -datum - top
    end function datum_of
 
@@ -164,20 +170,10 @@ contains
       real(wp), intent(in) :: top, datum
       real(wp) :: separation
 
-      separation = -scaling%height*datum
-      if (grid%kernel == kernel_open) separation = merge(0.0_wp, scaling%height*(top + datum), &
-         grid%ny == 1)
+      separation = -scaling%height_in_si(datum)
+      if (grid%kernel == kernel_open) separation = merge(0.0_wp, &
+         scaling%height_in_si(top + datum), grid%ny == 1)
    end function separation_of
-
-   !> Area of the domain [m^2], length of a line [m].
-   pure function area_of(grid, scaling) result(area)
-      type(dry_grid_t), intent(in) :: grid
-      type(dry_scaling_t), intent(in) :: scaling
-      real(wp) :: area
-
-      area = scaling%length
-      if (grid%ny > 1) area = area*scaling%length*grid%aspect
-   end function area_of
 
    !> Pressure, gap and profiles in SI. `plastic` is the deformation of this load, `yielded` that of
    !> the loads before which the heights of `problem` already have (history).
@@ -188,26 +184,30 @@ contains
       type(dry_solution_t), intent(in) :: solution
       type(dry_fields_t), intent(inout) :: fields
 
-      fields%pressure = scaling%pressure*solution%pressure
-      fields%gap = scaling%height*max(solution%v + plastic - solution%datum, 0.0_wp)
+      fields%pressure = scaling%pressure_in_si(solution%pressure)
+      fields%gap = scaling%height_in_si(max(solution%v + plastic - solution%datum, 0.0_wp))
       where (solution%pressure > 0.0_wp) fields%gap = 0.0_wp
       fields%height_undeformed = z(:)
-      fields%plastic_deformation = scaling%height*(plastic + yielded)
+      fields%plastic_deformation = scaling%height_in_si(plastic + yielded)
       fields%height_unloaded = z - fields%plastic_deformation
-      fields%height_loaded = fields%height_unloaded - scaling%height*(solution%v + problem%height)
+      fields%height_loaded = fields%height_unloaded &
+         - scaling%height_in_si(solution%v + problem%height)
    end subroutine fill_fields
 
-   !> Figures of one load from its fields.
-   subroutine fill_row(grid, scaling, solution, fields, problem, row)
-      type(dry_grid_t), intent(in) :: grid
+   !> Figures of one load from its fields, the `area` of the domain and the `plastic` deformation of
+   !> this load alone, dimensionless.
+   subroutine fill_row(problem, scaling, area, solution, plastic, fields, row)
+      type(dry_problem_t), intent(in) :: problem
       type(dry_scaling_t), intent(in) :: scaling
+      real(wp), intent(in) :: area, plastic(:)
       type(dry_solution_t), intent(in) :: solution
       type(dry_fields_t), intent(in) :: fields
-      type(dry_problem_t), intent(in) :: problem
       type(dry_row_t), intent(out) :: row
       integer :: n
+      logical :: is_line
 
       n = size(fields%pressure)
+      is_line = problem%grid%ny == 1
       row%contact_area_fraction = real(solution%contacts, wp)/n
       row%plastic_area_fraction = real(solution%capped, wp)/n
       row%plasticity_index = real(solution%capped, wp)/solution%contacts
@@ -215,26 +215,26 @@ contains
       row%dp_max = maxval(fields%plastic_deformation)
       row%dp_mean = sum(fields%plastic_deformation)/n
       ! The problem's heights have no mean; the datum is that of the heights as given.
-      row%datum = scaling%height*solution%datum - sum(fields%height_undeformed)/n
-      row%mean_separation = scaling%height*(sum(solution%v)/n - solution%datum &
-         + mean_plastic(solution, problem))
-      row%elastic_energy = 0.5_wp*area_of(grid, scaling)/n*scaling%pressure*scaling%height &
-                           *dot_product(solution%pressure, solution%v + problem%height)
+      row%datum = scaling%height_in_si(solution%datum) - sum(fields%height_undeformed)/n
+      row%mean_separation = scaling%height_in_si(sum(solution%v)/n - solution%datum &
+         + sum(plastic)/n)
+      row%elastic_energy = scaling%energy_in_si(0.5_wp*area/n, dot_product(solution%pressure, &
+         solution%v + problem%height))
       row%kkt = solution%kkt
       row%fft_pairs = int(solution%report%fft_pairs)
       row%cycles = solution%report%cycles
       row%is_converged = solution%report%converged
       row%reason = solution%report%reason
       row%contact_area_corrected = row%contact_area_fraction
-      row%contact_edges = edges_of(grid, solution%pressure > 0.0_wp)
+      row%contact_edges = edges_of(problem%grid, solution%pressure > 0.0_wp)
       row%plastic_edges = 0
-      if (problem%is_capped()) row%plastic_edges = edges_of(grid, &
+      if (problem%is_capped()) row%plastic_edges = edges_of(problem%grid, &
          solution%pressure >= problem%hardness)
-      if (grid%ny > 1) row%contact_area_corrected = row%contact_area_fraction &
-         - perimeter_share(grid, row%contact_edges)
-      row%undeformed = roughness_of(fields%height_undeformed, grid%ny == 1)
-      row%loaded = roughness_of(fields%height_loaded, grid%ny == 1)
-      row%unloaded = roughness_of(fields%height_unloaded, grid%ny == 1)
+      if (.not. is_line) row%contact_area_corrected = row%contact_area_fraction &
+         - border_share*row%contact_edges/real(n, wp)
+      row%undeformed = roughness_of(fields%height_undeformed, is_line)
+      row%loaded = roughness_of(fields%height_loaded, is_line)
+      row%unloaded = roughness_of(fields%height_unloaded, is_line)
    end subroutine fill_row
 
    !> A contact that reaches the border of an open domain is no solution.
@@ -251,16 +251,6 @@ contains
       call move_alloc(reason, row%reason)
    end subroutine check_border
 
-   !> Mean plastic deformation of this load alone, dimensionless.
-   pure function mean_plastic(solution, problem) result(mean)
-      type(dry_solution_t), intent(in) :: solution
-      type(dry_problem_t), intent(in) :: problem
-      real(wp) :: mean
-
-      mean = sum(max(solution%datum - solution%v, 0.0_wp), &
-         mask=solution%pressure >= problem%hardness)/size(solution%v)
-   end function mean_plastic
-
    !> Number of neighbours in x and y one of which is `inside` (nx*ny) and the other not, of the
    !> periodic grid.
    pure function edges_of(grid, inside) result(edges)
@@ -272,16 +262,5 @@ contains
       map = reshape(inside, [grid%nx, grid%ny])
       edges = count(map .neqv. cshift(map, 1, 1)) + count(map .neqv. cshift(map, 1, 2))
    end function edges_of
-
-   !> (pi - 1 + ln 2)/24 S/(nx ny), S the number of `edges` between nodes in and out of contact
-   !> (V. A. Yastrebov, G. Anciaux and J.-F. Molinari, Tribol. Lett. 56, 2014, 171).
-   pure function perimeter_share(grid, edges) result(share)
-      type(dry_grid_t), intent(in) :: grid
-      integer, intent(in) :: edges
-      real(wp) :: share
-      real(wp), parameter :: factor = (pi - 1.0_wp + log(2.0_wp))/24.0_wp
-
-      share = factor*edges/(real(grid%nx, wp)*real(grid%ny, wp))
-   end function perimeter_share
 
 end module dry_sweep

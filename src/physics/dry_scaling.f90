@@ -1,5 +1,5 @@
-!> Reference values of dry contacts: the only place where they pass from SI to dimensionless
-!> numbers.
+!> Reference values of dry contacts: the only place where they pass from SI to dimensionless numbers
+!> and back.
 module dry_scaling
    use kinds, only: wp
    implicit none (type, external)
@@ -18,6 +18,13 @@ module dry_scaling
       real(wp) :: pressure
       !> E' [Pa].
       real(wp) :: reduced_modulus
+   contains
+      procedure :: height_in_si
+      procedure :: pressure_in_si
+      procedure :: energy_in_si
+      procedure :: scaled_height
+      procedure :: scaled_pressure
+      procedure :: domain_area
    end type dry_scaling_t
 
 contains
@@ -33,6 +40,62 @@ contains
       scaling%reduced_modulus = reduced_modulus
       scaling%pressure = reduced_modulus*scaling%height/(4.0_wp*length)
    end function new_dry_scaling
+
+   !> A height or gap in m.
+   pure elemental function height_in_si(self, height) result(metres)
+      class(dry_scaling_t), intent(in) :: self
+      real(wp), intent(in) :: height
+      real(wp) :: metres
+
+      metres = self%height*height
+   end function height_in_si
+
+   !> A pressure in Pa.
+   pure elemental function pressure_in_si(self, pressure) result(pascal)
+      class(dry_scaling_t), intent(in) :: self
+      real(wp), intent(in) :: pressure
+      real(wp) :: pascal
+
+      pascal = self%pressure*pressure
+   end function pressure_in_si
+
+   !> The work of pressure on height, over an `area` [m^2] in J, over a length [m] in J/m.
+   pure elemental function energy_in_si(self, area, work) result(energy)
+      class(dry_scaling_t), intent(in) :: self
+      real(wp), intent(in) :: area, work
+      real(wp) :: energy
+
+      energy = area*self%pressure*self%height*work
+   end function energy_in_si
+
+   !> A height of so many `metres`, dimensionless.
+   pure elemental function scaled_height(self, metres) result(height)
+      class(dry_scaling_t), intent(in) :: self
+      real(wp), intent(in) :: metres
+      real(wp) :: height
+
+      height = metres/self%height
+   end function scaled_height
+
+   !> A pressure of so many `pascal`, dimensionless.
+   pure elemental function scaled_pressure(self, pascal) result(pressure)
+      class(dry_scaling_t), intent(in) :: self
+      real(wp), intent(in) :: pascal
+      real(wp) :: pressure
+
+      pressure = pascal/self%pressure
+   end function scaled_pressure
+
+   !> Area of the domain [m^2] with Ly/Lx = `aspect`, length of a line [m].
+   pure function domain_area(self, aspect, is_line) result(area)
+      class(dry_scaling_t), intent(in) :: self
+      real(wp), intent(in) :: aspect
+      logical, intent(in) :: is_line
+      real(wp) :: area
+
+      area = self%length
+      if (.not. is_line) area = area*self%length*aspect
+   end function domain_area
 
    !> E' against a rigid plane: 2/E' = (1 - nu^2)/E.
    pure elemental function contact_modulus(youngs_modulus, poisson_ratio) result(reduced_modulus)
