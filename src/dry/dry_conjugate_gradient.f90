@@ -52,16 +52,16 @@ module dry_conjugate_gradient
       real(wp), allocatable :: back(:)
       logical, allocatable :: is_back(:)
       !> The last change d of p, on its list.
-      integer :: old_count
+      integer :: old_count = 0
       integer, allocatable :: old_node(:)
       real(wp), allocatable :: d(:)
       !> d.K d (0: there is none) and K d over the last product.
-      real(wp) :: curvature, scale
+      real(wp) :: curvature = 0.0_wp, scale = 0.0_wp
       !> Length of the next step along its direction, by the last one; the same where there is no
       !> last change.
-      real(wp) :: expected, first
+      real(wp) :: expected = usual_length, first = first_length
       !> Sum of the largest |K d| since v was computed anew.
-      real(wp) :: path
+      real(wp) :: path = 0.0_wp
    end type work_t
 
 contains
@@ -101,8 +101,7 @@ contains
       end associate
       solution%report%method = 'conjugate_gradient'
       solution%report%reason = end_of_iteration(solution%report, work%set%error, &
-         settings%max_cycles, &
-         is_stalled=stalled > patience)
+         settings%max_cycles, is_stalled=stalled > patience)
       call move_alloc(work%v, solution%v)
       call take_survey(work%set, solution)
    end subroutine iterate_conjugate_gradient
@@ -119,13 +118,7 @@ contains
          [1.0_wp/grid%nx, grid%aspect/grid%ny], grid%kernel /= kernel_open)
       work%network%threads = grid%threads
       allocate (work%v(n), work%s(n), work%q(n), work%kd(n), work%d(n), work%old_node(n + 1), &
-         work%back(n), &
-         work%is_back(n))
-      work%curvature = 0.0_wp
-      work%scale = 0.0_wp
-      work%expected = usual_length
-      work%first = first_length
-      work%old_count = 0
+         work%back(n), work%is_back(n))
    end subroutine new_work
 
    !> v = K p - z in single precision, which does while the error is large, and the first survey.
@@ -177,8 +170,7 @@ contains
       real(wp), contiguous, intent(in) :: p(:)
       type(work_t), intent(inout) :: work
 
-      call problem%deflect(p, work%v)
-      work%v = work%v - problem%height
+      call problem%find_v(p, work%v)
       work%path = 0.0_wp
       call work%set%survey(problem, p, work%v)
    end subroutine refresh
@@ -237,8 +229,8 @@ contains
    subroutine find_direction(work, length)
       type(work_t), intent(inout) :: work
       real(wp), intent(out) :: length
-      real(wp) :: along, beta, mean_d, slope
-      integer :: k, n
+      real(wp) :: beta, mean_d
+      integer :: n
 
       n = work%set%count
       associate (s => work%s(:n), q => work%q(:n), r => work%set%residual(:n))
@@ -246,17 +238,9 @@ contains
          if (work%curvature > 0.0_wp) then
             length = work%expected
             call find_old_change(work, mean_d)
-            along = 0.0_wp
-            do k = 1, n
-               along = along + s(k)*work%kd(k)
-            end do
-            beta = max(0.0_wp, -along/work%curvature)
-            slope = 0.0_wp
-            do k = 1, n
-               q(k) = s(k) + beta*(q(k) - mean_d)
-               slope = slope + q(k)*r(k)
-            end do
-            if (slope > 0.0_wp) return
+            beta = max(0.0_wp, -dot_product(s, work%kd(:n))/work%curvature)
+            q = s + beta*(q - mean_d)
+            if (dot_product(q, r) > 0.0_wp) return
          end if
          q = s
       end associate
@@ -313,9 +297,7 @@ contains
          else
             q = q + (load - total)/n
          end if
-         do k = 1, n
-            q(k) = q(k) - p(node(k))
-         end do
+         q = q - p(node)
       end associate
    end subroutine find_change
 

@@ -23,12 +23,10 @@ module dry_contact_solver
    !> A solver for one surface and any number of loads: each starts from the solution before it.
    type :: dry_solver_t
       type(dry_settings_t) :: settings
-      logical, private :: is_prepared = .false.
-      !> Least and largest pressure of full contact without load; the surface must stay the same.
-      real(wp), private :: full_range(2)
-      logical, private :: has_full_range = .false.
+      !> Least and largest pressure of full contact without load, once known; the surface must stay
+      !> the same.
+      real(wp), allocatable, private :: full_range(:)
    contains
-      procedure :: prepare
       procedure :: solve
       procedure :: forget_surface
    end type dry_solver_t
@@ -98,23 +96,11 @@ contains
       solution%report%fft_pairs = nint(weight, int64)
    end subroutine count_transforms
 
-   !> Plans the transforms, which the first solve would do otherwise. Fails (internal_error) if FFTW
-   !> does.
-   subroutine prepare(self, problem, error)
-      class(dry_solver_t), intent(inout) :: self
-      type(dry_problem_t), intent(inout) :: problem
-      type(error_t), allocatable, intent(out) :: error
-
-      if (self%is_prepared) return
-      call problem%elastic%plan_single(error)
-      self%is_prepared = .not. allocated(error)
-   end subroutine prepare
-
    !> The heights of the problem have changed.
    pure subroutine forget_surface(self)
       class(dry_solver_t), intent(inout) :: self
 
-      self%has_full_range = .false.
+      if (allocated(self%full_range)) deallocate (self%full_range)
    end subroutine forget_surface
 
    !> A pressure to begin with.
@@ -141,8 +127,6 @@ contains
       if (self%settings%method == method_steepest_descent) then
          call iterate_steepest_descent(problem, self%settings, solution)
       else
-         call self%prepare(problem, error)
-         if (allocated(error)) return
          call iterate_conjugate_gradient(problem, self%settings, solution, error)
          if (allocated(error)) return
       end if
@@ -162,20 +146,19 @@ contains
       is_done = .false.
       if (problem%grid%kernel == kernel_open) return
       mean_pressure = problem%load/size(problem%height)
-      if (self%has_full_range) then
+      if (allocated(self%full_range)) then
          if (mean_pressure + self%full_range(1) < 0.0_wp .or. mean_pressure &
             + self%full_range(2) > problem%hardness) return
       end if
-      call flatten(problem, p)
+      ! K^-1 z, of mean 0, makes the surface flat.
+      allocate (p(size(problem%height)))
+      call problem%elastic%apply_inverse(problem%height, p)
       self%full_range = [minval(p), maxval(p)]
-      self%has_full_range = .true.
       p = p + mean_pressure
       is_done = minval(p) >= 0.0_wp .and. maxval(p) <= problem%hardness
       if (.not. is_done) return
       call move_alloc(p, solution%pressure)
-      if (.not. allocated(solution%v)) allocate (solution%v(size(problem%height)))
-      call problem%deflect(solution%pressure, solution%v)
-      solution%v = solution%v - problem%height
+      call problem%find_v(solution%pressure, solution%v)
       call new_active_set(set, problem%grid)
       call set%survey(problem, solution%pressure, solution%v)
       solution%report%method = 'full_contact'
@@ -183,15 +166,6 @@ contains
       solution%report%reason = 'full contact, closed form'
       call take_survey(set, solution)
    end subroutine solve_full_contact
-
-   !> p = K^-1 z, the pressure of mean 0 that makes the surface flat.
-   subroutine flatten(problem, p)
-      type(dry_problem_t), intent(inout) :: problem
-      real(wp), allocatable, intent(out) :: p(:)
-
-      allocate (p(size(problem%height)))
-      call problem%elastic%apply_inverse(problem%height, p)
-   end subroutine flatten
 
    !> p = H everywhere; the datum is the one with the least plastic deformation, zero at one node.
    subroutine solve_all_plastic(problem, solution)
@@ -201,9 +175,7 @@ contains
 
       n = size(problem%height)
       solution%pressure = [spread(problem%hardness, 1, n)]
-      if (.not. allocated(solution%v)) allocate (solution%v(n))
-      call problem%deflect(solution%pressure, solution%v)
-      solution%v = solution%v - problem%height
+      call problem%find_v(solution%pressure, solution%v)
       solution%datum = maxval(solution%v)
       solution%contacts = n
       solution%capped = n

@@ -50,14 +50,14 @@ module dry_problem
       !> K; open kernels have padded transforms.
       type(spectral_product_t) :: elastic
    contains
-      procedure :: deflect
+      procedure :: find_v
       procedure :: is_capped
    end type dry_problem_t
 
 contains
 
    !> Prepares a problem on `grid` with the heights z (nx*ny); hardness none and load 0. With
-   !> `is_guess` only products in single precision are prepared: no `deflect`. Fails
+   !> `is_guess` only products in single precision are prepared: no `find_v`. Fails
    !> (internal_error) if FFTW does.
    subroutine new_dry_problem(self, grid, height, error, is_guess)
       type(dry_problem_t), intent(inout) :: self
@@ -92,14 +92,16 @@ contains
       end associate
    end subroutine new_dry_problem
 
-   !> u = K p, both (nx*ny).
-   subroutine deflect(self, p, u)
+   !> v = K p - z of a pressure `p` (nx*ny).
+   subroutine find_v(self, p, v)
       class(dry_problem_t), intent(inout) :: self
       real(wp), contiguous, intent(in) :: p(:)
-      real(wp), contiguous, intent(out) :: u(:)
+      real(wp), allocatable, intent(inout) :: v(:)
 
-      call self%elastic%apply(p, u)
-   end subroutine deflect
+      if (.not. allocated(v)) allocate (v, mold=p)
+      call self%elastic%apply(p, v)
+      v = v - self%height
+   end subroutine find_v
 
    !> True if the pressure has an upper bound.
    pure function is_capped(self)

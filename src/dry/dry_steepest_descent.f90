@@ -30,15 +30,13 @@ contains
 
       n = size(solution%pressure)
       call new_active_set(set, problem%grid)
-      if (.not. allocated(solution%v)) allocate (solution%v(n))
       allocate (response(n), q(n))
       allocate (direction(n), source=0.0_wp)
-      associate (p => solution%pressure, v => solution%v, report => solution%report)
+      associate (p => solution%pressure, report => solution%report)
          report%method = 'steepest_descent'
          do iteration = 0, settings%max_cycles
-            call problem%deflect(p, v)
-            v = v - problem%height
-            call set%survey(problem, p, v)
+            call problem%find_v(p, solution%v)
+            call set%survey(problem, p, solution%v)
             call report%add(set%error, set%load_error)
             report%converged = set%error <= settings%tolerance
             if (report%converged .or. set%error >= huge(1.0_wp)) exit
@@ -62,7 +60,7 @@ contains
       associate (n => set%count, node => set%node(:set%count))
          direction = 0.0_wp
          direction(node) = set%residual(:n) - sum(set%residual(:n))/n
-         call problem%deflect(direction, response)
+         call problem%elastic%apply(direction, response)
          slope = dot_product(direction(node), set%residual(:n))
          curvature = dot_product(direction(node), response(node))
          length = 0.0_wp

@@ -152,9 +152,7 @@ contains
       p = merge(problem%hardness, 0.0_wp, solution%pressure > 0.5_wp*problem%hardness)
       load_error = abs(sum(p) - problem%load)/problem%load
       if (load_error > tolerance) return
-      allocate (v, mold=p)
-      call problem%deflect(p, v)
-      v = v - problem%height
+      call problem%find_v(p, v)
       solution%datum = max(datum, maxval(v, mask=p > 0.0_wp))
       if (any(p <= 0.0_wp)) solution%datum = min(solution%datum, minval(v, mask=p <= 0.0_wp))
       miss = solution%datum - datum

@@ -22,12 +22,12 @@ module spectral_product
    !> A product. Fields are stored flat, x fastest: (nx*ny); a line has ny = 1. Not to be copied: it
    !> owns FFTW plans.
    type :: spectral_product_t
-      !> Nodes of the grid.
-      integer :: nx = 0, ny = 0
+      !> Nodes of the grid in x and y.
+      integer, private :: nodes(2) = 0
       !> Size of the transform: that of the grid, or more where it is padded.
-      integer :: mx = 0, my = 0
+      integer, private :: sizes(2) = 0
       !> Threads that share the work.
-      integer :: threads = 1
+      integer, private :: threads = 1
       !> The same matrix in single precision; `plan_single` prepares it.
       type(single_product_t) :: single
       type(double_product_t), private :: double
@@ -51,8 +51,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       logical, intent(in), optional :: is_single
 
-      call set_up(self, [nx, ny], [nx, ny], threads)
-      call plan_as_wanted(self, symbol, error, is_single)
+      call plan_as_wanted(self, [nx, ny], [nx, ny], symbol, threads, error, is_single)
    end subroutine new_spectral_product
 
    !> Plans the product y(i) = sum over j of kernel(|i - j|) x(j) on an open grid; `kernel(0:nx-1,
@@ -83,41 +82,30 @@ contains
       call transform_field([mx, my], values, spectrum, error)
       if (allocated(error)) return
       deallocate (values)
-      call set_up(self, [nx, ny], [mx, my], threads)
-      call plan_as_wanted(self, spectrum%re, error, is_single)
+      call plan_as_wanted(self, [nx, ny], [mx, my], spectrum%re, threads, error, is_single)
    end subroutine new_convolution
 
-   !> Sizes.
-   subroutine set_up(self, nodes, sizes, threads)
+   !> Takes the sizes and plans in double precision, or in single alone.
+   subroutine plan_as_wanted(self, nodes, sizes, symbol, threads, error, is_single)
       type(spectral_product_t), intent(inout) :: self
       integer, intent(in) :: nodes(2), sizes(2), threads
-
-      call self%double%release()
-      call self%single%release()
-      self%nx = nodes(1)
-      self%ny = nodes(2)
-      self%mx = sizes(1)
-      self%my = sizes(2)
-      self%threads = threads
-   end subroutine set_up
-
-   !> Plans in double precision, or in single alone.
-   subroutine plan_as_wanted(self, symbol, error, is_single)
-      type(spectral_product_t), intent(inout) :: self
       real(wp), intent(in) :: symbol(:, :)
       type(error_t), allocatable, intent(out) :: error
       logical, intent(in), optional :: is_single
       logical :: wants_single
 
+      call self%double%release()
+      call self%single%release()
+      self%nodes = nodes
+      self%sizes = sizes
+      self%threads = threads
       wants_single = .false.
       if (present(is_single)) wants_single = is_single
       if (wants_single) then
-         call new_single_product(self%single, [self%nx, self%ny], [self%mx, self%my], &
-            self%threads, error)
+         call new_single_product(self%single, nodes, sizes, threads, error)
          if (.not. allocated(error)) call self%single%set_symbol(symbol)
       else
-         call new_double_product(self%double, [self%nx, self%ny], [self%mx, self%my], &
-            self%threads, error)
+         call new_double_product(self%double, nodes, sizes, threads, error)
          if (.not. allocated(error)) call self%double%set_symbol(symbol)
       end if
    end subroutine plan_as_wanted
@@ -163,7 +151,7 @@ contains
       real(wp), allocatable :: symbol(:, :)
       real(wp) :: weight
 
-      weight = 1.0_wp/(real(self%mx, wp)*real(self%my, wp))
+      weight = 1.0_wp/product(real(self%sizes, wp))
       call move_alloc(self%double%symbol, symbol)
       allocate (self%double%symbol, mold=symbol)
       self%double%symbol = 0.0_wp
@@ -177,7 +165,7 @@ contains
       class(spectral_product_t), intent(in) :: self
       integer :: transforms(4)
 
-      transforms = [self%mx, self%my, int(self%double%pairs), int(self%single%pairs)]
+      transforms = [self%sizes, int(self%double%pairs), int(self%single%pairs)]
    end function transforms
 
    !> Prepares products in single precision, once.
@@ -186,8 +174,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (self%single%is_planned()) return
-      call new_single_product(self%single, [self%nx, self%ny], [self%mx, self%my], self%threads, &
-         error)
+      call new_single_product(self%single, self%nodes, self%sizes, self%threads, error)
       if (allocated(error)) return
       self%single%symbol = real(self%double%symbol, real32)
    end subroutine plan_single
