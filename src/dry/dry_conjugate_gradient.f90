@@ -27,14 +27,15 @@ module dry_conjugate_gradient
    !> v = K p - z is computed anew when the rounding errors of its updates reach this share of the
    !> error measure.
    real(wp), parameter :: noise_share = 0.3_wp
-   !> Iterations without a halved error after which nothing more is to be gained.
+   !> After so many iterations in which the error has not halved the iteration ends.
    integer, parameter :: patience = 1000
    !> Lengths of the first step and of the second, over s; later ones are like those before them.
    real(wp), parameter :: first_length = 0.7_wp, usual_length = 0.5_wp
-   !> Times that nodes beyond a bound are brought back by the network in an iteration; the rest is
-   !> clipped and shifted.
+   !> So many times at most the network brings nodes beyond a bound back in an iteration; the rest
+   !> is clipped and shifted.
    integer, parameter :: most_returns = 20
-   !> Share of what was beyond a bound at first from which on the network is not asked again.
+   !> The network is not used again once less than this share of the first excess is left beyond the
+   !> bounds.
    real(wp), parameter :: worth_a_return = 1.0e-2_wp
    !> A clipped change that goes beyond twice its best length raises the energy: from here on it is
    !> cut to the best.

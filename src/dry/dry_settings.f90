@@ -20,7 +20,7 @@ module dry_settings
       real(wp) :: tolerance = dry_tolerance
       !> Most iterations.
       integer :: max_cycles = dry_cycles
-      !> True: a guess is wanted; single precision does.
+      !> True: a guess is wanted, for which single precision is enough.
       logical :: is_rough = .false.
    end type dry_settings_t
 

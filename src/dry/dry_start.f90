@@ -17,11 +17,11 @@ module dry_start
 
    !> Fewest nodes a side of a coarser grid.
    integer, parameter :: coarsest = 32
-   !> Error to which coarser grids are solved. Less gains nothing on periodic areas, where finer
-   !> grids bring new contacts; it does on lines, and on open areas, which are smoother than most
-   !> and whose fine grid is dear.
+   !> Error to which coarser grids are solved. A smaller one gains nothing on periodic areas, where
+   !> finer grids bring new contacts; it helps on lines, and on open areas, which are smoother than
+   !> most and whose fine grid is expensive.
    real(wp), parameter :: area_tolerance = 0.1_wp, usual_tolerance = 1.0e-3_wp
-   !> Their most iterations.
+   !> Most iterations on a coarser grid.
    integer, parameter :: most_iterations = 200
    !> Step from a neighbouring solution against its gaps, as a share of the largest wavenumber of
    !> the grid.

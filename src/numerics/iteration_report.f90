@@ -19,7 +19,7 @@ module iteration_report
    integer, parameter, public :: phase_transient = 3
    !> Storing time steps.
    integer, parameter, public :: phase_output = 4
-   !> The companions on coarser grids from which errors are estimated.
+   !> The coarse runs from which errors are estimated.
    integer, parameter, public :: phase_error_bars = 5
    !> Names of the phases, in the order of their index.
    character(len=*), parameter, public :: phase_names(phase_count) = &
@@ -65,8 +65,8 @@ module iteration_report
       integer :: levels = 0
       !> Time steps done.
       integer :: steps = 0
-      !> Steps of the start that were taken whole since their parts found no solution: of less
-      !> accuracy there.
+      !> Steps of the start that were taken whole, because their parts had no solution: less
+      !> accurate there.
       integer :: uncut_steps = 0
       !> Last residual: max |r|/lambda over P > 0 and of max(r, 0)/lambda where P = 0 [-].
       real(wp) :: residual = huge(1.0_wp)

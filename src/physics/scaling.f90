@@ -1,5 +1,5 @@
-!> Reference values that turn the equations dimensionless: the only place where SI and dimensionless
-!> meet.
+!> Reference values that turn the equations of the lubricated contact dimensionless: the only place
+!> where SI and dimensionless meet.
 module scaling
    use bodies, only: bodies_t
    use density, only: dowson_higginson_c1

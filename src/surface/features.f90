@@ -30,8 +30,8 @@ module features
       logical :: is_placed = .true.
    end type feature_t
 
-   !> A surface: the sum of its features; none (size 0 or not allocated) = smooth. In contact/ it is
-   !> dimensionless: heights in b^2/R, lengths in b, speed 2 u_i/u_s per unit of T.
+   !> A surface: the sum of its features; none (size 0 or not allocated) = smooth. In a contact it
+   !> is dimensionless: heights in b^2/R, lengths in b, speed 2 u_i/u_s per unit of T.
    type, public :: rough_surface_t
       type(feature_t), allocatable :: features(:)
       !> Speed at which the features move in x.
