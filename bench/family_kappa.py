@@ -10,13 +10,15 @@ import random
 
 import namelists
 from families import Family, Member
+from family_domain import width
 
 NO_BARS = {"error_bars": False}
 LAWS = tuple({"viscosity_law": v, "density_law": d} for v in ("barus", "roelands") for d in ("constant", "dowson_higginson"))
 # Intervals of the truth of a spike.
 SPIKE_FINE = 2**17
 FILMS = ("summary/h_min", "summary/h_central")
-FINE = {"intervals": 2**15, "inlet": "zero", "x_inlet": -20.0, "x_outlet": 2.0}
+# The least film of the heaviest needs so many.
+FINE = 2**18
 
 
 def spiked(source: random.Random, count: int) -> list[Member]:
@@ -41,7 +43,9 @@ def wide(source: random.Random, count: int) -> list[Member]:
         groups["lubricant"] |= LAWS[source.randrange(4)]
         if groups["lubricant"]["viscosity_law"] == "barus":
             del groups["lubricant"]["roelands_p0"]
-        truth = groups | {"domain": FINE, "accuracy": NO_BARS}
+        s = width(m, l)
+        fine = {"intervals": FINE, "inlet": "tail", "x_inlet": -(1 + 16 * s), "x_outlet": 1 + max(0.75 * s, 1.0)}
+        truth = groups | {"domain": fine, "accuracy": NO_BARS}
         found.append(Member(f"{i:03d}", namelists.namelist(groups), namelists.namelist(truth)))
     return found
 

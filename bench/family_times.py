@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 
 import namelists
-from families import Family, Member
+from families import Family, Member, Resolution
 
 FIGURES = ("summary/h_min", "summary/h_central", "summary/p_max")
-FINE = {"intervals": 2048}
+# Fewest intervals of a truth, and its longest step, over the mean speed.
+FEWEST, LONGEST = 2048, 0.004
 NO_BARS = {"error_bars": False}
 SLIDES = (-1.0, -0.5, 0.0, 0.5, 1.0, 5 / 3, 1.9)
 
@@ -40,11 +42,17 @@ class Contact:
         intervals = {"intervals": 1024 if self.m < 10 else 512}
         return namelists.namelist(self.groups | surfaces | {"domain": intervals, "time": {"transient": True} | time} | others)
 
-    def truth(self, surfaces: dict[str, dict], time: dict[str, object]) -> str:
-        """The same on a fine grid and a long domain with a small step."""
-        domain = FINE | {"x_inlet": self.inlet, "x_outlet": 3.0 if self.m < 10 else 2.0}
-        step = {"time_step": 0.004 / max(abs(self.speed), 0.5)}
-        return self.text(surfaces, time | step, domain=domain, accuracy=NO_BARS)
+    def truth(self, surfaces: dict[str, dict], time: dict[str, object]) -> Callable[[Resolution], str]:
+        """The same on a long domain, finer than the case in space and in time."""
+
+        def finer(found: Resolution) -> str:
+            outlet = 3.0 if self.m < 10 else 2.0
+            ends = {"x_inlet": self.inlet, "x_outlet": outlet}
+            domain = ends | {"intervals": found.intervals(outlet - self.inlet, FEWEST)}
+            step = found.time_step(LONGEST / max(abs(self.speed), 0.5))
+            return self.text(surfaces, time | {"time_step": step}, domain=domain, accuracy=NO_BARS)
+
+        return finer
 
 
 def strides(source: random.Random, count: int) -> list[Member]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import namelists
-from families import Family, Member
+from families import Family, Member, Resolution
 
 QUANTITIES = ("summary/h_min", "summary/h_central")
 # Domains of the truth at rest and in time, so long that they change nothing; the case leaves its own to the program.
@@ -16,7 +17,7 @@ LONG_IN_TIME = {"x_inlet": -16.0, "x_outlet": 2.5}
 # A given grid needs a given domain, to know the nodes in a wave.
 GIVEN = {"x_inlet": -8.0, "x_outlet": 2.5}
 NO_BARS = {"error_bars": False}
-# Nodes in a wave of the truth, and steps in its passage.
+# Fewest nodes in a wave of the truth, and steps in its passage.
 FINE = 128
 FINE_IN_TIME = 64
 STEEL_RADIUS, STEEL_MODULUS, ALPHA = 0.01, 226.4e9, 2.2e-8
@@ -50,9 +51,12 @@ class Wave:
         """T when it has passed X = 1."""
         return (1.0 - self.position) / self.speed
 
-    def time(self, steps: float | None) -> dict:
-        """The group &time with so many steps in the passage of the wave, or the program's choice."""
-        step = None if steps is None else min(self.length / (self.speed * steps), self.end_time)
+    def step(self, steps: float) -> float:
+        """The time step that makes so many in the passage of the wave."""
+        return min(self.length / (self.speed * steps), self.end_time)
+
+    def time(self, step: float | None) -> dict:
+        """The group &time with a step, or the program's choice."""
         return {"transient": True, "end_time": self.end_time, "time_step": step}
 
 
@@ -104,10 +108,16 @@ def true_at_rest(wave: Wave) -> str:
     return wave.namelist(LONG | {"intervals": fine}, accuracy=NO_BARS)
 
 
-def true_passage(wave: Wave) -> str:
-    """Its truth."""
-    fine = max(power_of_two(FINE_IN_TIME * length(LONG_IN_TIME) / wave.length), 2**11)
-    return wave.namelist(LONG_IN_TIME | {"intervals": fine}, time=wave.time(FINE_IN_TIME), accuracy=NO_BARS)
+def true_passage(wave: Wave) -> Callable[[Resolution], str]:
+    """Its truth, finer than the case in space and in time."""
+
+    def finer(found: Resolution) -> str:
+        long = length(LONG_IN_TIME)
+        fine = found.intervals(long, max(power_of_two(FINE_IN_TIME * long / wave.length), 2**11))
+        step = found.time_step(wave.step(FINE_IN_TIME))
+        return wave.namelist(LONG_IN_TIME | {"intervals": fine}, time=wave.time(step), accuracy=NO_BARS)
+
+    return finer
 
 
 def at_rest(source: random.Random, count: int) -> list[Member]:
@@ -137,7 +147,7 @@ def in_long_steps(source: random.Random, count: int) -> list[Member]:
     found = []
     for i in range(count):
         wave, steps = moving_wave(source), 2 ** source.uniform(0, 6)
-        found.append(Member(f"{i:03d}", wave.namelist({}, time=wave.time(steps)), true_passage(wave)))
+        found.append(Member(f"{i:03d}", wave.namelist({}, time=wave.time(wave.step(steps))), true_passage(wave)))
     return found
 
 
