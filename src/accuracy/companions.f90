@@ -18,7 +18,8 @@ module companions
    implicit none (type, external)
    private
 
-   public :: collector_t, run_companion, run_companions, run_farther, run_longer
+   public :: collector_t, run_companion, run_companions, run_farther, run_longer, &
+      run_other_scheme
 
    !> Companions that error bars come from have at least this many intervals.
    integer, parameter :: fewest_intervals = 32
@@ -146,6 +147,28 @@ contains
          end do
       end associate
    end subroutine run_farther
+
+   !> A steady `contact` that the kappa scheme has solved, by that of the thesis on its own grid and
+   !> on those that it passes on the way.
+   subroutine run_other_scheme(bars, contact, settings, watcher, error)
+      type(error_bars_t), intent(inout) :: bars
+      type(line_contact_t), intent(in) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(collector_t) :: collector
+      type(solver_settings_t) :: other
+      type(time_settings_t) :: steady
+      logical :: is_known
+
+      if (.not. bars%is_kappa) return
+      collector%watcher => watcher
+      other = settings
+      other%space_scheme = 'upwind2'
+      call run_coarser(contact, other, steady, 1, collector, is_known, error)
+      if (allocated(error) .or. .not. is_known .or. size(collector%passed) == 0) return
+      bars%other_scheme = [collector%summary, collector%passed]
+   end subroutine run_other_scheme
 
    !> The case on `factor` times fewer intervals with a time step as much larger; its quantities are
    !> those of `collector`.

@@ -32,6 +32,10 @@ module error_bars
    !> as far as the film is thick (M 0.5-500, L 0-30, against four times the domain).
    real(wp), parameter :: film_safety = 2.0_wp
 
+   !> At rest h_min of the kappa scheme errs by at most this share of what the thesis's scheme errs
+   !> on the same grid.
+   real(wp), parameter :: kappa_share = 0.35_wp
+
    !> The companions of a result and what is known of the order of the scheme.
    type :: error_bars_t
       !> Quantities on n/2, n/4 and, of a steady contact whose grid was chosen, n/8 intervals; valid
@@ -44,6 +48,9 @@ module error_bars
       logical :: is_first_order = .false.
       !> Whether the scheme in space is kappa, whose orders have bounds of their own.
       logical :: is_kappa = .false.
+      !> Of a steady contact by the kappa scheme: quantities by that of the thesis on n, n/2 and n/4
+      !> intervals; not allocated where they are not known.
+      type(line_summary_t), allocatable :: other_scheme(:)
       !> How a pressure spike grows on finer grids.
       type(spike_law_t) :: spike_law
       !> Why companions tell nothing of the error; empty or not allocated: they do.
@@ -314,9 +321,35 @@ contains
       case default
          ! its own values are enough
       end select
+      if (allocated(bars%other_scheme) .and. is_chance(i)) own(1) = error_by_other_scheme(bars, i) &
+         + abs(quantity%value - quantity%between)
       quantity%error_grid = own(1)
       quantity%extrapolated = own(2)
    end subroutine estimate_at_rest
+
+   !> Whether the order of row `i` in the kappa scheme is chance: what a finer grid changes of it
+   !> tells little then.
+   pure function is_chance(i)
+      integer, intent(in) :: i
+      logical :: is_chance
+
+      is_chance = quantity_rows(i)%kappa_orders(2) <= quantity_rows(i)%kappa_orders(1)
+   end function is_chance
+
+   !> Error of row `i` in the kappa scheme between the nodes: a share of that of the thesis's
+   !> scheme, which falls regularly.
+   pure function error_by_other_scheme(bars, i) result(error)
+      type(error_bars_t), intent(in) :: bars
+      integer, intent(in) :: i
+      real(wp) :: error, values(4), error_and_limit(2)
+      integer :: known
+
+      values = not_known()
+      known = min(size(bars%other_scheme), 3)
+      values(:known) = bars%other_scheme(:known)%of(i)%between
+      error_and_limit = error_on_grids(values, orders)
+      error = kappa_share/safety*error_and_limit(1)
+   end function error_by_other_scheme
 
    !> Nothing is known yet but the orders of the schemes in time and space, and whether a spike is
    !> to be feared.
