@@ -6,7 +6,7 @@ module run_case
       status_not_written
    use case_record, only: case_t, result_path, set_effective
    use command_line, only: command_t
-   use companions, only: run_companions
+   use companions, only: run_apart, run_companions
    use domain_choice, only: choose_domain, inlet_error
    use error_bars, only: domain_error, error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
@@ -217,6 +217,8 @@ contains
          if (allocated(error)) return
          report%converged = .not. watcher%wants_stop
       end if
+      call check_forecast(case, whole, watcher, report, seconds, error)
+      if (allocated(error)) return
       call check_ends(case, open, contact, watcher, report, error)   ! error: the caller looks
       call fill_chosen(case, contact, report)
       call fill_passage(case, contact, watcher%writer%figures%times)
@@ -364,6 +366,26 @@ contains
       watcher%writer%bars = bars
       seconds = wall_seconds() - start
    end subroutine compare_grids
+
+   !> Companions of a solution whose `contact` has a grid, and whose time step is one, that pilots
+   !> chose: is it as good as they foretold?
+   subroutine check_forecast(case, contact, watcher, report, seconds, error)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      type(report_t), intent(inout) :: report
+      real(wp), intent(inout) :: seconds
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: start
+
+      if (.not. (case%accuracy%has_error_bars .and. watcher%writer%bars%forecast%is_known &
+         .and. report%converged)) return
+      start = wall_seconds()
+      call run_apart(watcher%writer%bars, contact, case%solver, case%time, watcher, error)
+      if (allocated(error)) return
+      seconds = seconds + wall_seconds() - start
+      report%converged = .not. watcher%wants_stop
+   end subroutine check_forecast
 
    !> What the program has chosen in place of the user goes into the list of effective values; 0:
    !> not used by the method.

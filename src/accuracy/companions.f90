@@ -15,10 +15,11 @@ module companions
    use passage_times, only: new_passage_times
    use quantities, only: h_min, x_cavitation
    use solver_settings, only: most_chosen, solver_settings_t, time_settings_t
+   use split_errors, only: foretold_values, orders_in_time
    implicit none (type, external)
    private
 
-   public :: collector_t, run_companion, run_companions, run_farther, run_longer, &
+   public :: collector_t, run_apart, run_companion, run_companions, run_farther, run_longer, &
       run_other_scheme
 
    !> Companions that error bars come from have at least this many intervals.
@@ -77,6 +78,45 @@ contains
          bars%quarter = collector%summary
       end if
    end subroutine run_companions
+
+   !> Runs a transient whose resolution was chosen with twice the spacing, and with twice the time
+   !> step: errors of both often cancel, and together they would tell too little. Without a solution
+   !> of one of them neither is known.
+   subroutine run_apart(bars, contact, settings, time, watcher, error)
+      type(error_bars_t), intent(inout) :: bars
+      type(line_contact_t), intent(in) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      type(time_settings_t), intent(in) :: time
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(collector_t) :: collector
+      type(line_contact_t) :: own
+      type(time_settings_t) :: slow
+      real(wp) :: orders(3)
+      integer :: steps
+      logical :: is_known
+
+      steps = nint(time%end_time/time%time_step)
+      if (steps < 2) return
+      collector%watcher => watcher
+      own = contact
+      call choose_domain(own)
+      slow = time
+      slow%time_step = time%end_time/((steps + 1)/2)
+      associate (apart => bars%apart, n => own%domain%intervals)
+         n = n/2
+         call run_companion(own, settings, time, collector, is_known, error)
+         if (allocated(error) .or. .not. is_known) return
+         apart%coarse = foretold_values(collector%summary)
+         n = contact%domain%intervals
+         call run_companion(own, settings, slow, collector, apart%is_known, error)
+         if (allocated(error)) return
+         apart%slow = foretold_values(collector%summary)
+         apart%step_ratio = real(steps, wp)/((steps + 1)/2)
+         orders = orders_in_time(time%scheme)
+         apart%time_order = orders(2)
+      end associate
+   end subroutine run_apart
 
    !> The case at the spacing of n/2 intervals on a domain that is longer behind the outlet: what
    !> the outlet cuts off. Twice the length; of a steady contact up to eight times, until nothing is

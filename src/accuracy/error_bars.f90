@@ -17,7 +17,7 @@ module error_bars
    use quantities, only: h_central, h_min, p_max, quantity_count, quantity_rows, &
       rule_between, rule_crest, rule_node
    use solver_settings, only: time_settings_t
-   use split_errors, only: apply_forecast, forecast_t
+   use split_errors, only: apart_t, apply_forecast, forecast_t
    use transient_errors, only: error_by_reference, error_in_time, limit_in_time
    use wave_resolution, only: unseen_waves
    implicit none (type, external)
@@ -61,8 +61,10 @@ module error_bars
       type(line_summary_t) :: longer
       !> What an inlet with a tail changes, in place of the rule of the inlet.
       type(inlet_change_t) :: inlet
-      !> Of a transient whose resolution was chosen, in place of companions.
+      !> Of a transient whose resolution was chosen: what pilots foretold, and companions with twice
+      !> the spacing and with twice the time step.
       type(forecast_t) :: forecast
+      type(apart_t) :: apart
    end type error_bars_t
 
 contains
@@ -106,7 +108,8 @@ contains
       integer :: i
 
       if (bars%forecast%is_known) then
-         call apply_forecast(bars%forecast, exit_jitter*dx, pressure_safety/safety, summary)
+         call apply_forecast(bars%forecast, bars%apart, exit_jitter*dx, pressure_safety/safety, &
+            summary)
          call allow_for_spike(bars%spike_law, dx, summary)
       else if (bars%has_half .and. .not. has_unseen_waves(bars)) then
          call estimate_grid_errors(bars, report%steps > 0, dx, summary)

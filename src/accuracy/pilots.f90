@@ -8,7 +8,8 @@ module pilots
    use missing_value, only: not_known
    use quantities, only: h_min, quantity_count
    use solver_settings, only: time_settings_t
-   use split_errors, only: doubts_at, error_at, forecast_t, new_split_error, shift_at, split_error_t
+   use split_errors, only: doubts_at, error_at, forecast_t, new_split_error, orders_in_time, &
+      shift_at, split_error_t
    implicit none (type, external)
    private
 
@@ -83,7 +84,7 @@ contains
       pilots%max_intervals = max_intervals
       pilots%for_waves = intervals_for_waves(contact)
       pilots%passages = time%end_time/shortest_passage(contact)
-      if (time%scheme == 'backward_euler') pilots%time_orders = [0.7_wp, 0.7_wp, 1.0_wp]
+      pilots%time_orders = orders_in_time(time%scheme)
       associate (n => pilots%last%intervals, length => contact%domain%x_outlet &
          - contact%domain%x_inlet)
          n = coarsest_for_film(contact, min_intervals)

@@ -12,6 +12,10 @@
 !> yet those of the scheme. s is the size of e, not below what the change before leaves of it: a
 !> last change may be small by chance. So may be both where a wave passes between the nodes: of the
 !> smallest film the size is that of the changes at all times at which it is nearly as small.
+!>
+!> On a coarse grid a wave hides what the time step does, and with large steps what the grid does:
+!> the run itself has then larger errors than were foretold. So it has companions, one with twice
+!> the spacing and one with twice the time step, whose changes take the place of those foretold.
 module split_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -20,8 +24,8 @@ module split_errors
    implicit none (type, external)
    private
 
-   public :: apply_forecast, doubts_at, error_at, forecast_t, foretold_values, new_split_error, &
-      shift_at, split_error_t
+   public :: apart_t, apply_forecast, doubts_at, error_at, forecast_t, foretold_values, &
+      new_split_error, orders_in_time, shift_at, split_error_t
 
    !> The doubts about the error of the grid, without and with an observed order, and about that of
    !> the time step, and how they fade: as this power of the error (chosen with the numbers of
@@ -32,6 +36,9 @@ module split_errors
    real(wp), parameter :: least_time_share = 0.25_wp
    !> The order in space where none is observed, and the bounds of an observed one.
    real(wp), parameter :: space_orders(3) = [1.5_wp, 1.5_wp, 2.0_wp]
+   !> The error that the companions of a run show is not believed to be less than this share of the
+   !> one foretold.
+   real(wp), parameter :: least_foretold_share = 0.5_wp
 
    !> Errors of one quantity in the last run, limit less value, and the orders with which they fall.
    type :: split_error_t
@@ -53,7 +60,26 @@ module split_errors
       real(wp) :: error(quantity_count) = 0.0_wp, shift(quantity_count) = 0.0_wp
    end type forecast_t
 
+   !> What the companions of a run show; its own changes are those to them.
+   type :: apart_t
+      logical :: is_known = .false.
+      !> Values with twice the spacing, and with a time step that is `step_ratio` times as large.
+      real(wp) :: coarse(quantity_count) = 0.0_wp, slow(quantity_count) = 0.0_wp
+      real(wp) :: step_ratio = 2.0_wp
+      !> Order in time: the least one that pilots may show.
+      real(wp) :: time_order = 1.5_wp
+   end type apart_t
+
 contains
+
+   !> Order of a scheme in time where none is observed, and the bounds of an observed one.
+   pure function orders_in_time(scheme) result(orders)
+      character(*), intent(in) :: scheme
+      real(wp) :: orders(3)
+
+      orders = [1.0_wp, 1.5_wp, 2.0_wp]
+      if (scheme == 'backward_euler') orders = [0.7_wp, 0.7_wp, 1.0_wp]
+   end function orders_in_time
 
    !> The values of a run that are foretold: between the nodes, but of a node its own.
    pure function foretold_values(summary) result(values)
@@ -65,11 +91,12 @@ contains
       where (quantity_rows%rule == rule_node) values = summary%of%value
    end function foretold_values
 
-   !> Estimates and extrapolated values of a run from its forecast. `node_jitter`: by how much the
-   !> exit jitters with the place of the nodes; `pressure_safety`: the estimate of the largest
-   !> pressure is wider by this factor.
-   pure subroutine apply_forecast(forecast, node_jitter, pressure_safety, summary)
+   !> Estimates and extrapolated values of a run from its forecast and its companions.
+   !> `node_jitter`: by how much the exit jitters with the place of the nodes; `pressure_safety`:
+   !> the estimate of the largest pressure is wider by this factor.
+   pure subroutine apply_forecast(forecast, apart, node_jitter, pressure_safety, summary)
       type(forecast_t), intent(in) :: forecast
+      type(apart_t), intent(in) :: apart
       real(wp), intent(in) :: node_jitter, pressure_safety
       type(line_summary_t), intent(inout) :: summary
       real(wp) :: values(quantity_count), nodal
@@ -79,30 +106,54 @@ contains
       do i = 1, quantity_count
          nodal = abs(summary%of(i)%value - value_between(summary, i))
          if (quantity_rows(i)%rule == rule_between) nodal = node_jitter + nodal
-         call apply_to_row(forecast, i, values(i), nodal, summary%of(i))
+         call apply_to_row(forecast, apart, i, values(i), nodal, summary%of(i))
          if (quantity_rows(i)%rule == rule_crest) summary%of(i)%error_grid = pressure_safety &
             *summary%of(i)%error_grid
       end do
    end subroutine apply_forecast
 
-   !> Row `i`: the estimate, wider where its `value` is farther from that of the pilot than both
-   !> estimates allow, and what its node is off.
-   pure subroutine apply_to_row(forecast, i, value, nodal, quantity)
+   !> Row `i`: the estimate, and what its node is off. Without companions it is wider where `value`
+   !> is farther from that of the pilot than both estimates allow.
+   pure subroutine apply_to_row(forecast, apart, i, value, nodal, quantity)
       type(forecast_t), intent(in) :: forecast
+      type(apart_t), intent(in) :: apart
       integer, intent(in) :: i
       real(wp), intent(in) :: value, nodal
       type(quantity_t), intent(inout) :: quantity
-      real(wp) :: change, allowed
+      type(split_error_t) :: own
+      real(wp) :: error, shift, change, allowed
 
-      if (.not. (ieee_is_finite(value) .and. ieee_is_finite(forecast%error(i)))) return
-      quantity%error_grid = forecast%error(i)
-      change = abs(value - forecast%pilot(i))
-      allowed = forecast%error(i) + forecast%pilot_error(i)
-      if (change > allowed .and. allowed > 0.0_wp) quantity%error_grid = &
-         quantity%error_grid*change/allowed
-      quantity%error_grid = quantity%error_grid + nodal
-      quantity%extrapolated = value + forecast%shift(i)
+      error = forecast%error(i)
+      if (.not. (ieee_is_finite(value) .and. ieee_is_finite(error))) return
+      own = own_error(apart, i, value)
+      if (apart%is_known .and. ieee_is_finite(own%space) .and. ieee_is_finite(own%time)) then
+         error = max(error_at(own, 1.0_wp, 1.0_wp), least_foretold_share*error)
+         shift = shift_at(own, 1.0_wp, 1.0_wp)
+      else
+         change = abs(value - forecast%pilot(i))
+         allowed = error + forecast%pilot_error(i)
+         if (change > allowed .and. allowed > 0.0_wp) error = error*change/allowed
+         shift = forecast%shift(i)
+      end if
+      quantity%error_grid = error + nodal
+      quantity%extrapolated = value + shift
    end subroutine apply_to_row
+
+   !> The errors of row `i` of a run from its changes to the companions.
+   pure function own_error(apart, i, value) result(self)
+      type(apart_t), intent(in) :: apart
+      integer, intent(in) :: i
+      real(wp), intent(in) :: value
+      type(split_error_t) :: self
+
+      self%space_order = space_orders(2)
+      self%time_order = apart%time_order
+      self%space = (value - apart%coarse(i))/(2.0_wp**self%space_order - 1.0_wp)
+      self%time = (value - apart%slow(i))/(apart%step_ratio**self%time_order - 1.0_wp)
+      self%space_size = abs(self%space)
+      self%time_size = abs(self%time)
+      self%space_doubt = space_doubt(2)
+   end function own_error
 
    !> The errors of a quantity from its last change and the one before (NaN where not known) with
    !> half the spacing, `space`, and with half the time step, `time`. `time_orders`: the order in
