@@ -1,4 +1,4 @@
-!> The value of what is not known: a NaN, which nobody takes for an answer.
+!> The value of a quantity that is not known: a NaN, which cannot be mistaken for a result.
 module missing_value
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use kinds, only: wp

@@ -79,29 +79,29 @@ contains
       short = string(:head)//'...'//string(len(string) - tail + 1:)
    end function shortened
 
-   !> The words of `string` in lines of at most `length` characters, the second and later ones
-   !> indented; a longer word has a line of its own.
-   pure function wrapped(string, length) result(lines)
+   !> `string` broken at blanks into lines of at most `length` characters, the second and later ones
+   !> indented by `indent` blanks (default: 2); a longer word has a line of its own.
+   pure function wrapped(string, length, indent) result(lines)
       character(*), intent(in) :: string
       integer, intent(in) :: length
+      integer, intent(in), optional :: indent
       character(:), allocatable :: lines
-      character(:), allocatable :: line
-      integer :: start, end_of_word
+      character(:), allocatable :: margin, rest
+      integer :: blank, first
 
+      margin = '  '
+      if (present(indent)) margin = repeat(' ', indent)
       lines = ''
-      line = ''
-      start = 1
-      do while (start <= len_trim(string))
-         end_of_word = start + index(string(start:)//' ', ' ') - 2
-         if (len(line) > 0 .and. len(line) + 1 + end_of_word - start + 1 > length) then
-            lines = lines//line//new_line('a')
-            line = ' '
-         end if
-         if (len(line) > 0) line = line//' '
-         line = line//string(start:end_of_word)
-         start = end_of_word + 2
+      rest = trim(string)
+      do while (len(rest) > length)
+         first = verify(rest, ' ')
+         blank = index(rest(:length + 1), ' ', back=.true.)
+         if (blank < first) blank = first - 1 + index(rest(first:), ' ')
+         if (blank < first) exit
+         lines = lines//trim(rest(:blank - 1))//new_line('a')
+         rest = margin//rest(blank + 1:)
       end do
-      lines = lines//line
+      lines = lines//rest
    end function wrapped
 
 end module quantity_text

@@ -9,7 +9,7 @@ module work_shares
 contains
 
    !> The last of `items` items, counted from 1, that thread `share` of `shares` works on; its first
-   !> is the one behind share_end(share - 1, ...), and share_end(0, ...) is 0.
+   !> is the one after share_end(share - 1, ...), and share_end(0, ...) is 0.
    pure elemental integer function share_end(share, shares, items)
       integer, intent(in) :: share, shares, items
 

@@ -170,7 +170,8 @@ contains
       end if
    end subroutine narrow
 
-   !> Heights from row `first` on. Errors: a gap or what is no number; fewer rows than before.
+   !> Heights from row `first` on. Errors: a gap, a text that is not a number; fewer rows than
+   !> before.
    subroutine get(self, first, z, error)
       class(csv_heights_t), intent(in) :: self
       integer(int64), intent(in) :: first
@@ -298,14 +299,9 @@ contains
          first = len(line) + 1
          exit
       end do
-      do while (first <= last)
-         if (verify(line(first:first), blanks) > 0) exit
-         first = first + 1
-      end do
-      do while (last >= first)
-         if (verify(line(last:last), blanks) > 0) exit
-         last = last - 1
-      end do
+      k = verify(line(first:last), blanks)
+      first = merge(last + 1, first + k - 1, k == 0)
+      last = first - 1 + verify(line(first:last), blanks, back=.true.)
    end subroutine find_field
 
 end module csv_heights

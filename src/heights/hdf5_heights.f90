@@ -87,41 +87,27 @@ contains
       type(hdf5_heights_t), intent(inout) :: source
       type(hdf5_source_t), intent(in) :: values
       real(wp), intent(inout) :: spacing(2)
-      character(len=*), parameter :: names(2) = ['spacing_x', 'spacing_y']
+      character(len=*), parameter :: names(3) = ['spacing  ', 'spacing_x', 'spacing_y']
+      real(wp) :: stated
       integer :: i
 
       call reader%refuse(source%dataset, values%fault(number_class, any_count))
       call reader%refuse(source%dataset, values%fault_of_size())
-      spacing = reader%number_of(source%dataset, 'spacing', no_spacing)
-      call refuse_spacing(reader, 'spacing', spacing(1))
-      do i = 1, 2
-         spacing(i) = reader%number_of(source%dataset, names(i), spacing(i))
-         call refuse_spacing(reader, names(i), spacing(i))
+      do i = 1, size(names)
+         stated = reader%number_of(source%dataset, trim(names(i)), no_spacing)
+         if (ieee_is_finite(stated)) then
+            if (stated <= no_spacing) cycle
+         end if
+         call reader%refuse(trim(names(i)), spacing_fault(stated))
+         if (i == 1) then
+            spacing = stated
+         else
+            spacing(i - 1) = stated
+         end if
       end do
       source%si_scale = reader%number_of(source%dataset, 'si_scale', 1.0_wp)
       call reader%refuse('si_scale', scale_fault(source%si_scale))
-      do i = 1, 2
-         if (.not. is_stated(spacing(i))) spacing(i) = 0.0_wp
-      end do
    end subroutine look_at_dataset
-
-   !> A failure: the attribute `name` is there and no spacing.
-   subroutine refuse_spacing(reader, name, spacing)
-      type(hdf5_input_t), intent(inout) :: reader
-      character(*), intent(in) :: name
-      real(wp), intent(in) :: spacing
-
-      if (is_stated(spacing)) call reader%refuse(name, spacing_fault(spacing))
-   end subroutine refuse_spacing
-
-   !> Whether a spacing is that of an attribute, a number or not.
-   pure function is_stated(spacing)
-      real(wp), intent(in) :: spacing
-      logical :: is_stated
-
-      is_stated = .not. ieee_is_finite(spacing)
-      if (.not. is_stated) is_stated = spacing > no_spacing
-   end function is_stated
 
    !> Heights from number `first` on; of an area all of them. Error: they cannot be read.
    subroutine get(self, first, z, error)

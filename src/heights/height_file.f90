@@ -17,7 +17,7 @@ module height_file
 
    public :: heights_t, open_heights, read_heights
 
-   !> Heights that are looked at together.
+   !> Heights that are read and checked together.
    integer(int64), parameter :: block_nodes = 65536_int64
 
    !> Heights on a uniform grid.
@@ -40,44 +40,37 @@ contains
       type(heights_t), intent(out) :: heights
       type(error_t), allocatable, intent(out) :: error
       class(height_source_t), allocatable :: source
+      character(len=16) :: digits
       character(:), allocatable :: fault
       integer(int64) :: grid(2)
 
       call open_source(file, dataset, source, grid, heights%spacing, error)
       if (allocated(error)) return
-      if (source%nodes > huge(heights%grid)) then
-         call fail(error, input_error, file//': found '//to_text(source%nodes) &
-            //' nodes, expected at most '// &
-            to_text(huge(heights%grid)))
-         return
-      end if
       fault = memory_fault('a surface', file_memory(real(source%nodes, wp)))
+      if (source%nodes > huge(heights%grid)) fault = 'found '//to_text(source%nodes) &
+         //' nodes, expected at most '//to_text(huge(heights%grid))
       if (fault /= '') then
          call fail(error, input_error, file//': '//fault)
          return
       end if
       heights%grid = int(grid)
       heights%file = file
-      allocate (heights%z(source%nodes))
-      call source%get(0_int64, heights%z, error)
-      if (.not. allocated(error)) call look_at_heights(file, 0_int64, heights%z, error)
-      if (.not. allocated(error)) call look_at_range(file, minval(heights%z), maxval(heights%z), &
-         error)   ! error: handed up
+      call look_through(file, source, source%nodes, heights%z, digits, error)   ! error: handed up
    end subroutine read_heights
 
    !> Opens the profile in `file`, of any length, and looks through it once: `digits` is the
-   !> checksum of its heights; `spacing` [m], 0: the file does not tell. Errors (input_error): as in
+   !> checksum of its heights; `spacing` [m], 0: the file does not tell. `z` are the heights if they
+   !> fit into one block: then they need not be read again. Errors (input_error): as in
    !> `open_source`; gaps; an area.
-   subroutine open_heights(file, dataset, source, spacing, digits, error)
+   subroutine open_heights(file, dataset, source, spacing, z, digits, error)
       character(*), intent(in) :: file, dataset
       class(height_source_t), allocatable, intent(out) :: source
       real(wp), intent(out) :: spacing
+      real(wp), allocatable, intent(out) :: z(:)
       character(len=16), intent(out) :: digits
       type(error_t), allocatable, intent(out) :: error
-      type(checksum_t) :: sums
-      real(wp), allocatable :: z(:)
-      real(wp) :: highest, lowest, spacings(2)
-      integer(int64) :: first, grid(2)
+      real(wp) :: spacings(2)
+      integer(int64) :: grid(2)
 
       digits = ''
       spacing = 0.0_wp
@@ -88,22 +81,46 @@ contains
          call fail(error, input_error, file//': found an area, expected a profile')
          return
       end if
+      call look_through(file, source, block_nodes, z, digits, error)
+      if (.not. allocated(error) .and. source%nodes > block_nodes) deallocate (z)
+   end subroutine open_heights
+
+   !> Reads all heights of `source`, `block` of them at a time; `z` are the last ones. Errors
+   !> (input_error): one of them is none; the surface is not flat, but too low for its digits.
+   subroutine look_through(file, source, block, z, digits, error)
+      character(*), intent(in) :: file
+      class(height_source_t), intent(in) :: source
+      integer(int64), intent(in) :: block
+      real(wp), allocatable, intent(out) :: z(:)
+      character(len=16), intent(out) :: digits
+      type(error_t), allocatable, intent(out) :: error
+      type(checksum_t) :: sums
+      real(wp) :: highest, lowest
+      integer(int64) :: first
+      integer :: bad
+
       lowest = huge(lowest)
       highest = -huge(highest)
-      allocate (z(min(block_nodes, source%nodes)))
-      do first = 0, source%nodes - 1, block_nodes
-         associate (piece => z(:min(block_nodes, source%nodes - first)))
+      allocate (z(min(block, source%nodes)))
+      do first = 0, source%nodes - 1, block
+         associate (piece => z(:min(block, source%nodes - first)))
             call source%get(first, piece, error)
-            if (.not. allocated(error)) call look_at_heights(file, first, piece, error)
             if (allocated(error)) return
+            bad = findloc(is_height(piece), .false., dim=1)
+            if (bad > 0) then
+               call fail(error, input_error, file//': node '//to_text(first + bad)//': ' &
+                  //height_fault(piece(bad)))
+               return
+            end if
             call sums%add(piece)
             lowest = min(lowest, minval(piece))
             highest = max(highest, maxval(piece))
          end associate
       end do
-      call look_at_range(file, lowest, highest, error)   ! error: handed up
       digits = sums%digits()
-   end subroutine open_heights
+      if (range_fault(lowest, highest) /= '') call fail(error, input_error, &
+         file//': '//range_fault(lowest, highest))
+   end subroutine look_through
 
    !> Opens `file`; `dataset` names the column of a CSV file (empty: the second) or the path in an
    !> HDF5 file. Errors (input_error): no such file, column or dataset; positions that are no
@@ -138,28 +155,5 @@ contains
          //to_text(source%nodes)// &
          ' nodes, expected at least 2')
    end subroutine open_source
-
-   !> Error: one of the heights `z` from number `first` on (0 = the first) is none.
-   subroutine look_at_heights(file, first, z, error)
-      character(*), intent(in) :: file
-      integer(int64), intent(in) :: first
-      real(wp), intent(in) :: z(:)
-      type(error_t), allocatable, intent(out) :: error
-      integer :: bad
-
-      bad = findloc(is_height(z), .false., dim=1)
-      if (bad > 0) call fail(error, input_error, file//': node '//to_text(first + bad)//': ' &
-         //height_fault(z(bad)))
-   end subroutine look_at_heights
-
-   !> Error: the surface is not flat, but too low for its digits.
-   subroutine look_at_range(file, lowest, highest, error)
-      character(*), intent(in) :: file
-      real(wp), intent(in) :: lowest, highest
-      type(error_t), allocatable, intent(out) :: error
-
-      if (range_fault(lowest, highest) /= '') call fail(error, input_error, &
-         file//': '//range_fault(lowest, highest))
-   end subroutine look_at_range
 
 end module height_file

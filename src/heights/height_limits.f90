@@ -50,7 +50,7 @@ contains
       if (ieee_is_finite(value)) lies_within = value >= lowest .and. value <= highest
    end function lies_within
 
-   !> "found ..., expected ..." for what is no height [m].
+   !> "found ..., expected ..." for a number that cannot be a height [m].
    pure function height_fault(z) result(fault)
       real(wp), intent(in) :: z
       character(:), allocatable :: fault
@@ -66,7 +66,7 @@ contains
       end if
    end function height_fault
 
-   !> The same for what is no position [m].
+   !> The same for a number that cannot be a position [m].
    pure function position_fault(x) result(fault)
       real(wp), intent(in) :: x
       character(:), allocatable :: fault

@@ -49,7 +49,7 @@ module case_record
       !> Relative error of h_min for which the program chooses intervals and time step; 0: not
       !> asked.
       real(wp) :: target
-      !> Companions on coarser grids are run for error estimates.
+      !> Errors are estimated, from coarse runs.
       logical :: has_error_bars
    end type accuracy_t
 

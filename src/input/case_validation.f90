@@ -1,7 +1,7 @@
 !> What the values of a case must have in common: missing, contradictory and unused keys, physical
 !> nonsense.
 !>
-!> Each check adds its findings and goes on, so that one report tells everything.
+!> Each check adds its findings and goes on, so that one report has them all.
 module case_validation
    use body_values, only: check_radii
    use case_memory, only: lubricated_memory
@@ -153,9 +153,9 @@ contains
       end if
    end subroutine check_load
 
-   !> Findings about a transient: a time step longer than it is, quantities that count from behind
-   !> its end, too many steps, an inlet that is steady only. A step that the program chooses is the
-   !> grid spacing, here estimated from the narrowest domain.
+   !> Findings about a transient: a time step longer than the whole, quantities that count from a
+   !> time after its end, too many steps, an inlet for steady cases. A step that the program chooses
+   !> is the grid spacing, here estimated from the narrowest domain.
    subroutine check_time(values)
       type(input_values_t), intent(inout) :: values
       real(wp) :: counts_from, end_time, time_step

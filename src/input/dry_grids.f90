@@ -25,19 +25,17 @@ contains
    !> contradictory sizes; the file.
    subroutine find_grid(dry)
       type(dry_case_t), intent(inout) :: dry
-      character(len=12) :: counts(2), lengths(2)
+      character(len=2) :: axes(2)
       character(:), allocatable :: count
       logical :: has_target
       real(wp) :: length
       integer :: directions, first, given, i, nodes(2)
 
       directions = 2
-      counts = ['intervals_x ', 'intervals_y ']
-      lengths = ['length_x    ', 'length_y    ']
+      axes = ['_x', '_y']
       if (dry%values%problem == 'dry_line') then
          directions = 1
-         counts(1) = 'intervals'
-         lengths(1) = 'length'
+         axes(1) = ''
       end if
       has_target = dry%values%is_given('accuracy', 'target')
       nodes = [1, 1]
@@ -47,7 +45,7 @@ contains
       if (dry%values%findings%count > 0) return
       associate (file => dry%files(max(first, 1)))
          do i = 1, directions
-            count = trim(counts(i))
+            count = 'intervals'//trim(axes(i))
             given = dry%values%integer_value('domain', count)
             if (file%grid(i) > 0) nodes(i) = file%grid(i)
             length = nodes(i)*file%spacing(i)
@@ -61,7 +59,7 @@ contains
             else if (file%grid(i) <= 0 .and. .not. has_target) then
                call dry%values%refuse_missing('domain', count)
             end if
-            call find_length(dry, trim(lengths(i)), length, file%file)
+            call find_length(dry, 'length'//trim(axes(i)), length, file%file)
             dry%lengths(i) = length
          end do
          if (has_target .and. dry%values%findings%count == 0) call choose_first_grid(dry, &

@@ -115,13 +115,8 @@ contains
       integer, intent(in) :: direction
       real(wp), allocatable :: x(:)
 
-      if (direction == 1) then
-         x = node_positions(dry%grid%nx, dry%lengths(1), dry%is_periodic)
-      else if (dry%grid%ny > 1) then
-         x = node_positions(dry%grid%ny, dry%lengths(2), dry%is_periodic)
-      else
-         x = [0.0_wp]
-      end if
+      x = node_positions(merge(dry%grid%nx, dry%grid%ny, direction == 1), dry%lengths(direction), &
+         dry%is_periodic)
    end function positions
 
    !> Heights of the file of surface `i`, on a periodic domain resampled to its nodes. Findings:

@@ -1,8 +1,8 @@
 !> The one table of what a namelist may contain: groups, keys, types, units, defaults, ranges,
 !> words, meanings, and with what a key is used and needed.
 !>
-!> It serves the reader, its checks and messages, `--template`, `--keys` and the page docs/input.md;
-!> defaults exist nowhere else.
+!> The reader, its checks and messages, `--template`, `--keys` and the page docs/input.md all use
+!> it; defaults stand nowhere else.
 module input_keys
    use dry_settings, only: dry_cycles, dry_tolerance
    use key_row, only: dry, dry_area, dry_line, every, group_row_t, has_word, integer_kind, &

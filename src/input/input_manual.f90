@@ -2,8 +2,8 @@
 module input_manual
    use input_keys, only: group_rows, key_rows, later_rows
    use key_condition, only: rules_text
-   use key_row, only: every, integer_kind, key_row_t, logical_kind, real_kind, reals_kind, &
-      text_kind, word_list
+   use key_row, only: every, key_row_t, kind_names, word_list
+   use quantity_text, only: wrapped
    implicit none (type, external)
    private
 
@@ -14,6 +14,25 @@ module input_manual
    integer, parameter :: page_width = 100
    !> Column where the explanations begin.
    integer, parameter :: indent = 4
+   !> The paragraphs before the tables of the page.
+   character(*), parameter :: introduction = 'A case is a Fortran namelist file in SI units. '// &
+      '`asperity --template ehl_line` writes a complete one with' // nl &
+      // 'comments, `asperity --check CASE.nml` checks one without computing, and every '// &
+      'finding names file, line, group and' &
+      // nl // 'key, what was found and what is expected. All findings of a file are '// &
+      'reported together.' // nl // nl &
+      // '- A group is `&name ... /`, an entry `key = value`, a comment begins with `!`. '// &
+      'Names and words may be written in' &
+      // nl // '  capitals. Words and texts stand in quotes and close on their line.' // nl &
+      // '- Several values are separated by commas or blanks; `3*0.1` is three times 0.1; '// &
+      '`amplitude(2) = 1e-7` sets one' // nl &
+      // '  element.' // nl &
+      // '- A key that is unknown, repeated, not used by the case or not built yet is an '// &
+      'error: nothing is ignored.' // nl &
+      // '- The file is UTF-8 text. Paths in it are relative to the file.' // nl &
+      // '- "required" must be given, "chosen" is chosen by the program, "-" has no '// &
+      'default: the meaning says when it is' // nl &
+      // '  needed.' // nl
 
 contains
 
@@ -29,13 +48,14 @@ contains
       do group = 1, size(group_rows)
          text = text // nl
          text = text // wrapped('&' // trim(group_rows(group)%group) // '  ' &
-            // trim(group_rows(group)%meaning), 0)
+            // trim(group_rows(group)%meaning), page_width, 0) // nl
          do i = 1, size(key_rows)
             if (key_rows(i)%group == group_rows(group)%group) text = &
                text // terminal_entry(key_rows(i))
          end do
       end do
-      text = text // nl // wrapped('Known, but not built yet (refused): ' // later_list(), 0)
+      text = text // nl // wrapped('Known, but not built yet (refused): ' // later_list(), &
+         page_width, 0) // nl
    end function keys_text
 
    !> The lines of one key.
@@ -44,13 +64,15 @@ contains
       character(:), allocatable :: text
       character(:), allocatable :: head
 
-      head = '  ' // row%key // ' ' // type_text(row)
+      head = '  ' // row%key // ' ' // trim(kind_names(row%kind))
       if (row%unit /= '' .and. row%unit /= '-') head = head // ' [' // trim(row%unit) // ']'
       head = head // ', default ' // trim(row%default)
       if (row%range /= '') head = head // ', ' // trim(row%range)
-      text = wrapped(head, 8)
-      if (row%words /= '') text = text // wrapped(repeat(' ', indent) // words_text(row), 8)
-      text = text // wrapped(repeat(' ', indent) // trim(row%meaning) // conditions_text(row), 8)
+      text = wrapped(head, page_width, 8) // nl
+      if (row%words /= '') text = text // wrapped(repeat(' ', indent) // words_text(row), &
+         page_width, 8) // nl
+      text = text // wrapped(repeat(' ', indent) // trim(row%meaning) // conditions_text(row), &
+         page_width, 8) // nl
    end function terminal_entry
 
    !> The rules of a key, and the problems that use it if not all of them do.
@@ -73,27 +95,6 @@ contains
       if (row%later_words /= '') text = text // '; not built yet: ' // word_list(row%later_words)
    end function words_text
 
-   !> Type of a key in a word or two.
-   pure function type_text(row) result(text)
-      type(key_row_t), intent(in) :: row
-      character(:), allocatable :: text
-
-      select case (row%kind)
-      case (real_kind)
-         text = 'real'
-      case (integer_kind)
-         text = 'integer'
-      case (logical_kind)
-         text = 'logical'
-      case (text_kind)
-         text = 'text'
-      case (reals_kind)
-         text = 'reals'
-      case default
-         text = 'word'
-      end select
-   end function type_text
-
    !> "&group key, &group key" of all keys not built yet.
    pure function later_list() result(list)
       character(:), allocatable :: list
@@ -106,26 +107,6 @@ contains
       end do
    end function later_list
 
-   !> `text` broken at blanks into lines of at most `page_width`, the later ones indented by
-   !> `hanging` blanks.
-   pure function wrapped(text, hanging) result(lines)
-      character(*), intent(in) :: text
-      integer, intent(in) :: hanging
-      character(:), allocatable :: lines
-      character(:), allocatable :: rest
-      integer :: blank
-
-      lines = ''
-      rest = trim(text)
-      do while (len(rest) > page_width)
-         blank = index(rest(:page_width + 1), ' ', back=.true.)
-         if (blank <= hanging + 1) exit
-         lines = lines // trim(rest(:blank - 1)) // nl
-         rest = repeat(' ', hanging) // rest(blank + 1:)
-      end do
-      lines = lines // rest // nl
-   end function wrapped
-
    !> The page docs/input.md.
    pure function keys_markdown() result(text)
       character(:), allocatable :: text
@@ -134,7 +115,7 @@ contains
       text = '# Input: the namelist' // nl // nl &
          // '<!-- Made from the key table by `asperity --keys-markdown > docs/input.md`: ' &
          // 'change src/input/input_keys.f90. -->' // nl &
-         // nl // introduction()
+         // nl // introduction
       do group = 1, size(group_rows)
          text = text // nl // '## &' // trim(group_rows(group)%group) // nl // nl &
             // capital(trim(group_rows(group)%meaning)) &
@@ -155,30 +136,6 @@ contains
       end do
    end function keys_markdown
 
-   !> The paragraphs before the tables.
-   pure function introduction() result(text)
-      character(:), allocatable :: text
-
-      text = 'A case is a Fortran namelist file in SI units. `asperity --template ehl_line` '// &
-         'writes a complete one with' // nl &
-         // 'comments, `asperity --check CASE.nml` checks one without computing, and every '// &
-            'finding names file, line, group and' &
-         // nl // 'key, what was found and what is expected. All findings of a file are '// &
-            'reported together.' // nl // nl &
-         // '- A group is `&name ... /`, an entry `key = value`, a comment begins with `!`. '// &
-            'Names and words may be written in' &
-         // nl // '  capitals. Words and texts stand in quotes and close on their line.' // nl &
-         // '- Several values are separated by commas or blanks; `3*0.1` is three times 0.1; '// &
-            '`amplitude(2) = 1e-7` sets one' // nl &
-         // '  element.' // nl &
-         // '- A key that is unknown, repeated, not used by the case or not built yet is an '// &
-            'error: nothing is ignored.' // nl &
-         // '- The file is UTF-8 text. Paths in it are relative to the file.' // nl &
-         // '- "required" must be given, "chosen" is chosen by the program, "-" has no '// &
-            'default: the meaning says when it is' // nl &
-         // '  needed.' // nl
-   end function introduction
-
    !> One row of a table.
    pure function markdown_entry(row) result(text)
       type(key_row_t), intent(in) :: row
@@ -187,7 +144,8 @@ contains
 
       range = trim(row%range)
       if (row%words /= '') range = words_text(row)
-      text = '| `' // trim(row%key) // '` | ' // type_text(row) // ' | ' // trim(row%unit) &
+      text = '| `' // trim(row%key) // '` | ' // trim(kind_names(row%kind)) // ' | ' &
+         // trim(row%unit) &
          // ' | ' // trim(row%default) // ' | ' &
          // range // ' | ' // trim(row%meaning) // conditions_text(row) // ' |' // nl
    end function markdown_entry

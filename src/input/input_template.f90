@@ -221,11 +221,8 @@ contains
          note = note // ' default ' // trim(row%default)
          if (index(trim(row%words), ' ') > 0) note = note // ','
       end if
-      if (index(trim(row%words), ' ') > 0 .and. row%kind == words_kind) then
-         note = note // ' any of ' // word_list(row%words)
-      else if (index(trim(row%words), ' ') > 0) then
-         note = note // ' one of ' // word_list(row%words)
-      end if
+      if (index(trim(row%words), ' ') > 0) note = note // merge(' any of ', ' one of ', row%kind &
+         == words_kind) // word_list(row%words)
       if (note /= '') line = line // repeat(' ', max(0, unit_column - len(line))) // ' !' // note
       text = '   ! ' // trim(row%meaning) // rules_text(row) // nl // line // nl
    end function key_text

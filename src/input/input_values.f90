@@ -40,19 +40,12 @@ module input_values
       !> What is wrong with the file.
       type(findings_t) :: findings
    contains
-      procedure :: slot
-      procedure :: real_value
-      procedure :: integer_value
-      procedure :: logical_value
-      procedure :: word_value
-      procedure :: text_value
-      procedure :: is_given
-      procedure :: has_value
-      procedure :: has_group
-      procedure :: line_of
-      procedure :: refuse
-      procedure :: refuse_missing
-      procedure :: refuse_unused
+      !> What a key has.
+      procedure :: slot, real_value, integer_value, logical_value, word_value, text_value
+      !> What is there, and where.
+      procedure :: is_given, has_value, has_group, line_of
+      !> Add a finding.
+      procedure :: refuse, refuse_missing, refuse_unused
    end type input_values_t
 
 contains

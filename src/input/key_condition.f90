@@ -3,12 +3,12 @@
 !> A rule is a list of conditions, separated by commas, which must all hold:
 !>
 !>     shape = feature sinusoid   the key has one of these values
-!>     moes_l /= 0                the key has not this value
+!>     moes_l /= 0                the key does not have this value
 !>     film_floor                 the key is given
 !>     no film_floor              the key is not given
 !>
 !> A key of another group is written group%key, that of either surface surface%key, a whole group
-!> &group. Words behind a colon go into the message of the last condition.
+!> &group. Words after a colon go into the message of the last condition.
 module key_condition
    use key_row, only: key_row_t, word_list
    implicit none (type, external)

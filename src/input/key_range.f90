@@ -33,14 +33,15 @@ contains
       character(*), intent(in) :: comparison
       logical :: holds
       real(wp) :: bound
-      integer :: blank
+      integer :: blank, number
       logical :: good
 
       blank = index(comparison, ' ')
       holds = .false.
       if (comparison == 'a power of two (times 3 or 5 or 7)') then
-         if (value >= 1.0_wp .and. value < 1.0e9_wp) holds = any(odd_part(nint(value)) == [1, 3, &
-            5, 7])
+         if (value < 1.0_wp .or. value >= 1.0e9_wp) return
+         number = nint(value)
+         holds = any(shiftr(number, trailz(number)) == [1, 3, 5, 7])
          return
       end if
       call read_real(trim(comparison(blank + 1:)), bound, good)
@@ -57,16 +58,8 @@ contains
       case ('/=')
          holds = value < bound .or. value > bound
       case default
-         holds = .false.
+         return
       end select
    end function holds
-
-   !> `number` >= 1 without its factors of two.
-   pure function odd_part(number)
-      integer, intent(in) :: number
-      integer :: odd_part
-
-      odd_part = shiftr(number, trailz(number))
-   end function odd_part
 
 end module key_range

@@ -6,9 +6,14 @@ module key_row
 
    public :: expected_value, has_word, split_words, word_list
 
-   !> Kinds of values.
+   !> Kinds of values, what they are called in the manual, and what is expected of them (of words:
+   !> the words).
    integer, parameter, public :: real_kind = 1, integer_kind = 2, logical_kind = 3, &
       word_kind = 4, text_kind = 5, reals_kind = 6, words_kind = 7
+   character(len=7), parameter, public :: kind_names(*) = [character(len=7) :: 'real', 'integer', &
+      'logical', 'word', 'text', 'reals', 'word']
+   character(len=18), parameter :: expectations(*) = [character(len=18) :: 'a real number', &
+      'an integer', '.true. or .false.', '', 'a quoted text', 'real numbers', 'a list of']
    !> Defaults that are no value: must be given; chosen by the program; only with certain other
    !> keys.
    character(*), parameter, public :: is_required = 'required', is_chosen = 'chosen', &
@@ -64,23 +69,10 @@ contains
       type(key_row_t), intent(in) :: row
       character(:), allocatable :: expected
 
-      select case (row%kind)
-      case (real_kind)
-         expected = 'a real number'
-      case (integer_kind)
-         expected = 'an integer'
-      case (logical_kind)
-         expected = '.true. or .false.'
-      case (reals_kind)
-         expected = 'real numbers'
-      case (text_kind)
-         expected = 'a quoted text'
-      case default
-         expected = word_list(row%words)
-         if (row%kind == words_kind) expected = 'a list of ' // expected
-      end select
-      if (len_trim(row%range) > 0) expected = expected // ' ' // trim(row%range)
-      if (len_trim(row%unit) > 0) expected = expected // ' [' // trim(row%unit) // ']'
+      expected = trim(expectations(row%kind))
+      if (row%words /= '') expected = trim(adjustl(expected // ' ' // word_list(row%words)))
+      if (row%range /= '') expected = expected // ' ' // trim(row%range)
+      if (row%unit /= '') expected = expected // ' [' // trim(row%unit) // ']'
    end function expected_value
 
    !> Blank-separated words as 'a', 'b' or 'c'.

@@ -25,7 +25,11 @@ contains
       type(line_contact_t), intent(out) :: contact
       type(line_contact_t) :: whole
 
-      call build_scaling(case, scaling)
+      if (case%has_moes) then
+         call new_moes_scaling(scaling, case%moes_m, case%moes_l, case%lubricant)
+      else
+         call new_scaling(scaling, case%bodies, case%lubricant, case%load_per_length)
+      end if
       contact%lambda = scaling%lambda
       contact%moes_m_sum = moes_m_sum_from_mean(scaling%moes_m)
       contact%moes_l_sum = moes_l_sum_from_mean(scaling%moes_l)
@@ -60,17 +64,5 @@ contains
       settings = case%solver
       if (scaling%is_dimensional) settings%film_floor = case%film_floor/scaling%film
    end function scaled_solver
-
-   !> The reference values of a case, from SI or from Moes' numbers.
-   pure subroutine build_scaling(case, scaling)
-      type(case_t), intent(in) :: case
-      type(scaling_t), intent(out) :: scaling
-
-      if (case%has_moes) then
-         call new_moes_scaling(scaling, case%moes_m, case%moes_l, case%lubricant)
-      else
-         call new_scaling(scaling, case%bodies, case%lubricant, case%load_per_length)
-      end if
-   end subroutine build_scaling
 
 end module line_case

@@ -26,9 +26,9 @@ module line_profiles
    real(wp), parameter :: usual_domain = 30.0_wp
    !> Smooth entry of a profile where it is not given [half-widths].
    real(wp), parameter :: usual_entry = 1.0_wp
-   !> Nodes of a profile up to which it is made at once; behind that it is put together from pieces.
-   !> Then a piece has at least 32 of the longest waves, which are at most `most_waves` times as
-   !> long as the shortest.
+   !> A profile of at most so many nodes is made at once; a longer one is put together from pieces.
+   !> Each piece has at least 32 of the longest waves, which are at most `most_waves` times as long
+   !> as the shortest.
    integer, parameter :: most_nodes = 2**20, most_waves = most_nodes/(32*nodes_per_wave)
    !> Nodes of half a piece, at least.
    integer, parameter :: least_half = 32768
@@ -70,8 +70,8 @@ contains
       surface%profile%start = values%real_value(group, 'position', surface%profile%start)
    end subroutine make_surface
 
-   !> Heights of the file, which are read as they are needed; with harmonics they repeat themselves
-   !> and are held.
+   !> Heights of the file, which are read as they are needed; with harmonics they are periodic and
+   !> held in memory.
    subroutine fill_from_file(values, group, case, profile)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
@@ -85,7 +85,7 @@ contains
 
       path = beside_namelist(case, trim(values%text_value(group, 'file')))
       call open_heights(path, trim(values%text_value(group, 'dataset')), profile%source, &
-         profile%spacing, digits, error)
+         profile%spacing, profile%heights, digits, error)
       if (allocated(error)) then
          call values%refuse(group, 'file', error%message)
          return
@@ -119,9 +119,11 @@ contains
       type(profile_t), intent(inout) :: profile
       type(error_t), allocatable, intent(out) :: error
 
-      allocate (profile%heights(profile%source%nodes))
-      call profile%source%get(0_int64, profile%heights, error)
-      if (allocated(error)) return
+      if (.not. allocated(profile%heights)) then
+         allocate (profile%heights(profile%source%nodes))
+         call profile%source%get(0_int64, profile%heights, error)
+         if (allocated(error)) return
+      end if
       deallocate (profile%source)
       call truncate_harmonics(harmonics, [size(profile%heights), 1], profile%heights, &
          error)   ! error: the caller looks
@@ -129,8 +131,8 @@ contains
       profile%finest_wave = size(profile%heights)*profile%spacing/harmonics
    end subroutine truncate_profile
 
-   !> Heights with a wanted spectrum, long enough for the whole passage at `speed` [m/s]; they
-   !> repeat themselves behind it.
+   !> Heights with a wanted spectrum, long enough for the whole passage at `speed` [m/s]; after it
+   !> they repeat.
    subroutine fill_synthetic(values, group, case, speed, profile)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group

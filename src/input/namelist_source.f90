@@ -94,35 +94,16 @@ contains
       character(*), intent(in) :: text
       integer, intent(in) :: first, sign
       integer :: start
-      integer :: i, bracket
+      integer :: bracket, last
 
-      i = skip_blanks(text, first, sign - 1)
-      if (i >= first) then
-         if (text(i:i) == ')') then
-            bracket = index(text(first:i), '(', back=.true.)
-            if (bracket > 0) i = skip_blanks(text, first, first + bracket - 2)
-         end if
+      last = first - 1 + len_trim(text(first:sign - 1))
+      if (index(text(first:last), ')', back=.true.) == last - first + 1) then
+         bracket = index(text(first:last), '(', back=.true.)
+         if (bracket > 0) last = first - 1 + len_trim(text(first:first + bracket - 2))
       end if
-      start = i + 1
-      do while (start > first)
-         if (verify(text(start - 1:start - 1), name_characters // '%') > 0) exit
-         start = start - 1
-      end do
-      if (start > i) start = sign
+      start = first + verify(text(first:last), name_characters // '%', back=.true.)
+      if (start > last) start = sign
    end function key_start
-
-   !> Last position at or before `last` that is not blank; first - 1: all blank.
-   pure function skip_blanks(text, first, last) result(position)
-      character(*), intent(in) :: text
-      integer, intent(in) :: first, last
-      integer :: position
-
-      position = last
-      do while (position >= first)
-         if (text(position:position) /= ' ') return
-         position = position - 1
-      end do
-   end function skip_blanks
 
    !> Last character of the name that starts at `first`; first - 1: no name there.
    pure function name_end(text, first) result(last)
@@ -130,11 +111,8 @@ contains
       integer, intent(in) :: first
       integer :: last
 
-      last = first - 1
-      do while (last < len(text))
-         if (verify(text(last + 1:last + 1), name_characters) > 0) return
-         last = last + 1
-      end do
+      last = first - 2 + verify(text(first:), name_characters)
+      if (last < first - 1) last = len(text)
    end function name_end
 
 end module namelist_source

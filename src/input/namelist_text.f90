@@ -1,7 +1,7 @@
 !> Cuts the text of a namelist file into entries, each with its group, key and line.
 !>
-!> Only the form is judged here: which keys exist and what their values mean is the business of
-!> `input_keys` and `case_input`. Accepted is standard namelist syntax: groups `&name ... /` (or
+!> Only the form is checked here: `input_keys` says which keys exist, `case_input` what their values
+!> mean. Accepted is standard namelist syntax: groups `&name ... /` (or
 !> `&end`), comments after `!`, several entries a line, values over several lines, blanks, tabs, CR
 !> LF line ends, a byte order mark. A string closes on its line.
 module namelist_text
@@ -51,8 +51,6 @@ module namelist_text
    !> Most entries and groups of one file: a broken file must not keep the program busy.
    integer, parameter :: most_entries = 5000, most_groups = 100
 
-
-
 contains
 
    !> Splits `content` into groups and entries. Findings: bytes that are no text, unclosed strings
@@ -63,14 +61,15 @@ contains
       type(namelist_text_t), intent(out) :: pieces
       type(findings_t), intent(inout) :: findings
       type(source_t) :: source
+      character(len=4) :: byte
       integer :: bad, position
 
-      allocate (pieces%groups(0), pieces%entries(0))
+      allocate (pieces%groups(most_groups), pieces%entries(most_entries))
       bad = find_bad_byte(content)
       if (bad > 0) then
+         write (byte, '(a,z2.2)') '0x', iachar(content(bad:bad))
          call findings%add(1 + count_of(line_feed, content(:bad - 1)), '', '', &
-            'found the byte ' // hexadecimal(content(bad:bad)) &
-            // ', expected a text file in UTF-8')
+            'found the byte ' // byte // ', expected a text file in UTF-8')
          return
       end if
       call new_source(source, content, findings)
@@ -114,7 +113,7 @@ contains
       end do
    end subroutine read_outside
 
-   !> A hint, if the text at `position` stands behind the / of a group in the same line.
+   !> A hint, if the text at `position` follows the / of a group on the same line.
    pure function slash_hint(source, position) result(hint)
       type(source_t), intent(in) :: source
       integer, intent(in) :: position
@@ -122,17 +121,13 @@ contains
       integer :: before
 
       hint = ''
-      before = position - 1
-      do while (before >= 1)
-         if (source%line(before) /= source%line(position)) return
-         if (source%text(before:before) /= ' ') exit
-         before = before - 1
-      end do
+      before = len_trim(source%text(:position - 1))
       if (before < 1) return
-      if (source%text(before:before) == '/') hint = ' (a / that is not in quotes ends the group)'
+      if (source%line(before) == source%line(position) .and. source%text(before:before) &
+         == '/') hint = ' (a / that is not in quotes ends the group)'
    end function slash_hint
 
-   !> Reads one group; `position` is at its `&` and ends behind its `/`. Findings: no name,
+   !> Reads one group; `position` is at its `&` and ends after its `/`. Findings: no name,
    !> repeated, not closed.
    subroutine read_group(source, position, pieces, findings)
       type(source_t), intent(in) :: source
@@ -159,7 +154,8 @@ contains
          call findings%add(line, name, '', 'found the group a second time, expected it once '// &
             '(line ' // to_text(earlier) // ')')
       else if (name /= '') then
-         call add_group(pieces, name, line)
+         pieces%group_count = pieces%group_count + 1
+         pieces%groups(pieces%group_count) = group_t(name, line)
          call split_group(source, position, last, name, pieces, findings)
       end if
       position = last + 1
@@ -264,7 +260,8 @@ contains
             'expected it once (line ' &
             // to_text(repeated_line(pieces, entry)) // ')')
       else
-         call append_entry(pieces, entry)
+         pieces%entry_count = pieces%entry_count + 1
+         pieces%entries(pieces%entry_count) = entry
       end if
    end subroutine add_entry
 
@@ -285,38 +282,6 @@ contains
       end do
    end function repeated_line
 
-   !> Appends an entry; the list doubles when it is full.
-   subroutine append_entry(pieces, entry)
-      type(namelist_text_t), intent(inout) :: pieces
-      type(entry_t), intent(in) :: entry
-      type(entry_t), allocatable :: grown(:)
-
-      if (pieces%entry_count == size(pieces%entries)) then
-         allocate (grown(2*pieces%entry_count + 16))
-         grown(:pieces%entry_count) = pieces%entries(:pieces%entry_count)
-         call move_alloc(grown, pieces%entries)
-      end if
-      pieces%entry_count = pieces%entry_count + 1
-      pieces%entries(pieces%entry_count) = entry
-   end subroutine append_entry
-
-   !> Appends a group; the list doubles when it is full.
-   subroutine add_group(pieces, name, line)
-      type(namelist_text_t), intent(inout) :: pieces
-      character(*), intent(in) :: name
-      integer, intent(in) :: line
-      type(group_t), allocatable :: grown(:)
-
-      if (pieces%group_count == size(pieces%groups)) then
-         allocate (grown(2*pieces%group_count + 16))
-         grown(:pieces%group_count) = pieces%groups(:pieces%group_count)
-         call move_alloc(grown, pieces%groups)
-      end if
-      pieces%group_count = pieces%group_count + 1
-      pieces%groups(pieces%group_count)%name = name
-      pieces%groups(pieces%group_count)%line = line
-   end subroutine add_group
-
    !> Line of the group `name`; 0: not in the file.
    pure function group_line(pieces, name) result(line)
       type(namelist_text_t), intent(in) :: pieces
@@ -329,13 +294,5 @@ contains
          if (pieces%groups(i)%name == name) line = pieces%groups(i)%line
       end do
    end function group_line
-
-   !> A byte as 0xNN.
-   pure function hexadecimal(byte) result(string)
-      character(len=1), intent(in) :: byte
-      character(len=4) :: string
-
-      write (string, '(a,z2.2)') '0x', iachar(byte)
-   end function hexadecimal
 
 end module namelist_text

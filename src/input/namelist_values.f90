@@ -1,14 +1,12 @@
-!> The values of one namelist entry: cut into pieces, and each piece read as a number, a logical or
-!> a word.
+!> The values of one namelist entry, cut into pieces; logicals. (Numbers: module number_text.)
 module namelist_values
    use, intrinsic :: iso_fortran_env, only: int64
-   use kinds, only: wp
-   use number_text, only: read_integer_text => read_integer, read_real_text => read_real
+   use number_text, only: read_integer
    use text, only: to_lower, to_text
    implicit none (type, external)
    private
 
-   public :: piece_t, split_values, read_real, read_integer, read_logical
+   public :: piece_t, split_values, read_logical
 
    !> One value as written; of a string the content without its quotes.
    type :: piece_t
@@ -30,7 +28,7 @@ contains
       character(:), allocatable, intent(out) :: problem
       type(piece_t), allocatable :: list(:)
       type(piece_t) :: piece
-      integer :: position, count, repeats
+      integer :: position, blanks, count, repeats
       logical :: comma_before
 
       allocate (list(most_values))
@@ -38,8 +36,9 @@ contains
       comma_before = .true.
       position = 1
       do
-         position = next_nonblank(values, position)
-         if (position > len(values)) exit
+         blanks = verify(values(position:), ' ') - 1
+         if (blanks < 0) exit
+         position = position + blanks
          if (values(position:position) == ',') then
             if (comma_before) then
                problem = 'an empty value before a comma (a null of the Fortran standard, not '// &
@@ -84,7 +83,7 @@ contains
       if (digits < 1) return
       if (values(position + digits:position + digits) /= '*') return
       repeats = -1
-      call read_integer_text(values(position:position + digits - 1), count, good)
+      call read_integer(values(position:position + digits - 1), count, good)
       if (good .and. count <= most_values) repeats = int(count)
       position = position + digits + 1
    end subroutine read_repeats
@@ -139,42 +138,6 @@ contains
       piece%is_string = .true.
       piece%text = content(:length)
    end subroutine read_string
-
-   !> First position from `start` on that is not blank; len + 1: none.
-   pure function next_nonblank(string, start) result(position)
-      character(*), intent(in) :: string
-      integer, intent(in) :: start
-      integer :: position
-
-      position = start
-      do while (position <= len(string))
-         if (string(position:position) /= ' ') return
-         position = position + 1
-      end do
-   end function next_nonblank
-
-   !> Reads a real number; `good` is false for a string and for what `number_text` does not take.
-   subroutine read_real(piece, value, good)
-      type(piece_t), intent(in) :: piece
-      real(wp), intent(out) :: value
-      logical, intent(out) :: good
-
-      call read_real_text(piece%text, value, good)
-      good = good .and. .not. piece%is_string
-   end subroutine read_real
-
-   !> Reads an integer of default kind; `good` is false for everything else.
-   subroutine read_integer(piece, value, good)
-      type(piece_t), intent(in) :: piece
-      integer, intent(out) :: value
-      logical, intent(out) :: good
-      integer(int64) :: long
-
-      call read_integer_text(piece%text, long, good)
-      good = good .and. .not. piece%is_string .and. abs(long) <= huge(value)
-      value = 0
-      if (good) value = int(long)
-   end subroutine read_integer
 
    !> Reads a logical in any case: true, false, t, f, with a point before it or on both sides.
    subroutine read_logical(piece, value, good)

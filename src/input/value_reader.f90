@@ -1,8 +1,9 @@
 !> From the entries of a namelist to the values of a case.
 !>
-!> Read entry by entry, so that every failure has its line, group and key. What a value means for
-!> the case is the business of `case_input`.
+!> They are read one by one, so that every failure has its line, group and key. What a value means
+!> for the case is decided in `case_input`.
 module value_reader
+   use, intrinsic :: iso_fortran_env, only: int64
    use findings, only: findings_t, quoted
    use input_keys, only: find_group, find_key, group_rows, key_rows, later_meaning, &
       renamed_words
@@ -13,9 +14,9 @@ module value_reader
       word_kind, words_kind
    use kinds, only: wp
    use namelist_text, only: namelist_text_t, entry_t
-   use namelist_values, only: piece_t, split_values, read_real, read_integer, read_logical, &
-      most_values
+   use namelist_values, only: most_values, piece_t, read_logical, split_values
    use nearest_name, only: nearest_known
+   use number_text, only: read_integer, read_real
    use solver_settings, only: word_length
    use text, only: joined, to_lower, to_text
    implicit none (type, external)
@@ -230,6 +231,7 @@ contains
       integer, intent(in) :: place
       type(value_t), intent(inout) :: slot
       type(findings_t), intent(inout) :: findings
+      integer(int64) :: number
       logical :: good
 
       if (slot%is_set(place)) call findings%add(entry%line, entry%group, entry%key, &
@@ -239,11 +241,14 @@ contains
       good = .true.
       select case (row%kind)
       case (real_kind, reals_kind)
-         call read_real(piece, slot%reals(place), good)
-         if (good) good = is_in_range(slot%reals(place), row%range)
+         call read_real(piece%text, slot%reals(place), good)
+         good = good .and. .not. piece%is_string .and. is_in_range(slot%reals(place), row%range)
       case (integer_kind)
-         call read_integer(piece, slot%integer, good)
-         if (good) good = is_in_range(real(slot%integer, wp), row%range)
+         call read_integer(piece%text, number, good)
+         good = good .and. .not. piece%is_string .and. abs(number) <= huge(slot%integer) &
+            .and. is_in_range(real(number, wp), row%range)
+         slot%integer = 0
+         if (good) slot%integer = int(number)
       case (logical_kind)
          call read_logical(piece, slot%logical, good)
          slot%words(place) = merge('.true. ', '.false.', slot%logical)
@@ -297,7 +302,7 @@ contains
       if (hint /= '') hint = "; did you mean '" // hint // "'?"
    end function nearest_word
 
-   !> Adds "found ..., expected ..." for an entry; `hint` comes behind it.
+   !> Adds "found ..., expected ..." for an entry; `hint` follows.
    subroutine reject(entry, row, found, findings, hint)
       type(entry_t), intent(in) :: entry
       type(key_row_t), intent(in) :: row

@@ -1,6 +1,6 @@
 !> Ridges, dents and sinusoids that the grid or the time step cannot hold: fewer than two nodes in a
-!> wave, or two steps in its passage. (Of measured and synthetic profiles the finest waves are told
-!> only: they may be noise.)
+!> wave, or two steps in its passage. (The finest waves of measured and synthetic profiles may be
+!> noise: they get a note only.)
 module wave_validation
    use case_record, only: case_t
    use domain_choice, only: choose_domain
