@@ -83,13 +83,14 @@ contains
       call begin_activity('solving')
       sweep = dry_sweep_t(dry%grid, dry%height, new_dry_scaling(dry%height, dry%lengths(1), &
          dry%reduced_modulus), dry%loads, dry%settings)
+      sweep%settings%keeps_pressures = dry%has_error_bars
       call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, sweep%settings, &
          outcome, error)
       if (allocated(error)) return
       associate (report => outcome%solution%report)
          report%phase_seconds(phase_steady) = wall_seconds() - start
          call begin_activity('error bars on other grids')
-         if (dry%has_error_bars) call estimate_dry_errors(sweep, outcome%rows, errors, error)
+         if (dry%has_error_bars) call estimate_dry_errors(sweep, outcome, errors, error)
          if (allocated(error)) return
          report%wall_seconds = wall_seconds() - start
          report%phase_seconds(phase_error_bars) = report%wall_seconds &

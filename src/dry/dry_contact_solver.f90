@@ -11,6 +11,7 @@ module dry_contact_solver
    use errors, only: error_t, fail, input_error
    use iteration_report, only: report_t
    use kinds, only: wp
+   use load_projection, only: shift_into_bounds
    use text, only: to_text
    implicit none (type, external)
    private
@@ -34,8 +35,9 @@ module dry_contact_solver
 contains
 
    !> Solves `problem` (its load > 0). `solution` of another load of the same surface, if it holds
-   !> one, is the start. Not converging is told in its report. Fails (input_error) if the load is
-   !> above hardness times area, (internal_error) if FFTW does.
+   !> one, is the start, and so is a pressure alone of about this load. Not converging is told in
+   !> its report. Fails (input_error) if the load is above hardness times area, (internal_error) if
+   !> FFTW does.
    subroutine solve(self, problem, solution, error)
       class(dry_solver_t), intent(inout) :: self
       type(dry_problem_t), intent(inout) :: problem
@@ -109,13 +111,33 @@ contains
       type(dry_solution_t), intent(inout) :: solution
       type(error_t), allocatable, intent(out) :: error
 
-      if (solution%contacts > 0) then
+      if (solution%contacts > 0 .and. .not. allocated(solution%v)) then
+         call settle_start(problem, solution%pressure)
+      else if (solution%contacts > 0) then
          call neighbour_start(problem, solution%v, solution%datum, solution%pressure)
       else
          if (.not. allocated(solution%pressure)) allocate (solution%pressure(size(problem%height)))
          call nested_start(problem, solution%pressure, solution%transforms, error)
       end if
    end subroutine start
+
+   !> Moves the positive pressures of a guess into their bounds and to the load; all, where those
+   !> cannot carry it.
+   subroutine settle_start(problem, p)
+      type(dry_problem_t), intent(in) :: problem
+      real(wp), intent(inout) :: p(:)
+      real(wp), allocatable :: inside(:)
+      logical, allocatable :: is_inside(:)
+
+      is_inside = p > 0.0_wp
+      inside = pack(p, is_inside)
+      if (problem%load/size(inside) < problem%hardness) then
+         call shift_into_bounds(inside, problem%hardness, problem%load)
+         p = unpack(inside, is_inside, p)
+      else
+         call shift_into_bounds(p, problem%hardness, problem%load)
+      end if
+   end subroutine settle_start
 
    !> The iteration of the chosen method.
    subroutine iterate(self, problem, solution, error)

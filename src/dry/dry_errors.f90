@@ -1,12 +1,15 @@
 !> How far off the figures of a dry contact may be because of its grid.
 !>
-!> They are compared with those of the same heights on other grids (resampled, loosely solved). On a
+!> They are compared with those of the same heights on other grids (resampled), which start from the
+!> pressures found and are solved loosely: after a few iterations the change of grid shows. On a
 !> finer grid most of the error is gone: the difference nearly is the error. Where finer grids would
-!> take too long, coarser ones are taken: if the error falls like dx^p, a grid r times as coarse
-!> differs by (r^p - 1) times the error. Edges of patches lie anywhere between nodes, so that one
-!> difference may vanish by chance; the root mean square of those of several grids hardly does.
-!> Areas count nodes: to their error comes a share of the nodes at the edges.
+!> take too long, slightly coarser ones are taken, which still see nearly all waves of the surface;
+!> much coarser ones would tell how rough it is, not how large the error. Edges of patches lie
+!> anywhere between nodes, so that one difference may vanish by chance; the weighted root mean
+!> square of those of several grids hardly does. Areas count nodes: to their error comes a share of
+!> the nodes at the edges.
 module dry_errors
+   use, intrinsic :: iso_fortran_env, only: real32
    use dry_problem, only: dry_grid_t, kernel_open
    use dry_scaling, only: dry_scaling_t
    use dry_settings, only: dry_loads_t, dry_settings_t, method_conjugate_gradient
@@ -31,32 +34,35 @@ module dry_errors
       type(dry_settings_t) :: settings
    end type dry_sweep_t
 
-   !> Most nodes of a line and of an area that are compared with finer grids: these take 0.3 and
-   !> 0.05 s.
+   !> Most nodes of a line and of an area that are compared with finer grids.
    integer, parameter :: most_nodes_for_finer(2) = [2**17, 2**14]
-   !> How much coarser the grids are that a grid is compared with: finer ones, and coarser ones,
-   !> which have 288, 192 and 144 nodes a side for 1024.
-   real(wp), parameter :: finer_ratios(2) = [2.0_wp/3.0_wp, 0.5_wp], &
-      coarser_ratios(3) = [32.0_wp/9.0_wp, 16.0_wp/3.0_wp, 64.0_wp/9.0_wp]
-   !> p.
-   real(wp), parameter :: order = 1.5_wp
+   !> How much coarser the grids are that a grid is compared with, and what the squares of their
+   !> differences weigh: of one with few nodes, and of one with many, an area with the first two.
+   real(wp), parameter :: finer_ratios(3) = [0.5_wp, 2.0_wp/3.0_wp, 4.0_wp/3.0_wp], &
+      finer_weights(3) = [1.0_wp, 1.0_wp, 0.1_wp], &
+      coarser_ratios(3) = [4.0_wp/3.0_wp, 2.0_wp, 1.5_wp], &
+      coarser_weights(3) = [1.0_wp, 0.1_wp, 0.3_wp]
    !> Fewest nodes a side, and fewest grids for an estimate.
    integer, parameter :: fewest_nodes = 8, fewest_grids = 2
-   !> Error measure to which they are solved, of a line, whose figures are good to 1e-6, and of an
-   !> area.
-   real(wp), parameter :: line_tolerance = 1.0e-7_wp, area_tolerance = 1.0e-5_wp
+   !> Error measure to which they are solved: of lines, of periodic areas with few nodes and with
+   !> many, of open areas, whose heights are those of the body; of lines and areas under a given
+   !> separation, whose load is found to about as much.
+   real(wp), parameter :: line_tolerance = 1.0e-6_wp, &
+      periodic_tolerances(2) = [3.0e-3_wp, 1.0e-2_wp], open_tolerance = 3.0e-5_wp, &
+      separation_tolerances(2) = [1.0e-7_wp, 1.0e-5_wp]
+   !> Share of the mean contact pressure below which a resampled pressure is none.
+   real(wp), parameter :: least_pressure = 0.05_wp
    !> Figures that are compared: contact, corrected and plastic area, plasticity index, mean
    !> separation, separation, datum, p_max, dp_max, dp_mean, elastic and dissipated energy, load.
    integer, parameter :: figures = 13
-   !> What the root mean square is multiplied by, of lines and of areas: with finer grids, figure by
-   !> figure, and with coarser ones.
-   real(wp), parameter :: line_safety(figures) = [1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 3.5_wp, 3.5_wp, &
-      3.5_wp, 5.0_wp, 3.0_wp, 3.5_wp, &
-      2.7_wp, 3.5_wp, 3.5_wp]
-   real(wp), parameter :: area_safety(figures) = [1.0_wp, 1.6_wp, 1.0_wp, 1.0_wp, 4.5_wp, 4.0_wp, &
-      4.0_wp, 3.9_wp, 2.5_wp, 3.5_wp, &
-      3.0_wp, 3.5_wp, 3.5_wp]
-   real(wp), parameter :: coarser_safety(2) = [4.5_wp, 2.5_wp]
+   !> What the root mean square is multiplied by: areas, corrected area, separations and load,
+   !> p_max, deformations and energies; of lines and areas with few nodes, then with many.
+   real(wp), parameter :: safety(5, 4) = reshape([1.0_wp, 1.6_wp, 2.3_wp, 3.0_wp, 2.3_wp, &
+      1.0_wp, 1.6_wp, 2.4_wp, 2.6_wp, 2.0_wp, &
+      1.0_wp, 1.6_wp, 1.4_wp, 2.0_wp, 1.6_wp, &
+      1.0_wp, 1.6_wp, 2.2_wp, 3.0_wp, 2.0_wp], [5, 4])
+   !> Which of these holds for each figure.
+   integer, parameter :: safety_of(figures) = [1, 2, 1, 1, 3, 3, 3, 4, 5, 5, 5, 5, 3]
    !> Share of the nodes at the edges of patches that comes to the errors of areas: of a line, of an
    !> area, of the corrected area.
    real(wp), parameter :: edge_share(2) = [0.4_wp, 0.1_wp], corrected_share = 0.03_wp
@@ -67,56 +73,67 @@ module dry_errors
 
 contains
 
-   !> Estimated errors of the figures in `rows` of a `sweep`, component by component; what is not
-   !> known is NaN. Fails (internal_error) if FFTW does.
-   subroutine estimate_dry_errors(sweep, rows, errors, error)
+   !> Estimated errors of the figures in the rows of the `outcome` of a `sweep` that keeps its
+   !> pressures, component by component; what is not known is NaN. Fails (internal_error) if FFTW
+   !> does.
+   subroutine estimate_dry_errors(sweep, outcome, errors, error)
       type(dry_sweep_t), intent(in) :: sweep
-      type(dry_row_t), intent(in) :: rows(:)
+      type(dry_outcome_t), intent(in) :: outcome
       type(dry_row_t), allocatable, intent(out) :: errors(:)
       type(error_t), allocatable, intent(out) :: error
       type(dry_row_t), allocatable :: others(:)
       type(dry_sweep_t) :: companion
-      real(wp), allocatable :: ratios(:)
-      real(wp) :: distance, safety(figures), squares(figures, size(rows))
-      integer :: count(size(rows)), i, k
+      real(wp) :: compared(figures), ratios(3), squares(figures, size(outcome%rows)), &
+         sums(size(outcome%rows)), weights(3)
+      integer :: count(size(outcome%rows)), i, k
 
       squares = 0.0_wp
+      sums = 0.0_wp
       count = 0
-      ratios = ratios_for(sweep%grid)
-      grids: do k = 1, size(ratios)
+      ratios = merge(finer_ratios, coarser_ratios, has_few_nodes(sweep%grid))
+      weights = merge(finer_weights, coarser_weights, has_few_nodes(sweep%grid))
+      grids: do k = 1, merge(3, 2, has_few_nodes(sweep%grid) .or. sweep%grid%ny == 1)
          if (is_too_coarse(sweep%grid, ratios(k))) cycle grids
          companion = sweep
-         companion%settings%method = method_conjugate_gradient
-         companion%settings%tolerance = max(sweep%settings%tolerance, &
-            merge(line_tolerance, area_tolerance, sweep%grid%ny == 1))
+         companion%settings = companion_settings(sweep)
          call resample(companion, ratios(k), error)
+         if (allocated(error)) return
+         call resample_pressures(sweep%grid, companion%grid, outcome%pressures, &
+            companion%settings%starts, error)
          if (allocated(error)) return
          call solve_companion(companion, others, error)
          if (allocated(error)) return
          if (.not. allocated(others)) cycle grids
-         distance = 1.0_wp
-         if (ratios(k) > 1.0_wp) distance = (real(sweep%grid%nx, wp)/companion%grid%nx)**order &
-            - 1.0_wp
-         loads: do i = 1, size(rows)
+         loads: do i = 1, size(others)
             if (.not. others(i)%kkt <= companion%settings%tolerance) cycle loads
             count(i) = count(i) + 1
-            squares(:, i) = squares(:, &
-               i) + ((figures_of(others(i)) - figures_of(rows(i)))/distance)**2
+            sums(i) = sums(i) + weights(k)
+            squares(:, i) = squares(:, i) + weights(k)*(figures_of(others(i)) &
+               - figures_of(outcome%rows(i)))**2
          end do loads
       end do grids
-      safety = coarser_safety(kind_of(sweep%grid))
-      if (ratios(1) < 1.0_wp) safety = merge(line_safety, area_safety, sweep%grid%ny == 1)
-      allocate (errors(size(rows)))
-      do i = 1, size(rows)
-         squares(:, i) = safety*sqrt(squares(:, i)/max(count(i), 1)) &
-            + rows(i)%kkt*abs(figures_of(rows(i)))
-         if (count(i) < fewest_grids .or. .not. rows(i)%is_converged) squares(:, i) = not_known()
-         call fill_errors(rows(i), squares(:, i), errors(i))
-         call add_edges(sweep%grid, rows(i), errors(i))
-         errors(i)%p_max = errors(i)%p_max + pressure_noise*sweep%grid%nx*rows(i)%kkt &
-            *sweep%scaling%pressure
-      end do
+      allocate (errors(size(outcome%rows)))
+      associate (rows => outcome%rows, factors => safety(safety_of, kind_of(sweep%grid) &
+         + merge(0, 2, has_few_nodes(sweep%grid))))
+         do i = 1, size(rows)
+            compared = not_known()
+            if (count(i) >= fewest_grids .and. rows(i)%is_converged) compared = factors &
+               *sqrt(squares(:, i)/sums(i)) + rows(i)%kkt*abs(figures_of(rows(i)))
+            call fill_errors(rows(i), compared, errors(i))
+            call add_edges(sweep%grid, rows(i), errors(i))
+            errors(i)%p_max = errors(i)%p_max + pressure_noise*sweep%grid%nx*rows(i)%kkt &
+               *sweep%scaling%pressure
+         end do
+      end associate
    end subroutine estimate_dry_errors
+
+   !> True if `grid` is compared with finer ones.
+   pure function has_few_nodes(grid)
+      type(dry_grid_t), intent(in) :: grid
+      logical :: has_few_nodes
+
+      has_few_nodes = real(grid%nx, wp)*grid%ny <= most_nodes_for_finer(kind_of(grid))
+   end function has_few_nodes
 
    !> 1 of a line, 2 of an area.
    pure function kind_of(grid) result(kind)
@@ -126,14 +143,26 @@ contains
       kind = merge(1, 2, grid%ny == 1)
    end function kind_of
 
-   !> How much coarser the grids are that `grid` is compared with.
-   pure function ratios_for(grid) result(ratios)
-      type(dry_grid_t), intent(in) :: grid
-      real(wp), allocatable :: ratios(:)
+   !> How the companions of a `sweep` are solved.
+   pure function companion_settings(sweep) result(settings)
+      type(dry_sweep_t), intent(in) :: sweep
+      type(dry_settings_t) :: settings
 
-      ratios = coarser_ratios
-      if (real(grid%nx, wp)*grid%ny <= most_nodes_for_finer(kind_of(grid))) ratios = finer_ratios
-   end function ratios_for
+      settings = sweep%settings
+      settings%method = method_conjugate_gradient
+      settings%keeps_pressures = .false.
+      if (allocated(sweep%loads%separation)) then
+         settings%tolerance = max(settings%tolerance, separation_tolerances(kind_of(sweep%grid)))
+      else if (sweep%grid%ny == 1) then
+         settings%tolerance = max(settings%tolerance, line_tolerance)
+      else if (sweep%grid%kernel == kernel_open) then
+         settings%tolerance = max(settings%tolerance, open_tolerance)
+      else
+         settings%tolerance = max(settings%tolerance, &
+            periodic_tolerances(merge(1, 2, has_few_nodes(sweep%grid))))
+         settings%is_rough = .true.
+      end if
+   end function companion_settings
 
    !> True if a side of `grid` or of one `ratio` times as coarse has too few nodes.
    pure function is_too_coarse(grid, ratio)
@@ -152,20 +181,50 @@ contains
       type(dry_sweep_t), intent(inout) :: sweep
       real(wp), intent(in) :: ratio
       type(error_t), allocatable, intent(out) :: error
-      integer :: new(2)
+      type(dry_grid_t) :: old
 
-      associate (grid => sweep%grid)
-         new = [other_count(grid%nx, ratio), other_count(grid%ny, ratio)]
-         if (grid%kernel == kernel_open) then
-            call interpolate_heights([grid%nx, grid%ny], new, sweep%height)
-         else
-            call resample_heights([grid%nx, grid%ny], new, sweep%height, error)
-            if (allocated(error)) return
-         end if
-         grid%nx = new(1)
-         grid%ny = new(2)
-      end associate
+      old = sweep%grid
+      sweep%grid%nx = other_count(old%nx, ratio)
+      sweep%grid%ny = other_count(old%ny, ratio)
+      call resample_field(old, sweep%grid, sweep%height, error)
    end subroutine resample
+
+   !> Takes `field` (nx*ny) from the grid `old` to `new`. Fails (internal_error) if FFTW does.
+   subroutine resample_field(old, new, field, error)
+      type(dry_grid_t), intent(in) :: old, new
+      real(wp), allocatable, intent(inout) :: field(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      if (old%kernel == kernel_open) then
+         call interpolate_heights([old%nx, old%ny], [new%nx, new%ny], field)
+      else
+         call resample_heights([old%nx, old%ny], [new%nx, new%ny], field, error)
+      end if
+   end subroutine resample_field
+
+   !> The `pressures` (nx*ny, loads) of the grid `old` on `new`, `starts`: none where they ripple
+   !> about 0, and with the same loads. Fails (internal_error) if FFTW does.
+   subroutine resample_pressures(old, new, pressures, starts, error)
+      type(dry_grid_t), intent(in) :: old, new
+      real(real32), intent(in) :: pressures(:, :)
+      real(real32), allocatable, intent(out) :: starts(:, :)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: p(:)
+      real(wp) :: total
+      integer :: i
+
+      allocate (starts(new%nx*new%ny, size(pressures, 2)))
+      do i = 1, size(pressures, 2)
+         p = pressures(:, i)
+         total = sum(p)
+         associate (least => least_pressure*total/count(p > 0.0_wp))
+            call resample_field(old, new, p, error)
+            if (allocated(error)) return
+            where (p < least) p = 0.0_wp
+         end associate
+         starts(:, i) = real(p*(total/sum(p)*size(p)/size(pressures, 1)), real32)
+      end do
+   end subroutine resample_pressures
 
    !> The figures `others` of the sweep on another grid. They stay unallocated where it finds no
    !> contact.

@@ -1,5 +1,6 @@
 !> What presses on a dry contact, and how it is to be solved. Plain records without behaviour.
 module dry_settings
+   use, intrinsic :: iso_fortran_env, only: real32
    use kinds, only: wp
    implicit none (type, external)
    private
@@ -22,6 +23,10 @@ module dry_settings
       integer :: max_cycles = dry_cycles
       !> True: a guess is wanted, for which single precision is enough.
       logical :: is_rough = .false.
+      !> True: the pressures of all loads are kept.
+      logical :: keeps_pressures = .false.
+      !> Pressures from which the loads start (nx*ny, loads), dimensionless; not allocated: none.
+      real(real32), allocatable :: starts(:, :)
    end type dry_settings_t
 
    !> What presses and what yields, SI.

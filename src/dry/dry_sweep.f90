@@ -1,5 +1,6 @@
 !> A dry contact under a series of loads, and the figures of each, in SI.
 module dry_sweep
+   use, intrinsic :: iso_fortran_env, only: real32
    use constants, only: pi
    use domain_border, only: border_reason
    use dry_contact_solver, only: dry_solver_t
@@ -60,6 +61,8 @@ module dry_sweep
       type(dry_row_t), allocatable :: rows(:)
       type(dry_fields_t) :: fields
       type(dry_solution_t) :: solution
+      !> Pressures of all loads (nx*ny, loads), dimensionless, if the settings ask for them.
+      real(real32), allocatable :: pressures(:, :)
       !> Processor time of preparing (planning of transforms) and of solving, wall time of solving,
       !> all loads [s].
       real(wp) :: cpu_prepare = 0.0_wp, cpu_solve = 0.0_wp, wall_solve = 0.0_wp
@@ -110,10 +113,13 @@ contains
       outcome%cpu_prepare = cpu_stop - cpu_start
       allocate (yielded(n), plastic(n), source=0.0_wp)
       allocate (outcome%transforms(4, 0))
+      if (settings%keeps_pressures) allocate (outcome%pressures(n, size(outcome%rows)))
       associate (rows => outcome%rows, fields => outcome%fields, solution => outcome%solution)
          do i = 1, size(rows)
             wall_start = wall_seconds()
             call cpu_time(cpu_start)
+            if (allocated(settings%starts)) call start_from(settings%starts(:, i), problem, &
+               solution)
             if (allocated(loads%separation)) then
                call solve_for_datum(solver, problem, datum_of(problem%grid, scaling, top, &
                   loads%separation(i)), solution, error)
@@ -133,6 +139,7 @@ contains
             call fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
             where (solution%pressure >= problem%hardness) fields%pressure = loads%hardness
             call fill_row(problem, scaling, area, solution, plastic, fields, rows(i))
+            if (.not. settings%is_rough) call fill_roughness(fields, grid%ny == 1, rows(i))
             rows(i)%mean_pressure = scaling%pressure_in_si(problem%load/n)
             if (allocated(loads%mean_pressure)) rows(i)%mean_pressure = loads%mean_pressure(i)
             rows(i)%load = rows(i)%mean_pressure*area
@@ -141,6 +148,7 @@ contains
             rows(i)%dissipated_energy = 0.0_wp
             if (problem%is_capped()) rows(i)%dissipated_energy = loads%hardness*area &
                *rows(i)%dp_mean
+            if (settings%keeps_pressures) outcome%pressures(:, i) = real(solution%pressure, real32)
             if (loads%has_history) then
                yielded = yielded + plastic
                problem%height = problem%height - plastic
@@ -150,6 +158,18 @@ contains
          end do
       end associate
    end subroutine solve_dry_sweep
+
+   !> Makes the `pressure` (nx*ny) the start of `solution`.
+   pure subroutine start_from(pressure, problem, solution)
+      real(real32), intent(in) :: pressure(:)
+      type(dry_problem_t), intent(inout) :: problem
+      type(dry_solution_t), intent(inout) :: solution
+
+      solution%pressure = pressure
+      solution%contacts = count(solution%pressure > 0.0_wp)
+      problem%load = sum(solution%pressure)
+      if (allocated(solution%v)) deallocate (solution%v)
+   end subroutine start_from
 
    !> The datum, dimensionless, of a separation [m]; `top` is the highest point of the virgin
    !> surface above its mean.
@@ -204,10 +224,8 @@ contains
       type(dry_fields_t), intent(in) :: fields
       type(dry_row_t), intent(out) :: row
       integer :: n
-      logical :: is_line
 
       n = size(fields%pressure)
-      is_line = problem%grid%ny == 1
       row%contact_area_fraction = real(solution%contacts, wp)/n
       row%plastic_area_fraction = real(solution%capped, wp)/n
       row%plasticity_index = real(solution%capped, wp)/solution%contacts
@@ -230,12 +248,20 @@ contains
       row%plastic_edges = 0
       if (problem%is_capped()) row%plastic_edges = edges_of(problem%grid, &
          solution%pressure >= problem%hardness)
-      if (.not. is_line) row%contact_area_corrected = row%contact_area_fraction &
+      if (problem%grid%ny > 1) row%contact_area_corrected = row%contact_area_fraction &
          - border_share*row%contact_edges/real(n, wp)
+   end subroutine fill_row
+
+   !> Roughness of the surface of one load from its fields.
+   subroutine fill_roughness(fields, is_line, row)
+      type(dry_fields_t), intent(in) :: fields
+      logical, intent(in) :: is_line
+      type(dry_row_t), intent(inout) :: row
+
       row%undeformed = roughness_of(fields%height_undeformed, is_line)
       row%loaded = roughness_of(fields%height_loaded, is_line)
       row%unloaded = roughness_of(fields%height_unloaded, is_line)
-   end subroutine fill_row
+   end subroutine fill_roughness
 
    !> A contact that reaches the border of an open domain is no solution.
    subroutine check_border(grid, scaling, fields, row)
