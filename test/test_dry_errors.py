@@ -105,3 +105,35 @@ def test_a_given_separation_has_a_load_with_an_error(asperity, tmp_path, nodes):
         load = file["sweep/load"]
         exact = 2 / 3 * MODULUS * half_width**3 / radius
         assert abs(load[0] - exact) <= load.attrs["error_estimate"][0] < 0.05 * exact
+
+
+def test_bars_of_many_nodes_are_sharp(asperity, tmp_path):
+    # Six nodes in the shortest wave: much coarser grids lose waves, which is no error of this one.
+    rng = np.random.default_rng(5)
+    nodes, most = 144, 24
+    wave = np.hypot(*np.meshgrid(*[np.fft.fftfreq(nodes, 1 / nodes)] * 2))
+    kept = np.where((wave >= 1) & (wave <= most), np.maximum(wave, 1), np.inf)
+    heights = np.fft.ifft2(np.fft.fft2(rng.standard_normal((nodes, nodes))) * kept**-1.8).real
+    with h5py.File(tmp_path / "z.h5", "w") as file:
+        data = file.create_dataset("z", data=2e-7 * heights / heights.std())
+        data.attrs["spacing_x"] = data.attrs["spacing_y"] = 2.4e-4 / nodes
+    found = {}
+    for n, more in ((nodes, ""), (4 * nodes, OFF)):
+        domain = f"&domain length_x = 2.4e-4, length_y = 2.4e-4, intervals_x = {n}, intervals_y = {n} /"
+        options = {"more": f"{more}\n{domain}", "problem": "dry_area", "modulus": MODULUS}
+        with solve(asperity, tmp_path, "shape = 'file', file = 'z.h5', dataset = 'z'", [1e8], "", **options) as file:
+            found[n] = {name: (file["summary"][name][()], file["summary"][name].attrs["error_estimate"]) for name in SUMMARY}
+    for name, widest in {"mean_separation": 2e-3, "p_max": 0.15, "contact_area_fraction": 0.15}.items():
+        value, bar = found[nodes][name]
+        exact = found[4 * nodes][name][0]
+        assert abs(value - exact) <= bar < widest * exact, name
+
+
+def test_each_load_of_a_sweep_has_the_bars_that_it_has_alone(asperity, tmp_path):
+    loads = [25e6, 250e6]
+    with solve(asperity, tmp_path, profile("C"), loads, "") as file:
+        together = {name: file["sweep"][name].attrs["error_estimate"] for name in ("mean_separation", "p_max")}
+    for i, load in enumerate(loads):
+        with solve(asperity, tmp_path, profile("C"), [load], "") as file:
+            for name, bars in together.items():
+                assert file["sweep"][name].attrs["error_estimate"][0] == pytest.approx(bars[i], rel=0.05), name
