@@ -16,11 +16,8 @@
 !>
 !>     H = [ H_N^(-0.7) + H_e^(-0.7) - H_1^(-0.7) ]^(-1/0.7)
 !>
-!> The four numbers are fitted to every fifth of 1616 solutions on 8192 intervals (M 0.03-2000, L
-!> 2.5-40, tau_0 1, 3.3 and 10 MPa, slide-to-roll 0, 0.2, 5/3, 4), in which the film falls to 0.0008
-!> of Moes'. In every second of them H is off by 0.2 in the mean square of ln H, in 98 % by -0.38 to
-!> 0.63, at most by 0.97; where the film is thick and yet thinned by much, which is rare, by up to
-!> 2.3.
+!> The numbers are fitted; ln H is off by 0.2 in the mean square (docs/decisions.md, film of a
+!> shear-thinning lubricant).
 module thinned_film
    use kinds, only: wp
    use lubricant, only: fluid_t, fluid_viscosity
