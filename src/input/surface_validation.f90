@@ -11,44 +11,38 @@ module surface_validation
 
 contains
 
-   !> All checks of the surface `group` that moves at the key `speed` of &bodies.
+   !> Findings about the surface `group` that moves at the key `speed` of &bodies: shapes that do
+   !> not go together, several positions of one profile, motion in a steady case.
    subroutine check_surface(values, group, speed)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group, speed
-      type(value_t) :: shape
+      type(value_t) :: position, shape
+      real(wp) :: metres_a_second
 
       shape = values%slot(group, 'shape')
+      position = values%slot(group, 'position')
       if (.not. shape%has_value .or. .not. values%has_group(group)) return
-      if (any(shape%words == '?')) return
-      if (all(shape%words == 'smooth')) return
-      if (any(shape%words == 'file' .or. shape%words == 'synthetic')) then
-         call check_profile(values, group, shape)
-      else
+      if (any(shape%words == '?') .or. all(shape%words == 'smooth')) return
+      if (.not. any(shape%words == 'file' .or. shape%words == 'synthetic')) then
          if (any(shape%words == 'smooth')) call values%refuse(group, 'shape', &
             "found 'smooth' among other shapes, expected 'feature' or 'sinusoid' for each element")
          call check_lengths(values, group)
-      end if
-      call check_motion(values, group, speed)
-   end subroutine check_surface
-
-   !> Findings about a surface from a file or a synthesis: several shapes, several positions.
-   subroutine check_profile(values, group, shape)
-      type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: group
-      type(value_t), intent(in) :: shape
-      type(value_t) :: position
-
-      position = values%slot(group, 'position')
-      if (size(shape%words) > 1) then
+      else if (size(shape%words) > 1) then
          call values%refuse(group, 'shape', "found '"//trim(shape%words(1)) &
             //"' among several shapes, expected 'feature' and 'sinusoid' among several")
       else if (size(position%reals) > 1) then
-         call values%refuse(group, 'position', 'found length ' &
-            //to_text(size(position%reals))//', expected one value: the centre of the profile')
+         call values%refuse(group, 'position', 'found length '//to_text(size(position%reals)) &
+            //', expected one value: the centre of the profile')
       end if
-   end subroutine check_profile
+      if (.not. values%has_value('time', 'transient') .or. values%logical_value('time', &
+         'transient')) return
+      metres_a_second = values%real_value('bodies', speed)
+      if (abs(metres_a_second) > 0.0_wp) call values%refuse(group, 'shape', &
+         'found a rough surface that moves (' // speed // ' = ' // to_text(metres_a_second) &
+         // ' m/s) in a steady case, expected transient = .true. in &time, or ' // speed // ' = 0')
+   end subroutine check_surface
 
-   !> Finds arrays that have not as many values as `amplitude`; `shape` may have one for all.
+   !> Finds arrays with another number of values than `amplitude`; `shape` may have one for all.
    subroutine check_lengths(values, group)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
@@ -69,19 +63,5 @@ contains
             // ', expected ' // to_text(elements) // ', one value for each value of amplitude')
       end do
    end subroutine check_lengths
-
-   !> Finding: a rough surface that moves in a steady case.
-   subroutine check_motion(values, group, speed)
-      type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: group, speed
-      real(wp) :: metres_a_second
-
-      metres_a_second = values%real_value('bodies', speed)
-      if (.not. values%has_value('time', 'transient') .or. values%logical_value('time', &
-         'transient')) return
-      if (abs(metres_a_second) > 0.0_wp) call values%refuse(group, 'shape', &
-         'found a rough surface that moves (' // speed // ' = ' // to_text(metres_a_second) &
-         // ' m/s) in a steady case, expected transient = .true. in &time, or ' // speed // ' = 0')
-   end subroutine check_motion
 
 end module surface_validation
