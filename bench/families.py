@@ -12,7 +12,8 @@ step. The program runs both, and each quantity of the member's result is put int
     judged      all others: is the truth within the estimate, and the estimate below ten times the true error?
 
 The truth of a passage is FINER times as fine as the result that it judges, in space and in time, whatever grid the program has
-chosen: with schemes of second order a sixteenth of the error is left. A truth that no quantity needs is not computed.
+chosen: with schemes of second order a sixteenth of the error is left. Its inlet is FARTHER times as far. A truth that no quantity
+needs is not computed.
 
 A family holds if the truth is within the estimate for at least 95 % of those judged, and the estimate below ten times the true
 error for at least 80 %. A true error below FLOOR times the value counts as within ten times: no estimate need be so small.
@@ -50,6 +51,8 @@ PATIENCE = 3600
 QUICK = 6
 # Spacing and time step of a result over those of its truth.
 FINER = 4
+# Distance of the inlet of a truth over that of the result.
+FARTHER = 2
 # A note that takes nothing from the numbers where the truth ends at the same time.
 TOLD = "a feature is still in the contact"
 REFUSED, NOTED, UNKNOWN, JUDGED = "refused", "noted", "not known", "judged"
@@ -57,10 +60,16 @@ REFUSED, NOTED, UNKNOWN, JUDGED = "refused", "noted", "not known", "judged"
 
 @dataclass(frozen=True)
 class Resolution:
-    """Spacing and time step of a result, over the half-width and its time."""
+    """Spacing, time step and ends of the domain of a result, over the half-width and its time."""
 
     spacing: float
     step: float
+    x_inlet: float
+    x_outlet: float
+
+    def ends(self, x_inlet: float, x_outlet: float) -> dict[str, float]:
+        """Those of a truth: FARTHER, and not nearer than these."""
+        return {"x_inlet": min(FARTHER * self.x_inlet, x_inlet), "x_outlet": max(self.x_outlet, x_outlet)}
 
     def intervals(self, length: float, fewest: int) -> int:
         """So many on a domain of this length that they are FINER: 4, 5, 6 or 7 times a power of two, `fewest` at least."""
@@ -170,7 +179,7 @@ def resolution(file: h5py.File) -> Resolution | None:
     if "time/time_step" not in groups:
         return None
     ends = [float(groups[f"domain/{key}"][()]) for key in ("x_inlet", "x_outlet")]
-    return Resolution((ends[1] - ends[0]) / float(groups["domain/intervals"][()]), float(groups["time/time_step"][()]))
+    return Resolution((ends[1] - ends[0]) / float(groups["domain/intervals"][()]), float(groups["time/time_step"][()]), *ends)
 
 
 def judge(family: Family, member: Member) -> list[Row]:

@@ -46,9 +46,8 @@ class Contact:
         """The same on a long domain, finer than the case in space and in time."""
 
         def finer(found: Resolution) -> str:
-            outlet = 3.0 if self.m < 10 else 2.0
-            ends = {"x_inlet": self.inlet, "x_outlet": outlet}
-            domain = ends | {"intervals": found.intervals(outlet - self.inlet, FEWEST)}
+            domain = found.ends(self.inlet, 3.0 if self.m < 10 else 2.0)
+            domain["intervals"] = found.intervals(domain["x_outlet"] - domain["x_inlet"], FEWEST)
             step = found.time_step(LONGEST / max(abs(self.speed), 0.5))
             return self.text(surfaces, time | {"time_step": step}, domain=domain, accuracy=NO_BARS)
 

@@ -112,10 +112,11 @@ def true_passage(wave: Wave) -> Callable[[Resolution], str]:
     """Its truth, finer than the case in space and in time."""
 
     def finer(found: Resolution) -> str:
-        long = length(LONG_IN_TIME)
-        fine = found.intervals(long, max(power_of_two(FINE_IN_TIME * long / wave.length), 2**11))
+        long = found.ends(**LONG_IN_TIME)
+        fewest = max(power_of_two(FINE_IN_TIME * length(long) / wave.length), 2**11)
+        fine = found.intervals(length(long), fewest)
         step = found.time_step(wave.step(FINE_IN_TIME))
-        return wave.namelist(LONG_IN_TIME | {"intervals": fine}, time=wave.time(step), accuracy=NO_BARS)
+        return wave.namelist(long | {"intervals": fine}, time=wave.time(step), accuracy=NO_BARS)
 
     return finer
 
