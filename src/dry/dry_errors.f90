@@ -121,8 +121,8 @@ contains
                *sqrt(squares(:, i)/sums(i)) + rows(i)%kkt*abs(figures_of(rows(i)))
             call fill_errors(rows(i), compared, errors(i))
             call add_edges(sweep%grid, rows(i), errors(i))
-            errors(i)%p_max = errors(i)%p_max + pressure_noise*sweep%grid%nx*rows(i)%kkt &
-               *sweep%scaling%pressure
+            errors(i)%p_max = errors(i)%p_max + sweep%scaling%pressure_in_si( &
+               pressure_noise*sweep%grid%nx*rows(i)%kkt)
          end do
       end associate
    end subroutine estimate_dry_errors
