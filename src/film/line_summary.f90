@@ -138,12 +138,8 @@ contains
       real(wp) :: value
 
       value = a
-      if (.not. ieee_is_finite(b)) return
-      if (ieee_is_finite(a)) then
-         value = max(a, b)
-      else
-         value = b
-      end if
+      if (ieee_is_finite(b)) value = b
+      if (ieee_is_finite(a) .and. ieee_is_finite(b)) value = max(a, b)
    end function larger
 
    !> The value of row `i` that does not change with the place of the nodes, and is followed from
