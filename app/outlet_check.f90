@@ -3,6 +3,7 @@
 !> the figures, and a note on it.
 module outlet_check
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use case_notes, only: tell
    use case_record, only: case_t
    use companions, only: run_farther, run_longer, run_other_scheme
    use domain_choice, only: choose_domain
@@ -63,15 +64,11 @@ contains
       real(wp), intent(in) :: x_outlet, change
       type(run_observer_t), intent(inout) :: watcher
       type(report_t), intent(inout) :: report
-      character(:), allocatable :: note
 
       if (ieee_is_finite(change)) then
          if (change <= telling_change) return
       end if
-      note = outlet_note(open, x_outlet, change)
-      call watcher%log%say(case%file//': '//note)
-      if (allocated(report%note)) note = report%note//'; '//note
-      call move_alloc(note, report%note)
+      call tell(case, watcher, outlet_note(open, x_outlet, change), report%note)
    end subroutine tell_outlet
 
    !> What is wrong with the outlet and how to mend it; `change`: of the quantities, NaN if unknown.

@@ -12,7 +12,6 @@ module result_start
    use result_name, only: hold_name, result_name_t
    use result_writer, only: field_name_length, open_result, reopen_result
    use run_observer, only: run_observer_t
-   use scaling, only: scaling_t
    use text, only: to_text
    use transient_store, only: breakdown_name
    implicit none (type, external)
@@ -25,11 +24,10 @@ contains
    !> Opens the result `path` of `case`; with `is_resume` at the last checkpoint, if there is one.
    !> `case%time%resume_from` then says where the run goes on. Errors: the result cannot be written;
    !> the checkpoint is of no use.
-   subroutine start_result(case, path, is_resume, scaling, watcher, error)
+   subroutine start_result(case, path, is_resume, watcher, error)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: path
       logical, intent(in) :: is_resume
-      type(scaling_t), intent(in) :: scaling
       type(run_observer_t), intent(inout) :: watcher
       type(error_t), allocatable, intent(out) :: error
       logical :: has_checkpoint
@@ -49,11 +47,11 @@ contains
       associate (statistics => watcher%writer%statistics, &
          thresholds => case%output_settings%film_thresholds)
          if (.not. allocated(statistics%thresholds) .and. size(thresholds) > 0) then
-            statistics = new_statistics(thresholds/scaling%film)
+            statistics = new_statistics(thresholds/watcher%scaling%film)
          end if
       end associate
       watcher%writer%profile_stride = case%output_settings%profile_stride
-      call watcher%writer%describe(trim(case%problem), case%title, case%namelist, scaling)
+      call watcher%writer%describe(trim(case%problem), case%title, case%namelist, watcher%scaling)
    end subroutine start_result
 
    !> Names of the fields that are stored of each time, and of the mark of a film below the floor,
@@ -85,8 +83,7 @@ contains
       end if
       watcher%earlier_seconds = checkpoint%march%report%wall_seconds
       watcher%output_seconds = checkpoint%march%report%phase_seconds(phase_output)
-      watcher%checkpoint_step = checkpoint%march%step
-      call watcher%writer%name%expect_interruption(watcher%checkpoint_step)
+      call watcher%writer%name%expect_interruption(checkpoint%march%step)
       watcher%intervals = checkpoint%intervals
       watcher%time_step = checkpoint%time_step
       watcher%space_scheme = checkpoint%space_scheme

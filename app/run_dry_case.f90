@@ -4,7 +4,7 @@ module run_dry_case
    use, intrinsic :: iso_fortran_env, only: int64
    use case_effective, only: list_dry
    use case_outcome, only: give_up, status_converged, status_not_converged
-   use case_record, only: case_t, result_path
+   use case_record, only: case_t
    use dry_case, only: dry_case_t
    use dry_result, only: write_dry_result
    use dry_solution, only: dry_solution_t
@@ -17,7 +17,7 @@ module run_dry_case
    use interruption, only: set_patience
    use kinds, only: wp
    use life_sign, only: begin_activity
-   use progress_log, only: new_progress_log, progress_log_t
+   use progress_log, only: progress_log_t
    use quantity_text, only: number_text, wrapped
    use result_writer, only: open_result, result_writer_t
    use system_limits, only: memory_fault, processors
@@ -34,25 +34,23 @@ module run_dry_case
 
 contains
 
-   !> Solves all loads of `case`, writes its result to the folder `output_dir` (empty: where the
-   !> case says), prints a line for each load unless `is_quiet`; areas use `threads` threads.
-   subroutine solve_and_write(case, output_dir, is_quiet, threads, status)
+   !> Solves all loads of `case`, writes its result `path`, tells the `log` a line for each load;
+   !> areas use `threads` threads.
+   subroutine solve_and_write(case, path, log, threads, status)
       type(case_t), intent(inout) :: case
-      character(*), intent(in) :: output_dir
-      logical, intent(in) :: is_quiet
+      character(*), intent(in) :: path
+      type(progress_log_t), intent(inout) :: log
       integer, intent(in) :: threads
       integer, intent(out) :: status
       type(result_writer_t) :: writer
-      type(progress_log_t) :: log
       type(dry_outcome_t) :: outcome
       type(dry_row_t), allocatable :: errors(:)
       type(error_t), allocatable :: error
       character(:), allocatable :: name
 
-      log = new_progress_log(is_quiet)
       if (case%problem == dry_area) case%dry%grid%threads = min(threads, processors())
       call check_memory(case, error)
-      if (.not. allocated(error)) call open_result(writer, result_path(case, output_dir), error)
+      if (.not. allocated(error)) call open_result(writer, path, error)
       if (allocated(error)) then
          call give_up(error, log, status)
          return

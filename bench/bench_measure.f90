@@ -1,6 +1,5 @@
 !> Runs one job: the same contact solved many times in one process, timed by phase.
 module bench_measure
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use bench_jobs, only: job_t
    use bench_recorder, only: largest_difference, record_steady, recorder_t, start_recorder
    use case_input, only: read_case
@@ -17,6 +16,7 @@ module bench_measure
    use line_contact, only: line_contact_t
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem
    use line_state, only: line_state_t
+   use missing_value, only: not_known
    use solver_settings, only: solver_settings_t, time_settings_t
    use steady_target, only: solve_contact
    use resolution_choice, only: choose_resolution
@@ -220,12 +220,5 @@ contains
          middle(column) = 0.5_wp*(sorted((n + 1)/2) + sorted(n/2 + 1))
       end do
    end function medians
-
-   !> A quiet NaN.
-   pure function not_known() result(value)
-      real(wp) :: value
-
-      value = ieee_value(value, ieee_quiet_nan)
-   end function not_known
 
 end module bench_measure

@@ -24,15 +24,15 @@ module checkpoint_file
       type(hdf5_file_t) :: file
       type(hdf5_input_t) :: reader
    contains
-      !> A value of any rank: reals, integers, or a logical; a text or a vector as long as it is.
-      generic :: visit => visit_reals, visit_integers, visit_longs, visit_logical
+      !> Reals or integers of any rank; a text or a vector as long as it is.
+      generic :: visit => visit_reals, visit_integers, visit_longs
       procedure :: visit_text, visit_vector
       !> Whether something is there: `is_kept` while the file is written, what the file has while it
       !> is read.
       procedure :: has
       !> Closes the file; `error` is the first failure.
       procedure :: close => close_checkpoint
-      procedure, private :: visit_reals, visit_integers, visit_longs, visit_logical
+      procedure, private :: visit_reals, visit_integers, visit_longs
    end type checkpoint_file_t
 
 contains
@@ -65,18 +65,6 @@ contains
       call visit_numbers(self, path, h5kind_to_type(int64, h5_integer_kind), shape(values), &
          c_loc(values))
    end subroutine visit_longs
-
-   !> True or false, as 1 or 0.
-   subroutine visit_logical(self, path, value)
-      class(checkpoint_file_t), intent(inout) :: self
-      character(*), intent(in) :: path
-      logical, intent(inout) :: value
-      integer :: number
-
-      number = merge(1, 0, value)
-      call self%visit(path, number)
-      value = number /= 0
-   end subroutine visit_logical
 
    !> A text.
    subroutine visit_text(self, path, text)

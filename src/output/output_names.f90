@@ -30,7 +30,7 @@ module output_names
 
 contains
 
-   !> All that speaks against the results of `cases` in the folder `output_dir` (empty: where the
+   !> All objections to the results of `cases` in the folder `output_dir` (empty: where the
    !> cases say), a line each.
    function output_findings(cases, output_dir) result(problems)
       type(case_t), intent(in) :: cases(:)
@@ -111,8 +111,8 @@ contains
          other%folder)
    end function is_same_place
 
-   !> What speaks first against output `number`; empty: nothing. Of two outputs in one place the
-   !> later is told, and only a result can be in the way of another one's files.
+   !> The first objection to output `number`; empty: none. Of two outputs in one place the later one
+   !> is objected to, and only a result can be in the way of another one's files.
    function first_finding(outputs, number, inputs, cases) result(found)
       type(place_t), intent(in) :: outputs(:), inputs(:)
       integer, intent(in) :: number
@@ -163,30 +163,11 @@ contains
       type(error_t), allocatable :: error
 
       answer = has_seal(path)   ! then what is between need not be looked at, damaged or not
-      if (answer .or. .not. has_hdf5_signature(path)) return
+      if (answer) return
       call open_hdf5_input(reader, path, error)   ! error: it stays in the reader
       answer = reader%text('/', 'program') == program_name
       call reader%close(error)
       if (allocated(error)) answer = .false.
    end function is_result
-
-   !> Whether a file begins like HDF5 (File Format Specification 3.0, II.A).
-   function has_hdf5_signature(path) result(answer)
-      character(*), intent(in) :: path
-      logical :: answer
-      character(len=*), parameter :: signature = char(137)//'HDF'//achar(13)//achar(10)//achar(26) &
-         //achar(10)
-      character(len=len(signature)) :: beginning
-      integer :: unit, status
-
-      answer = .false.
-      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', &
-         status='old', iostat=status)
-      if (status /= 0) return
-      read (unit, iostat=status) beginning
-      answer = status == 0
-      if (answer) answer = beginning == signature
-      close (unit)
-   end function has_hdf5_signature
 
 end module output_names

@@ -28,17 +28,17 @@ module result_name
       character(:), allocatable :: path
       !> NAME.part holds what a checkpoint needs: it stays when the run fails.
       logical :: has_checkpoint = .false.
-      !> Time step of that checkpoint.
+      !> Time step of that checkpoint; without one it means nothing.
       integer :: kept_step = -1
       !> There was a NAME.part before the name was taken.
       logical :: had_part = .false.
       !> Lock on NAME.part.
       type(lock_t) :: lock
    contains
-      !> Lays down what happens to the files if the program has to be ended by force; `step`: of the
-      !> last checkpoint.
+      !> Prepares for an end by force: the message, and the files that are removed then. `step`: of
+      !> the last checkpoint.
       procedure :: expect_interruption
-      !> The same in words.
+      !> That message.
       procedure :: interruption_text
       !> Seals a complete file and gives it the name; the checkpoint goes.
       procedure :: give_to
@@ -96,21 +96,20 @@ contains
       end if
    end function fault_of_name
 
-   !> What is said of a run that ends here; `step`: of the last checkpoint.
-   function interruption_text(self, step) result(text)
+   !> What is said of a run that ends here.
+   function interruption_text(self) result(text)
       class(result_name_t), intent(in) :: self
-      integer, intent(in) :: step
       character(:), allocatable :: text
 
       if (self%has_checkpoint) then
-         text = 'interrupted; --resume goes on after step '//to_text(step)//' with '//self%path &
-            //'.ckpt'
+         text = 'interrupted; --resume goes on after step '//to_text(self%kept_step)//' with ' &
+            //self%path//'.ckpt'
       else
          text = 'interrupted without a checkpoint, nothing is kept of '//self%path
       end if
    end function interruption_text
 
-   !> Lays down this text, and which files go with it.
+   !> Prepares this message, and says which files are removed with it.
    subroutine expect_interruption(self, step)
       class(result_name_t), intent(inout) :: self
       integer, intent(in) :: step
@@ -118,7 +117,7 @@ contains
 
       self%kept_step = step
       first = merge(2, 1, self%has_checkpoint)   ! a checkpoint needs NAME.part
-      call lay_down_last_words(program_name//': '//self%interruption_text(step), &
+      call lay_down_last_words(program_name//': '//self%interruption_text(), &
          self%path//working_endings(first:3))
    end subroutine expect_interruption
 
@@ -154,8 +153,8 @@ contains
       self%has_checkpoint = .false.
    end subroutine remove_checkpoint
 
-   !> Where the result `is_complete` what a run left beside it goes, if it was killed before it
-   !> could do so.
+   !> Gives the name back. Where the result `is_complete`, what a run that was killed in its last
+   !> moments left beside it is removed.
    subroutine give_back(self, is_complete)
       class(result_name_t), intent(inout) :: self
       logical, intent(in) :: is_complete
@@ -166,7 +165,7 @@ contains
       call self%release()
    end subroutine give_back
 
-   !> There is nothing to remove any more if the program is ended.
+   !> Lets others write the result; from now on an end by force removes nothing.
    subroutine release(self)
       class(result_name_t), intent(inout) :: self
 

@@ -1,7 +1,5 @@
-!> Listens to a solver for three: the result file, which stores time steps, the progress log, and
-!> whoever may interrupt the run.
-!>
-!> Keeps a checkpoint from time to time, and when the run is interrupted.
+!> Passes on what a solver tells: time steps to the result file, progress to the log. Stops the
+!> solver when the run is interrupted, and keeps a checkpoint then and from time to time.
 module run_observer
    use breakdown_text, only: breakdown_sentence
    use checkpoint, only: checkpoint_t, write_checkpoint
@@ -51,8 +49,6 @@ module run_observer
       logical :: has_companions = .false.
       !> Why the last checkpoint could not be written; not allocated: it could.
       type(error_t), allocatable :: failure
-      !> Step of the last checkpoint; below 0: there is none.
-      integer :: checkpoint_step = -1
       !> Seconds of the clock at the start and at the last checkpoint.
       real(wp), private :: start = 0.0_wp, last_checkpoint = 0.0_wp
    contains
@@ -152,7 +148,6 @@ contains
       if (allocated(self%failure)) then
          call self%log%say_error(self%failure%message)
       else
-         self%checkpoint_step = history%step
          self%writer%name%has_checkpoint = .true.
          call self%writer%name%expect_interruption(history%step)
       end if

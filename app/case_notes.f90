@@ -1,0 +1,83 @@
+!> Notes on a lubricated case, for the user and the result: where grids, time steps or pilot runs
+!> fall short of what is wanted.
+module case_notes
+   use case_record, only: case_t
+   use domain_choice, only: choose_domain, inlet_error
+   use error_bars, only: domain_error
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use quantities, only: h_min
+   use run_observer, only: run_observer_t
+   use text, only: to_text
+   use wave_resolution, only: coarse_waves
+   implicit none (type, external)
+   private
+
+   public :: tell, tell_coarse_waves, tell_missed_target
+
+   !> Relative excess of a forecast over the target that counts as rounding.
+   real(wp), parameter :: rounding = 1.0e-6_wp
+
+contains
+
+   !> Says where grid or time step are too coarse for the waves of the surfaces, behind what `note`
+   !> says already. With a wanted accuracy both are chosen by their effect on
+   !> h_min.
+   subroutine tell_coarse_waves(case, contact, watcher, note)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      character(:), allocatable, intent(inout) :: note
+      type(line_contact_t) :: whole
+      character(:), allocatable :: words
+
+      if (case%accuracy%target > 0.0_wp) return
+      whole = contact
+      call choose_domain(whole)
+      words = coarse_waves(whole, case%time)
+      call tell(case, watcher, words, note)
+   end subroutine tell_coarse_waves
+
+   !> Says where pilot runs do not foretell that a transient keeps its wanted accuracy, behind what
+   !> `note` says already.
+   subroutine tell_missed_target(case, contact, watcher, note)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      character(:), allocatable, intent(inout) :: note
+      character(:), allocatable :: words
+      real(wp) :: foretold
+
+      if (.not. (case%accuracy%target > 0.0_wp .and. case%time%is_transient)) return
+      words = 'no error of h_min is foretold: pilot runs on coarser grids found no solution'
+      associate (forecast => watcher%writer%bars%forecast)
+         if (forecast%is_known) then
+            foretold = forecast%error(h_min)/forecast%pilot(h_min)
+            if (.not. case%domain%has_inlet) foretold = foretold &
+               + domain_error(inlet_error(contact))
+            if (foretold <= (1.0_wp + rounding)*case%accuracy%target) return
+            words = 'the wanted accuracy is beyond the finest pilot run: of h_min a relative '// &
+               'error of '//to_text(foretold, 2)// &
+               ' is foretold, '//to_text(case%accuracy%target, 2)//' was wanted'
+         end if
+      end associate
+      call tell(case, watcher, words, note)
+   end subroutine tell_missed_target
+
+   !> Says `words`, if there are any, and puts them behind what `note` says already.
+   subroutine tell(case, watcher, words, note)
+      type(case_t), intent(in) :: case
+      type(run_observer_t), intent(inout) :: watcher
+      character(*), intent(in) :: words
+      character(:), allocatable, intent(inout) :: note
+
+      if (words == '') return
+      call watcher%log%say(case%file//': '//words)
+      if (allocated(note)) then
+         note = note//'; '//words
+      else
+         note = words
+      end if
+   end subroutine tell
+
+end module case_notes
