@@ -21,8 +21,7 @@ module case_notes
 contains
 
    !> Says where grid or time step are too coarse for the waves of the surfaces, behind what `note`
-   !> says already. With a wanted accuracy both are chosen by their effect on
-   !> h_min.
+   !> says already. With a wanted accuracy both are chosen by their effect on h_min.
    subroutine tell_coarse_waves(case, contact, watcher, note)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact

@@ -29,9 +29,9 @@ module dry_target
 
 contains
 
-   !> Solves all loads of `dry` and estimates the `errors` of the figures (none: not wanted). With a
-   !> target of the contact area the grid becomes the first one on which the estimate stays below
-   !> it, or the finest allowed one, with a note. Times are those of all grids. Errors as in
+   !> Solves all loads of `dry` and estimates the `errors` of its quantities (none: not wanted).
+   !> With a target of the contact area the grid becomes the first one on which the estimate stays
+   !> below it, or the finest allowed one, with a note. Times are those of all grids. Errors as in
    !> `solve_dry_sweep` and `refine_heights`.
    subroutine solve_to_target(dry, outcome, errors, error)
       type(dry_case_t), intent(inout) :: dry
@@ -68,8 +68,8 @@ contains
       if (.not. allocated(error)) call tell_unmet(dry, rung%doubt, most)
    end subroutine solve_to_target
 
-   !> The sweep on the grid of `dry`, and the estimated `errors` of its figures (none: not wanted).
-   !> Errors as in `solve_dry_sweep`.
+   !> The sweep on the grid of `dry`, and the estimated `errors` of its quantities (none: not
+   !> wanted). Errors as in `solve_dry_sweep`.
    subroutine solve_grid(dry, outcome, errors, error)
       type(dry_case_t), intent(in) :: dry
       type(dry_outcome_t), intent(out) :: outcome

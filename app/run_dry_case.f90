@@ -175,7 +175,7 @@ contains
       call log%say('  result    ' // path)
    end subroutine tell
 
-   !> The line of estimated errors under that of a load, in percent of its figures.
+   !> The line of estimated errors under that of a load, in percent of its quantities.
    function error_line(row, error) result(line)
       type(dry_row_t), intent(in) :: row, error
       character(:), allocatable :: line

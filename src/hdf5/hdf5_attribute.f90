@@ -11,7 +11,7 @@ module hdf5_attribute
    implicit none (type, external)
    private
 
-   public :: new_space, new_string_type, write_attribute
+   public :: new_space, new_string, write_attribute
 
    !> Stores an attribute of an existing group or dataset, named by its path.
    interface write_attribute
@@ -42,7 +42,7 @@ contains
       call attach(file, path, name, file%integer_type, [integer ::], c_loc(copy))
    end subroutine write_integer
 
-   !> A string; an empty one becomes one null character.
+   !> A string.
    subroutine write_string(file, path, name, value)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path, name, value
@@ -51,9 +51,7 @@ contains
       integer :: status
 
       if (allocated(file%failure)) return
-      copy = value
-      if (len(value) == 0) copy = c_null_char
-      call new_string_type(len(copy), string_type, status)
+      call new_string(value, copy, string_type, status)
       call file%check(status, 'string type')
       call attach(file, path, name, string_type, [integer ::], c_loc(copy))
       call h5tclose_f(string_type, status)
@@ -93,16 +91,20 @@ contains
       end if
    end subroutine new_space
 
-   !> The HDF5 type of a UTF-8 string of `length` bytes; `status` < 0: failed.
-   subroutine new_string_type(length, string_type, status)
-      integer, intent(in) :: length
+   !> A UTF-8 string as HDF5 stores it, an empty one as one null character, and its HDF5 type;
+   !> `status` < 0: failed.
+   subroutine new_string(value, copy, string_type, status)
+      character(*), intent(in) :: value
+      character(kind=c_char, len=:), allocatable, intent(out) :: copy
       integer(hid_t), intent(out) :: string_type
       integer, intent(out) :: status
 
+      copy = value
+      if (len(value) == 0) copy = c_null_char
       call h5tcopy_f(h5t_c_s1, string_type, status)
-      if (status >= 0) call h5tset_size_f(string_type, int(length, size_t), status)
+      if (status >= 0) call h5tset_size_f(string_type, len(copy, kind=size_t), status)
       if (status >= 0) call h5tset_strpad_f(string_type, h5t_str_nullpad_f, status)
       if (status >= 0) call h5tset_cset_f(string_type, h5t_cset_utf8_f, status)
-   end subroutine new_string_type
+   end subroutine new_string
 
 end module hdf5_attribute

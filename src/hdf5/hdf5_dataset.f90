@@ -3,11 +3,11 @@
 !> Shapes are as Fortran sees them; h5py shows them reversed. Strings have a fixed length and are
 !> UTF-8.
 module hdf5_dataset
-   use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use hdf5, only: h5dclose_f, h5dcreate_f, h5dwrite_f, h5p_dataset_create_f, h5pclose_f, &
       h5pcreate_f, h5pset_obj_track_times_f, h5sclose_f, h5tclose_f, hid_t
-   use hdf5_attribute, only: new_space, new_string_type, write_attribute
+   use hdf5_attribute, only: new_space, new_string, write_attribute
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    implicit none (type, external)
@@ -65,7 +65,7 @@ contains
       call write_values(file, path, file%integer_type, shape(value), c_loc(value), label)
    end subroutine write_integers
 
-   !> A string of fixed length, UTF-8; an empty one becomes one null character.
+   !> A string of fixed length, UTF-8.
    subroutine write_string(file, path, value, label)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path, value
@@ -75,9 +75,7 @@ contains
       integer :: status
 
       if (allocated(file%failure)) return
-      copy = value
-      if (len(value) == 0) copy = c_null_char
-      call new_string_type(len(copy), string_type, status)
+      call new_string(value, copy, string_type, status)
       call file%check(status, 'string type')
       call write_values(file, path, string_type, [integer ::], c_loc(copy), label)
       call h5tclose_f(string_type, status)

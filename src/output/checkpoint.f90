@@ -235,8 +235,8 @@ contains
       type(report_t), intent(inout) :: report
       real(wp), allocatable :: residuals(:), load_errors(:)
 
-      residuals = report%residual_history()
-      load_errors = report%load_error_history()
+      allocate (residuals, source=report%residual_history())
+      allocate (load_errors, source=report%load_error_history())
       call file%visit_vector('/report/residual_history', residuals)
       if (file%is_read) load_errors = residuals
       call file%visit('/report/load_error_history', load_errors)

@@ -20,15 +20,15 @@ module dry_result
 
    !> Levels of the bearing curves, and steps of the height densities.
    integer, parameter :: bearing_levels = 201, density_steps = 50
-   !> Figures of /sweep that /summary has of the last load.
+   !> Quantities of /sweep that /summary repeats for the last load.
    character(len=21), parameter :: summary_names(*) = [character(len=21) :: 'p_max', &
       'contact_area_fraction', &
       'plastic_area_fraction', 'mean_separation']
 
 contains
 
-   !> Writes the figures of every load with their estimated `errors` (none: not estimated) and the
-   !> fields of the last. Fails (internal_error) if FFTW does.
+   !> Writes the quantities of every load with their estimated `errors` (none: not estimated) and
+   !> the fields of the last. Fails (internal_error) if FFTW does.
    subroutine write_dry_result(file, dry, rows, errors, fields, error)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry

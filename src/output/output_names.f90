@@ -40,8 +40,8 @@ contains
       character(:), allocatable :: found
       integer :: i
 
-      inputs = inputs_of(cases)
-      outputs = outputs_of(cases, output_dir)
+      allocate (inputs, source=inputs_of(cases))
+      allocate (outputs, source=outputs_of(cases, output_dir))
       problems = ''
       do i = 1, size(outputs)
          found = first_finding(outputs, i, inputs, cases)

@@ -35,14 +35,14 @@ module progress_log
    !> Longest silence in a log during cycles and time steps [s].
    real(wp), parameter :: log_seconds = 4.0_wp
 
-   !> A starved inlet is told from this share of the film on.
+   !> A starved inlet is reported from this relative error of the film on.
    real(wp), parameter :: telling_inlet_error = 5.0e-3_wp
 
    !> Progress of one case after another.
    type :: progress_log_t
       !> Unit that is written.
       integer :: unit = error_unit
-      !> Only what went wrong is said.
+      !> Only failures are reported.
       logical :: is_quiet = .false.
       !> One updating line instead of lines.
       logical :: is_updating = .false.

@@ -48,11 +48,11 @@ module result_writer
       integer :: profile_stride = 1
       !> Profiles that are stored, names of `field_names`.
       character(len=field_name_length), allocatable :: fields(:)
-      !> Figures of the time steps so far; all of them, or those of a steady solution, when the
+      !> Quantities of the time steps so far, and of all of them, or of a steady solution, when the
       !> result is finished.
       type(passage_figures_t) :: figures
       type(line_summary_t) :: summary
-      !> Companions that tell how far off the figures may be.
+      !> Coarse runs that tell how far off the quantities may be.
       type(error_bars_t) :: bars
       !> The film over all time steps, where that is asked for.
       type(film_statistics_t) :: statistics
@@ -71,7 +71,7 @@ module result_writer
    contains
       !> Appends a time step to /transient.
       procedure :: store_step
-      !> Takes down what is known before the run.
+      !> Writes what is known before the run.
       procedure :: describe
       !> Brings NAME.part to the disk as far as it is written.
       procedure :: sync
@@ -139,8 +139,8 @@ contains
       writer%name%has_checkpoint = .true.
    end subroutine reopen_result
 
-   !> Program, problem and title (UTF-8), the text of the input; the reference values of a
-   !> lubricated contact.
+   !> Writes program, problem and title (UTF-8), the text of the input; the reference values of a
+   !> lubricated contact. The same is written again at the head of NAME.tmp.
    subroutine describe(self, problem, title, namelist, scaling)
       class(result_writer_t), intent(inout) :: self
       character(*), intent(in) :: problem, title, namelist
@@ -156,7 +156,7 @@ contains
       call self%file%flush()
    end subroutine describe
 
-   !> Writes what `describe` took down.
+   !> Writes what `describe` was given.
    subroutine write_description(writer)
       class(result_writer_t), intent(inout) :: writer
 
@@ -253,9 +253,9 @@ contains
       if (is_done) is_done = sync_file(self%name%path//'.part')
    end function sync
 
-   !> Writes the solution at the last time, the figures and the report, closes the file and gives it
-   !> its final name. On an error nothing is left but an older result (and NAME.part, if there is a
-   !> checkpoint).
+   !> Writes the solution at the last time, the quantities and the report, closes the file and
+   !> gives it its final name. On an error nothing is left but an older result (and NAME.part, if
+   !> there is a checkpoint).
    subroutine finish(self, state, report, error)
       class(result_writer_t), intent(inout) :: self
       type(line_state_t), intent(in) :: state
@@ -320,7 +320,7 @@ contains
       end if
    end subroutine publish
 
-   !> Closes NAME.part.
+   !> Closes NAME.part and lets others write it.
    subroutine suspend(self)
       class(result_writer_t), intent(inout) :: self
 
@@ -339,8 +339,7 @@ contains
       call self%store%file%close()
       if (self%is_transient) is_removed = remove_file(self%name%path//'.tmp')
       if (.not. self%name%has_checkpoint) is_removed = remove_file(self%name%path//'.part')
-      call self%store_lock%release()
-      call self%name%release()
+      call self%suspend()
    end subroutine discard
 
 end module result_writer

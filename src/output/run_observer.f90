@@ -23,7 +23,7 @@ module run_observer
 
    public :: run_observer_t
 
-   !> A run of this wall time [s] gets a checkpoint behind its last step, before companions and
+   !> A run of this wall time [s] gets a checkpoint after its last step, before coarse runs and
    !> result.
    real(wp), parameter :: long_run = 5.0_wp
 
@@ -45,7 +45,7 @@ module run_observer
       character(len=word_length) :: space_scheme = 'auto'
       !> Wall time between checkpoints [s].
       real(wp) :: checkpoint_interval = huge(1.0_wp)
-      !> Companions on coarser grids are still wanted.
+      !> Coarse runs are still wanted.
       logical :: has_companions = .false.
       !> Why the last checkpoint could not be written; not allocated: it could.
       type(error_t), allocatable :: failure
@@ -72,7 +72,7 @@ contains
       self%last_checkpoint = self%start
    end subroutine start_clock
 
-   !> A cycle: only the log wants to know.
+   !> Passes a cycle to the log.
    subroutine on_cycle(self, cycle, residual, load_error)
       class(run_observer_t), intent(inout) :: self
       integer, intent(in) :: cycle
@@ -82,7 +82,7 @@ contains
       self%wants_stop = is_interrupted()
    end subroutine on_cycle
 
-   !> A time step is stored, then told.
+   !> Stores a time step, then passes it to the log.
    subroutine on_step(self, step, steps, state, report)
       class(run_observer_t), intent(inout) :: self
       integer, intent(in) :: step, steps
@@ -104,7 +104,7 @@ contains
       self%output_seconds = self%output_seconds + wall_seconds() - begin
    end subroutine on_step
 
-   !> Told where it takes long.
+   !> What is done from now on: shown if it takes long.
    subroutine on_stage(self, words)
       class(run_observer_t), intent(inout) :: self
       character(*), intent(in) :: words
@@ -114,7 +114,7 @@ contains
       call begin_activity(words)
    end subroutine on_stage
 
-   !> Writes a checkpoint. One that cannot be written is told and does not stop the run: the last
+   !> Writes a checkpoint. A failure is reported and does not stop the run: the last
    !> one is still there.
    subroutine keep_state(self, history)
       class(run_observer_t), intent(inout) :: self

@@ -65,18 +65,18 @@ contains
    !> and a write beyond the allowed file size (SIGXFSZ, `ulimit -f`) fail instead of ending the
    !> program without a message.
    subroutine listen_to_signals()
+      integer(c_int), parameter :: requests(*) = [signal_hangup, signal_interrupt, &
+         signal_terminate, signal_user_1, signal_user_2, signal_processor_time]
       type(c_funptr) :: previous
+      integer :: i
 
       call ignore(signal_pipe)
       call ignore(signal_file_size)
       call forget_last_words()
       previous = c_signal(signal_alarm, c_funloc(end_at_last))
-      call listen_to(signal_hangup)
-      call listen_to(signal_interrupt)
-      call listen_to(signal_terminate)
-      call listen_to(signal_user_1)
-      call listen_to(signal_user_2)
-      call listen_to(signal_processor_time)
+      do i = 1, size(requests)
+         call listen_to(requests(i))
+      end do
    end subroutine listen_to_signals
 
    !> Sets the message and the files to remove if the program has to be ended from now on.

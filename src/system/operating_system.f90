@@ -240,7 +240,7 @@ contains
    !> Returns if that fails.
    subroutine start_again()
       character(len=4096, kind=c_char) :: path
-      character(len=:, kind=c_char), allocatable, target :: words(:)
+      character(len=:, kind=c_char), allocatable, target :: words
       type(c_ptr), allocatable :: arguments(:)
       integer :: count, i, length, longest
       integer(c_int) :: status
@@ -255,12 +255,14 @@ contains
          call get_command_argument(i, length=length)
          longest = max(longest, length)
       end do
-      allocate (character(len=longest + 1, kind=c_char) :: words(0:count))
+      allocate (character(len=(longest + 1)*(count + 1), kind=c_char) :: words)
       allocate (arguments(0:count + 1))
       do i = 0, count
-         call get_command_argument(i, value=words(i), length=length)
-         words(i)(length + 1:length + 1) = c_null_char
-         arguments(i) = c_loc(words(i))
+         associate (word => words((longest + 1)*i + 1:(longest + 1)*(i + 1)))
+            call get_command_argument(i, value=word, length=length)
+            word(length + 1:length + 1) = c_null_char
+            arguments(i) = c_loc(word)
+         end associate
       end do
       arguments(count + 1) = c_null_ptr
       status = c_execv(path, arguments)
