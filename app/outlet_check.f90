@@ -5,7 +5,7 @@ module outlet_check
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_notes, only: tell
    use case_record, only: case_t
-   use companions, only: run_farther, run_longer, run_other_scheme
+   use coarse_runs, only: run_farther, run_longer, run_other_scheme
    use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
@@ -80,7 +80,7 @@ contains
 
       note = 'the film is still under pressure at the outlet X = '//to_text(x_outlet, 4)
       if (ieee_is_finite(change)) then
-         note = note//', which changes its figures by up to '//to_text(100*change, 2)//' %'
+         note = note//', which changes its quantities by up to '//to_text(100*change, 2)//' %'
       else
          note = note//', and what that changes is not known'
       end if

@@ -76,7 +76,7 @@ contains
       call read_checkpoint(path//'.ckpt', watcher%case, checkpoint, error)
       if (.not. allocated(error)) call reopen_result(watcher%writer, path, stored_fields(case), &
          checkpoint%part, &
-         size(checkpoint%march%film), checkpoint%figures, error)
+         size(checkpoint%march%film), checkpoint%passage, error)
       if (allocated(error)) then
          error%message = 'cannot resume: '//error%message
          return

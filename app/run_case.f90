@@ -8,7 +8,7 @@ module run_case
    use case_record, only: case_t, result_path
    use chosen_values, only: fill_chosen, fill_passage
    use command_line, only: command_t
-   use companions, only: run_apart, run_companions
+   use coarse_runs, only: make_coarse_runs, run_apart
    use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
@@ -154,7 +154,7 @@ contains
 
    end subroutine check_grid
 
-   !> The case itself and its companions on coarser grids, which come after it unless they choose
+   !> The case itself and its coarse runs, which come after it unless they choose
    !> its grid.
    subroutine solve(case, contact, watcher, state, report, error)
       type(case_t), intent(inout) :: case
@@ -171,12 +171,12 @@ contains
 
       seconds = 0.0_wp
       open = contact
-      watcher%writer%figures%times = new_passage_times(contact, case%time)
+      watcher%writer%passage%times = new_passage_times(contact, case%time)
       case%solver%target = case%accuracy%target
-      case%solver%wants_companions = case%accuracy%has_error_bars
+      case%solver%wants_coarse_runs = case%accuracy%has_error_bars
       ! the solver chooses the grid
       is_open = case%accuracy%target > 0.0_wp .and. .not. case%time%is_transient
-      watcher%has_companions = case%accuracy%has_error_bars &
+      watcher%has_coarse_runs = case%accuracy%has_error_bars &
          .and. (is_open .or. .not. case%accuracy%target > 0.0_wp)
       if (allocated(case%time%resume_from)) then
          if (case%accuracy%target > 0.0_wp) then   ! as before pilot runs chose the rest
@@ -195,11 +195,11 @@ contains
       whole = contact
       call choose_domain(whole, case%solver%target)
       call choose_time_step(whole, case%time)
-      if (watcher%has_companions) watcher%writer%bars = new_error_bars(whole, case%time, &
+      if (watcher%has_coarse_runs) watcher%writer%bars = new_error_bars(whole, case%time, &
          case%solver%space_scheme)
       call tell_coarse_waves(case, contact, watcher, note)
       call tell_missed_target(case, contact, watcher, note)
-      call tell(case, watcher, passage_note(contact, watcher%writer%figures%times), note)
+      call tell(case, watcher, passage_note(contact, watcher%writer%passage%times), note)
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
       watcher%space_scheme = case%solver%space_scheme
@@ -210,7 +210,7 @@ contains
       call move_alloc(note, report%note)
       call refuse_nonsense(state, report)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
-      if (watcher%has_companions .and. report%converged) then
+      if (watcher%has_coarse_runs .and. report%converged) then
          call compare_grids(case, contact, watcher, seconds, error)
          if (allocated(error)) return
          report%converged = .not. watcher%wants_stop
@@ -219,12 +219,12 @@ contains
       if (allocated(error)) return
       call check_ends(case, open, contact, watcher, report, error)   ! error: the caller looks
       call fill_chosen(case, contact, report)
-      call fill_passage(case, contact, watcher%writer%figures%times)
+      call fill_passage(case, contact, watcher%writer%passage%times)
       call complete_report(watcher, seconds, report)
    end subroutine solve
 
    !> Completes the report by what the solver does not know: a film breakdown in SI, the times of
-   !> separate companions and of output.
+   !> separate coarse runs and of output.
    subroutine complete_report(watcher, seconds, report)
       type(run_observer_t), intent(in) :: watcher
       real(wp), intent(in) :: seconds
@@ -259,7 +259,7 @@ contains
          return
       end if
       call watcher%log%close_case(watcher%writer%summary, report, watcher%writer%name%path, &
-         watcher%writer%figures%times)
+         watcher%writer%passage%times)
       status = merge(status_converged, status_not_converged, report%converged)
    end subroutine store
 
@@ -281,7 +281,7 @@ contains
       end if
    end subroutine suspend
 
-   !> Companions on coarser grids; with a target, intervals and time step too.
+   !> Coarse runs; with a target, intervals and time step too.
    subroutine compare_grids(case, contact, watcher, seconds, error)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(inout) :: contact
@@ -296,14 +296,14 @@ contains
          call choose_resolution(bars, contact, case%solver, case%time, watcher, &
             error)   ! error: the caller looks
       else
-         call run_companions(bars, contact, case%solver, case%time, watcher, &
+         call make_coarse_runs(bars, contact, case%solver, case%time, watcher, &
             error)   ! error: the caller looks
       end if
       watcher%writer%bars = bars
       seconds = wall_seconds() - start
    end subroutine compare_grids
 
-   !> Companions of a solution whose `contact` has a grid, and whose time step is one, that pilots
+   !> Coarse runs of a solution whose `contact` has a grid, and whose time step is one, that pilots
    !> chose: is it as good as they foretold?
    subroutine check_forecast(case, contact, watcher, report, seconds, error)
       type(case_t), intent(in) :: case

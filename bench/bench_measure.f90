@@ -4,7 +4,7 @@ module bench_measure
    use bench_recorder, only: largest_difference, record_steady, recorder_t, start_recorder
    use case_input, only: read_case
    use case_record, only: case_t
-   use companions, only: run_farther
+   use coarse_runs, only: run_farther
    use domain_choice, only: choose_domain
    use ehl_line_steady, only: solve_steady
    use error_bars, only: apply_error_bars, error_bars_t, new_error_bars, take_coarser
@@ -118,7 +118,7 @@ contains
       start = wall_seconds()
       settings = case%solver
       settings%target = case%accuracy%target
-      settings%wants_companions = job%has_bars
+      settings%wants_coarse_runs = job%has_bars
       if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
          call choose_resolution(bars, contact, settings, time, watcher, error)
          if (allocated(error)) return

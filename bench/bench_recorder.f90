@@ -90,7 +90,7 @@ contains
       self%wants_stop = self%wants_stop .or. wall_seconds() - self%start > self%limit
    end subroutine watch_clock
 
-   !> Keeps the figures of coarser grids.
+   !> Keeps the quantities of coarser grids.
    subroutine keep_coarser(self, coarser)
       class(recorder_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: coarser(:)

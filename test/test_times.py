@@ -45,7 +45,7 @@ def test_an_end_too_early_is_told(asperity, tmp_path):
     with file:
         note = text(file["report/note"][()])
         assert np.isnan(file["summary/h_min"].attrs["error_estimate"])
-        assert text(file["summary/h_min"].attrs["no_estimate"]) == "the start is in the figures, see /report/note"
+        assert text(file["summary/h_min"].attrs["no_estimate"]) == "the start is in the quantities, see /report/note"
     assert note in told
     needed = float(note.split("end_time = ")[1].split()[0])
     file, told = run(asperity, tmp_path, WAVE, needed)

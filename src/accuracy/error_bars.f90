@@ -36,7 +36,7 @@ module error_bars
    !> on the same grid.
    real(wp), parameter :: kappa_share = 0.35_wp
 
-   !> The companions of a result and what is known of the order of the scheme.
+   !> The coarse runs of a result and what is known of the order of the scheme.
    type :: error_bars_t
       !> Quantities on n/2, n/4 and, of a steady contact whose grid was chosen, n/8 intervals; valid
       !> where the logical says so.
@@ -53,7 +53,7 @@ module error_bars
       type(line_summary_t), allocatable :: other_scheme(:)
       !> How a pressure spike grows on finer grids.
       type(spike_law_t) :: spike_law
-      !> Why companions tell nothing of the error; empty or not allocated: they do.
+      !> Why coarse runs tell nothing of the error; empty or not allocated: they do.
       character(:), allocatable :: unseen
       !> Whether the outlet cuts the film off, and quantities on n/2 intervals with one that does
       !> not, at the same spacing.
@@ -61,8 +61,8 @@ module error_bars
       type(line_summary_t) :: longer
       !> What an inlet with a tail changes, in place of the rule of the inlet.
       type(inlet_change_t) :: inlet
-      !> Of a transient whose resolution was chosen: what pilots foretold, and companions with twice
-      !> the spacing and with twice the time step.
+      !> Of a transient whose resolution was chosen: what pilots foretold, and coarse runs with
+      !> twice the spacing and with twice the time step.
       type(forecast_t) :: forecast
       type(apart_t) :: apart
    end type error_bars_t
@@ -82,7 +82,7 @@ contains
       if (bars%has_eighth) bars%eighth = coarser(3)
    end subroutine take_coarser
 
-   !> Estimated relative error of h_min of `summary` on its grid; huge without companions.
+   !> Estimated relative error of h_min of `summary` on its grid; huge without coarse runs.
    pure function estimated_error(bars, summary) result(error)
       type(error_bars_t), intent(in) :: bars
       type(line_summary_t), intent(in) :: summary
@@ -96,7 +96,7 @@ contains
    end function estimated_error
 
    !> Error estimates and Richardson's values for the quantities of a converged result on n
-   !> intervals of width `dx`: of grid and time step from the companions, of the length of the
+   !> intervals of width `dx`: of grid and time step from the coarse runs, of the length of the
    !> domain and of what the iteration left from the report; their sum, which is not known without
    !> the first.
    pure subroutine apply_error_bars(bars, report, dx, summary)
@@ -122,8 +122,8 @@ contains
       end do
    end subroutine apply_error_bars
 
-   !> Relative errors of all quantities because of the inlet: from its companions, else by the rules
-   !> in the report.
+   !> Relative errors of all quantities because of the inlet: from its coarse runs, else by the
+   !> rules in the report.
    pure function inlet_shares(bars, report, summary) result(shares)
       type(error_bars_t), intent(in) :: bars
       type(report_t), intent(in) :: report
@@ -140,7 +140,7 @@ contains
       where (quantity_rows%field == 'film_thickness') shares = domain_error(report%inlet_error)
    end function inlet_shares
 
-   !> Whether the surfaces have waves that companions do not see; a forecast has seen them.
+   !> Whether the surfaces have waves that coarse runs do not see; a forecast has seen them.
    pure function has_unseen_waves(bars)
       type(error_bars_t), intent(in) :: bars
       logical :: has_unseen_waves

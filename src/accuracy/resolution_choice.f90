@@ -13,7 +13,7 @@
 !> How often the target is met and at what cost is measured by `make accuracy-time`; what else was
 !> tried is in docs/decisions.md.
 module resolution_choice
-   use companions, only: collector_t, run_companion
+   use coarse_runs, only: collector_t, run_for_comparison
    use domain_choice, only: choose_domain, inlet_error
    use error_bars, only: domain_error, error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
@@ -183,7 +183,7 @@ contains
       type(search_t), intent(inout) :: search
       type(error_t), allocatable, intent(out) :: error
 
-      call run_companion(search%contact, search%settings, search%time, search%collector, &
+      call run_for_comparison(search%contact, search%settings, search%time, search%collector, &
          search%has_solution, error)   ! error: the caller looks
    end subroutine run
 

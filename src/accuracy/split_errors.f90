@@ -14,7 +14,7 @@
 !> smallest film the size is that of the changes at all times at which it is nearly as small.
 !>
 !> On a coarse grid a wave hides what the time step does, and with large steps what the grid does:
-!> the run itself has then larger errors than were foretold. So it has companions, one with twice
+!> the run itself has then larger errors than were foretold. So it has coarse runs, one with twice
 !> the spacing and one with twice the time step, whose changes take the place of those foretold.
 module split_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -36,7 +36,7 @@ module split_errors
    real(wp), parameter :: least_time_share = 0.25_wp
    !> The order in space where none is observed, and the bounds of an observed one.
    real(wp), parameter :: space_orders(3) = [1.5_wp, 1.5_wp, 2.0_wp]
-   !> The error that the companions of a run show is not believed to be less than this share of the
+   !> The error that the coarse runs of a run show is not believed to be less than this share of the
    !> one foretold.
    real(wp), parameter :: least_foretold_share = 0.5_wp
 
@@ -60,7 +60,7 @@ module split_errors
       real(wp) :: error(quantity_count) = 0.0_wp, shift(quantity_count) = 0.0_wp
    end type forecast_t
 
-   !> What the companions of a run show; its own changes are those to them.
+   !> What the coarse runs of a run show; its own changes are those to them.
    type :: apart_t
       logical :: is_known = .false.
       !> Values with twice the spacing, and with a time step that is `step_ratio` times as large.
@@ -91,7 +91,7 @@ contains
       where (quantity_rows%rule == rule_node) values = summary%of%value
    end function foretold_values
 
-   !> Estimates and extrapolated values of a run from its forecast and its companions.
+   !> Estimates and extrapolated values of a run from its forecast and its coarse runs.
    !> `node_jitter`: by how much the exit jitters with the place of the nodes; `pressure_safety`:
    !> the estimate of the largest pressure is wider by this factor.
    pure subroutine apply_forecast(forecast, apart, node_jitter, pressure_safety, summary)
@@ -112,7 +112,7 @@ contains
       end do
    end subroutine apply_forecast
 
-   !> Row `i`: the estimate, and what its node is off. Without companions it is wider where `value`
+   !> Row `i`: the estimate, and what its node is off. Without coarse runs it is wider where `value`
    !> is farther from that of the pilot than both estimates allow.
    pure subroutine apply_to_row(forecast, apart, i, value, nodal, quantity)
       type(forecast_t), intent(in) :: forecast
@@ -139,7 +139,7 @@ contains
       quantity%extrapolated = value + shift
    end subroutine apply_to_row
 
-   !> The errors of row `i` of a run from its changes to the companions.
+   !> The errors of row `i` of a run from its changes to the coarse runs.
    pure function own_error(apart, i, value) result(self)
       type(apart_t), intent(in) :: apart
       integer, intent(in) :: i

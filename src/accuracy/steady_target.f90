@@ -1,5 +1,5 @@
 !> The grid of a steady contact for a wanted accuracy of h_min: exact solutions on level after
-!> level, each the start of the next and a companion of its error estimate, until the estimate is
+!> level, each the start of the next and a coarse run of its error estimate, until the estimate is
 !> small enough. Nothing is solved twice.
 module steady_target
    use domain_choice, only: choose_domain
@@ -14,7 +14,7 @@ module steady_target
       new_growing_hierarchy, new_hierarchy, pose_steady_problem, relaxation_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use nested_start, only: companion_tolerance, first_guess, max_firsts, solve_level
+   use nested_start, only: coarse_run_tolerance, first_guess, max_firsts, solve_level
    use observer, only: is_stopped, observer_t
    use solver_choice, only: adopt, steady_attempts
    use solver_settings, only: most_chosen, solver_settings_t, time_settings_t
@@ -118,12 +118,12 @@ contains
          end if
          call first_guess(hierarchy, contact, k, first)
          call watcher%on_stage('steady on '//to_text(hierarchy%levels(k)%n)//' intervals')
-         call solve_level(hierarchy, k, min(companion_tolerance, target), is_sound, &
+         call solve_level(hierarchy, k, min(coarse_run_tolerance, target), is_sound, &
             watcher)
          if (is_sound) then
             call take_coarser(bars, coarser_summaries(hierarchy))
             if (hierarchy%levels(k)%n >= intervals_for_waves(contact) &
-               .and. hierarchy%levels(k)%is_companion .and. &
+               .and. hierarchy%levels(k)%is_coarse_run .and. &
                 estimated_error(bars, level_summary(hierarchy%levels(k))) <= target) return
             if (k == size(hierarchy%levels)) return
          else

@@ -1,4 +1,4 @@
-!> How far off the figures of a dry contact may be because of its grid.
+!> How far off the quantities of a dry contact may be because of its grid.
 !>
 !> They are compared with those of the same heights on other grids (resampled), which start from the
 !> pressures found and are solved loosely: after a few iterations the change of grid shows. On a
@@ -54,7 +54,7 @@ module dry_errors
    real(wp), parameter :: least_pressure = 0.05_wp
    !> Figures that are compared: contact, corrected and plastic area, plasticity index, mean
    !> separation, separation, datum, p_max, dp_max, dp_mean, elastic and dissipated energy, load.
-   integer, parameter :: figures = 13
+   integer, parameter :: quantity_count = 13
    !> What the root mean square is multiplied by: areas, corrected area, separations and load,
    !> p_max, deformations and energies; of lines and areas with few nodes, then with many.
    real(wp), parameter :: safety(5, 4) = reshape([1.0_wp, 1.6_wp, 2.3_wp, 3.0_wp, 2.3_wp, &
@@ -62,7 +62,7 @@ module dry_errors
       1.0_wp, 1.6_wp, 1.4_wp, 2.0_wp, 1.6_wp, &
       1.0_wp, 1.6_wp, 2.2_wp, 3.0_wp, 2.0_wp], [5, 4])
    !> Which of these holds for each figure.
-   integer, parameter :: safety_of(figures) = [1, 2, 1, 1, 3, 3, 3, 4, 5, 5, 5, 5, 3]
+   integer, parameter :: safety_of(quantity_count) = [1, 2, 1, 1, 3, 3, 3, 4, 5, 5, 5, 5, 3]
    !> Share of the nodes at the edges of patches that comes to the errors of areas: of a line, of an
    !> area, of the corrected area.
    real(wp), parameter :: edge_share(2) = [0.4_wp, 0.1_wp], corrected_share = 0.03_wp
@@ -73,7 +73,7 @@ module dry_errors
 
 contains
 
-   !> Estimated errors of the figures in the rows of the `outcome` of a `sweep` that keeps its
+   !> Estimated errors of the quantities in the rows of the `outcome` of a `sweep` that keeps its
    !> pressures, component by component; what is not known is NaN. Fails (internal_error) if FFTW
    !> does.
    subroutine estimate_dry_errors(sweep, outcome, errors, error)
@@ -82,9 +82,9 @@ contains
       type(dry_row_t), allocatable, intent(out) :: errors(:)
       type(error_t), allocatable, intent(out) :: error
       type(dry_row_t), allocatable :: others(:)
-      type(dry_sweep_t) :: companion
-      real(wp) :: compared(figures), ratios(3), squares(figures, size(outcome%rows)), &
-         sums(size(outcome%rows)), weights(3)
+      type(dry_sweep_t) :: comparison
+      real(wp) :: compared(quantity_count), squares(quantity_count, size(outcome%rows)), &
+         sums(size(outcome%rows)), ratios(3), weights(3)
       integer :: count(size(outcome%rows)), i, k
 
       squares = 0.0_wp
@@ -94,22 +94,22 @@ contains
       weights = merge(finer_weights, coarser_weights, has_few_nodes(sweep%grid))
       grids: do k = 1, merge(3, 2, has_few_nodes(sweep%grid) .or. sweep%grid%ny == 1)
          if (is_too_coarse(sweep%grid, ratios(k))) cycle grids
-         companion = sweep
-         companion%settings = companion_settings(sweep)
-         call resample(companion, ratios(k), error)
+         comparison = sweep
+         comparison%settings = comparison_settings(sweep)
+         call resample(comparison, ratios(k), error)
          if (allocated(error)) return
-         call resample_pressures(sweep%grid, companion%grid, outcome%pressures, &
-            companion%settings%starts, error)
+         call resample_pressures(sweep%grid, comparison%grid, outcome%pressures, &
+            comparison%settings%starts, error)
          if (allocated(error)) return
-         call solve_companion(companion, others, error)
+         call solve_comparison(comparison, others, error)
          if (allocated(error)) return
          if (.not. allocated(others)) cycle grids
          loads: do i = 1, size(others)
-            if (.not. others(i)%kkt <= companion%settings%tolerance) cycle loads
+            if (.not. others(i)%kkt <= comparison%settings%tolerance) cycle loads
             count(i) = count(i) + 1
             sums(i) = sums(i) + weights(k)
-            squares(:, i) = squares(:, i) + weights(k)*(figures_of(others(i)) &
-               - figures_of(outcome%rows(i)))**2
+            squares(:, i) = squares(:, i) + weights(k)*(values_of(others(i)) &
+               - values_of(outcome%rows(i)))**2
          end do loads
       end do grids
       allocate (errors(size(outcome%rows)))
@@ -118,7 +118,7 @@ contains
          do i = 1, size(rows)
             compared = not_known()
             if (count(i) >= fewest_grids .and. rows(i)%is_converged) compared = factors &
-               *sqrt(squares(:, i)/sums(i)) + rows(i)%kkt*abs(figures_of(rows(i)))
+               *sqrt(squares(:, i)/sums(i)) + rows(i)%kkt*abs(values_of(rows(i)))
             call fill_errors(rows(i), compared, errors(i))
             call add_edges(sweep%grid, rows(i), errors(i))
             errors(i)%p_max = errors(i)%p_max + sweep%scaling%pressure_in_si( &
@@ -143,8 +143,8 @@ contains
       kind = merge(1, 2, grid%ny == 1)
    end function kind_of
 
-   !> How the companions of a `sweep` are solved.
-   pure function companion_settings(sweep) result(settings)
+   !> How the comparisons of a `sweep` are solved.
+   pure function comparison_settings(sweep) result(settings)
       type(dry_sweep_t), intent(in) :: sweep
       type(dry_settings_t) :: settings
 
@@ -162,7 +162,7 @@ contains
             periodic_tolerances(merge(1, 2, has_few_nodes(sweep%grid))))
          settings%is_rough = .true.
       end if
-   end function companion_settings
+   end function comparison_settings
 
    !> True if a side of `grid` or of one `ratio` times as coarse has too few nodes.
    pure function is_too_coarse(grid, ratio)
@@ -226,9 +226,9 @@ contains
       end do
    end subroutine resample_pressures
 
-   !> The figures `others` of the sweep on another grid. They stay unallocated where it finds no
+   !> The quantities `others` of the sweep on another grid. They stay unallocated where it finds no
    !> contact.
-   subroutine solve_companion(sweep, others, error)
+   subroutine solve_comparison(sweep, others, error)
       type(dry_sweep_t), intent(in) :: sweep
       type(dry_row_t), allocatable, intent(out) :: others(:)
       type(error_t), allocatable, intent(out) :: error
@@ -241,7 +241,7 @@ contains
       else if (error%kind == input_error) then
          deallocate (error)   ! nothing touches at that separation on this grid
       end if
-   end subroutine solve_companion
+   end subroutine solve_comparison
 
    !> About `nodes`/`ratio` (1 of a line's single one): odd where they are, which decides whether a
    !> node lies in the middle; else even, 64 to 128 times a power of two: such grids have good first
@@ -263,22 +263,22 @@ contains
       count = unit*nint(nodes/(ratio*unit))
    end function other_count
 
-   !> The figures that are compared.
-   pure function figures_of(row) result(values)
+   !> The quantities that are compared.
+   pure function values_of(row) result(values)
       type(dry_row_t), intent(in) :: row
-      real(wp) :: values(figures)
+      real(wp) :: values(quantity_count)
 
       values = [row%contact_area_fraction, row%contact_area_corrected, row%plastic_area_fraction, &
          row%plasticity_index, &
                 row%mean_separation, row%separation, row%datum, row%p_max, row%dp_max, &
                    row%dp_mean, row%elastic_energy, &
                 row%dissipated_energy, row%mean_pressure]
-   end function figures_of
+   end function values_of
 
-   !> Puts the errors of the figures of `row` in place: `compared`, in the order of `figures_of`.
+   !> Puts the errors of the quantities of `row` in place: `compared`, in the order of `values_of`.
    pure subroutine fill_errors(row, compared, errors)
       type(dry_row_t), intent(in) :: row
-      real(wp), intent(in) :: compared(figures)
+      real(wp), intent(in) :: compared(quantity_count)
       type(dry_row_t), intent(inout) :: errors
 
       errors = row

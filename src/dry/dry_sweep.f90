@@ -1,4 +1,4 @@
-!> A dry contact under a series of loads, and the figures of each, in SI.
+!> A dry contact under a series of loads, and the quantities of each, in SI.
 module dry_sweep
    use, intrinsic :: iso_fortran_env, only: real32
    use constants, only: pi

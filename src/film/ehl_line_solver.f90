@@ -133,7 +133,7 @@ contains
       class(observer_t), intent(inout) :: watcher
       type(report_t), intent(inout) :: report
 
-      hierarchy%wants_companions = settings%wants_companions .and. .not. time%is_transient
+      hierarchy%wants_coarse_runs = settings%wants_coarse_runs .and. .not. time%is_transient
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
       call solve_steady(hierarchy, contact, settings, watcher, report)
       if (settings%explains_failure .and. .not. (report%converged .or. watcher%wants_stop)) then

@@ -14,7 +14,7 @@ module line_contact
    public :: closing_slope, finest_wave, intervals_for_waves, line_contact_t, &
       move_profiles, shortest_passage
 
-   !> Intervals in the finest wave (feature, sinusoid, profile) below which companions on n/4 may
+   !> Intervals in the finest wave (feature, sinusoid, profile) below which coarse runs on n/4 may
    !> not see it.
    integer, parameter, public :: min_in_wave = 16
    !> A surface slower than this dX/dT counts as at rest, one without waves has waves of this length

@@ -78,10 +78,10 @@ module line_hierarchy
       type(newton_t) :: newton
       !> Bound on the Reynolds residual that the cycles are to reach; 0: not known.
       real(wp) :: goal = 0.0_wp
-      !> The answer is that of the kappa space scheme: companions are too (module reynolds_line).
+      !> The answer is that of the kappa space scheme: coarse runs are too (module reynolds_line).
       logical :: is_kappa = .false.
       !> The nested start solves the two levels below the finest well enough to be compared with it.
-      logical :: wants_companions = .false.
+      logical :: wants_coarse_runs = .false.
       !> Wall time that the levels took to set up [s].
       real(wp) :: setup_seconds = 0.0_wp
       !> Sweeps weighted by nodes, in sweeps of the finest level.
@@ -308,7 +308,7 @@ contains
       if (hierarchy%coarsest < hierarchy%finest) return
       do below = 1, min(max_coarser, hierarchy%finest - 1)
          associate (level => hierarchy%levels(hierarchy%finest - below))
-            if (.not. level%is_companion) exit
+            if (.not. level%is_coarse_run) exit
             coarser = [coarser, level_summary(level)]
          end associate
       end do

@@ -37,7 +37,7 @@ module line_level
       real(wp) :: inverse_time_step = 0.0_wp
       !> Pressure and film are the solution of the original problem on this grid, accurate enough to
       !> be compared with finer ones.
-      logical :: is_companion = .false.
+      logical :: is_coarse_run = .false.
       !> Pressure and load in front of the grid are those of module inlet_tail.
       logical :: has_tail = .false.
       !> Coarse problems: the last node with P > 0 where they are posed, how far behind it [dX] the

@@ -26,7 +26,7 @@ module nested_start
    real(wp), parameter :: nested_tolerance = 1.0e-2_wp
    integer, parameter :: nested_steps = 60
    !> Accuracy of a level that finer ones are compared with (docs/decisions.md).
-   real(wp), parameter, public :: companion_tolerance = 1.0e-3_wp
+   real(wp), parameter, public :: coarse_run_tolerance = 1.0e-3_wp
    !> First grids that are tried.
    integer, parameter, public :: max_firsts = 4
    !> Bound on Sigma in the start of a level, and smoothings at most to reach it.
@@ -100,7 +100,7 @@ contains
                if (choice%follows_time) call follow_time(hierarchy, k, is_sound, watcher)
                return
             end if
-            tolerance = merge(companion_tolerance, nested_tolerance, hierarchy%wants_companions &
+            tolerance = merge(coarse_run_tolerance, nested_tolerance, hierarchy%wants_coarse_runs &
                .and. k >= hierarchy%top - 2)
             call solve_level(hierarchy, k, tolerance, is_sound, watcher)
             if (.not. is_sound .and. choice%follows_time) then
@@ -127,9 +127,9 @@ contains
       end if
    end subroutine first_guess
 
-   !> Exact solution on level k from its present pressure, of a companion by the space scheme of the
-   !> hierarchy: from the solution of the thesis's scheme to that of the kappa scheme. Where that
-   !> step fails, the first solution stays, which is no companion.
+   !> Exact solution on level k from its present pressure, of a coarse run by the space scheme of
+   !> the hierarchy: from the solution of the thesis's scheme to that of the kappa scheme. Where
+   !> that step fails, the first solution stays, which is no coarse run.
    subroutine solve_level(hierarchy, k, tolerance, is_sound, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
@@ -142,13 +142,13 @@ contains
          level%is_kappa = .false.
          call solve_newton(hierarchy%newton, level, tolerance, nested_steps, watcher)
          is_sound = is_solved
-         level%is_companion = is_sound .and. tolerance <= companion_tolerance
-         if (.not. (level%is_companion .and. hierarchy%is_kappa)) return
+         level%is_coarse_run = is_sound .and. tolerance <= coarse_run_tolerance
+         if (.not. (level%is_coarse_run .and. hierarchy%is_kappa)) return
          thesis = level%state
          level%is_kappa = .true.
          call solve_newton(hierarchy%newton, level, tolerance, nested_steps, watcher)
          level%is_kappa = is_solved
-         level%is_companion = is_solved
+         level%is_coarse_run = is_solved
          if (.not. is_solved) level%state = thesis
       end associate
    end subroutine solve_level

@@ -265,7 +265,7 @@ contains
       else if (times%end_time < times%needed_end*(1 - rounding)) then
          note = 'the surfaces have not filled the contact before T = ' &
             //to_text(times%settled_from, 3)
-         if (times%is_artificial) note = 'the artificial start is in the figures: it is '// &
+         if (times%is_artificial) note = 'the artificial start is in the quantities: it is '// &
             'forgotten by T = '// &
             to_text(times%settled_from, 3)
          if (times%period > 0.0_wp) note = note//', and a period takes '//to_text(times%period, 3)

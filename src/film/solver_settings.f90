@@ -76,7 +76,7 @@ module solver_settings
       real(wp) :: target = 0.0_wp
       !> The grids of n/2 and n/4 intervals on the way to a steady solution are solved well enough
       !> for error bars.
-      logical :: wants_companions = .false.
+      logical :: wants_coarse_runs = .false.
       !> Most intervals that there is memory for.
       integer :: most_intervals = huge(1)
       !> After a failure: finer grids are tried, to learn whether the grid is the reason.

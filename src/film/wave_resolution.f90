@@ -1,8 +1,8 @@
 !> How finely the grid and the time steps of a contact resolve the waves of its surfaces: ridges,
 !> dents, sinusoids, profiles; the choice of the time step, which goes by them.
 !>
-!> A wave that falls between the nodes, or passes within a step, is not there at all, and companions
-!> on coarser grids do not show what is missing (theory page, section on domain and grid;
+!> A wave that falls between the nodes, or passes within a step, is not there at all, and coarse
+!> runs do not show what is missing (theory page, section on domain and grid;
 !> docs/decisions.md).
 module wave_resolution
    use kinds, only: wp
@@ -19,7 +19,7 @@ module wave_resolution
    !> default, and what is told.
    integer, parameter, public :: wanted_nodes = 32
    integer, parameter :: wanted_steps = 16
-   !> Nodes (at rest, in time) and steps from which on companions see what this grid sees; steps
+   !> Nodes (at rest, in time) and steps from which on coarse runs see what this grid sees; steps
    !> only where they are longer than dX.
    real(wp), parameter :: seen_nodes(2) = [16.0_wp, 8.0_wp], seen_steps = 32.0_wp
    !> A feature or sinusoid with fewer nodes, or steps in its passage, is refused.

@@ -18,7 +18,7 @@ module checkpoint
    use line_summary, only: line_summary_t, quantity_t
    use march_state, only: march_state_t
    use operating_system, only: remove_file, rename_file, sync_file, sync_folder
-   use passage_figures, only: passage_figures_t
+   use passage_extremes, only: passage_extremes_t
    use quantities, only: quantity_count, quantity_rows
    use split_errors, only: forecast_t
    use transient_store, only: digits_length, part_t
@@ -38,7 +38,7 @@ module checkpoint
       character(:), allocatable :: case
       type(march_state_t) :: march
       !> Extremes over the time steps so far.
-      type(passage_figures_t) :: figures
+      type(passage_extremes_t) :: passage
       !> What pilot runs foretold, where they chose the resolution.
       type(forecast_t) :: forecast
       !> The film over all time steps, where that is asked for.
@@ -119,10 +119,10 @@ contains
          call file%visit('/time_step', c%time_step)
          call file%visit_text('/space_scheme', c%space_scheme)
          call visit_part(file, c%part)
-         c%figures%has_counted = file%has('/counted', c%figures%has_counted)
-         if (c%figures%has_counted) call visit_summary(file, '/counted/', c%figures%counted)
-         c%figures%has_earlier = file%has('/earlier', c%figures%has_earlier)
-         if (c%figures%has_earlier) call visit_summary(file, '/earlier/', c%figures%earlier)
+         c%passage%has_counted = file%has('/counted', c%passage%has_counted)
+         if (c%passage%has_counted) call visit_summary(file, '/counted/', c%passage%counted)
+         c%passage%has_earlier = file%has('/earlier', c%passage%has_earlier)
+         if (c%passage%has_earlier) call visit_summary(file, '/earlier/', c%passage%earlier)
          call visit_forecast(file, c%forecast)
          has_statistics = file%has('/statistics', allocated(c%statistics%thresholds))
          if (has_statistics) call visit_statistics(file, c%statistics)

@@ -24,7 +24,7 @@ module result_writer
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
    use operating_system, only: lock_t, remove_file, rename_file, sync_file
-   use passage_figures, only: passage_figures_t
+   use passage_extremes, only: passage_extremes_t
    use result_labels, only: field_names
    use result_name, only: hold_name, result_name_t
    use result_sections, only: write_report, write_scaling, write_solution, write_summary, &
@@ -50,7 +50,7 @@ module result_writer
       character(len=field_name_length), allocatable :: fields(:)
       !> Quantities of the time steps so far, and of all of them, or of a steady solution, when the
       !> result is finished.
-      type(passage_figures_t) :: figures
+      type(passage_extremes_t) :: passage
       type(line_summary_t) :: summary
       !> Coarse runs that tell how far off the quantities may be.
       type(error_bars_t) :: bars
@@ -108,13 +108,14 @@ contains
    end subroutine open_result
 
    !> Goes on with the result `path` of an interrupted run, with what was stored of it (`part`,
-   !> profiles of `nx` nodes) and its `figures`. Error: NAME.part is not what the checkpoint says.
-   subroutine reopen_result(writer, path, fields, part, nx, figures, error)
+   !> profiles of `nx` nodes) and its extremes so far. Error: NAME.part is not what the checkpoint
+   !> says.
+   subroutine reopen_result(writer, path, fields, part, nx, passage, error)
       type(result_writer_t), intent(out) :: writer
       character(*), intent(in) :: path, fields(:)
       type(part_t), intent(in) :: part
       integer, intent(in) :: nx
-      type(passage_figures_t), intent(in) :: figures
+      type(passage_extremes_t), intent(in) :: passage
       type(error_t), allocatable, intent(out) :: error
 
       call hold_name(writer%name, path, error)
@@ -134,7 +135,7 @@ contains
          return
       end if
       call writer%name%lock%allow_readers()
-      writer%figures = figures
+      writer%passage = passage
       writer%is_transient = .true.
       writer%name%has_checkpoint = .true.
    end subroutine reopen_result
@@ -182,11 +183,11 @@ contains
 
       if (allocated(self%statistics%thresholds)) then
          if (step == 0) call add_start(self%statistics, state)
-         if (step > 0 .and. self%figures%times%counts(state%time)) call add_time(self%statistics, &
+         if (step > 0 .and. self%passage%times%counts(state%time)) call add_time(self%statistics, &
             state)
       end if
       summary = summary_of(state)
-      call self%figures%add(summary, state%time, step == steps)
+      call self%passage%add(summary, state%time, step == steps)
       if (.not. self%is_transient) call start_store(self, [steps, steps/self%profile_stride] + 1, &
          size(state%x))
       if (.not. allocated(self%file%failure)) call self%store%append(state, summary, report, &
@@ -267,7 +268,7 @@ contains
       call set_patience(.not. (self%name%has_checkpoint &
          .and. self%name%kept_step == self%store%records() - 1))
       call begin_activity('writing the result')
-      self%summary = self%figures%extremes(summary_of(state))
+      self%summary = self%passage%extremes(summary_of(state))
       if (self%is_transient .and. .not. allocated(self%file%failure)) then
          call create_hdf5_file(self%file, self%name%path//'.tmp', &
             error)   ! error: stays in the file
@@ -279,10 +280,10 @@ contains
          self%summary)
       call write_solution(self%file, state, self%scaling)
       missing = missing_estimate(self%bars, report)
-      if (report%converged .and. .not. self%figures%times%is_settled()) missing = &
-         'the start is in the figures, see /report/note'
+      if (report%converged .and. .not. self%passage%times%is_settled()) missing = &
+         'the start is in the quantities, see /report/note'
       call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing)
-      if (self%is_transient) call write_times(self%file, self%figures%times)
+      if (self%is_transient) call write_times(self%file, self%passage%times)
       call write_statistics(self%file, self%statistics, self%scaling)
       call self%publish(report, error)
    end subroutine finish

@@ -46,7 +46,7 @@ module run_observer
       !> Wall time between checkpoints [s].
       real(wp) :: checkpoint_interval = huge(1.0_wp)
       !> Coarse runs are still wanted.
-      logical :: has_companions = .false.
+      logical :: has_coarse_runs = .false.
       !> Why the last checkpoint could not be written; not allocated: it could.
       type(error_t), allocatable :: failure
       !> Seconds of the clock at the start and at the last checkpoint.
@@ -125,7 +125,7 @@ contains
       begin = wall_seconds()
       checkpoint%case = self%case
       checkpoint%march = history
-      checkpoint%figures = self%writer%figures
+      checkpoint%passage = self%writer%passage
       checkpoint%forecast = self%writer%bars%forecast
       checkpoint%statistics = self%writer%statistics
       checkpoint%part = self%writer%store%part()
@@ -162,9 +162,9 @@ contains
       class(run_observer_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: coarser(:)
 
-      if (.not. self%has_companions .or. size(coarser) < 2) return
+      if (.not. self%has_coarse_runs .or. size(coarser) < 2) return
       call take_coarser(self%writer%bars, coarser)
-      self%has_companions = .false.
+      self%has_coarse_runs = .false.
    end subroutine keep_coarser
 
    !> Whether the run is interrupted.

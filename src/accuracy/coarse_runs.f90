@@ -1,6 +1,6 @@
 !> Runs of the same case on coarser grids, in a transient with larger time steps, where the run
 !> itself has not passed them on its way.
-module companions
+module coarse_runs
    use domain_choice, only: choose_domain, farthest
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: error_bars_t, new_error_bars
@@ -11,7 +11,7 @@ module companions
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
    use observer, only: lookout_t, observer_t
-   use passage_figures, only: passage_figures_t
+   use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
    use quantities, only: h_min, x_cavitation
    use solver_settings, only: most_chosen, solver_settings_t, time_settings_t
@@ -19,17 +19,17 @@ module companions
    implicit none (type, external)
    private
 
-   public :: collector_t, run_apart, run_companion, run_companions, run_farther, run_longer, &
-      run_other_scheme
+   public :: collector_t, make_coarse_runs, run_apart, run_farther, run_for_comparison, &
+      run_longer, run_other_scheme
 
-   !> Companions that error bars come from have at least this many intervals.
+   !> Coarse runs that error bars come from have at least this many intervals.
    integer, parameter :: fewest_intervals = 32
 
    !> Collects the quantities of a run: of its state, or the extremes over the time steps that
    !> count.
    type, extends(lookout_t) :: collector_t
       type(line_summary_t) :: summary
-      type(passage_figures_t) :: figures
+      type(passage_extremes_t) :: passage
       !> Coarser grids that a steady run has passed.
       type(line_summary_t), allocatable :: passed(:)
       !> Smallest film at each time step of the last transient (0:steps); huge at times that do not
@@ -38,15 +38,15 @@ module companions
    contains
       procedure :: on_step => collect_step
       procedure :: keep_coarser => collect_coarser
-      procedure :: on_stage => tell_companion
+      procedure :: on_stage => tell_coarse_run
    end type collector_t
 
 contains
 
    !> Runs the case on n/2 and n/4 intervals, a transient of first order with the scheme of second
-   !> order, and first so on its own grid. A companion that finds no solution, or that `watcher`
+   !> order, and first so on its own grid. A coarse run that finds no solution, or that `watcher`
    !> stops, leaves its quantities unknown, and those after it.
-   subroutine run_companions(bars, contact, settings, time, watcher, error)
+   subroutine make_coarse_runs(bars, contact, settings, time, watcher, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -54,30 +54,30 @@ contains
       class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
-      type(time_settings_t) :: companion_time
+      type(time_settings_t) :: coarse_time
       logical :: is_known
 
       bars = new_error_bars(contact, time, settings%space_scheme)
       collector%watcher => watcher
-      companion_time = time
-      companion_time%scheme = 'bdf2'
+      coarse_time = time
+      coarse_time%scheme = 'bdf2'
       if (bars%is_first_order) then
-         call run_coarser(contact, settings, companion_time, 1, collector, is_known, error)
+         call run_coarser(contact, settings, coarse_time, 1, collector, is_known, error)
          if (allocated(error) .or. .not. is_known) return
          bars%second_order = collector%summary
       end if
-      call run_coarser(contact, settings, companion_time, 2, collector, bars%has_half, error)
+      call run_coarser(contact, settings, coarse_time, 2, collector, bars%has_half, error)
       if (allocated(error)) return
       bars%half = collector%summary
       if (size(collector%passed) > 0) then
          bars%has_quarter = .true.
          bars%quarter = collector%passed(1)
       else
-         call run_coarser(contact, settings, companion_time, 4, collector, bars%has_quarter, &
+         call run_coarser(contact, settings, coarse_time, 4, collector, bars%has_quarter, &
             error)   ! error: the caller looks
          bars%quarter = collector%summary
       end if
-   end subroutine run_companions
+   end subroutine make_coarse_runs
 
    !> Runs a transient whose resolution was chosen with twice the spacing, and with twice the time
    !> step: errors of both often cancel, and together they would tell too little. Without a solution
@@ -105,11 +105,11 @@ contains
       slow%time_step = time%end_time/((steps + 1)/2)
       associate (apart => bars%apart, n => own%domain%intervals)
          n = n/2
-         call run_companion(own, settings, time, collector, is_known, error)
+         call run_for_comparison(own, settings, time, collector, is_known, error)
          if (allocated(error) .or. .not. is_known) return
          apart%coarse = foretold_values(collector%summary)
          n = contact%domain%intervals
-         call run_companion(own, settings, slow, collector, apart%is_known, error)
+         call run_for_comparison(own, settings, slow, collector, apart%is_known, error)
          if (allocated(error)) return
          apart%slow = foretold_values(collector%summary)
          apart%step_ratio = real(steps, wp)/((steps + 1)/2)
@@ -231,13 +231,13 @@ contains
       if (coarse%domain%intervals < fewest_intervals) return
       coarse_time = time
       if (time%time_step > 0.0_wp) coarse_time%time_step = factor*time%time_step
-      call run_companion(coarse, settings, coarse_time, collector, is_known, &
+      call run_for_comparison(coarse, settings, coarse_time, collector, is_known, &
          error)   ! error: the caller looks
    end subroutine run_coarser
 
-   !> The case on its own complete domain as a companion, without what only an answer needs;
+   !> The case on its own complete domain as a coarse run, without what only an answer needs;
    !> `is_known`: its quantities, those of `collector`, are a solution's.
-   subroutine run_companion(contact, settings, time, collector, is_known, error)
+   subroutine run_for_comparison(contact, settings, time, collector, is_known, error)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
@@ -260,14 +260,14 @@ contains
          'newton_krylov'
       if (.not. time%is_transient) own_settings%method = 'newton_krylov'
       own_settings%target = 0.0_wp
-      own_settings%wants_companions = .true.
+      own_settings%wants_coarse_runs = .true.
       is_known = .false.
-      collector%figures = passage_figures_t(new_passage_times(own, time))
+      collector%passage = passage_extremes_t(new_passage_times(own, time))
       call solve_ehl_line(own, own_settings, time, collector, state, report, error)
       if (allocated(error)) return
       is_known = report%converged
-      if (is_known) collector%summary = collector%figures%extremes(summary_of(state))
-   end subroutine run_companion
+      if (is_known) collector%summary = collector%passage%extremes(summary_of(state))
+   end subroutine run_for_comparison
 
    !> Keeps what a steady run has passed.
    subroutine collect_coarser(self, coarser)
@@ -278,12 +278,12 @@ contains
    end subroutine collect_coarser
 
    !> Not the run itself.
-   recursive subroutine tell_companion(self, words)
+   recursive subroutine tell_coarse_run(self, words)
       class(collector_t), intent(inout) :: self
       character(*), intent(in) :: words
 
-      call self%watcher%on_stage('companion, '//words)
-   end subroutine tell_companion
+      call self%watcher%on_stage('coarse run, '//words)
+   end subroutine tell_coarse_run
 
    !> Adds the quantities of one time step.
    subroutine collect_step(self, step, steps, state, report)
@@ -301,9 +301,9 @@ contains
          allocate (self%films(0:steps), source=huge(1.0_wp))
       end if
       summary = summary_of(state)
-      if (self%figures%times%counts(state%time)) self%films(step) = summary%of(h_min)%value
-      call self%figures%add(summary, state%time, step == steps)
+      if (self%passage%times%counts(state%time)) self%films(step) = summary%of(h_min)%value
+      call self%passage%add(summary, state%time, step == steps)
       call self%look_outside()
    end subroutine collect_step
 
-end module companions
+end module coarse_runs

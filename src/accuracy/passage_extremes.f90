@@ -1,6 +1,6 @@
 !> The quantities of a passage, gathered step by step: extremes over the times that count, and how
 !> far it is from periodic.
-module passage_figures
+module passage_extremes
    use kinds, only: wp
    use line_summary, only: keep_extremes, line_summary_t, quantity_t
    use missing_value, only: not_known
@@ -9,10 +9,10 @@ module passage_figures
    implicit none (type, external)
    private
 
-   public :: passage_figures_t
+   public :: passage_extremes_t
 
    !> Extremes so far.
-   type :: passage_figures_t
+   type :: passage_extremes_t
       type(passage_times_t) :: times
       !> Over the times that count, and over those before them of a periodic passage; known where
       !> the logicals say so.
@@ -23,13 +23,13 @@ module passage_figures
       procedure :: add
       !> The extremes, with the part of their error that the start has.
       procedure :: extremes
-   end type passage_figures_t
+   end type passage_extremes_t
 
 contains
 
    !> Adds the quantities of one time; the last one always counts.
    pure subroutine add(self, summary, time, is_last)
-      class(passage_figures_t), intent(inout) :: self
+      class(passage_extremes_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: summary
       real(wp), intent(in) :: time
       logical, intent(in) :: is_last
@@ -52,7 +52,7 @@ contains
    !> The extremes. `last` are those of the last state, for a run that has ended before anything
    !> counts.
    pure function extremes(self, last) result(summary)
-      class(passage_figures_t), intent(in) :: self
+      class(passage_extremes_t), intent(in) :: self
       type(line_summary_t), intent(in) :: last
       type(line_summary_t) :: summary
       integer :: i
@@ -80,4 +80,4 @@ contains
 
    end function extremes
 
-end module passage_figures
+end module passage_extremes
