@@ -32,7 +32,7 @@ module command_line
       '--check', '--resume', &
       '--quiet', '--template', '--keys', '--version', '--help']
    !> Most threads that can be asked for.
-   integer, parameter :: most_threads = 9999
+   integer, parameter :: max_threads = 9999
    character(*), parameter :: see_help = '; see asperity --help'
 
 contains
@@ -119,7 +119,7 @@ contains
          command%output_dir = value
       case ('--threads')
          call read_integer(value, threads, good)
-         if (good .and. threads >= 1 .and. threads <= most_threads) then
+         if (good .and. threads >= 1 .and. threads <= max_threads) then
             command%threads = int(threads)
          else
             call fail(error, input_error, 'found --threads ' // value // ', expected a number '// &

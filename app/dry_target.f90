@@ -23,7 +23,7 @@ module dry_target
    public :: grid_memory, solve_to_target
 
    !> Most nodes of a line and of an area that are chosen.
-   integer, parameter :: most_chosen(2) = [2**20, 2**24]
+   integer, parameter :: max_chosen(2) = [2**20, 2**24]
    !> Times that are summed over the grids.
    integer, parameter :: times = 6
 
@@ -45,7 +45,7 @@ contains
 
       allocate (rungs(0))
       most = 0
-      if (is_refinable(dry)) most = most_nodes(dry)
+      if (is_refinable(dry)) most = max_nodes(dry)
       spent = 0.0_wp
       do
          rung = dry_rung_t([dry%grid%nx, dry%grid%ny], not_known())
@@ -117,18 +117,18 @@ contains
    end subroutine add_times
 
    !> Most nodes that a grid for the target may have.
-   function most_nodes(dry) result(most)
+   function max_nodes(dry) result(most)
       type(dry_case_t), intent(in) :: dry
       integer :: most
       real(wp), parameter :: smaller = 0.9_wp
 
-      most = most_chosen(merge(1, 2, dry%grid%ny == 1))
+      most = max_chosen(merge(1, 2, dry%grid%ny == 1))
       do while (memory_fault('a grid', &
          grid_memory(dry, [most/min(2, dry%grid%ny), min(2, dry%grid%ny)])) /= '')
          most = int(smaller*most)
          if (most <= dry%grid%nx) exit
       end do
-   end function most_nodes
+   end function max_nodes
 
    !> The memory that the case needs at most on so many nodes, for its threads too.
    function grid_memory(dry, nodes) result(need)
@@ -151,7 +151,7 @@ contains
       if (.not. ieee_is_finite(doubt)) return
       if (doubt <= dry%target) return
       reason = 'grids of more than '//to_text(most)//' nodes are not chosen'
-      if (most < most_chosen(merge(1, 2, dry%grid%ny == 1))) reason = reason//' with this memory'
+      if (most < max_chosen(merge(1, 2, dry%grid%ny == 1))) reason = reason//' with this memory'
       if (most == 0) reason = 'without a period the heights of a file stay on their own nodes'
       call add_note(dry, 'the wanted accuracy is not met: of the contact area a relative '// &
          'error of '//to_text(doubt, 2)// &

@@ -27,7 +27,7 @@ module run_case
    use result_start, only: find_complete_result, start_result
    use run_dry_case, only: solve_and_write
    use run_observer, only: run_observer_t
-   use solver_settings, only: most_intervals_of, most_refined_intervals, time_settings_t
+   use solver_settings, only: max_intervals_of, max_refined_intervals, time_settings_t
    use steady_target, only: solve_contact
    use system_limits, only: memory_fault
    use text, only: to_text
@@ -119,14 +119,14 @@ contains
       call choose_domain(whole)
       associate (intervals => whole%domain%intervals, method => case%solver%method)
          fault = fault_of(intervals)
-         if (intervals > most_intervals_of(method)) fault = 'found '//to_text(intervals) &
+         if (intervals > max_intervals_of(method)) fault = 'found '//to_text(intervals) &
             //' intervals, which the program '// &
-            'chooses, expected at most '//to_text(most_intervals_of(method))//" with method = '" &
+            'chooses, expected at most '//to_text(max_intervals_of(method))//" with method = '" &
                //trim(method)//"'"
       end associate
       if (fault /= '') call fail(error, input_error, case%file//': &domain intervals: '//fault)
-      associate (most => case%solver%most_intervals)
-         most = most_refined_intervals
+      associate (most => case%solver%max_intervals)
+         most = max_refined_intervals
          do while (most > whole%domain%intervals .and. fault_of(most) /= '')
             most = most/2
          end do

@@ -14,7 +14,7 @@ module coarse_runs
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
    use quantities, only: h_min, x_cavitation
-   use solver_settings, only: most_chosen, solver_settings_t, time_settings_t
+   use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
    use split_errors, only: foretold_values, orders_in_time
    implicit none (type, external)
    private
@@ -23,7 +23,7 @@ module coarse_runs
       run_longer, run_other_scheme
 
    !> Coarse runs that error bars come from have at least this many intervals.
-   integer, parameter :: fewest_intervals = 32
+   integer, parameter :: min_intervals = 32
 
    !> Collects the quantities of a run: of its state, or the extremes over the time steps that
    !> count.
@@ -140,7 +140,7 @@ contains
             domain%x_outlet = 2*domain%x_outlet - domain%x_inlet
             if (domain%x_outlet > farthest) return
             domain%intervals = 2*domain%intervals
-            if (domain%intervals/2 > most_chosen(settings)) return
+            if (domain%intervals/2 > max_chosen(settings)) return
             call run_coarser(longer, settings, time, 2, collector, bars%has_longer, error)
             if (allocated(error) .or. .not. bars%has_longer) return
             bars%longer = collector%summary
@@ -228,7 +228,7 @@ contains
       call choose_domain(coarse)
       coarse%domain%intervals = coarse%domain%intervals/factor
       is_known = .false.
-      if (coarse%domain%intervals < fewest_intervals) return
+      if (coarse%domain%intervals < min_intervals) return
       coarse_time = time
       if (time%time_step > 0.0_wp) coarse_time%time_step = factor*time%time_step
       call run_for_comparison(coarse, settings, coarse_time, collector, is_known, &

@@ -46,9 +46,9 @@ module pressure_spike
    !> high.
    real(wp), parameter :: edge_strength = 0.5_wp
    !> No height beyond this many times that of the node is looked for, in so many steps, and none
-   !> beyond `most_claimed` times it is claimed.
-   real(wp), parameter :: highest_growth = 20.0_wp, most_claimed = 3.0_wp
-   integer, parameter :: most_steps = 200
+   !> beyond `max_claimed` times it is claimed.
+   real(wp), parameter :: highest_growth = 20.0_wp, max_claimed = 3.0_wp
+   integer, parameter :: max_steps = 200
    !> Halvings of the bracket of ln l_flow.
    integer, parameter :: bisections = 40
    !> A height beyond all bounds.
@@ -84,7 +84,7 @@ contains
          if (height < endless) ceiling = crests%spike + safety*(height - crests%spike)
          if (ceiling <= crest) then
             ceiling = 0.0_wp
-         else if (height > most_claimed*crests%spike) then
+         else if (height > max_claimed*crests%spike) then
             ceiling = not_known()
          else if (crests%spike < crest .and. crests%spike &
             + sure_share*(height - crests%spike) <= crest) then
@@ -118,7 +118,7 @@ contains
       integer :: i
 
       height = pressure
-      do i = 1, most_steps
+      do i = 1, max_steps
          lengths = smoothing_lengths(law, height, film)/dx
          next = huge(1.0_wp)
          if (lengths(1) > tiny(1.0_wp)) next = flow_growth/lengths(1)

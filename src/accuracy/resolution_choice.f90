@@ -22,7 +22,7 @@ module resolution_choice
    use observer, only: observer_t
    use pilots, only: add_pilot, begun_anew, cheapest_resolution, forecast_at, has_forecast, &
       new_pilots, next_direction, nothing, pilots_t, refined, resolution_t
-   use solver_settings, only: most_chosen, solver_settings_t, time_settings_t
+   use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
    use split_errors, only: foretold_values
    use text, only: to_text
    implicit none (type, external)
@@ -126,7 +126,7 @@ contains
       settled = settings
       call settle_tolerance(settled)
       if (settings%tolerance <= 0.0_wp) search%settings%tolerance = looser*settled%tolerance
-      search%pilots = new_pilots(contact, time, most_chosen(settings))
+      search%pilots = new_pilots(contact, time, max_chosen(settings))
       associate (first => search%pilots%last)
          search%work_limit = max_work*first%intervals*first%steps
       end associate

@@ -17,7 +17,7 @@ module steady_target
    use nested_start, only: coarse_run_tolerance, first_guess, max_firsts, solve_level
    use observer, only: is_stopped, observer_t
    use solver_choice, only: adopt, steady_attempts
-   use solver_settings, only: most_chosen, solver_settings_t, time_settings_t
+   use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
    use text, only: to_text
    implicit none (type, external)
    private
@@ -70,7 +70,7 @@ contains
       allocate (ways, source=steady_attempts(contact, solver_settings_t(method='newton_krylov')))
       do i = 1, size(ways)
          if (ways(i)%first_stress > 1.0_wp) cycle
-         call new_growing_hierarchy(hierarchy, contact, most_chosen(settings), error)
+         call new_growing_hierarchy(hierarchy, contact, max_chosen(settings), error)
          if (allocated(error)) return
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
          call adopt(hierarchy, ways(i))
@@ -157,7 +157,7 @@ contains
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
          call solve_steady(hierarchy, contact, settings, watcher, report)
          if (watcher%wants_stop) return
-         if (2*contact%domain%intervals > most_chosen(settings)) return
+         if (2*contact%domain%intervals > max_chosen(settings)) return
          if (report%converged) then
             summary = level_summary(hierarchy%levels(hierarchy%finest))
             if (contact%domain%intervals >= intervals_for_waves(contact) .and. &

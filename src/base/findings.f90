@@ -23,11 +23,11 @@ module findings
    end type findings_t
 
    !> Most findings shown in one report, which may have many more for a broken file.
-   integer, parameter :: most_shown = 50
+   integer, parameter :: max_shown = 50
    !> Findings kept at most; later ones are only counted.
-   integer, parameter :: most_kept = 1000
+   integer, parameter :: max_kept = 1000
    !> Characters of the user's text that a message repeats at most.
-   integer, parameter :: most_quoted = 48
+   integer, parameter :: max_quoted = 48
 
 contains
 
@@ -42,7 +42,7 @@ contains
 
       if (.not. allocated(self%items)) allocate (self%items(16))
       self%count = self%count + 1
-      if (self%count > most_kept) return
+      if (self%count > max_kept) return
       if (self%count > size(self%items)) then
          allocate (grown(2*size(self%items)))
          grown(:size(self%items)) = self%items
@@ -65,7 +65,7 @@ contains
       integer, allocatable :: order(:)
       integer :: i, j, current
 
-      allocate (order(min(self%count, most_kept)))
+      allocate (order(min(self%count, max_kept)))
       do i = 1, size(order)
          current = i
          j = i - 1
@@ -77,15 +77,15 @@ contains
          order(j + 1) = current
       end do
       report = ''
-      do i = 1, min(self%count, most_shown)
+      do i = 1, min(self%count, max_shown)
          if (i > 1) report = report // new_line('a')
          report = report // file // ':'
          if (self%items(order(i))%line > 0) report = report // to_text(self%items(order(i))%line) &
             // ':'
          report = report // ' ' // self%items(order(i))%message
       end do
-      if (self%count > most_shown) report = report // new_line('a') // file // ': ... and ' &
-         // to_text(self%count - most_shown) // ' more findings'
+      if (self%count > max_shown) report = report // new_line('a') // file // ': ... and ' &
+         // to_text(self%count - max_shown) // ' more findings'
    end function findings_report
 
    !> The user's text for a message: shortened, without control characters; 'nothing' for an empty
@@ -100,10 +100,10 @@ contains
          shown = 'nothing'
          return
       end if
-      if (last <= most_quoted) then
+      if (last <= max_quoted) then
          shown = string(:last)
       else
-         last = most_quoted
+         last = max_quoted
          do while (last > 1 .and. iand(iachar(string(last + 1:last + 1)), 192) == 128)
             last = last - 1
          end do

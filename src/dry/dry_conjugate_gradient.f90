@@ -33,7 +33,7 @@ module dry_conjugate_gradient
    real(wp), parameter :: first_length = 0.7_wp, usual_length = 0.5_wp
    !> So many times at most the network brings nodes beyond a bound back in an iteration; the rest
    !> is clipped and shifted.
-   integer, parameter :: most_returns = 20
+   integer, parameter :: max_returns = 20
    !> The network is not used again once less than this share of the first excess is left beyond the
    !> bounds.
    real(wp), parameter :: worth_a_return = 1.0e-2_wp
@@ -318,7 +318,7 @@ contains
 
       is_back = .false.
       first = 0.0_wp
-      do turn = 1, most_returns
+      do turn = 1, max_returns
          outside = 0.0_wp
          do k = 1, size(q)
             back(k) = min(max(q(k), 0.0_wp), hardness) - q(k)

@@ -35,7 +35,7 @@ module dry_errors
    end type dry_sweep_t
 
    !> Most nodes of a line and of an area that are compared with finer grids.
-   integer, parameter :: most_nodes_for_finer(2) = [2**17, 2**14]
+   integer, parameter :: max_nodes_for_finer(2) = [2**17, 2**14]
    !> How much coarser the grids are that a grid is compared with, and what the squares of their
    !> differences weigh: of one with few nodes, and of one with many, an area with the first two.
    real(wp), parameter :: finer_ratios(3) = [0.5_wp, 2.0_wp/3.0_wp, 4.0_wp/3.0_wp], &
@@ -43,7 +43,7 @@ module dry_errors
       coarser_ratios(3) = [4.0_wp/3.0_wp, 2.0_wp, 1.5_wp], &
       coarser_weights(3) = [1.0_wp, 0.1_wp, 0.3_wp]
    !> Fewest nodes a side, and fewest grids for an estimate.
-   integer, parameter :: fewest_nodes = 8, fewest_grids = 2
+   integer, parameter :: min_nodes = 8, min_grids = 2
    !> Error measure to which they are solved: of lines, of periodic areas with few nodes and with
    !> many, of open areas, whose heights are those of the body; of lines and areas under a given
    !> separation, whose load is found to about as much.
@@ -52,7 +52,7 @@ module dry_errors
       separation_tolerances(2) = [1.0e-7_wp, 1.0e-5_wp]
    !> Share of the mean contact pressure below which a resampled pressure is none.
    real(wp), parameter :: least_pressure = 0.05_wp
-   !> Figures that are compared: contact, corrected and plastic area, plasticity index, mean
+   !> Quantities that are compared: contact, corrected and plastic area, plasticity index, mean
    !> separation, separation, datum, p_max, dp_max, dp_mean, elastic and dissipated energy, load.
    integer, parameter :: quantity_count = 13
    !> What the root mean square is multiplied by: areas, corrected area, separations and load,
@@ -61,7 +61,7 @@ module dry_errors
       1.0_wp, 1.6_wp, 2.4_wp, 2.6_wp, 2.0_wp, &
       1.0_wp, 1.6_wp, 1.4_wp, 2.0_wp, 1.6_wp, &
       1.0_wp, 1.6_wp, 2.2_wp, 3.0_wp, 2.0_wp], [5, 4])
-   !> Which of these holds for each figure.
+   !> Which of these holds for each of them.
    integer, parameter :: safety_of(quantity_count) = [1, 2, 1, 1, 3, 3, 3, 4, 5, 5, 5, 5, 3]
    !> Share of the nodes at the edges of patches that comes to the errors of areas: of a line, of an
    !> area, of the corrected area.
@@ -117,7 +117,7 @@ contains
          + merge(0, 2, has_few_nodes(sweep%grid))))
          do i = 1, size(rows)
             compared = not_known()
-            if (count(i) >= fewest_grids .and. rows(i)%is_converged) compared = factors &
+            if (count(i) >= min_grids .and. rows(i)%is_converged) compared = factors &
                *sqrt(squares(:, i)/sums(i)) + rows(i)%kkt*abs(values_of(rows(i)))
             call fill_errors(rows(i), compared, errors(i))
             call add_edges(sweep%grid, rows(i), errors(i))
@@ -132,7 +132,7 @@ contains
       type(dry_grid_t), intent(in) :: grid
       logical :: has_few_nodes
 
-      has_few_nodes = real(grid%nx, wp)*grid%ny <= most_nodes_for_finer(kind_of(grid))
+      has_few_nodes = real(grid%nx, wp)*grid%ny <= max_nodes_for_finer(kind_of(grid))
    end function has_few_nodes
 
    !> 1 of a line, 2 of an area.
@@ -173,7 +173,7 @@ contains
 
       least = grid%nx
       if (grid%ny > 1) least = min(grid%nx, grid%ny)
-      is_too_coarse = least < fewest_nodes*max(ratio, 1.0_wp)
+      is_too_coarse = least < min_nodes*max(ratio, 1.0_wp)
    end function is_too_coarse
 
    !> Takes a sweep to a grid `ratio` times as coarse. Fails (internal_error) if FFTW does.

@@ -22,7 +22,7 @@ module dry_start
    !> most and whose fine grid is expensive.
    real(wp), parameter :: area_tolerance = 0.1_wp, usual_tolerance = 1.0e-3_wp
    !> Most iterations on a coarser grid.
-   integer, parameter :: most_iterations = 200
+   integer, parameter :: max_iterations = 200
    !> Step from a neighbouring solution against its gaps, as a share of the largest wavenumber of
    !> the grid.
    real(wp), parameter :: neighbour_step = 0.3_wp
@@ -53,7 +53,7 @@ contains
       if (allocated(error)) return
       settings = dry_settings_t(tolerance=merge(area_tolerance, usual_tolerance, &
          problem%grid%ny > 1 .and. problem%grid%kernel /= kernel_open), &
-            max_cycles=most_iterations, is_rough=.true.)
+            max_cycles=max_iterations, is_rough=.true.)
       call iterate_conjugate_gradient(coarse, settings, solution, error)
       if (allocated(error)) return
       transforms = reshape([transforms, coarse%elastic%transforms()], [4, size(transforms, 2) + 1])

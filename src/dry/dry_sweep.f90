@@ -18,7 +18,7 @@ module dry_sweep
 
    public :: dry_fields_t, dry_outcome_t, dry_row_t, solve_dry_sweep
 
-   !> Figures of one load, SI; loads and energies of a line per metre of its length.
+   !> Quantities of one load, SI; loads and energies of a line per metre of its length.
    type :: dry_row_t
       real(wp) :: mean_pressure, load
       real(wp) :: contact_area_fraction, plastic_area_fraction
@@ -56,7 +56,7 @@ module dry_sweep
          plastic_deformation(:)
    end type dry_fields_t
 
-   !> Figures of all loads, fields and solution of the last.
+   !> Quantities of all loads, fields and solution of the last.
    type :: dry_outcome_t
       type(dry_row_t), allocatable :: rows(:)
       type(dry_fields_t) :: fields
@@ -214,8 +214,8 @@ contains
          - scaling%height_in_si(solution%v + problem%height)
    end subroutine fill_fields
 
-   !> Figures of one load from its fields, the `area` of the domain and the `plastic` deformation of
-   !> this load alone, dimensionless.
+   !> Quantities of one load from its fields, the `area` of the domain and the `plastic` deformation
+   !> of this load alone, dimensionless.
    subroutine fill_row(problem, scaling, area, solution, plastic, fields, row)
       type(dry_problem_t), intent(in) :: problem
       type(dry_scaling_t), intent(in) :: scaling

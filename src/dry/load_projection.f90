@@ -7,7 +7,7 @@ module load_projection
    public :: shift_into_bounds
 
    !> Most steps of the search for the shift; bisection alone would end in 64.
-   integer, parameter :: most_steps = 100
+   integer, parameter :: max_steps = 100
 
 contains
 
@@ -27,7 +27,7 @@ contains
       high = min(upper, total) - minval(x)
       if (size(x) == 1) high = max(high, total - x(1))
       shift = min(max(0.0_wp, low), high)
-      do step = 1, most_steps
+      do step = 1, max_steps
          call clipped_sum(x, shift, upper, error, inside)
          error = error - total
          if (abs(error) <= epsilon(1.0_wp)*total*max(2.0_wp, sqrt(real(size(x), wp)))) exit

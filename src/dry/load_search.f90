@@ -15,7 +15,7 @@ module load_search
    public :: solve_for_datum
 
    !> Most solutions of one search.
-   integer, parameter :: most_solves = 100
+   integer, parameter :: max_solves = 100
    !> Every so many solutions the bracket is halved, whatever the secant says.
    integer, parameter :: halving_interval = 6
    !> Longest step in the logarithm of the load while there is no bracket.
@@ -74,7 +74,7 @@ contains
          search%miss = solution%datum - datum
          if (problem%is_capped()) call place_between(problem, solver%settings%tolerance, datum, &
             solution, search%miss)
-         if (abs(search%miss) <= bound .or. search%solves == most_solves) exit
+         if (abs(search%miss) <= bound .or. search%solves == max_solves) exit
          call find_next_load(problem, search)
          if (search%x <= search%low .or. search%x >= search%high) exit
       end do

@@ -49,7 +49,7 @@ module domain_choice
    real(wp), parameter :: wave_margin = 1.1_wp, max_widening = 3.0_wp
    !> The largest outlet [half-widths].
    real(wp), parameter, public :: farthest = 1000.0_wp
-   integer, parameter :: fewest_intervals = 256, most_intervals = 2**20
+   integer, parameter :: min_intervals = 256, max_intervals = 2**20
    !> A grid is not made finer than this for waves alone: a passage on it takes minutes.
    integer, parameter :: max_for_waves = 2**16
 
@@ -90,7 +90,7 @@ contains
          domain%has_inlet = .true.
          if (domain%intervals <= 0) then
             domain%intervals = min(max(intervals_for(contact, accurate_spacing), &
-               fewest_intervals), most_intervals)
+               min_intervals), max_intervals)
             domain%intervals = max(domain%intervals, &
                min(intervals_at_least(wanted_nodes/nodes_in_wave(contact)*domain%intervals), &
                max_for_waves))

@@ -128,7 +128,7 @@ contains
       finer = contact
       finer%domain%intervals = max(fitted, 2*given)
       if (thins(contact%fluid)) finer%domain%intervals = 2*given
-      last = min(largest_blame, settings%most_intervals, max_refinement*max(fitted, given))
+      last = min(largest_blame, settings%max_intervals, max_refinement*max(fitted, given))
       is_solved = .false.
       do while (finer%domain%intervals <= last)
          call try_grid(finer, settings%space_scheme, with_roughness, lookout, is_solved)

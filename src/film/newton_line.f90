@@ -41,7 +41,7 @@ module newton_line
 
    !> What the linear solution may leave of the goal of a step that can reach it: one that has to
    !> lower the residual to no less than this share of it.
-   real(wp), parameter :: goal_share = 0.5_wp, most_reduction = 3.0e-6_wp
+   real(wp), parameter :: goal_share = 0.5_wp, max_reduction = 3.0e-6_wp
 
 contains
 
@@ -115,7 +115,7 @@ contains
 
       bound = huge(1.0_wp)
       if (.not. present(goal)) return
-      if (goal*lambda > most_reduction*residual) bound = goal_share*goal*lambda
+      if (goal*lambda > max_reduction*residual) bound = goal_share*goal*lambda
    end function linear_goal
 
    !> Active set and right side; rows of the bands are divided by the elastic diagonal.

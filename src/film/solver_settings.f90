@@ -8,17 +8,17 @@ module solver_settings
    implicit none (type, external)
    private
 
-   public :: domain_t, most_chosen, most_intervals_of, solver_settings_t, time_settings_t
+   public :: domain_t, max_chosen, max_intervals_of, solver_settings_t, time_settings_t
 
    !> Most intervals with method = 'newton_dense', a matrix of 0.5 GB and about a minute a step, and
    !> with 'block_jacobi', which converges on no more than some hundred and notices that it does not
    !> after 40 blocks of 200 sweeps at least.
-   integer, parameter, public :: most_small_intervals = 8192
+   integer, parameter, public :: max_small_intervals = 8192
    !> Bound on the residuals and the load error where none is given: of a steady solution, and of a
    !> time step.
    real(wp), parameter, public :: steady_tolerance = 1.0e-8_wp, step_tolerance = 1.0e-6_wp
    !> No grid that the program refines until it is good enough has more intervals.
-   integer, parameter, public :: most_refined_intervals = 2**20
+   integer, parameter, public :: max_refined_intervals = 2**20
 
    !> Length of the words below.
    integer, parameter, public :: word_length = 24
@@ -78,7 +78,7 @@ module solver_settings
       !> for error bars.
       logical :: wants_coarse_runs = .false.
       !> Most intervals that there is memory for.
-      integer :: most_intervals = huge(1)
+      integer :: max_intervals = huge(1)
       !> After a failure: finer grids are tried, to learn whether the grid is the reason.
       logical :: explains_failure = .true.
       !> First guess: 'fmg' (full multigrid) or 'hertz' (Hertz pressure on the finest grid).
@@ -111,21 +111,21 @@ contains
 
    !> Most intervals that a method is given, by the user or by the program; huge: as many as there
    !> can be.
-   pure function most_intervals_of(method) result(most)
+   pure function max_intervals_of(method) result(most)
       character(*), intent(in) :: method
       integer :: most
 
       most = huge(most)
-      if (method == 'newton_dense' .or. method == 'block_jacobi') most = most_small_intervals
-   end function most_intervals_of
+      if (method == 'newton_dense' .or. method == 'block_jacobi') most = max_small_intervals
+   end function max_intervals_of
 
    !> Most intervals that the program chooses by itself, refines to, or tries.
-   pure function most_chosen(settings) result(most)
+   pure function max_chosen(settings) result(most)
       type(solver_settings_t), intent(in) :: settings
       integer :: most
 
-      most = min(most_refined_intervals, most_intervals_of(settings%method), &
-         settings%most_intervals)
-   end function most_chosen
+      most = min(max_refined_intervals, max_intervals_of(settings%method), &
+         settings%max_intervals)
+   end function max_chosen
 
 end module solver_settings

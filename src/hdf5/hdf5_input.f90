@@ -20,7 +20,7 @@ module hdf5_input
    public :: hdf5_input_t, open_hdf5_input
 
    !> Most numbers that are read at once.
-   integer, parameter :: most_values = 268435456
+   integer, parameter :: max_values = 268435456
 
    !> An open file for reading.
    type :: hdf5_input_t
@@ -151,8 +151,8 @@ contains
          count = max(source%values, 0_int64)
          call source%close()
       end if
-      if (count > most_values) then
-         call self%refuse(path, 'found more than '//to_text(most_values)//' values')
+      if (count > max_values) then
+         call self%refuse(path, 'found more than '//to_text(max_values)//' values')
          count = 0_int64
       end if
       allocate (values(count), source=0.0_wp, stat=status)

@@ -27,7 +27,7 @@ module hdf5_source
    !> Datasets from this size on must be stored, not only declared [bytes]. Largest compression
    !> ratio of deflate.
    integer(int64), parameter :: large_dataset = 67108864_int64
-   real(wp), parameter :: most_packed = 1100.0_wp
+   real(wp), parameter :: max_packed = 1100.0_wp
 
    !> An open attribute or dataset.
    type :: hdf5_source_t
@@ -173,7 +173,7 @@ contains
       bytes = real(self%bytes, wp)*real(self%values, wp)
       call h5dget_storage_size_f(self%id, stored, status)
       if (status < 0) stored = 0_hsize_t   ! to the library's Fortran side a size of 0 is a failure
-      if (bytes > real(large_dataset, wp) .and. bytes/most_packed > real(stored, wp)) fault = &
+      if (bytes > real(large_dataset, wp) .and. bytes/max_packed > real(stored, wp)) fault = &
          'found a dataset of '//to_text(nint(bytes, int64))//' bytes of which the file stores ' &
          //to_text(int(stored, int64))//', expected all of them'
    end function fault_of_size

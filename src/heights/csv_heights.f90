@@ -19,7 +19,7 @@ module csv_heights
    public :: csv_heights_t, open_csv_heights
 
    !> Largest error of a position, in spacings, that still counts as uniform.
-   real(wp), parameter :: most_uneven = 1.0e-3_wp
+   real(wp), parameter :: max_uneven = 1.0e-3_wp
    !> Rows from one noted place to the next.
    integer(int64), parameter :: block_rows = 4096_int64
    !> Blank and tab.
@@ -37,7 +37,7 @@ module csv_heights
       procedure :: get
    end type csv_heights_t
 
-   !> The spacings that positions allow, row by row: within `most_uneven` of uniform.
+   !> The spacings that positions allow, row by row: within `max_uneven` of uniform.
    type :: spacing_range_t
       real(wp) :: first = 0.0_wp, last = 0.0_wp
       real(wp) :: low = 0.0_wp, high = huge(1.0_wp)
@@ -147,7 +147,7 @@ contains
       source%places(:, block) = place
    end subroutine note_place
 
-   !> The spacings for which `x` of `row` (0 = the first) in `line` is no more than `most_uneven` of
+   !> The spacings for which `x` of `row` (0 = the first) in `line` is no more than `max_uneven` of
    !> them from its place.
    pure subroutine narrow(range, row, line, x)
       type(spacing_range_t), intent(inout) :: range
@@ -158,8 +158,8 @@ contains
       if (row == 0) range%first = x
       range%last = x
       if (row == 0) return
-      low = (x - range%first)/(row + most_uneven)
-      high = (x - range%first)/(row - most_uneven)
+      low = (x - range%first)/(row + max_uneven)
+      high = (x - range%first)/(row - max_uneven)
       if (low > range%low) then
          range%low = low
          range%low_line = line

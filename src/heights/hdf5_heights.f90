@@ -23,7 +23,7 @@ module hdf5_heights
    real(wp), parameter :: no_spacing = -huge(1.0_wp)
    integer(int64), parameter :: any_count = -1_int64
    !> Most nodes.
-   real(wp), parameter :: most_nodes = 1.0e18_wp
+   real(wp), parameter :: max_nodes = 1.0e18_wp
 
    !> A dataset (nx) or, as h5py sees it, (ny, nx); x runs fastest. The file is open only while it
    !> is read.
@@ -74,7 +74,7 @@ contains
       else
          source%grid = 1
          source%grid(:size(values%extents)) = values%extents
-         if (product(real(source%grid, wp)) > most_nodes) call fail(error, input_error, &
+         if (product(real(source%grid, wp)) > max_nodes) call fail(error, input_error, &
             file//': found too many nodes in '//dataset)
          if (.not. allocated(error)) source%nodes = product(source%grid)
       end if

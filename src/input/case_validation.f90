@@ -12,7 +12,7 @@ module case_validation
    use key_rules, only: check_rules
    use kinds, only: wp
    use lubricant_validation, only: check_lubricant
-   use solver_settings, only: most_intervals_of
+   use solver_settings, only: max_intervals_of
    use surface_validation, only: check_surface
    use system_limits, only: memory_fault
    use text, only: joined, to_text
@@ -22,9 +22,9 @@ module case_validation
    public :: validate
 
    !> Most time steps of a transient.
-   real(wp), parameter :: most_steps = 1.0e8_wp
+   real(wp), parameter :: max_steps = 1.0e8_wp
    !> Fewest intervals of the coarsest grid.
-   integer, parameter :: fewest_intervals = 4
+   integer, parameter :: min_intervals = 4
    !> Longest title [bytes]: HDF5 keeps attributes of up to 64 kB.
    integer, parameter :: longest_title = 10000
 
@@ -172,9 +172,9 @@ contains
          // to_text(time_step) // ', expected at most end_time = ' // to_text(end_time) // ' [-]')
       if (.not. values%has_value('time', 'time_step') .and. values%has_value('domain', &
          'intervals')) time_step = 2.0_wp/values%integer_value('domain', 'intervals')
-      if (time_step > 0.0_wp .and. end_time > most_steps*time_step) call values%refuse('time', &
+      if (time_step > 0.0_wp .and. end_time > max_steps*time_step) call values%refuse('time', &
          'end_time', 'found ' // to_text(end_time/time_step, 3) &
-         // ' time steps, expected at most ' // to_text(most_steps, 1))
+         // ' time steps, expected at most ' // to_text(max_steps, 1))
    end subroutine check_time
 
    !> Finds more levels than the grid has; and what `check_fineness` and `check_kappa_scheme` find.
@@ -188,9 +188,9 @@ contains
       intervals = values%integer_value('domain', 'intervals')
       levels = values%integer_value('solver', 'levels')
       if (.not. values%has_value('solver', 'levels')) return
-      if (shiftr(intervals, levels - 1) < fewest_intervals) call values%refuse('solver', 'levels', &
+      if (shiftr(intervals, levels - 1) < min_intervals) call values%refuse('solver', 'levels', &
          'found ' // to_text(levels) // ' levels for ' // to_text(intervals) &
-         // ' intervals, expected at least ' // to_text(fewest_intervals) &
+         // ' intervals, expected at least ' // to_text(min_intervals) &
          // ' intervals on the coarsest grid')
    end subroutine check_solver
 
@@ -204,8 +204,8 @@ contains
       intervals = values%integer_value('domain', 'intervals')
       fault = memory_fault('a grid', lubricated_memory(intervals, 0.0_wp, &
          method == 'newton_dense'))
-      if (intervals > most_intervals_of(method)) fault = 'found ' // to_text(intervals) &
-         // ', expected at most ' // to_text(most_intervals_of(method)) // " with method = '" &
+      if (intervals > max_intervals_of(method)) fault = 'found ' // to_text(intervals) &
+         // ', expected at most ' // to_text(max_intervals_of(method)) // " with method = '" &
          // method // "'"
       if (fault /= '') call values%refuse('domain', 'intervals', fault)
    end subroutine check_fineness

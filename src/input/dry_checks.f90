@@ -16,7 +16,7 @@ module dry_checks
 
    !> Nodes in the finest wave below which the program says so; fewer than the second show another
    !> wave.
-   real(wp), parameter, public :: fewest_nodes = 8.0_wp
+   real(wp), parameter, public :: min_nodes = 8.0_wp
    real(wp), parameter :: least_nodes = 2.0_wp
    !> Share of a node that rounding may take.
    real(wp), parameter :: rounding = 1.0e-6_wp
@@ -139,9 +139,9 @@ contains
             // to_text(2.0_wp*spacing, 3) // ' m, or more intervals')
          if (wave < huge(1.0_wp)) finest = min(finest, wave/spacing)
       end do
-      if (finest < fewest_nodes - rounding .and. dry%values%findings%count == 0) call add_note( &
+      if (finest < min_nodes - rounding .and. dry%values%findings%count == 0) call add_note( &
          dry, 'the finest waves of the surface have ' // to_text(finest, 2) // ' nodes, of ' &
-         // to_text(nint(fewest_nodes)) // ' that are needed for its contact area')
+         // to_text(nint(min_nodes)) // ' that are needed for its contact area')
    end subroutine check_waves
 
    !> The shortest wave that the keys of a surface give [m]; huge: none.

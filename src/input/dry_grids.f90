@@ -2,7 +2,7 @@
 !> one to begin with.
 module dry_grids
    use dry_case, only: dry_case_t
-   use dry_checks, only: fewest_nodes, finest_wave
+   use dry_checks, only: min_nodes, finest_wave
    use dry_surfaces, only: load_file, same_length
    use even_grids, only: even_nodes
    use kinds, only: wp
@@ -15,7 +15,7 @@ module dry_grids
 
    !> Nodes in the shorter direction of the first grid for a wanted accuracy, of a line and of an
    !> area, and the most.
-   integer, parameter :: first_nodes(2) = [64, 32], most_in_direction = 2**30
+   integer, parameter :: first_nodes(2) = [64, 32], max_in_direction = 2**30
    !> Share of a node that rounding may take.
    real(wp), parameter :: rounding = 1.0e-6_wp
 
@@ -115,17 +115,17 @@ contains
       end do
       if (dry%values%findings%count > 0) return
       if (in_file(1) > 0 .and. .not. dry%is_periodic) return
-      finest = minval(finest_wave(dry%values, surfaces))/fewest_nodes
+      finest = minval(finest_wave(dry%values, surfaces))/min_nodes
       associate (lengths => dry%lengths(:directions))
          if (in_file(1) > 0) then
             do while (any((1.0_wp - rounding)*lengths/finest > nodes(:directions)) &
-               .and. maxval(nodes) <= most_in_direction/2)
+               .and. maxval(nodes) <= max_in_direction/2)
                nodes(:directions) = 2*nodes(:directions)
             end do
          else
             spacing = min(minval(lengths)/first_nodes(directions), finest)
             nodes(:directions) = even_nodes((1.0_wp - rounding)*lengths/spacing, &
-               real(most_in_direction, wp))
+               real(max_in_direction, wp))
          end if
       end associate
    end subroutine choose_first_grid

@@ -2,7 +2,7 @@
 module dry_input
    use, intrinsic :: iso_fortran_env, only: int64
    use body_values, only: modulus_of, radius_of
-   use case_memory, only: dry_memory, most_nodes
+   use case_memory, only: dry_memory, max_nodes
    use dry_case, only: dry_case_t
    use dry_checks, only: check_parabola, check_waves
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
@@ -58,8 +58,8 @@ contains
       key = trim(merge('intervals  ', 'intervals_x', dry%values%problem == 'dry_line'))
       nodes = int(dry%grid%nx, int64)*dry%grid%ny
       fault = memory_fault('a grid', dry_memory([dry%grid%nx, dry%grid%ny], dry%is_periodic))
-      if (nodes > most_nodes) fault = 'found ' // to_text(nodes) // ' nodes, expected at most ' &
-         // to_text(most_nodes)
+      if (nodes > max_nodes) fault = 'found ' // to_text(nodes) // ' nodes, expected at most ' &
+         // to_text(max_nodes)
       if (fault /= '') call dry%values%refuse('domain', key, fault)
    end subroutine check_size
 

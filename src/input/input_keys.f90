@@ -9,7 +9,7 @@ module input_keys
       is_chosen, is_optional, is_required, key_row_t, logical_kind, lubricated, real_kind, &
       reals_kind, text_kind, word_kind, words_kind
    use kinds, only: wp
-   use solver_settings, only: most_small_intervals, steady_tolerance, step_tolerance
+   use solver_settings, only: max_small_intervals, steady_tolerance, step_tolerance
    implicit none (type, external)
    private
 
@@ -74,8 +74,8 @@ module input_keys
    character(len=*), parameter :: power_of_ten(3) = [('1e-'//achar(iachar('0') &
       - nint(log10(tolerances(i)))), i=1, 3)]
    character(len=1), parameter :: &
-      small(4) = [(achar(iachar('0') + (mod(most_small_intervals, 10**i) &
-         - mod(most_small_intervals, 10**(i - 1)))/10**(i - 1)), i=4, 1, -1)], &
+      small(4) = [(achar(iachar('0') + (mod(max_small_intervals, 10**i) &
+         - mod(max_small_intervals, 10**(i - 1)))/10**(i - 1)), i=4, 1, -1)], &
       cycles(5) = [(achar(iachar('0') + (mod(dry_cycles, 10**i) &
          - mod(dry_cycles, 10**(i - 1)))/10**(i - 1)), i=5, 1, -1)]
 

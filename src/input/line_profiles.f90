@@ -27,13 +27,13 @@ module line_profiles
    !> Smooth entry of a profile where it is not given [half-widths].
    real(wp), parameter :: usual_entry = 1.0_wp
    !> A profile of at most so many nodes is made at once; a longer one is put together from pieces.
-   !> Each piece has at least 32 of the longest waves, which are at most `most_waves` times as long
+   !> Each piece has at least 32 of the longest waves, which are at most `max_waves` times as long
    !> as the shortest.
-   integer, parameter :: most_nodes = 2**20, most_waves = most_nodes/(32*nodes_per_wave)
+   integer, parameter :: max_nodes = 2**20, max_waves = max_nodes/(32*nodes_per_wave)
    !> Nodes of half a piece, at least.
    integer, parameter :: least_half = 32768
    !> Nodes of a file up to which harmonics can be taken.
-   integer(int64), parameter :: most_truncated = 4194304_int64
+   integer(int64), parameter :: max_truncated = 4194304_int64
 
 contains
 
@@ -98,11 +98,11 @@ contains
       call set_effective(case, group, 'heights_spacing', profile%spacing, 'm')
       if (.not. values%is_given(group, 'harmonics') .or. values%findings%count > 0) return
       harmonics = values%integer_value(group, 'harmonics')
-      most = min(profile%source%nodes/2 - 1, int(most_nodes, int64))
+      most = min(profile%source%nodes/2 - 1, int(max_nodes, int64))
       fault = ''
-      if (profile%source%nodes > most_truncated) then
+      if (profile%source%nodes > max_truncated) then
          fault = 'found a profile of '//to_text(profile%source%nodes)//' nodes, expected at '// &
-            'most '//to_text(most_truncated)//': a series needs all of them at once'
+            'most '//to_text(max_truncated)//': a series needs all of them at once'
       else if (harmonics > most) then
          fault = 'found '//to_text(harmonics)//', expected at most '//to_text(most) &
             //', half the nodes less one'
@@ -148,11 +148,11 @@ contains
       length = max(passage(case, speed), values%real_value(group, 'wavelength_long'), &
          4.0_wp*shortest)
       longest = length
-      if (length*nodes_per_wave > most_nodes*shortest) longest = most_waves*shortest
+      if (length*nodes_per_wave > max_nodes*shortest) longest = max_waves*shortest
       before = values%findings%count
       call read_synthesis(values, group, longest, shortest, wanted)
       if (wanted%wavelength_long > longest) call values%refuse(group, 'wavelength_long', &
-         'found '//to_text(wanted%wavelength_long)//' m, expected at most '//to_text(most_waves) &
+         'found '//to_text(wanted%wavelength_long)//' m, expected at most '//to_text(max_waves) &
          //' times wavelength_short in a profile of '//to_text(length, 3) &
          //' m, which is too long to be made at once')
       if (values%findings%count > before) return
@@ -162,7 +162,7 @@ contains
       if (allocated(error)) call values%refuse(group, 'shape', error%message)
    end subroutine fill_synthetic
 
-   !> At once, or from pieces if that needs more than `most_nodes`. Errors: those of the synthesis.
+   !> At once, or from pieces if that needs more than `max_nodes`. Errors: those of the synthesis.
    subroutine synthesise(wanted, length, group, case, profile, error)
       type(synthesis_t), intent(in) :: wanted
       real(wp), intent(in) :: length
@@ -176,10 +176,10 @@ contains
 
       profile%is_periodic = .true.
       profile%finest_wave = wanted%wavelength_short
-      if (length*nodes_per_wave > most_nodes*wanted%wavelength_short) then
+      if (length*nodes_per_wave > max_nodes*wanted%wavelength_short) then
          profile%spacing = wanted%wavelength_short/nodes_per_wave
          half = least_half
-         do while (half < most_nodes/(2*most_waves)*(wanted%wavelength_long &
+         do while (half < max_nodes/(2*max_waves)*(wanted%wavelength_long &
             /wanted%wavelength_short))
             half = 2*half
          end do

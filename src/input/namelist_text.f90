@@ -49,7 +49,7 @@ module namelist_text
    end type namelist_text_t
 
    !> Most entries and groups of one file: a broken file must not keep the program busy.
-   integer, parameter :: most_entries = 5000, most_groups = 100
+   integer, parameter :: max_entries = 5000, max_groups = 100
 
 contains
 
@@ -64,7 +64,7 @@ contains
       character(len=4) :: byte
       integer :: bad, position
 
-      allocate (pieces%groups(most_groups), pieces%entries(most_entries))
+      allocate (pieces%groups(max_groups), pieces%entries(max_entries))
       bad = find_bad_byte(content)
       if (bad > 0) then
          write (byte, '(a,z2.2)') '0x', iachar(content(bad:bad))
@@ -78,10 +78,10 @@ contains
       do while (position <= len(source%text))
          call read_outside(source, position, findings)
          if (position <= len(source%text)) call read_group(source, position, pieces, findings)
-         if (pieces%group_count < most_groups .and. pieces%entry_count < most_entries) cycle
+         if (pieces%group_count < max_groups .and. pieces%entry_count < max_entries) cycle
          call findings%add(source%line(min(position, len(source%text))), '', '', &
-            'found more than ' // to_text(most_groups) &
-            // ' groups or ' // to_text(most_entries) // ' entries, expected a namelist of a '// &
+            'found more than ' // to_text(max_groups) &
+            // ' groups or ' // to_text(max_entries) // ' entries, expected a namelist of a '// &
                'few dozen')
          exit
       end do
@@ -207,7 +207,7 @@ contains
       if (verify(source%text(first:key_at - 1), ' ,') > 0) call findings%add( &
          source%line(first - 1 + verify(source%text(first:key_at - 1), ' ,')), group, '', 'found ' &
          // quoted(trim(adjustl(source%text(first:key_at - 1)))) // ', expected key = value')
-      do while (sign <= last .and. pieces%entry_count < most_entries)
+      do while (sign <= last .and. pieces%entry_count < max_entries)
          next_sign = next_equals(source, sign + 1, last)
          next_key = last + 1
          if (next_sign <= last) next_key = key_start(source%text, sign + 1, next_sign)

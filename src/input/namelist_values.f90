@@ -15,7 +15,7 @@ module namelist_values
    end type piece_t
 
    !> Most values of one key.
-   integer, parameter, public :: most_values = 2000
+   integer, parameter, public :: max_values = 2000
 
 contains
 
@@ -31,7 +31,7 @@ contains
       integer :: position, blanks, count, repeats
       logical :: comma_before
 
-      allocate (list(most_values))
+      allocate (list(max_values))
       count = 0
       comma_before = .true.
       position = 1
@@ -58,8 +58,8 @@ contains
             problem = 'two values without a comma or blank between them'
             return
          end if
-         if (repeats < 1 .or. count + repeats > most_values) then
-            problem = 'a repeat count or list outside 1 to ' // to_text(most_values) // ' values'
+         if (repeats < 1 .or. count + repeats > max_values) then
+            problem = 'a repeat count or list outside 1 to ' // to_text(max_values) // ' values'
             return
          end if
          list(count + 1:count + repeats) = piece
@@ -84,7 +84,7 @@ contains
       if (values(position + digits:position + digits) /= '*') return
       repeats = -1
       call read_integer(values(position:position + digits - 1), count, good)
-      if (good .and. count <= most_values) repeats = int(count)
+      if (good .and. count <= max_values) repeats = int(count)
       position = position + digits + 1
    end subroutine read_repeats
 

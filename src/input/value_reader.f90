@@ -14,7 +14,7 @@ module value_reader
       word_kind, words_kind
    use kinds, only: wp
    use namelist_text, only: namelist_text_t, entry_t
-   use namelist_values, only: most_values, piece_t, read_logical, split_values
+   use namelist_values, only: max_values, piece_t, read_logical, split_values
    use nearest_name, only: nearest_known
    use number_text, only: read_integer, read_real
    use solver_settings, only: word_length
@@ -195,8 +195,8 @@ contains
             problem = 'a subscript'
          else if (size(pieces) > 1 .and. .not. is_array) then
             problem = to_text(size(pieces)) // ' values, ' // quoted(entry%values)
-         else if (entry%first + size(pieces) - 1 > most_values) then
-            problem = 'more than ' // to_text(most_values) // ' values'
+         else if (entry%first + size(pieces) - 1 > max_values) then
+            problem = 'more than ' // to_text(max_values) // ' values'
          end if
       end if
       if (allocated(problem)) then

@@ -38,7 +38,7 @@ module gmres
    !> Basis and preconditioned basis (n, most + 1), kept from call to call; iterations of the last
    !> call.
    type :: gmres_t
-      integer :: most_iterations = 20
+      integer :: max_iterations = 20
       integer :: iterations = 0
       real(wp), allocatable, private :: basis(:, :), directions(:, :)
    end type gmres_t
@@ -54,9 +54,9 @@ contains
       real(wp), intent(in) :: tolerance
       real(wp), intent(inout) :: x(:)
       logical, intent(out) :: is_solved
-      real(wp) :: hessenberg(gmres%most_iterations + 1, gmres%most_iterations)
-      real(wp) :: cosine(gmres%most_iterations), sine(gmres%most_iterations), &
-         rest(gmres%most_iterations + 1)
+      real(wp) :: hessenberg(gmres%max_iterations + 1, gmres%max_iterations)
+      real(wp) :: cosine(gmres%max_iterations), sine(gmres%max_iterations), &
+         rest(gmres%max_iterations + 1)
       real(wp) :: size_of_b
       integer :: j
 
@@ -67,7 +67,7 @@ contains
       if (is_solved .or. .not. size_of_b < huge(1.0_wp)) return
       rest(1) = size_of_b
       gmres%basis(:, 1) = x/size_of_b
-      do j = 1, gmres%most_iterations
+      do j = 1, gmres%max_iterations
          gmres%directions(:, j) = gmres%basis(:, j)
          call system%precondition(gmres%directions(:, j))
          call system%multiply(gmres%directions(:, j), gmres%basis(:, j + 1))
@@ -90,8 +90,8 @@ contains
          if (size(gmres%basis, 1) == n) return
          deallocate (gmres%basis, gmres%directions)
       end if
-      allocate (gmres%basis(n, gmres%most_iterations + 1), &
-         gmres%directions(n, gmres%most_iterations))
+      allocate (gmres%basis(n, gmres%max_iterations + 1), &
+         gmres%directions(n, gmres%max_iterations))
    end subroutine allocate_basis
 
    !> Modified Gram-Schmidt: the last vector against all before it; `column` takes the products and

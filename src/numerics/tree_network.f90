@@ -26,7 +26,7 @@ module tree_network
 
    integer, parameter :: trees = 2
    !> Cells of a side double at most so often.
-   integer, parameter :: most_levels = 31
+   integer, parameter :: max_levels = 31
 
    !> One tree over a set of nodes. The cells of all levels stand one level after the other, the
    !> nodes themselves first, each level by rows.
@@ -34,7 +34,7 @@ module tree_network
       !> Place of the grid's first node in the first row of smallest cells, and its row.
       integer :: shift(2) = 0
       !> First cell of each level, and of the one above the last.
-      integer :: first(0:most_levels + 1) = 1
+      integer :: first(0:max_levels + 1) = 1
       !> First cell of each row of the last level.
       integer, allocatable :: row(:)
       !> Place of each node in the list of nodes.
@@ -56,10 +56,10 @@ module tree_network
       !> Levels above the nodes.
       integer, private :: levels = 0
       !> Resistor above the cells of each level, and whether they are joined in x and in y.
-      real(wp), private :: resistance(0:most_levels) = 0.0_wp
-      logical, private :: is_joined(2, 0:most_levels) = .false.
+      real(wp), private :: resistance(0:max_levels) = 0.0_wp
+      logical, private :: is_joined(2, 0:max_levels) = .false.
       !> Most cells of each level.
-      integer, private :: most(0:most_levels) = 0
+      integer, private :: most(0:max_levels) = 0
       type(tree_t), private :: tree(trees)
    contains
       procedure :: settle
@@ -91,7 +91,7 @@ contains
       if (.not. is_periodic) cells = nodes + self%tree(trees)%shift
       side = spacing
       answer_below = 0.0_wp
-      do level = 0, most_levels
+      do level = 0, max_levels
          self%levels = level
          self%most(level) = int(min(real(cells(1), wp)*cells(2), real(huge(1), wp)))
          joined = cells > 1

@@ -34,7 +34,7 @@ module synthetic_surface
    end type bend_t
 
    !> Newton steps for skewness and kurtosis, and how close they must come.
-   integer, parameter :: most_steps = 60
+   integer, parameter :: max_steps = 60
    real(wp), parameter :: close_enough = 1.0e-10_wp
 
 contains
@@ -128,7 +128,7 @@ contains
       goal = [wanted%skewness, wanted%kurtosis]
       g = wanted%skewness/3.0_wp
       h = 0.0_wp
-      do i = 1, most_steps
+      do i = 1, max_steps
          miss = moments(tukey(z, g, h)) - goal
          if (maxval(abs(miss)) < close_enough) exit
          slope(:, 1) = (moments(tukey(z, g + delta, h)) - goal - miss)/delta

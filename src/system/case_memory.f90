@@ -13,7 +13,7 @@ module case_memory
 
    !> Largest number of nodes of an area: the padded transforms of an open one count four times as
    !> many in 32 bits.
-   integer, parameter, public :: most_nodes = 536870911
+   integer, parameter, public :: max_nodes = 536870911
 
    !> Bytes a node of dry lines and areas, periodic and open; bytes an interval of lubricated lines,
    !> steady and in time; bytes a time step, most of them the history of residuals; bytes a node of

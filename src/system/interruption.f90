@@ -36,7 +36,7 @@ module interruption
    integer, parameter :: patience_for_words = 1000
    integer(c_int), parameter :: status_interrupted = 4_c_int
    !> Longest words, longest file name, and files to remove.
-   integer, parameter :: longest_words = 9000, longest_name = 4200, most_files = 4
+   integer, parameter :: longest_words = 9000, longest_name = 4200, max_files = 4
    character(*), parameter :: usual_words = 'asperity: interrupted'
    character(kind=c_char, len=*), parameter :: waiting_words = &
       'asperity: interrupted, ends when this time step or result is complete'//new_line('a')
@@ -53,7 +53,7 @@ module interruption
    type :: last_words_t
       integer :: length = 0, files = 0
       character(kind=c_char, len=longest_words) :: words = ''
-      character(kind=c_char, len=longest_name) :: names(most_files) = ''
+      character(kind=c_char, len=longest_name) :: names(max_files) = ''
    end type last_words_t
    type(last_words_t) :: sets(2)
    integer, volatile :: current = 0
@@ -90,7 +90,7 @@ contains
          set%length = min(len(words) + 1, longest_words)
          set%words(set%length:set%length) = new_line('a')
          set%files = 0
-         do i = 1, min(size(files), most_files)
+         do i = 1, min(size(files), max_files)
             if (len_trim(files(i)) >= longest_name) cycle
             set%files = set%files + 1
             set%names(set%files) = trim(files(i))//c_null_char

@@ -31,7 +31,7 @@ module system_limits
    integer(c_int), parameter :: limit_data = 2_c_int, limit_stack = 3_c_int, limit_memory = 9_c_int
    integer(c_int), parameter :: page_size = 30_c_int, online_processors = 84_c_int, pages = 85_c_int
    !> M_ARENA_MAX of mallopt(3).
-   integer(c_int), parameter :: most_arenas = -8_c_int
+   integer(c_int), parameter :: max_arenas = -8_c_int
    !> Stack of a thread where that of the process is unlimited [bytes].
    real(wp), parameter :: usual_stack = 2097152.0_wp
    !> Stack that the program needs [bytes].
@@ -170,7 +170,7 @@ contains
          call set_environment('OPENBLAS_NUM_THREADS', '1')
          call start_again()
       end if
-      status = c_mallopt(most_arenas, 1_c_int)
+      status = c_mallopt(max_arenas, 1_c_int)
       fault = memory_fault('a program', memory_t(0.0_wp, of_program))
       if (fault /= '') call fail(error, input_error, fault)
    end subroutine settle_memory
