@@ -264,6 +264,17 @@ def found_families(names: list[str]) -> list[Family]:
     return [family for name in wanted for family in importlib.import_module(name).FAMILIES]
 
 
+def write(folder: Path, families: list[Family], rows: list[Row]) -> str:
+    """Writes what is known so far, so that a run that is stopped keeps it; the table."""
+    with (folder / "families.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(Row.__dataclass_fields__)
+        writer.writerows(row.__dict__.values() for row in rows)
+    text = table(families, rows)
+    (folder / "families.txt").write_text(text, encoding="utf-8")
+    return text
+
+
 def main() -> int:
     """Command line; status 1 where a family does not hold."""
     parser = new_parser(__doc__, f"{QUICK} members of each family", "results/accuracy")
@@ -274,19 +285,15 @@ def main() -> int:
     folder = output_folder(options)
     families = found_families(options.names)
     rows: list[Row] = []
-    for family in families:
+    text = ""
+    for k, family in enumerate(families):
         members = family.draw(random.Random(f"{family.name} {options.seed}"), QUICK if options.quick else family.count)
         with ThreadPoolExecutor(options.processes) as pool:
             for i, own in enumerate(pool.map(lambda member, family=family: judge(family, member), members)):
                 rows += own
                 print(f"\r{family.name}: {i + 1} of {len(members)}   ", end="", file=sys.stderr, flush=True)
         print(file=sys.stderr)
-    with (folder / "families.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(Row.__dataclass_fields__)
-        writer.writerows(row.__dict__.values() for row in rows)
-    text = table(families, rows)
-    (folder / "families.txt").write_text(text, encoding="utf-8")
+        text = write(folder, families[: k + 1], rows)
     print(text, end="")
     return 1 if "  missed" in text else 0
 
