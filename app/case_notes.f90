@@ -1,11 +1,15 @@
 !> Notes on a lubricated case, for the user and the result: where grids, time steps or pilot runs
 !> fall short of what is wanted.
 module case_notes
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_record, only: case_t
    use domain_choice, only: choose_domain, inlet_error
-   use error_bars, only: domain_error
+   use error_bars, only: apply_error_bars, domain_error
+   use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
+   use line_state, only: line_state_t
+   use line_summary, only: line_summary_t, summary_of
    use quantities, only: h_min
    use run_observer, only: run_observer_t
    use text, only: to_text
@@ -13,9 +17,9 @@ module case_notes
    implicit none (type, external)
    private
 
-   public :: tell, tell_coarse_waves, tell_missed_target
+   public :: tell, tell_coarse_waves, tell_measured_error, tell_missed_target
 
-   !> Relative excess of a forecast over the target that counts as rounding.
+   !> Relative excess of an error over the target that counts as rounding.
    real(wp), parameter :: rounding = 1.0e-6_wp
 
 contains
@@ -62,6 +66,31 @@ contains
       end associate
       call tell(case, watcher, words, note)
    end subroutine tell_missed_target
+
+   !> Says where the coarse runs of a transient with a wanted accuracy show a larger error of h_min
+   !> than that, behind what the `report` notes already. On a given inlet the target is that of grid
+   !> and time step alone.
+   subroutine tell_measured_error(case, watcher, state, report)
+      type(case_t), intent(in) :: case
+      type(run_observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
+      type(line_summary_t) :: summary
+      real(wp) :: measured
+
+      summary = watcher%writer%passage%extremes(summary_of(state))
+      call apply_error_bars(watcher%writer%bars, report, state%x(2) - state%x(1), summary)
+      associate (film => summary%of(h_min))
+         measured = film%error_estimate
+         if (case%domain%has_inlet) measured = film%error_grid
+         measured = measured/film%value
+      end associate
+      if (.not. ieee_is_finite(measured)) return
+      if (measured <= (1.0_wp + rounding)*case%accuracy%target) return
+      call tell(case, watcher, 'the wanted accuracy is not shown: coarse runs estimate a '// &
+         'relative error of h_min of '//to_text(measured, 2)//', '// &
+         to_text(case%accuracy%target, 2)//' was wanted', report%note)
+   end subroutine tell_measured_error
 
    !> Says `words`, if there are any, and puts them behind what `note` says already.
    subroutine tell(case, watcher, words, note)

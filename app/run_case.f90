@@ -4,7 +4,7 @@ module run_case
    use case_memory, only: lubricated_memory
    use case_outcome, only: give_up, status_converged, status_interrupted, status_not_converged, &
       status_not_written
-   use case_notes, only: tell, tell_coarse_waves, tell_missed_target
+   use case_notes, only: tell, tell_coarse_waves, tell_measured_error, tell_missed_target
    use case_record, only: case_t, result_path
    use chosen_values, only: fill_chosen, fill_passage
    use command_line, only: command_t
@@ -215,7 +215,7 @@ contains
          if (allocated(error)) return
          report%converged = .not. watcher%wants_stop
       end if
-      call check_forecast(case, whole, watcher, report, seconds, error)
+      call check_forecast(case, whole, watcher, state, report, seconds, error)
       if (allocated(error)) return
       call check_ends(case, open, contact, watcher, report, error)   ! error: the caller looks
       call fill_chosen(case, contact, report)
@@ -305,10 +305,11 @@ contains
 
    !> Coarse runs of a solution whose `contact` has a grid, and whose time step is one, that pilots
    !> chose: is it as good as they foretold?
-   subroutine check_forecast(case, contact, watcher, report, seconds, error)
+   subroutine check_forecast(case, contact, watcher, state, report, seconds, error)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       real(wp), intent(inout) :: seconds
       type(error_t), allocatable, intent(out) :: error
@@ -321,6 +322,7 @@ contains
       if (allocated(error)) return
       seconds = seconds + wall_seconds() - start
       report%converged = .not. watcher%wants_stop
+      if (report%converged) call tell_measured_error(case, watcher, state, report)
    end subroutine check_forecast
 
    !> A solution that is not finite counts as not converged.
