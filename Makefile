@@ -26,7 +26,7 @@ DEMO_CASES := input/case3_demo.nml input/case1.nml input/dry_profile.nml input/d
 DEMO := results/demo
 
 .DEFAULT_GOAL := help
-.PHONY: help build debug test test-debug unit unit-debug sanitize fuzz lint demo figures bench bench-program chart orders accuracy accuracy-time stability docs clean prepare generate
+.PHONY: help build debug test test-debug unit unit-debug sanitize fuzz lint demo figures bench bench-program chart orders accuracy accuracy-time stability docs notebooks wheel clean prepare generate
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
@@ -79,7 +79,7 @@ lint: ## style of Fortran, Python and shell, order of the layers, errors that no
 	$(PYTHON) tools/check_public.py
 	ruff check --quiet .
 	ruff format --quiet --check .
-	shellcheck bootstrap .ci/run $(wildcard tools/*.sh cluster/*.sh)
+	shellcheck bootstrap .ci/run $(wildcard tools/*.sh packaging/*.sh cluster/*.sh cluster/*.sbatch)
 	@echo "lint: no findings"
 
 demo: build ## the main job: a ridge passing through an oil film, a rough profile and area; results and figures in results/demo/
@@ -94,7 +94,7 @@ figures: ## the figures of the demo again, from its result files
 	$(PYTHON) postproc/dry.py $(DEMO)/dry_profile.h5 $(DEMO)/dry_area.h5 --output $(DEMO)
 	@echo "figures in $(DEMO):" && ls $(DEMO)
 
-.PHONY: chapter3 chapter4 chapter5 chapter6 chapter7 area bench-dry amplitude thesis dry
+.PHONY: regime scenes chapter3 chapter4 chapter5 chapter6 chapter7 area bench-dry amplitude thesis dry
 chapter5: build ## thesis, chapter 5: Cases 1 to 3, error tables, figures, statements (ARGS=--quick)
 	$(PYTHON) studies/chapter5.py $(ARGS)
 
@@ -107,16 +107,22 @@ amplitude: build ## what an oil film leaves of a waviness, rolling and sliding, 
 thesis: chapter5 chapter6 amplitude ## the lubricated half of the thesis: the three above, and their figures into docs/images/
 	$(PYTHON) studies/page_images.py chapter5 chapter6 amplitude
 
+regime: build ## films over Moes' numbers, for the chart of postproc/regime.py, into postproc/data/ (ARGS=--quick)
+	$(PYTHON) studies/moes_films.py $(ARGS)
+
+scenes: build ## the ten scenes of input/scenes/: verdicts beside fine grids, docs/scenes.md and its figures
+	-$(PYTHON) bench/scenes.py --page
+
 chapter3: build ## thesis, chapter 3: elastic against elastic-perfectly plastic, load, unload, reload (ARGS=--quick)
 	$(PYTHON) studies/chapter3.py $(ARGS)
 
-chapter4: build ## thesis, chapter 4: which harmonics and how many nodes the contact area needs (ARGS=--quick)
+chapter4: build ## thesis, chapter 4: which harmonics and how many nodes the contact area needs, statements (ARGS=--quick)
 	$(PYTHON) studies/chapter4.py $(ARGS)
 
 area: build ## contact area of rough areas against the load, with its error (ARGS=--quick)
 	$(PYTHON) studies/area.py $(ARGS)
 
-chapter7: build ## thesis, chapter 7: four dry profiles, 13 loads, and 50 realisations of each (ARGS=--quick)
+chapter7: build ## thesis, chapter 7 and Paper C: four dry profiles, 18 loads, 50 realisations of each, statements (ARGS=--quick)
 	$(PYTHON) studies/chapter7.py $(ARGS)
 
 dry: chapter3 chapter4 chapter7 area ## the dry half of the thesis: chapters 3, 4, 7 and rough areas, and their figures into docs/images/
@@ -155,8 +161,17 @@ bench-program: build
 docs: prepare ## the pages of the programming interface, docs/api/index.html; a warning is an error
 	@sh tools/build_docs.sh
 
+notebooks: build ## the notebooks again, with their pictures and numbers
+	PYTHONPATH=$(CURDIR)/python jupyter execute --inplace notebooks/*.ipynb
+
+wheel: build ## a Python package that carries the program, for any Linux of this kind of processor, in dist/
+	@rm -rf build/wheel dist
+	$(PYTHON) -m pip wheel -q --disable-pip-version-check --no-build-isolation --no-deps --wheel-dir build/wheel .
+	auditwheel repair --wheel-dir dist build/wheel/*.whl
+	@ls -s --block-size=1M dist/*.whl
+
 clean: ## remove everything that make has made
-	rm -rf build results test/generated docs/api .pc
+	rm -rf build dist results test/generated docs/api .pc
 
 generate:
 	@$(PYTHON) tools/pf2f90.py test/generated $(sort $(wildcard test/unit/*/test_*.pf test/verification/test_*.pf test/support/*.pf))

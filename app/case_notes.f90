@@ -1,28 +1,74 @@
-!> Notes on a lubricated case, for the user and the result: where grids, time steps or pilot runs
-!> fall short of what is wanted.
+!> Notes on a case, for the user and the result: unusual values; of a lubricated case where grids,
+!> time steps or pilot runs fall short of what is wanted.
 module case_notes
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_record, only: case_t
    use domain_choice, only: choose_domain, inlet_error
-   use error_bars, only: apply_error_bars, domain_error
+   use error_bars, only: domain_error
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
-   use line_summary, only: line_summary_t, summary_of
+   use line_summary, only: line_summary_t
+   use progress_log, only: progress_log_t
    use quantities, only: h_min
    use run_observer, only: run_observer_t
-   use text, only: to_text
+   use text, only: add_sentence, to_text
    use wave_resolution, only: coarse_waves
    implicit none (type, external)
    private
 
-   public :: tell, tell_coarse_waves, tell_measured_error, tell_missed_target
+   public :: tell, tell_coarse_waves, tell_measured_error, tell_missed_target, tell_unusual, &
+      note_unusual, unusual_lines
 
    !> Relative excess of an error over the target that counts as rounding.
    real(wp), parameter :: rounding = 1.0e-6_wp
 
 contains
+
+   !> Says which values are unusual, a line each.
+   subroutine tell_unusual(case, log)
+      type(case_t), intent(in) :: case
+      type(progress_log_t), intent(inout) :: log
+      integer :: i
+
+      do i = 1, size(case%unusual)
+         call log%say(unusual_text(case, i))
+      end do
+   end subroutine tell_unusual
+
+   !> What is unusual in value `i` of the unusual ones, with file and line.
+   pure function unusual_text(case, i) result(line)
+      type(case_t), intent(in) :: case
+      integer, intent(in) :: i
+      character(:), allocatable :: line
+
+      line = case%file//':'//to_text(case%unusual(i)%line)//': '//case%unusual(i)%words &
+         //trim(case%unusual(i)%question)
+   end function unusual_text
+
+   !> All lines about unusual values of a case, each with its line end.
+   pure function unusual_lines(case) result(lines)
+      type(case_t), intent(in) :: case
+      character(:), allocatable :: lines
+      integer :: i
+
+      lines = ''
+      do i = 1, size(case%unusual)
+         lines = lines//unusual_text(case, i)//new_line('a')
+      end do
+   end function unusual_lines
+
+   !> Begins the note of the result with what is unusual; not allocated: nothing.
+   pure subroutine note_unusual(case, note)
+      type(case_t), intent(in) :: case
+      character(:), allocatable, intent(out) :: note
+      integer :: i
+
+      do i = 1, size(case%unusual)
+         call add_sentence(note, case%unusual(i)%words)
+      end do
+   end subroutine note_unusual
 
    !> Says where grid or time step are too coarse for the waves of the surfaces, behind what `note`
    !> says already. With a wanted accuracy both are chosen by their effect on h_min.
@@ -67,9 +113,9 @@ contains
       call tell(case, watcher, words, note)
    end subroutine tell_missed_target
 
-   !> Says where the coarse runs of a transient with a wanted accuracy show a larger error of h_min
-   !> than that, behind what the `report` notes already. On a given inlet the target is that of grid
-   !> and time step alone.
+   !> Says where the error of h_min that coarse runs of a transient with a wanted accuracy show is
+   !> larger than that, behind what the `report` notes already. On a given inlet the target is that
+   !> of grid and time step alone.
    subroutine tell_measured_error(case, watcher, state, report)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: watcher
@@ -78,8 +124,8 @@ contains
       type(line_summary_t) :: summary
       real(wp) :: measured
 
-      summary = watcher%writer%passage%extremes(summary_of(state))
-      call apply_error_bars(watcher%writer%bars, report, state%x(2) - state%x(1), summary)
+      if (.not. (watcher%writer%bars%apart%is_known .and. report%converged)) return
+      summary = watcher%writer%quantities_at_end(state, report)
       associate (film => summary%of(h_min))
          measured = film%error_estimate
          if (case%domain%has_inlet) measured = film%error_grid
@@ -87,9 +133,9 @@ contains
       end associate
       if (.not. ieee_is_finite(measured)) return
       if (measured <= (1.0_wp + rounding)*case%accuracy%target) return
-      call tell(case, watcher, 'the wanted accuracy is not shown: coarse runs estimate a '// &
-         'relative error of h_min of '//to_text(measured, 2)//', '// &
-         to_text(case%accuracy%target, 2)//' was wanted', report%note)
+      call tell(case, watcher, 'the wanted accuracy is not shown: a relative error of h_min of ' &
+         //to_text(measured, 2)//' is estimated, '//to_text(case%accuracy%target, 2) &
+         //' was wanted', report%note)
    end subroutine tell_measured_error
 
    !> Says `words`, if there are any, and puts them behind what `note` says already.
@@ -101,11 +147,7 @@ contains
 
       if (words == '') return
       call watcher%log%say(case%file//': '//words)
-      if (allocated(note)) then
-         note = note//'; '//words
-      else
-         note = words
-      end if
+      call add_sentence(note, words)
    end subroutine tell
 
 end module case_notes

@@ -1,11 +1,13 @@
-!> What every kind of case does at its end: error messages and exit status.
+!> How a case ended: exit status and reason, for the program's own status and for `--outcomes`.
 module case_outcome
    use errors, only: error_t, output_error
+   use iteration_report, only: report_t
    use progress_log, only: progress_log_t
+   use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: give_up
+   public :: case_outcome_t, give_up, outcome_line, outcome_of
 
    !> Exit status of one case: converged and written; failed inside; not converged, but written; not
    !> written; interrupted.
@@ -13,16 +15,50 @@ module case_outcome
       status_not_converged = 2, status_not_written = 3, &
       status_interrupted = 4
 
+   !> How a case ended.
+   type :: case_outcome_t
+      integer :: status = status_converged
+      !> Why the status is not 0.
+      character(:), allocatable :: reason
+   end type case_outcome_t
+
 contains
 
-   !> Prints an error and turns it into an exit status.
-   subroutine give_up(error, log, status)
+   !> Prints an error and turns it into an outcome.
+   subroutine give_up(error, log, outcome)
       type(error_t), intent(in) :: error
       type(progress_log_t), intent(inout) :: log
-      integer, intent(out) :: status
+      type(case_outcome_t), intent(out) :: outcome
 
       call log%say_error(error%message)
-      status = merge(status_not_written, status_failed, error%kind == output_error)
+      outcome%status = merge(status_not_written, status_failed, error%kind == output_error)
+      outcome%reason = error%message
    end subroutine give_up
+
+   !> The outcome of a case whose result is written.
+   pure function outcome_of(report) result(outcome)
+      type(report_t), intent(in) :: report
+      type(case_outcome_t) :: outcome
+
+      if (report%converged) return
+      outcome%status = status_not_converged
+      if (allocated(report%reason)) outcome%reason = trim(report%reason)
+   end function outcome_of
+
+   !> The line of `--outcomes`: status, `file` and reason, with tabs between and a line end.
+   pure function outcome_line(file, outcome) result(line)
+      character(*), intent(in) :: file
+      type(case_outcome_t), intent(in) :: outcome
+      character(:), allocatable :: line
+      character(*), parameter :: tab = achar(9)
+      integer :: i
+
+      line = to_text(outcome%status)//tab//file//tab
+      if (allocated(outcome%reason)) line = line//outcome%reason
+      do i = 1, len(line)
+         if (line(i:i) == new_line('a')) line(i:i) = ' '
+      end do
+      line = line//new_line('a')
+   end function outcome_line
 
 end module case_outcome

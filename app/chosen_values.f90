@@ -59,8 +59,8 @@ contains
 
       if (size(surface%features) > 0) call set_effective(case, group, 'position', &
          surface%features%position)
-      if (has_placed_profile) call set_effective(case, group, 'position', &
-         surface%profile%start + 0.5_wp*profile_length(surface%profile))
+      if (has_placed_profile .and. allocated(surface%profile)) call set_effective(case, group, &
+         'position', surface%profile%start + 0.5_wp*profile_length(surface%profile))
    end subroutine fill_positions
 
    !> Whether a surface has a profile whose place is left to the program.

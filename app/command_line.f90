@@ -5,6 +5,7 @@ module command_line
    use key_row, only: every, has_word
    use nearest_name, only: nearest_known
    use number_text, only: read_integer
+   use set_entries, only: new_set_entry, set_entry_t
    implicit none (type, external)
    private
 
@@ -12,11 +13,13 @@ module command_line
 
    !> What the user asks for.
    type :: command_t
-      !> 'run', 'check', 'template', 'keys', 'keys-markdown', 'version' or 'help'.
+      !> 'run', 'check', 'table', 'template', 'keys', 'keys-markdown', 'version' or 'help'.
       character(:), allocatable :: action
       !> Problem of the template.
       character(:), allocatable :: problem
-      !> Namelist files.
+      !> Form of the table: 'text', 'csv' or 'json'.
+      character(len=4) :: form = 'text'
+      !> Namelist files; of a table results.
       character(len=4096), allocatable :: files(:)
       !> Folder of the results; empty: not given.
       character(:), allocatable :: output_dir
@@ -26,10 +29,16 @@ module command_line
       logical :: is_quiet = .false.
       !> True: go on from checkpoints.
       logical :: is_resume = .false.
+      !> True: a line for each case on standard output.
+      logical :: has_outcomes = .false.
+      !> True: cases with bad input are left out, the others run.
+      logical :: keeps_going = .false.
+      !> Entries that replace or complete those of every namelist.
+      type(set_entry_t), allocatable :: entries(:)
    end type command_t
 
    character(len=16), parameter :: options(*) = [character(len=16) :: '--output', '--threads', &
-      '--check', '--resume', &
+      '--check', '--resume', '--outcomes', '--set', '--keep-going', '--format', &
       '--quiet', '--template', '--keys', '--version', '--help']
    !> Most threads that can be asked for.
    integer, parameter :: max_threads = 9999
@@ -48,7 +57,7 @@ contains
       command%action = 'run'
       command%output_dir = ''
       count = command_argument_count()
-      allocate (command%files(0))
+      allocate (command%files(0), command%entries(0))
       i = 1
       do while (i <= count)
          word = argument(i)
@@ -57,23 +66,38 @@ contains
             call set_action(command, word(3:), error)
          case ('-h')
             call set_action(command, 'help', error)
+         case ('table')
+            if (i == 1) then
+               command%action = 'table'
+            else
+               call read_file_name(command, word, error)
+            end if
          case ('--quiet')
             command%is_quiet = .true.
-         case ('--template', '--output', '--threads')
+         case ('--template', '--output', '--threads', '--set', '--format')
             i = i + 1
             call read_option_value(command, word, argument(i), error)
          case ('--resume')
             command%is_resume = .true.
+         case ('--outcomes')
+            command%has_outcomes = .true.
+         case ('--keep-going')
+            command%keeps_going = .true.
          case default
             call read_file_name(command, word, error)
          end select
          if (allocated(error)) return
          i = i + 1
       end do
-      if ((command%action == 'run' .or. command%action == 'check') &
-         .and. size(command%files) == 0) then
+      if (size(command%files) > 0) return
+      select case (command%action)
+      case ('run', 'check')
          call fail(error, input_error, 'found no namelist file, expected at least one' // see_help)
-      end if
+      case ('table')
+         call fail(error, input_error, 'found no result, expected at least one' // see_help)
+      case default
+         return
+      end select
    end subroutine read_command_line
 
    !> Argument number `i`; empty if there is none.
@@ -102,12 +126,13 @@ contains
       command%action = action
    end subroutine set_action
 
-   !> The word after an option. Errors: missing, not a number of threads, not a problem.
+   !> The word after an option. Errors: missing, not a number of threads, no entry, not a problem.
    subroutine read_option_value(command, option, value, error)
       type(command_t), intent(inout) :: command
       character(*), intent(in) :: option, value
       type(error_t), allocatable, intent(out) :: error
       integer(int64) :: threads
+      type(set_entry_t) :: entry
       logical :: good
 
       if (len_trim(value) == 0) then
@@ -117,6 +142,13 @@ contains
       select case (option)
       case ('--output')
          command%output_dir = value
+      case ('--format')
+         command%form = value
+         if (all(value /= ['text', 'csv ', 'json'])) call fail(error, input_error, &
+            'found --format ' // value // ', expected text, csv or json')
+      case ('--set')
+         call new_set_entry(entry, value, error)
+         if (.not. allocated(error)) command%entries = [command%entries, entry]
       case ('--threads')
          call read_integer(value, threads, good)
          if (good .and. threads >= 1 .and. threads <= max_threads) then
@@ -163,17 +195,26 @@ contains
          // nl &
          // 'Usage:' // nl &
          // '  asperity CASE.nml [CASE2.nml ...] [--output DIR] [--threads N] [--check] '// &
-            '[--resume] [--quiet]' // nl &
+            '[--resume] [--keep-going]' // nl &
+         // '           [--set GROUP.KEY=VALUE] [--quiet] [--outcomes]' // nl &
+         // '  asperity table RESULT.h5 [RESULT2.h5 ...] [--format text|csv|json]    a row of '// &
+         'each result' // nl &
          // '  asperity --template PROBLEM      write a commented, complete namelist: '// &
             'ehl_line, dry_line or dry_area' // nl &
          // '  asperity --keys                  every group and key: unit, default, range, '// &
             'meaning' // nl &
          // '  asperity --version | --help' // nl // nl &
          // 'Options:' // nl &
-         // '  --output DIR   folder of the results; without it the current folder (or the '// &
-            'output of the case)' // nl &
+         // '  --output DIR   folder of the results, made if it is not there; without it the '// &
+            'current one (or output of the case)' // nl &
+         // '  --set GROUP.KEY=VALUE   replaces or adds an entry of every namelist; may be '// &
+            'given several times' // nl &
+         // '  --keep-going   runs the good ones of several cases where others have bad input '// &
+            '(status 1)' // nl &
          // '  --check        read and check the namelists, compute nothing' // nl &
          // '  --quiet        no progress; errors only' // nl &
+         // '  --outcomes     a line for each case on standard output when it ends: status, '// &
+            'namelist, reason (tabs between)' // nl &
          // '  --threads N    threads of areal problems (default 1), at most as many as '// &
             'processors; a line needs one' // nl &
          // '  --resume       go on where an interrupted run of the same cases left off' // nl &
@@ -183,6 +224,8 @@ contains
             'writes case.h5' // nl &
          // '  asperity --check case.nml                                          what is '// &
             'wrong with my input?' // nl &
+         // '  asperity case.nml --set bodies.speed_1=2.5 --set case.title=fast    one value '// &
+            'changed' // nl &
          // '  asperity load*.nml --output results --quiet                        several '// &
             'cases, one after another' // nl &
          // '  ls *.nml | xargs -P 8 -n 1 asperity --quiet                        side by '// &
@@ -191,7 +234,8 @@ contains
             '2 a case did not converge' // nl &
          // '(written, marked, with the reason); 3 a result could not be written; 4 '// &
             'interrupted by a signal, checkpoint' // nl &
-         // 'written. Results go to files, progress and errors to standard error.' // nl
+         // 'written. Results go to files, summaries to standard output, progress and errors '// &
+            'to standard error.' // nl
    end function help_text
 
 end module command_line

@@ -3,8 +3,9 @@
 module dry_target
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_memory, only: dry_memory
-   use dry_case, only: add_note, dry_case_t
-   use dry_errors, only: dry_sweep_t, estimate_dry_errors
+   use dry_case, only: dry_case_t
+   use dry_errors, only: estimate_dry_errors
+   use dry_resampling, only: dry_sweep_t
    use dry_resolution, only: area_doubt, dry_rung_t, finer_nodes, is_met
    use dry_scaling, only: new_dry_scaling
    use dry_surfaces, only: is_refinable, refine_heights
@@ -15,7 +16,7 @@ module dry_target
    use life_sign, only: begin_activity
    use missing_value, only: not_known
    use system_limits, only: memory_fault, memory_t, thread_memory
-   use text, only: to_text
+   use text, only: add_sentence, to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -83,7 +84,7 @@ contains
       call begin_activity('solving')
       sweep = dry_sweep_t(dry%grid, dry%height, new_dry_scaling(dry%height, dry%lengths(1), &
          dry%reduced_modulus), dry%loads, dry%settings)
-      sweep%settings%keeps_pressures = dry%has_error_bars
+      sweep%settings%keeps_pressures = dry%has_error_bars .or. dry%wants_adequacy
       call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, sweep%settings, &
          outcome, error)
       if (allocated(error)) return
@@ -153,8 +154,8 @@ contains
       reason = 'grids of more than '//to_text(most)//' nodes are not chosen'
       if (most < max_chosen(merge(1, 2, dry%grid%ny == 1))) reason = reason//' with this memory'
       if (most == 0) reason = 'without a period the heights of a file stay on their own nodes'
-      call add_note(dry, 'the wanted accuracy is not met: of the contact area a relative '// &
-         'error of '//to_text(doubt, 2)// &
+      call add_sentence(dry%note, 'the wanted accuracy is not met: of the contact area a '// &
+         'relative error of '//to_text(doubt, 2)// &
          ' is estimated, '//to_text(dry%target, 2)//' was wanted, and '//reason)
    end subroutine tell_unmet
 

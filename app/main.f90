@@ -1,7 +1,7 @@
 !> asperity: reads the command line and the namelists, runs the cases, ends with the exit status.
 program asperity
    use build_info, only: git_commit, program_name, program_version
-   use case_outcome, only: status_interrupted, status_not_written
+   use case_outcome, only: case_outcome_t, outcome_line, status_interrupted, status_not_written
    use case_record, only: case_t
    use command_line, only: command_t, help_text, read_command_line
    use errors, only: error_t, output_error
@@ -9,17 +9,16 @@ program asperity
    use input_template, only: template_text
    use interruption, only: is_interrupted, listen_to_signals, stop_listening, take_last_words
    use life_sign, only: watch_silence
-   use operating_system, only: is_terminal
+   use operating_system, only: is_terminal, make_folder
    use progress_log, only: new_progress_log, progress_log_t
-   use read_cases, only: read_all_cases
+   use read_cases, only: no_findings, read_all_cases, refused_t, status_bad_input, tell_refused
+   use result_table, only: print_results
    use run_case, only: run_one_case
    use signal_calls, only: standard_error
-   use standard_output, only: print_text, settle_standard_streams
+   use standard_output, only: print_text, settle_standard_streams, write_text
    use system_limits, only: check_stack, settle_memory
    implicit none (type, external)
 
-   !> Exit status of bad input, usage or file.
-   integer, parameter :: status_bad_input = 1
    type(command_t) :: command
    type(error_t), allocatable :: error
    type(progress_log_t) :: log
@@ -46,7 +45,6 @@ contains
       type(command_t), intent(in) :: command
       integer, intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
-      type(case_t), allocatable :: cases(:)
 
       select case (command%action)
       case ('help')
@@ -60,52 +58,60 @@ contains
          call print_text(keys_text(), error)
       case ('keys-markdown')
          call print_text(keys_markdown(), error)
+      case ('table')
+         call print_results(command%files, command%form, status, error)
       case default
-         call listen_to_signals()
-         if (.not. command%is_quiet) call watch_silence(is_terminal(standard_error))
-         call read_all_cases(command%files, command%output_dir, cases, error)
-         if (allocated(error)) return
-         if (command%action == 'check') then
-            call print_text(no_findings(cases), error)
-         else
-            call run_cases(cases, command, status)
-         end if
+         call check_or_run(command, status, error)
       end select
    end subroutine obey
 
-   !> What --check says of good cases.
-   function no_findings(cases) result(text)
-      type(case_t), intent(in) :: cases(:)
-      character(:), allocatable :: text
-      integer :: i
+   !> Reads all cases and checks or runs them; `status` becomes the largest of theirs. Error: bad
+   !> input; standard output is lost.
+   subroutine check_or_run(command, status, error)
+      type(command_t), intent(in) :: command
+      integer, intent(inout) :: status
+      type(error_t), allocatable, intent(out) :: error
+      type(case_t), allocatable :: cases(:)
+      type(refused_t), allocatable :: refused(:)
 
-      text = ''
-      do i = 1, size(cases)
-         text = text // cases(i)%file // ': no findings' // new_line('a')
-      end do
-   end function no_findings
+      call listen_to_signals()
+      if (.not. command%is_quiet) call watch_silence(is_terminal(standard_error))
+      call read_all_cases(command, cases, refused, error)
+      if (allocated(error)) return
+      call tell_refused(refused, command, status, error)
+      if (allocated(error)) return
+      if (command%action == 'check') then
+         call print_text(no_findings(cases), error)
+      else
+         call make_folder(command%output_dir)
+         call run_cases(cases, command, status, error)
+      end if
+   end subroutine check_or_run
 
    !> Runs one case after another; `status` becomes the largest of theirs. After an interruption no
-   !> further case is started.
-   subroutine run_cases(cases, command, status)
+   !> further case is started. Error: standard output is lost.
+   subroutine run_cases(cases, command, status, error)
       type(case_t), intent(inout) :: cases(:)
       type(command_t), intent(in) :: command
       integer, intent(inout) :: status
+      type(error_t), allocatable, intent(out) :: error
       type(progress_log_t) :: log
-      integer :: i, this_status
+      type(case_outcome_t) :: outcome
+      integer :: i
 
-      this_status = 0
       do i = 1, size(cases)
          if (is_interrupted()) then
             log = new_progress_log(command%is_quiet)
             call take_last_words()
-            if (this_status /= status_interrupted) call log%say_error('interrupted before ' &
+            if (outcome%status /= status_interrupted) call log%say_error('interrupted before ' &
                // cases(i)%file)
             status = status_interrupted
             return
          end if
-         call run_one_case(cases(i), command, this_status)
-         status = max(status, this_status)
+         call run_one_case(cases(i), command, outcome)
+         status = max(status, outcome%status)
+         if (command%has_outcomes) call write_text(outcome_line(cases(i)%file, outcome), error)
+         if (allocated(error)) return
       end do
    end subroutine run_cases
 

@@ -1,42 +1,87 @@
-!> Reads and checks all cases of a call before any of them runs.
+!> Reads and checks all cases of a call before any of them runs, and says what was found.
 module read_cases
    use case_input, only: read_case
+   use case_notes, only: unusual_lines
+   use case_outcome, only: case_outcome_t, outcome_line
    use case_record, only: case_t
+   use command_line, only: command_t
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
    use life_sign, only: begin_activity, begin_subject
    use output_names, only: output_findings
+   use progress_log, only: new_progress_log, progress_log_t
+   use set_entries, only: put_entries
+   use standard_output, only: write_text
    use text_file, only: read_text_file
    implicit none (type, external)
    private
 
-   public :: read_all_cases
+   public :: no_findings, read_all_cases, refused_t, tell_refused
+
+   !> Exit status of bad input, usage or file.
+   integer, parameter, public :: status_bad_input = 1
+
+   !> A file with bad input.
+   type :: refused_t
+      character(:), allocatable :: file, findings
+   end type refused_t
 
 contains
 
-   !> Reads `files` into `cases`. Error (input_error): the findings of all files, or results that
+   !> Reads the files of `command` into `cases`. `refused` are those with findings, if the others
+   !> are to run without them. Error (input_error): the findings of all files, or results that
    !> cannot have their names.
-   subroutine read_all_cases(files, output_dir, cases, error)
-      character(*), intent(in) :: files(:), output_dir
+   subroutine read_all_cases(command, cases, refused, error)
+      type(command_t), intent(in) :: command
       type(case_t), allocatable, intent(out) :: cases(:)
+      type(refused_t), allocatable, intent(out) :: refused(:)
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: problems, found
+      character(len=len(command%files)), allocatable :: files(:)
+      logical :: is_good(size(command%files))
+      character(:), allocatable :: problems
       integer :: i
 
-      allocate (cases(size(files)))
+      allocate (refused(0))
+      call read_files(command%files, command, cases, is_good, refused)
+      if (command%keeps_going .and. .not. all(is_good)) then
+         files = pack(command%files, is_good)
+         call read_files(files, command, cases, is_good(:size(files)), refused)
+      end if
       problems = ''
-      do i = 1, size(files)
-         call read_one(trim(files(i)), cases(i), found)
-         if (len(found) > 0 .and. len(problems) > 0) problems = problems // new_line('a')
-         problems = problems // found
-      end do
-      if (len(problems) == 0) problems = output_findings(cases, output_dir)
+      if (command%keeps_going .or. all(is_good)) then
+         problems = output_findings(cases, command%output_dir)
+      else
+         do i = 1, size(refused)
+            if (i > 1) problems = problems // new_line('a')
+            problems = problems // refused(i)%findings
+         end do
+      end if
       if (len(problems) > 0) call fail(error, input_error, problems)
    end subroutine read_all_cases
 
+   !> Reads `files` (n) into `cases`; which are good, and what is wrong with the others.
+   subroutine read_files(files, command, cases, is_good, refused)
+      character(*), intent(in) :: files(:)
+      type(command_t), intent(in) :: command
+      type(case_t), allocatable, intent(out) :: cases(:)
+      logical, intent(out) :: is_good(:)
+      type(refused_t), allocatable, intent(inout) :: refused(:)
+      type(refused_t) :: one
+      integer :: i
+
+      allocate (cases(size(files)))
+      do i = 1, size(files)
+         one%file = trim(files(i))
+         call read_one(one%file, command, cases(i), one%findings)
+         is_good(i) = len(one%findings) == 0
+         if (.not. is_good(i)) refused = [refused, one]
+      end do
+   end subroutine read_files
+
    !> Reads one file; `found` is what is wrong with it, empty if nothing.
-   subroutine read_one(file, case, found)
+   subroutine read_one(file, command, case, found)
       character(*), intent(in) :: file
+      type(command_t), intent(in) :: command
       type(case_t), intent(out) :: case
       character(:), allocatable, intent(out) :: found
       character(:), allocatable :: content
@@ -51,8 +96,43 @@ contains
          found = error%message
          return
       end if
-      call read_case(content, file, case, findings)
+      call put_entries(content, command%entries)
+      call read_case(content, file, case, findings, command%entries)
       if (findings%count > 0) found = findings%report(file)
    end subroutine read_one
+
+   !> Says what is wrong with the files that are left out. Error: standard output is lost.
+   subroutine tell_refused(refused, command, status, error)
+      type(refused_t), intent(in) :: refused(:)
+      type(command_t), intent(in) :: command
+      integer, intent(inout) :: status
+      type(error_t), allocatable, intent(out) :: error
+      type(progress_log_t) :: log
+      type(case_outcome_t) :: outcome
+      integer :: i
+
+      log = new_progress_log(is_quiet=.false.)
+      do i = 1, size(refused)
+         call log%say(refused(i)%findings)
+         status = status_bad_input
+         outcome%status = status_bad_input
+         outcome%reason = refused(i)%findings
+         if (command%has_outcomes) call write_text(outcome_line(refused(i)%file, outcome), error)
+         if (allocated(error)) return
+      end do
+   end subroutine tell_refused
+
+   !> What --check says of good cases, and which of their values are unusual.
+   function no_findings(cases) result(text)
+      type(case_t), intent(in) :: cases(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      text = ''
+      do i = 1, size(cases)
+         text = text // cases(i)%file // ': no findings' // new_line('a')
+         text = text // unusual_lines(cases(i))
+      end do
+   end function no_findings
 
 end module read_cases

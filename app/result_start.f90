@@ -51,6 +51,7 @@ contains
          end if
       end associate
       watcher%writer%profile_stride = case%output_settings%profile_stride
+      watcher%writer%has_si = case%output_settings%has_si .and. watcher%scaling%is_dimensional
       call watcher%writer%describe(trim(case%problem), case%title, case%namelist, watcher%scaling)
    end subroutine start_result
 
@@ -95,12 +96,13 @@ contains
    end subroutine go_on
 
    !> Whether `path` is the complete result of this very case by this very program, and whether it
-   !> has converged; other files of that run are removed. The result is locked meanwhile. Errors:
-   !> another run does; it cannot be the name of a result.
-   subroutine find_complete_result(path, case, is_complete, is_converged, error)
+   !> has converged, or the reason; other files of that run are removed. The result is locked
+   !> meanwhile. Errors: another run does; it cannot be the name of a result.
+   subroutine find_complete_result(path, case, is_complete, is_converged, reason, error)
       character(*), intent(in) :: path
       type(case_t), intent(in) :: case
       logical, intent(out) :: is_complete, is_converged
+      character(:), allocatable, intent(out) :: reason
       type(error_t), allocatable, intent(out) :: error
       type(result_name_t) :: name
 
@@ -108,16 +110,17 @@ contains
       is_converged = .false.
       call hold_name(name, path, error)
       if (allocated(error)) return
-      call judge_result(path, case, is_complete, is_converged)
+      call judge_result(path, case, is_complete, is_converged, reason)
       call name%give_back(is_complete)
    end subroutine find_complete_result
 
    !> Whether `path` is the complete result of this very case by this very program, and whether it
-   !> has converged.
-   subroutine judge_result(path, case, is_complete, is_converged)
+   !> has converged, or the reason.
+   subroutine judge_result(path, case, is_complete, is_converged, reason)
       character(*), intent(in) :: path
       type(case_t), intent(in) :: case
       logical, intent(out) :: is_complete, is_converged
+      character(:), allocatable, intent(out) :: reason
       type(hdf5_input_t) :: reader
       type(error_t), allocatable :: error
 
@@ -132,6 +135,7 @@ contains
       if (is_complete) is_complete = reader%text('/input/namelist') == case%namelist
       if (is_complete) is_complete = has_same_heights(reader, case)
       is_converged = reader%integer_value('/', 'converged') == 1
+      reason = reader%text('/', 'reason')
       call reader%close(error)
       if (allocated(error)) is_complete = .false.
    end subroutine judge_result

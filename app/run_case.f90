@@ -1,25 +1,38 @@
 !> One case from its record to its result file and its exit status.
 module run_case
+   use adequacy, only: accuracy_for
+   use adequacy_section, only: adequacy_line
    use breakdown_text, only: breakdown_sentence
+   use case_limits, only: judge_limits
    use case_memory, only: lubricated_memory
-   use case_outcome, only: give_up, status_converged, status_interrupted, status_not_converged, &
-      status_not_written
-   use case_notes, only: tell, tell_coarse_waves, tell_measured_error, tell_missed_target
-   use case_record, only: case_t, result_path
+   use case_outcome, only: case_outcome_t, give_up, outcome_of, status_interrupted, &
+      status_not_converged, status_not_written
+   use case_notes, only: tell, tell_coarse_waves, tell_measured_error, tell_missed_target, &
+      tell_unusual, note_unusual
+   use case_record, only: case_t, result_path, set_effective
    use chosen_values, only: fill_chosen, fill_passage
    use command_line, only: command_t
+   use coarse_passages, only: scene_t
    use coarse_runs, only: make_coarse_runs, run_apart
+   use decision_section, only: decision_lines, solved_text
    use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
+   use film_momentum, only: follow_momentum, prepare_momentum
+   use film_velocity, only: velocity_profile
    use interruption, only: take_last_words
-   use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
+   use iteration_report, only: phase_adequacy, phase_error_bars, phase_output, phase_transient, &
+      report_t
    use key_row, only: lubricated
    use kinds, only: wp
    use life_sign, only: begin_activity, begin_subject
    use line_case, only: build_line_contact, scaled_solver
    use line_contact, only: line_contact_t
    use line_state, only: all_finite, line_state_t
+   use line_summary, only: summary_of
+   use measured_adequacy, only: measure_adequacy, own_runs_t
+   use model_choice, only: choose_model
+   use model_decision, only: take_model
    use outlet_check, only: check_ends
    use passage_times, only: new_passage_times, passage_note
    use progress_log, only: new_progress_log, progress_log_t
@@ -42,48 +55,60 @@ contains
 
    !> Solves `case` as `command` says: folder of the results, whether to go on from a checkpoint,
    !> whether to tell progress.
-   subroutine run_one_case(case, command, status)
+   subroutine run_one_case(case, command, outcome)
       type(case_t), intent(inout) :: case
       type(command_t), intent(in) :: command
-      integer, intent(out) :: status
+      type(case_outcome_t), intent(out) :: outcome
       type(progress_log_t) :: log
       type(error_t), allocatable :: error
-      character(:), allocatable :: path
+      character(:), allocatable :: path, reason
       logical :: is_complete, is_converged
 
-      log = new_progress_log(command%is_quiet)
+      log = new_progress_log(command%is_quiet, command%has_outcomes)
       call begin_subject(case%file)
       call begin_activity('looking at earlier results')
       path = result_path(case, command%output_dir)
       is_complete = .false.
-      if (command%is_resume) call find_complete_result(path, case, is_complete, is_converged, error)
+      if (command%is_resume) call find_complete_result(path, case, is_complete, is_converged, &
+         reason, error)
       if (allocated(error)) then
-         call give_up(error, log, status)
-      else if (is_complete) then
-         call log%say(case%file//': '//path//' is complete: nothing to do')
-         status = merge(status_converged, status_not_converged, is_converged)
-      else if (case%problem == lubricated) then
-         call run_lubricated_case(case, path, command%is_resume, log, status)
+         call give_up(error, log, outcome)
+         return
+      end if
+      if (is_complete) then
+         if (is_converged) then
+            call log%say(case%file//': '//path//' is complete: nothing to do')
+         else
+            call log%say_error(case%file//': '//path//' is there, NOT CONVERGED: '//reason// &
+               '; without --resume it is computed again')
+            outcome = case_outcome_t(status_not_converged, reason)
+         end if
+         return
+      end if
+      call tell_unusual(case, log)
+      if (case%problem == lubricated) then
+         call run_lubricated_case(case, path, command%is_resume, log, outcome)
       else
-         call solve_and_write(case, path, log, command%threads, status)
+         call solve_and_write(case, path, log, command%threads, outcome)
       end if
    end subroutine run_one_case
 
    !> Solves a lubricated case and writes its result `path`.
-   subroutine run_lubricated_case(case, path, is_resume, log, status)
+   subroutine run_lubricated_case(case, path, is_resume, log, outcome)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: path
       logical, intent(in) :: is_resume
       type(progress_log_t), intent(in) :: log
-      integer, intent(out) :: status
+      type(case_outcome_t), intent(out) :: outcome
       type(run_observer_t) :: watcher
-      type(line_contact_t) :: contact
+      type(line_contact_t) :: contact, whole
       type(line_state_t) :: state
       type(report_t) :: report
       type(error_t), allocatable :: error
 
       watcher%log = log
       call build_line_contact(case, watcher%scaling, contact)
+      whole = contact
       case%solver = scaled_solver(case, watcher%scaling)
       watcher%film_floor = case%solver%film_floor
       call watcher%log%start_case(case%file, watcher%scaling)
@@ -93,18 +118,52 @@ contains
          call start_result(case, path, is_resume, watcher, error)
       end if
       if (.not. allocated(error)) then
-         call solve(case, contact, watcher, state, report, error)
+         call prepare_momentum(case, watcher)
+         call take_lean_model(case, contact, watcher, error)
+         if (.not. allocated(error)) call solve(case, contact, watcher, state, report, error)
+         if (.not. allocated(error)) call look_at_model(case, contact, watcher, state, report, &
+            error)
+         if (.not. allocated(error)) call follow_momentum(case, contact, watcher, state, report, &
+            error)
          if (allocated(error)) call watcher%writer%discard()
       end if
       if (allocated(error)) then
-         call give_up(error, watcher%log, status)
+         call give_up(error, watcher%log, outcome)
       else if (watcher%wants_stop .and. .not. report%converged &
          .and. .not. watcher%writer%has_failed()) then
-         call suspend(watcher, status)
+         call suspend(watcher, outcome)
       else
-         call store(case, watcher, state, report, status)
+         whole%domain = contact%domain
+         call judge_limits(case, whole, state, report, watcher)   ! with all of its roughness
+         if (case%output_settings%velocity_layers > 0 .and. allocated(state%shear_stress_mean)) then
+            watcher%writer%velocity = velocity_profile(contact%fluid, contact%lambda, &
+               contact%slide_to_roll, state%x, state%pressure, state%film_thickness, &
+               case%output_settings%velocity_layers)
+         end if
+         call store(case, watcher, state, report, outcome)
       end if
    end subroutine run_lubricated_case
+
+   !> Makes `contact` and the times of a case with model = 'auto' those of the leanest model that is
+   !> adequate. A run that goes on from a checkpoint is a passage, and stays one; and so does one
+   !> whose film is to be counted over time.
+   subroutine take_lean_model(case, contact, watcher, error)
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(inout) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      type(error_t), allocatable, intent(out) :: error
+
+      if (case%model /= 'auto') return
+      associate (choice => watcher%writer%choice)
+         call choose_model(scene_t(contact, case%solver, case%time), case%accuracy%target, &
+            allocated(case%time%resume_from) .or. size(case%output_settings%film_thresholds) > 0, &
+            choice, watcher, error)
+         if (allocated(error) .or. .not. choice%is_steady) return
+         call take_model(choice, contact, case%time)
+         call watcher%log%say(case%file//': solves '//solved_text(choice))
+      end associate
+      call set_effective(case, 'time', 'transient', '.false.')
+   end subroutine take_lean_model
 
    !> Determines for how many intervals there is memory. Error: the grid that the program will
    !> choose is too fine for the method, or for the memory.
@@ -149,7 +208,7 @@ contains
          steps = 0.0_wp
          if (time%is_transient) steps = time%end_time/time%time_step
          fault = memory_fault('a grid', lubricated_memory(intervals, steps, &
-            case%solver%method == 'newton_dense'))
+            case%solver%method == 'newton_dense', case%layers))
       end function fault_of
 
    end subroutine check_grid
@@ -197,6 +256,9 @@ contains
       call choose_time_step(whole, case%time)
       if (watcher%has_coarse_runs) watcher%writer%bars = new_error_bars(whole, case%time, &
          case%solver%space_scheme)
+      watcher%writer%bars%left_out = watcher%writer%choice%influence
+      call note_unusual(case, note)
+      call tell(case, watcher, case%note, note)
       call tell_coarse_waves(case, contact, watcher, note)
       call tell_missed_target(case, contact, watcher, note)
       call tell(case, watcher, passage_note(contact, watcher%writer%passage%times), note)
@@ -215,13 +277,38 @@ contains
          if (allocated(error)) return
          report%converged = .not. watcher%wants_stop
       end if
-      call check_forecast(case, whole, watcher, state, report, seconds, error)
+      call check_ends(case, open, contact, watcher, report, error)
       if (allocated(error)) return
-      call check_ends(case, open, contact, watcher, report, error)   ! error: the caller looks
+      call check_forecast(case, whole, watcher, state, report, seconds, &
+         error)   ! error: the caller looks
       call fill_chosen(case, contact, report)
       call fill_passage(case, contact, watcher%writer%passage%times)
       call complete_report(watcher, seconds, report)
    end subroutine solve
+
+   !> Measures what the ingredients of the model change, where that is wanted.
+   subroutine look_at_model(case, contact, watcher, state, report, error)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: start
+
+      if (.not. (case%output_settings%has_adequacy .and. report%converged)) return
+      start = wall_seconds()
+      associate (writer => watcher%writer)
+         call measure_adequacy(scene_t(contact, case%solver, case%time), state, &
+            own_runs_t(writer%passage%extremes(summary_of(state)), real(report%cycles, wp), &
+            writer%bars), &
+            accuracy_for(case%accuracy%target, writer%quantities_at_end(state, report)), &
+            writer%adequacy, watcher, error)
+      end associate
+      if (allocated(error)) return
+      report%converged = .not. watcher%wants_stop
+      report%phase_seconds(phase_adequacy) = wall_seconds() - start
+   end subroutine look_at_model
 
    !> Completes the report by what the solver does not know: a film breakdown in SI, the times of
    !> separate coarse runs and of output.
@@ -241,12 +328,12 @@ contains
    end subroutine complete_report
 
    !> Writes the result.
-   subroutine store(case, watcher, state, report, status)
+   subroutine store(case, watcher, state, report, outcome)
       type(case_t), intent(inout) :: case
       type(run_observer_t), intent(inout) :: watcher
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
-      integer, intent(out) :: status
+      type(case_outcome_t), intent(out) :: outcome
       type(error_t), allocatable :: error
 
       watcher%writer%inputs = case%effective
@@ -255,23 +342,26 @@ contains
          if (watcher%writer%name%has_checkpoint) error%message = error%message &
             //'; --resume goes on after step '// &
             to_text(watcher%writer%name%kept_step)
-         call give_up(error, watcher%log, status)
+         call give_up(error, watcher%log, outcome)
          return
       end if
       call watcher%log%close_case(watcher%writer%summary, report, watcher%writer%name%path, &
-         watcher%writer%passage%times)
-      status = merge(status_converged, status_not_converged, report%converged)
+         watcher%writer%passage%times, watcher%writer%limits, &
+         adequacy_line(watcher%writer%adequacy), decision_lines(watcher%writer%choice, &
+         watcher%writer%adequacy))
+      outcome = outcome_of(report)
    end subroutine store
 
    !> The end of an interrupted run: the files needed to go on are kept and named.
-   subroutine suspend(watcher, status)
+   subroutine suspend(watcher, outcome)
       type(run_observer_t), intent(inout) :: watcher
-      integer, intent(out) :: status
+      type(case_outcome_t), intent(out) :: outcome
       character(:), allocatable :: words
 
-      status = status_interrupted
-      if (allocated(watcher%failure)) status = status_not_written
+      outcome%status = status_interrupted
+      if (allocated(watcher%failure)) outcome%status = status_not_written
       words = watcher%writer%name%interruption_text()
+      outcome%reason = words
       call take_last_words()
       call watcher%log%say_error(words)
       if (watcher%writer%name%has_checkpoint) then
@@ -322,7 +412,7 @@ contains
       if (allocated(error)) return
       seconds = seconds + wall_seconds() - start
       report%converged = .not. watcher%wants_stop
-      if (report%converged) call tell_measured_error(case, watcher, state, report)
+      call tell_measured_error(case, watcher, state, report)
    end subroutine check_forecast
 
    !> A solution that is not finite counts as not converged.

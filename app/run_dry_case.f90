@@ -3,14 +3,21 @@ module run_dry_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use case_effective, only: list_dry
-   use case_outcome, only: give_up, status_converged, status_not_converged
+   use case_notes, only: note_unusual
+   use case_outcome, only: case_outcome_t, give_up, outcome_of
    use case_record, only: case_t
+   use dry_adequacy, only: measure_dry_adequacy
+   use dry_adequacy_section, only: dry_adequacy_line, write_dry_adequacy
    use dry_case, only: dry_case_t
+   use dry_influences, only: dry_adequacy_t
+   use dry_resampling, only: dry_sweep_t
+   use dry_scaling, only: new_dry_scaling
    use dry_result, only: write_dry_result
    use dry_solution, only: dry_solution_t
    use dry_sweep, only: dry_outcome_t, dry_row_t
    use dry_target, only: grid_memory, solve_to_target
    use errors, only: error_t, fail, input_error
+   use hdf5_axes, only: make_counter, name_axes
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
    use key_row, only: dry_area
@@ -20,8 +27,9 @@ module run_dry_case
    use progress_log, only: progress_log_t
    use quantity_text, only: number_text, wrapped
    use result_writer, only: open_result, result_writer_t
+   use surface_keys, only: has_shape, surfaces
    use system_limits, only: memory_fault, processors
-   use text, only: to_text
+   use text, only: add_sentence, to_text
    implicit none (type, external)
    private
 
@@ -36,34 +44,38 @@ contains
 
    !> Solves all loads of `case`, writes its result `path`, tells the `log` a line for each load;
    !> areas use `threads` threads.
-   subroutine solve_and_write(case, path, log, threads, status)
+   subroutine solve_and_write(case, path, log, threads, ending)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: path
       type(progress_log_t), intent(inout) :: log
       integer, intent(in) :: threads
-      integer, intent(out) :: status
+      type(case_outcome_t), intent(out) :: ending
       type(result_writer_t) :: writer
       type(dry_outcome_t) :: outcome
       type(dry_row_t), allocatable :: errors(:)
+      type(dry_adequacy_t) :: adequacy
       type(error_t), allocatable :: error
-      character(:), allocatable :: name
+      character(:), allocatable :: name, words
 
       if (case%problem == dry_area) case%dry%grid%threads = min(threads, processors())
       call check_memory(case, error)
       if (.not. allocated(error)) call open_result(writer, path, error)
       if (allocated(error)) then
-         call give_up(error, log, status)
+         call give_up(error, log, ending)
          return
       end if
       call writer%describe(trim(case%problem), case%title, case%namelist)
       call solve_to_target(case%dry, outcome, errors, error)
+      if (.not. allocated(error)) call look_at_model(case%dry, outcome, errors, adequacy, error)
       if (allocated(error)) then
          call writer%discard()
-         call give_up(error, log, status)
+         call give_up(error, log, ending)
          return
       end if
       call judge_sweep(outcome%rows, outcome%solution)
-      if (allocated(case%dry%note)) outcome%solution%report%note = case%dry%note
+      call note_unusual(case, words)
+      if (allocated(case%dry%note)) call add_sentence(words, case%dry%note)
+      if (allocated(words)) call move_alloc(words, outcome%solution%report%note)
       call list_dry(case)
       writer%inputs = case%effective
       call set_patience(.true.)
@@ -71,22 +83,40 @@ contains
       call write_dry_result(writer%file, case%dry, outcome%rows, errors, outcome%fields, error)
       if (allocated(error)) then
          call writer%discard()
-         call give_up(error, log, status)
+         call give_up(error, log, ending)
          return
       end if
+      call write_dry_adequacy(writer%file, adequacy)
       call write_costs(writer%file, outcome)
       call writer%publish(outcome%solution%report, error)
       if (allocated(error)) then
-         call give_up(error, log, status)
+         call give_up(error, log, ending)
          return
       end if
       name = case%file(index(case%file, '/', back=.true.) + 1:)
       if (case%dry%target > 0.0_wp) call log%say(name // ': solved on ' // nodes_text(case%dry) &
          // ' nodes for an error of ' &
          // number_text(100.0_wp*case%dry%target, 2) // ' % of the contact area')
-      call tell(log, name, outcome%rows, errors, outcome%solution, writer%name%path)
-      status = merge(status_converged, status_not_converged, outcome%solution%report%converged)
+      call tell(log, name, outcome%rows, errors, outcome%solution, writer%name%path, &
+         dry_adequacy_line(adequacy))
+      ending = outcome_of(outcome%solution%report)
    end subroutine solve_and_write
+
+   !> Measures the `adequacy` of `dry` with its `outcome` and the estimated `errors` of that, if it
+   !> is wanted. Fails (internal_error) if FFTW does.
+   subroutine look_at_model(dry, outcome, errors, adequacy, error)
+      type(dry_case_t), intent(in) :: dry
+      type(dry_outcome_t), intent(in) :: outcome
+      type(dry_row_t), intent(in) :: errors(:)
+      type(dry_adequacy_t), intent(out) :: adequacy
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. dry%wants_adequacy) return
+      call begin_activity('looking at the model')
+      call measure_dry_adequacy(dry_sweep_t(dry%grid, dry%height, new_dry_scaling(dry%height, &
+         dry%lengths(1), dry%reduced_modulus), dry%loads, dry%settings), outcome, &
+         errors, dry%target, any(has_shape(dry%values, surfaces, 'parabola')), adequacy, error)
+   end subroutine look_at_model
 
    !> Error (input_error): there is not enough memory for the grid and the threads.
    subroutine check_memory(case, error)
@@ -124,6 +154,11 @@ contains
          new_label('wall time of the solution without planning', 's'))
       call write_dataset(file, '/report/transforms', real(outcome%transforms, wp), &
          new_label('transforms: size in x, in y, pairs in double, pairs in single precision', '1'))
+      call make_counter(file, '/report/grid', size(outcome%transforms, 2), &
+         'number of the grid of the transforms')
+      call make_counter(file, '/report/transform_column', size(outcome%transforms, 1), &
+         'number of: size in x, in y, pairs in double, pairs in single precision')
+      call name_axes(file, '/report/transforms', '/report/transform_column', '/report/grid')
    end subroutine write_costs
 
    !> One report for all loads: converged if all are; transforms and iterations are summed.
@@ -142,23 +177,27 @@ contains
       end do
    end subroutine judge_sweep
 
-   !> A table with a line for each load, and under it the estimated errors.
-   subroutine tell(log, name, rows, errors, solution, path)
+   !> A table with a line for each load, under it the estimated errors; what there is to say of the
+   !> `model`.
+   subroutine tell(log, name, rows, errors, solution, path, model)
       type(progress_log_t), intent(inout) :: log
-      character(*), intent(in) :: name, path
+      character(*), intent(in) :: name, path, model
       type(dry_row_t), intent(in) :: rows(:), errors(:)
       type(dry_solution_t), intent(in) :: solution
       character(len=80) :: line
       integer :: i
 
       if (solution%report%converged) then
-         call log%say(name // ': converged, ' // to_text(solution%report%cycles) &
+         call log%add_to_summary(name // ': converged, ' // to_text(solution%report%cycles) &
             // ' iterations, ' &
             // to_text(solution%report%wall_seconds, 3) // ' s')
       else
-         call log%say_error(name // ': NOT CONVERGED: ' // solution%report%reason)
+         if (log%tells_apart()) call log%say_error(name // ': NOT CONVERGED: ' &
+            // solution%report%reason)
+         call log%add_to_summary(name // ': NOT CONVERGED: ' // solution%report%reason)
       end if
-      call log%say('  mean pressure   contact   plastic   separation   largest p      error')
+      call log%add_to_summary( &
+         '  mean pressure   contact   plastic   separation   largest p      error')
       do i = 1, size(rows)
          associate (row => rows(i))
             write (line, '(ss,2x,es10.3,a,2(f8.3,a),es11.3,a,es10.3,a,es9.1)') row%mean_pressure, &
@@ -167,12 +206,14 @@ contains
                   ' %', row%mean_separation, ' m', &
                row%p_max, ' Pa', row%kkt
          end associate
-         call log%say(trim(line))
-         if (size(errors) > 0) call log%say(error_line(rows(i), errors(i)))
+         call log%add_to_summary(trim(line))
+         if (size(errors) > 0) call log%add_to_summary(error_line(rows(i), errors(i)))
       end do
-      if (allocated(solution%report%note)) call log%say('  ' // wrapped('note      ' &
+      if (model /= '') call log%add_to_summary('  ' // wrapped(model, columns - 2, 12))
+      if (allocated(solution%report%note)) call log%add_to_summary('  ' // wrapped('note      ' &
          // solution%report%note, columns - 2))
-      call log%say('  result    ' // path)
+      call log%add_to_summary('  result    ' // path)
+      call log%print_summary()
    end subroutine tell
 
    !> The line of estimated errors under that of a load, in percent of its quantities.

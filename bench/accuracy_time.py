@@ -208,16 +208,19 @@ def bars_text(rows: list[Row], count: int) -> str:
 
 def cost_text(found: list[Cost]) -> str:
     """What a wanted accuracy gave and cost."""
-    met = sum(cost.true_error <= cost.target for cost in found) / len(found)
-    known = [cost for cost in found if cost.best_seconds > 0]
+    judged = [cost for cost in found if math.isfinite(cost.true_error)]
+    met = sum(cost.true_error <= cost.target for cost in judged) / len(judged)
+    known = [cost for cost in judged if cost.best_seconds > 0]
     ratios = sorted(cost.ratio for cost in known)
     text = (
         f"&accuracy target = {found[0].target:g} on h_min, {len(found)} passages: met in {100 * met:.1f} % (asked 95), cost over"
         f" the best fixed choice: median {statistics.median(ratios):.2f} (asked 2), 90 % {ratios[int(0.9 * len(ratios))]:.2f},"
         f" largest {ratios[-1]:.2f}; all together {sum(c.seconds for c in known) / sum(c.best_seconds for c in known):.2f}"
     )
-    if len(known) < len(found):
-        text += f" (without {len(found) - len(known)} passages for which no fixed choice does)"
+    if len(judged) < len(found):
+        text += f" (without {len(found) - len(judged)} passages whose truth took too long)"
+    if len(known) < len(judged):
+        text += f" (without {len(judged) - len(known)} passages for which no fixed choice does)"
     either = [cost.ratio_to_either for cost in known if cost.kappa_seconds > 0]
     if either:
         text += f"; over the cheaper one of both space schemes: median {statistics.median(either):.2f}"

@@ -3,7 +3,8 @@
 
 The error is the true one, against the contact on at least four times the intervals of the finest grid shown (steady ones
 with the kappa space scheme, whose error is smaller still), to a tolerance far below. Steady panels: the larger one of the
-relative errors of h_min and h at X = 0. In time: the largest error in P over all nodes and times. Times are of one core, the
+relative errors of h_min and h at X = 0. In time: the largest error in P over all nodes and times. The last panel has the error of
+leaner models beside that of the numbers (bench/chart_models.py). Times are of one core, the
 least of many runs, without planning, input and output. Each run writes chart.png, .pdf, chart.csv and conclusion.txt, which
 is made from the same numbers.
 """
@@ -18,6 +19,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import bench_program
+import chart_models
 import namelists
 from bench_program import ROOT, Answer, Job, job, new_parser, output_folder
 
@@ -300,6 +302,11 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
         axes.loglog([p.seconds * 1e3 for p in points], [100 * p.error for p in points], label=method, **LOOKS[method])
     axes.set(title=panel.title, xlabel="Wall time [ms]", ylabel=f"Error of {panel.measure} [%]")
     axes.title.set_fontsize(8.5)
+    decimal_ticks(axes)
+
+
+def decimal_ticks(axes: Axes) -> None:
+    """Decades as numbers, a grid, room for the labels."""
     axes.grid(which="major", color="0.9", linewidth=0.5)
     axes.margins(x=0.16, y=0.1)
     for axis in (axes.xaxis, axes.yaxis):
@@ -341,11 +348,14 @@ def new_label(axes: Axes, point: Point, shift: tuple[int, int]) -> Annotation:
     )
 
 
-def draw(panels: list[Panel], folder: Path) -> None:
-    """The figure of all panels with one legend."""
-    figure, axes = style.new_figure(style.TWO_COLUMNS, 92, ncols=len(panels))
+def draw(panels: list[Panel], models: chart_models.ModelPanel, folder: Path) -> None:
+    """The figure of all panels with one legend; the last one compares models."""
+    figure, grid = style.new_figure(style.TWO_COLUMNS, 165, nrows=2, ncols=2)
+    axes, last = grid.flat[: len(panels)], grid.flat[-1]
     for one, panel in zip(axes, panels, strict=True):
         draw_panel(one, panel)
+    chart_models.draw(last, models)
+    decimal_ticks(last)
     handles = {}
     for one in axes:
         for handle, label in zip(*one.get_legend_handles_labels(), strict=True):
@@ -403,12 +413,14 @@ def main() -> int:
     between = [5 * n // 4 for n in grids(64, last // 2)]
     failures += transient_panel(panels[1], sorted(grids(64, last) + between), once)
     failures += steady_panel(panels[2], heavy, grids(128, 2048 if quick else 8192), effort)
+    models = chart_models.measure(quick)
     save(panels, folder / "chart.csv")
-    draw(panels, folder)
-    text = conclusions(panels, failures)
+    chart_models.save(models, folder / "chart_models.csv")
+    draw(panels, models, folder)
+    text = conclusions(panels, failures) + chart_models.conclusions(models)
     (folder / "conclusion.txt").write_text(text, encoding="utf-8")
     print(text, end="")
-    for name in ("chart.png", "chart.pdf", "chart.csv", "conclusion.txt"):
+    for name in ("chart.png", "chart.pdf", "chart.csv", "chart_models.csv", "conclusion.txt"):
         print(folder / name)
     return 0
 

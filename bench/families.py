@@ -42,7 +42,7 @@ from bench_program import ENVIRONMENT, ROOT, new_parser, output_folder
 
 PROGRAM = ROOT / "build" / "bin" / "asperity"
 # Drawn after the rules stood: nothing was fitted on it.
-SEED = 730213
+SEED = 662201
 WITHIN, TIGHT = 0.95, 0.80
 # Relative error that is as good as none.
 FLOOR = 1e-6

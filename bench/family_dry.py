@@ -129,14 +129,19 @@ def heights(spectrum: np.ndarray, nodes: int, *, centres: bool = False) -> np.nd
     return full.real
 
 
-def hdf5(z: np.ndarray) -> bytes:
-    """A file of heights on the length or the square."""
+def height_file(z: np.ndarray, spacings: list[float]) -> bytes:
+    """A file of heights `z` with these spacings along x, and y of an area."""
     buffer = io.BytesIO()
     with h5py.File(buffer, "w") as file:
         data = file.create_dataset("z", data=z)
-        for name in ("spacing",) if z.ndim == 1 else ("spacing_x", "spacing_y"):
-            data.attrs[name] = LENGTH / z.shape[0]
+        for name, spacing in zip(("spacing",) if z.ndim == 1 else ("spacing_x", "spacing_y"), spacings, strict=True):
+            data.attrs[name] = spacing
     return buffer.getvalue()
+
+
+def hdf5(z: np.ndarray) -> bytes:
+    """A file of heights on the length or the square."""
+    return height_file(z, [LENGTH / z.shape[0]] * z.ndim)
 
 
 def nodes_per_wave(source: random.Random, nodes: int) -> float:

@@ -5,16 +5,19 @@ The members are what is there: the seed and the number of members do not matter.
 
 from __future__ import annotations
 
+import copy
 import io
 import random
 import subprocess
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import f90nml
 import h5py
 from bench_program import ENVIRONMENT, ROOT
-from families import PROGRAM, Family, Member
+from families import FINER, PROGRAM, Family, Member, Resolution
+from family_dry import height_file
 
 QUANTITIES = {
     "ehl_line": ("summary/h_min", "summary/h_central", "summary/p_max"),
@@ -22,8 +25,9 @@ QUANTITIES = {
     "plastic": ("summary/contact_area_fraction", "summary/plastic_area_fraction", "summary/mean_separation"),
 }
 HEIGHTS = "heights"
-# Grids of the truths: intervals at rest and in time, and times as many nodes a side in dry contacts.
-AT_REST, IN_TIME, FINER = 2**16, 2048, 4
+# Domains of the truths, of those in time at least; intervals of those in time, at least.
+AT_REST = {"x_inlet": -60.0, "x_outlet": 6.0, "intervals": 2**16}
+ENDS_IN_TIME, INTERVALS_IN_TIME = (-9.0, 3.0), 2048
 
 
 def kind_of(case: f90nml.Namelist) -> str:
@@ -50,25 +54,29 @@ def text_of(case: f90nml.Namelist) -> str:
     return buffer.getvalue()
 
 
-def finer_film(case: f90nml.Namelist) -> f90nml.Namelist:
-    """A lubricated truth: a long domain, a fine grid, a quarter of the step; of periodic waves many periods later."""
-    truth = case.copy()
-    time = truth.get("time", {})
-    in_time = time.get("transient", False)
-    far = {"x_inlet": -9.0, "x_outlet": 3.0} if in_time else {"x_inlet": -60.0, "x_outlet": 6.0}
-    truth["domain"] = {**far, "intervals": IN_TIME if in_time else AT_REST}
+def finer_film(case: f90nml.Namelist) -> str | Callable[[Resolution], str]:
+    """A lubricated truth: a long domain, a fine grid, a fine step; of periodic waves many periods later."""
+    truth = copy.deepcopy(case)
     truth["accuracy"] = {"error_bars": False}
-    if in_time:
-        time["time_step"] /= 4
-        time["scheme"] = "bdf2"
-        if truth.get("surface_1", {}).get("shape") == "sinusoid":
-            time["end_time"] *= 3
-    return truth
+    if not case.get("time", {}).get("transient", False):
+        truth["domain"] = AT_REST
+        return text_of(truth)
+
+    def finer(found: Resolution) -> str:
+        domain = found.ends(*ENDS_IN_TIME)
+        domain["intervals"] = found.intervals(domain["x_outlet"] - domain["x_inlet"], INTERVALS_IN_TIME)
+        truth["domain"] = domain
+        truth["time"] |= {"time_step": found.time_step(case["time"]["end_time"]), "scheme": "bdf2"}
+        if case.get("surface_1", {}).get("shape") == "sinusoid":
+            truth["time"]["end_time"] = 3 * case["time"]["end_time"]
+        return text_of(truth)
+
+    return finer
 
 
 def finer_contact(case: f90nml.Namelist, files: dict[str, str | bytes]) -> f90nml.Namelist:
     """A dry truth: the heights that the case had, on more nodes."""
-    truth = case.copy()
+    truth = copy.deepcopy(case)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "case.nml").write_text(text_of(case), encoding="utf-8")
@@ -87,12 +95,7 @@ def finer_contact(case: f90nml.Namelist, files: dict[str, str | bytes]) -> f90nm
     if case["surface_1"]["shape"] == "parabola":
         truth["domain"] |= {key: value for key, value in case["domain"].items() if key.startswith("length")}
         return truth
-    buffer = io.BytesIO()
-    with h5py.File(buffer, "w") as file:
-        data = file.create_dataset("z", data=heights)
-        for name, step in zip(("spacing",) if heights.ndim == 1 else ("spacing_x", "spacing_y"), spacing, strict=True):
-            data.attrs[name] = step
-    files[f"{HEIGHTS}.h5"] = buffer.getvalue()
+    files[f"{HEIGHTS}.h5"] = height_file(heights, spacing)
     truth["surface_1"] = {"shape": "file", "file": f"{HEIGHTS}.h5", "dataset": "z"}
     return truth
 
@@ -111,8 +114,8 @@ def members(kind: str):
                 source = (ROOT / "input" / surface["file"]).resolve()
                 files[source.name] = source.read_bytes()
                 surface["file"] = source.name
-            truth = finer_film(case) if kind == "ehl_line" else finer_contact(case, files)
-            found.append(Member(name, text_of(case), text_of(truth), files=files))
+            truth = finer_film(case) if kind == "ehl_line" else text_of(finer_contact(case, files))
+            found.append(Member(name, text_of(case), truth, files=files))
         return found
 
     return draw

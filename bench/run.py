@@ -313,6 +313,26 @@ def process_rows(table: Table, runs: int) -> None:
     )
 
 
+def momentum_rows(table: Table, runs: int) -> None:
+    """Case 1 by the full momentum equations: processor time of a whole process, Reynolds' equation included."""
+    least = {}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "momentum.nml"
+        for intervals, asked in ((448, 0.5), (1792, 2.5)):
+            text = namelists.case_1(intervals).replace("problem = 'ehl_line'", "problem = 'ehl_line'\n   equations = 'stokes'")
+            path.write_text(text + "&film layers = 20 /\n", encoding="utf-8")
+            spent = [process([str(path), "--output", folder, "--quiet"]) for _ in range(runs)]
+            seconds = [each[2] for each in spent]
+            with h5py.File(path.with_suffix(".h5")) as file:
+                steps, factors = (int(file["momentum"].attrs[name]) for name in ("newton_steps", "factorisations"))
+            least[intervals] = min(seconds)
+            note = f"processor time; {steps} Newton steps, {factors} factorisations, {max(each[1] for each in spent):.0f} MB"
+            median = statistics.median(seconds)
+            table.add(Row(f"Case 1, {intervals} x 20, full momentum", asked, min(seconds), median, note=note))
+    ratio = (least[1792] / 1792) / (least[448] / 448)
+    table.add(Row("full momentum: per interval, 1792 over 448", 1.3, ratio, ratio, ""))
+
+
 def map_row(table: Table, cells: int) -> None:
     """`auto` over the M-L plane; intervals and domain chosen by the program."""
     side = round(math.sqrt(cells))
@@ -406,6 +426,8 @@ def main() -> int:
     transient_rows(table, 1 if options.quick else 5)
     table.title("Large grids")
     size_rows(table, runs, 2**18 if options.quick else 2**20)
+    table.title("Full momentum equations of the film, whole process (asked for 400 and 1600 intervals)")
+    momentum_rows(table, 3 if options.quick else 7)
     table.title("Whole program, map")
     process_rows(table, max(runs // 10, 10))
     map_row(table, 100 if options.quick else 400)

@@ -1,16 +1,15 @@
 #!/usr/bin/env python3
-"""Maps where each method converges, is slow, stalls or fails; iterations as colour; one frame for all methods.
+"""Maps where each method converges, converges late or does not; iterations as colour; one frame for all methods.
 
-A cell is converged (at most 30 iterations on the finest grid, in time: per step), slow (more, or left below 0.01 by
-the limit of iterations or of 40 s), stalled, failed, or has a grid that is too coarse for a discrete film, which is the
-right answer. Results for each map: stability_NAME.png, .pdf, .csv; conclusion.txt counts cells and lists those where
-`auto` does not converge, whose namelists go to not_converged/.
+A cell is converged (at most 30 iterations on the finest grid, in time: per step), late (more), not converged (ended by the
+limit of iterations or of 40 s, stalled, or failed), or has a grid that is too coarse for a discrete film, which is the right
+answer. One rule for all methods. Results for each map: stability_NAME.png, .pdf, .csv; conclusion.txt counts cells and lists
+those where `auto` does not converge, whose namelists go to not_converged/.
 """
 
 from __future__ import annotations
 
 import csv
-import math
 import sys
 import time
 from collections import Counter
@@ -30,18 +29,16 @@ def status(answer: Answer | None) -> str:
     """The class of a cell."""
     if answer is None:
         return "blank"
-    reason = answer["reason"]
-    is_near = answer.get("residual", math.inf) < 1e-2
     if answer.converged:
-        return "converged" if iterations(answer) <= MANY else "slow"
+        return "converged" if iterations(answer) <= MANY else "late"
     words = {
         "grid too coarse": "too coarse",
         "refused": "refused",
-        "stopped from outside": "slow" if is_near else "failed",
+        "stopped from outside": "limit",
         "stagnation": "stalled",
-        "cycle limit": "slow" if is_near else "failed",
+        "cycle limit": "limit",
     }
-    return next((name for text, name in words.items() if text in reason), "failed")
+    return next((name for text, name in words.items() if text in answer["reason"]), "failed")
 
 
 def iterations(answer: Answer) -> float:

@@ -19,13 +19,15 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.patches import Patch
 
-# Light to dark green with the iterations; other classes have a colour and a sign of their own.
+# Light to dark green with the iterations; of other classes those that did not converge share a colour, the sign says what happened.
 GREEN = LinearSegmentedColormap.from_list("iterations", colormaps["Greens"](np.linspace(0.15, 0.95, 64)))
 SCALE = LogNorm(1, 30)
+NOT_CONVERGED = "#a11c1c"
 CLASSES = {
-    "slow": ("#f2b33d", "s", "slow"),
-    "stalled": ("#9a9a9a", "–", "stalled"),
-    "failed": ("#a11c1c", "×", "failed"),
+    "late": ("#f2b33d", "+", "converged late, after more than 30"),
+    "limit": (NOT_CONVERGED, "…", "not converged: limit of iterations or time"),
+    "stalled": (NOT_CONVERGED, "–", "not converged: stalled"),
+    "failed": (NOT_CONVERGED, "×", "not converged: failed"),
     "too coarse": ("#a9cbe8", "o", "grid too coarse for the film"),
     "refused": ("#ffffff", "?", "input refused"),
 }
@@ -58,7 +60,7 @@ def draw_map(each: StabilityMap, classes: dict[tuple[str, int, int], tuple[str, 
     for word, (colour, sign, label) in CLASSES.items():
         if word in seen:
             handles.append(Patch(facecolor=colour, edgecolor="0.4", linewidth=0.4, label=f"{label} ({sign})"))
-    style.legend_below(figure, handles, 4)
+    style.legend_below(figure, handles, 3)
     style.save_figure(figure, [folder / f"stability_{each.key}.png", folder / f"stability_{each.key}.pdf"])
 
 
@@ -77,7 +79,7 @@ def draw_panel(axes: Axes, each: StabilityMap, method: str, classes: dict[tuple[
             continue
         colour, sign, _ = CLASSES[word]
         image[row, column] = [*(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)), 1]
-        tone = "white" if word == "failed" else "0.25"
+        tone = "white" if colour == NOT_CONVERGED else "0.25"
         axes.text(column, row, sign, ha="center", va="center_baseline", fontsize=5.5, color=tone)
     axes.imshow(image, origin="lower", aspect="auto", interpolation="nearest")
     axes.set_title(method, fontsize=8.5)

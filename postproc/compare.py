@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Draws several results over each other, their difference to the first, and prints a table."""
+"""Draws several results over each other, their difference to the first, and prints a table.
+
+Results whose scales (half-width, b^2/R, p_h) differ are compared in SI, with or without --si.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +19,9 @@ from result_file import Axis, Result, ResultError, check_result, read_result
 PROGRAM = "compare.py"
 EXAMPLE = "python postproc/compare.py results/case1_256.h5 results/case1_1024.h5 --output results"
 FIELDS = ("film_thickness", "pressure")
+# Relative difference of two scales that is none.
+ROUNDING = 1e-6
+MAX_LABELS = 8
 # Name in /summary, the field it belongs to.
 COLUMNS = (("h_min", "film_thickness"), ("h_central", "film_thickness"), ("p_max", "pressure"))
 
@@ -36,7 +42,7 @@ def draw_field(upper: Axes, lower: Axes, results: list[Result], field: str, opti
     left, right = window(results, options)
     largest = 0.0
     for i, (result, label) in enumerate(zip(results, names(results), strict=True)):
-        look = style.SERIES[i % len(style.SERIES)] | {"markevery": (0.03 * i, 0.15)}
+        look = look_of(i, len(results))
         x, values = result.solution["x"].shown(x_axis), result.solution[field].shown(axis)
         words = style.literal(label) + when(result, options.si) + ("" if i else " (reference)")
         upper.plot(x, values, label=words, **look)
@@ -53,6 +59,18 @@ def draw_field(upper: Axes, lower: Axes, results: list[Result], field: str, opti
     lower.set(xlabel=x_axis.label, ylabel=axis.difference_label)
     style.few_ticks(lower)
     upper.set(xlim=(left, right), ylim=(0, top_of(results, field, axis)))
+
+
+def look_of(i: int, count: int) -> dict[str, object]:
+    """The line of result `i`: told apart by dashes and markers, of a family by its place in a range of colours."""
+    if count <= len(style.SERIES):
+        return style.SERIES[i] | {"markevery": (0.03 * i, 0.15)}
+    return {"color": style.plt.get_cmap(style.COLOUR_MAP)(0.92 * i / (count - 1)), "linewidth": 0.9}
+
+
+def labelled(count: int) -> list[int]:
+    """The results that the legend names: all of a few, of a family some, spread evenly, with the first and the last."""
+    return sorted({round(i) for i in np.linspace(0, count - 1, min(count, MAX_LABELS))})
 
 
 def when(result: Result, si: bool) -> str:
@@ -95,10 +113,37 @@ def draw_figure(results: list[Result], options: argparse.Namespace) -> list[Path
     figure.align_ylabels(axes)
     longest = max(len(label) for label in names(results))
     columns = max(1, min(3, len(results), 90 // (longest + 20)))
-    style.legend_below(figure, axes[0, 0].get_legend_handles_labels()[0], columns)
+    handles = axes[0, 0].get_legend_handles_labels()[0]
+    style.legend_below(figure, [handles[i] for i in labelled(len(results))], columns)
     style.mark_not_converged(figure, results)
     stem = results[0].stem
     return style.save_figure(figure, figure_command.targets(options, stem, "compare"))
+
+
+def same_scales(results: list[Result]) -> bool:
+    """Whether a dimensionless number means the same in all results. Of &moes the film in its units tells it."""
+    rows = []
+    for result in results:
+        if result.solution["x"].has_si:
+            rows.append([result.solution[name].si_scale for name in ("x", *FIELDS)])
+        else:
+            rows.append([result.summary.get("h_min_moes", np.nan) / result.summary.get("h_min", np.nan)])
+    if len({len(row) for row in rows}) > 1:
+        return False
+    return all(np.allclose(row, rows[0], rtol=ROUNDING, atol=0, equal_nan=True) for row in rows)
+
+
+def settle_units(results: list[Result], options: argparse.Namespace) -> None:
+    """SI where the scales differ; where a result has no SI, a warning."""
+    if options.si or same_scales(results):
+        return
+    unknown = [str(result.path) for result in results if not result.solution["x"].has_si]
+    if unknown:
+        words = f"the scales of the results differ, and {', '.join(unknown)} has no SI"
+        print(f"{PROGRAM}: warning: {words}: each is in units of its own b, b^2/R and p_h", file=sys.stderr)
+        return
+    print("the scales of the results differ: compared in SI")
+    options.si = True
 
 
 def number(result: Result, name: str, field: str, axis: Axis) -> float:
@@ -140,6 +185,7 @@ def compare(options: argparse.Namespace) -> list[Path]:
     results = [read_result(path, options.si) for path in options.results]
     for result in results:
         figure_command.warn_not_converged(PROGRAM, result)
+    settle_units(results, options)
     print(table(results, options.si))
     return draw_figure(results, options)
 

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import figure_command
 import figure_style as style
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
+from matplotlib.colors import LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from result_file import LARGEST, PREFIXES, ResultError, opened, values_of
@@ -21,7 +22,13 @@ PROGRAM = "dry.py"
 EXAMPLE = "python postproc/dry.py results/dry_profile.h5 --output results"
 # Open, elastic, plastic.
 CLASSES = ListedColormap(["#ffffff", "#56a8e0", "#000000"])
+# Pressures on white ground: the smallest one is no longer pale.
+PRESSURES = LinearSegmentedColormap.from_list("pressures", matplotlib.colormaps["magma_r"](np.linspace(0.25, 1, 128)))
 STATES = ("undeformed", "loaded", "unloaded")
+# A profile of more nodes is drawn as a band, beside this many nodes round its largest pressure.
+MAX_NODES, DETAIL_NODES = 1200, 300
+# Bands of wavelengths in each factor of 10.
+BANDS = 10
 
 
 @dataclass
@@ -79,29 +86,71 @@ def unit(values: np.ndarray, name: str) -> tuple[float, str]:
     return 1 / size, prefix + name
 
 
+def load_of(result: DryResult) -> str:
+    """The last load, whose fields the file holds, in words."""
+    last = result.sweep["mean_pressure"][-1:]
+    factor, name = unit(last, "Pa")
+    return f"Mean pressure {last[0] * factor:.4g} {name}, contact {100 * result.sweep['contact_area_fraction'][-1]:.3g} %"
+
+
 def draw_profile(result: DryResult) -> Figure:
-    """Pressure above, heights below: undeformed, under load, after load."""
-    figure, (top, bottom) = style.new_figure(style.TWO_COLUMNS, 95, nrows=2, sharex=True)
-    solution = result.solution
-    fx, ux = unit(solution["x"], "m")
-    fp, up = unit(solution["pressure"], "Pa")
-    fz, uz = unit(solution["height_undeformed"], "m")
-    x = solution["x"] * fx
-    top.plot(x, solution["pressure"] * fp, **style.PRESSURE)
+    """Pressure above, heights below: undeformed, under load, after load. A long profile as a band, with a detail beside it."""
+    x = result.solution["x"]
+    is_long = x.size > MAX_NODES
+    figure, panels = style.new_figure(style.TWO_COLUMNS, 95, nrows=2, ncols=1 + is_long, sharex="col", sharey="row", squeeze=False)
+    units = {name: unit(result.solution[key], si) for name, key, si in (("p", "pressure", "Pa"), ("z", "height_undeformed", "m"))}
+    if is_long:
+        draw_bands(result, *panels[:, 0], *unit(x, "m"), units)
+        peak = int(result.solution["pressure"].argmax())
+        first = min(max(0, peak - DETAIL_NODES // 2), x.size - DETAIL_NODES)
+        part = slice(first, first + DETAIL_NODES)
+        factor, name = unit(x[part] - x[first], "m")
+        handles = draw_lines(result, *panels[:, 1], part, factor, name, units)
+        start = x[first] * unit(x, "m")[0]
+        panels[1, 1].set_xlabel(f"Position $x$ [{name}]: {DETAIL_NODES} nodes round the largest pressure")
+        for panel in panels[:, 0]:
+            panel.axvspan(start, x[part][-1] * unit(x, "m")[0], color="0.88", zorder=0)
+    else:
+        handles = draw_lines(result, *panels[:, 0], slice(None), *unit(x, "m"), units)
+    panels[0, 0].set_ylabel(f"Pressure $p$ [{units['p'][1]}]")
+    panels[0, 0].set_ylim(bottom=0)
+    panels[1, 0].set_ylabel(f"Height $z$ [{units['z'][1]}]")
+    figure.suptitle(load_of(result), fontsize=9)
+    style.legend_below(figure, handles, 4)
+    return figure
+
+
+def draw_lines(
+    result: DryResult, top: Axes, bottom: Axes, part: slice, factor: float, name: str, units: dict[str, tuple[float, str]]
+) -> list:
+    """Pressure and heights of some nodes; returns the lines of the heights."""
+    solution, x = result.solution, result.solution["x"][part] * factor
+    fp, fz = units["p"][0], units["z"][0]
+    top.plot(x, solution["pressure"][part] * fp, **style.PRESSURE)
     if result.hardness and solution["pressure"].max() >= result.hardness:
         top.axhline(result.hardness * fp, **style.REFERENCE)
-        top.annotate("hardness", (x[0], result.hardness * fp), (2, -9), textcoords="offset points", fontsize=8)
-    top.set_ylabel(f"Pressure $p$ [{up}]")
-    top.set_ylim(bottom=0)
+        look = {"textcoords": "offset points", "fontsize": 8, "ha": "right", "va": "bottom", "annotation_clip": False}
+        top.annotate("hardness", (1, result.hardness * fp), (0, 1), xycoords=("axes fraction", "data"), **look)
+        top.set_ylim(top=1.12 * result.hardness * fp)
     lines = []
     for state, series in zip(STATES, style.SERIES, strict=False):
         look = {key: series[key] for key in ("color", "linestyle")}
-        lines += bottom.plot(x, solution[f"height_{state}"] * fz, label=state, **look)
+        lines += bottom.plot(x, solution[f"height_{state}"][part] * fz, label=state, **look)
     plane = (solution["height_loaded"] + solution["gap"]).mean() * fz
     lines.append(bottom.axhline(plane, label="counterbody", **style.REFERENCE))
-    bottom.set(xlabel=f"Position $x$ [{ux}]", ylabel=f"Height $z$ [{uz}]", xlim=(x[0], x[-1]))
-    style.legend_below(figure, lines, 4)
-    return figure
+    bottom.set(xlabel=f"Position $x$ [{name}]", xlim=(x[0], x[-1]))
+    return lines
+
+
+def draw_bands(result: DryResult, top: Axes, bottom: Axes, factor: float, name: str, units: dict[str, tuple[float, str]]) -> None:
+    """A long profile: in each of some hundred columns the largest pressure, the lowest and the highest height."""
+    solution, size = result.solution, result.solution["x"].size
+    starts = np.linspace(0, size, 400, endpoint=False).astype(int)
+    x = solution["x"][starts] * factor
+    top.fill_between(x, 0, np.maximum.reduceat(solution["pressure"], starts) * units["p"][0], color=style.PRESSURE["color"], lw=0)
+    heights = solution["height_loaded"] * units["z"][0]
+    bottom.fill_between(x, np.minimum.reduceat(heights, starts), np.maximum.reduceat(heights, starts), color="0.45", lw=0)
+    bottom.set(xlabel=f"Position $x$ [{name}]", xlim=(x[0], solution["x"][-1] * factor))
 
 
 def draw_maps(result: DryResult) -> Figure:
@@ -119,7 +168,7 @@ def draw_maps(result: DryResult) -> Figure:
     ]
     look = {"origin": "lower", "extent": extent, "interpolation": "nearest"}
     pressure = solution["pressure"]
-    image = left.imshow(np.ma.masked_equal(pressure * fp, 0), cmap=style.COLOUR_MAP, **look)
+    image = left.imshow(np.ma.masked_equal(pressure * fp, 0), cmap=PRESSURES, **look)
     figure.colorbar(image, ax=left, label=f"Pressure $p$ [{up}]", shrink=0.8)
     kinds = (pressure > 0).astype(int)
     if result.hardness:
@@ -129,6 +178,8 @@ def draw_maps(result: DryResult) -> Figure:
     bar.ax.set_yticklabels(["open", "elastic", "plastic"])
     left.set(xlabel=f"$x$ [{ux}]", ylabel=f"$y$ [{ux}]")
     right.set_xlabel(f"$x$ [{ux}]")
+    figure.suptitle(load_of(result), fontsize=9)
+    figure.get_layout_engine().set(wspace=0.06)
     return figure
 
 
@@ -154,7 +205,7 @@ def draw_sweep(result: DryResult) -> Figure:
             panel.plot(load, sweep[key][order] * factor, label=label, markevery=max(1, len(load) // 12), **series)
         panel.set(xlabel=f"Mean pressure [{up}]", ylabel=labels + (f" [{name}]" if name else ""))
         if len(mine) > 1:
-            panel.legend()
+            panel.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=1 + (len(mine) == 2), borderaxespad=0.2)
     axes[0].set_ylim(bottom=0)
     return figure
 
@@ -172,16 +223,26 @@ def draw_surface(result: DryResult) -> Figure:
         density = surface[f"height_density_{state}"] / fz
         panels[1].stairs(density, surface["density_edge"] * fz, orientation="horizontal", **look)
         if has_power:
-            power = surface[f"power_{state}"]
+            wavelengths, power = spectrum(result, state)
             shown = power > 1e-16 * power.max()
-            panels[2].loglog(np.flatnonzero(shown) + 1, power[shown], **look)
+            panels[2].loglog(wavelengths[shown], power[shown], **look)
     panels[0].set(xlabel="Bearing ratio [%]", ylabel=f"Height [{uz}]", xlim=(0, 100))
     panels[1].set(xlabel=f"Height density [1/{uz}]", ylim=panels[0].get_ylim())
     panels[1].set_xlim(left=0)
     if has_power:
-        panels[2].set(xlabel="Harmonic $n$ [-]", ylabel="Mean square height [m$^2$]")
+        panels[2].set(xlabel="Wavelength [m]", ylabel="Mean square height of a band [m$^2$]")
     style.legend_below(figure, lines, 3)
     return figure
+
+
+def spectrum(result: DryResult, state: str) -> tuple[np.ndarray, np.ndarray]:
+    """Wavelengths [m] and the mean square height of their bands [m^2]: the sum over all bands is that of the surface."""
+    power, x = result.surface[f"power_{state}"], result.solution["x"]
+    wavelengths = (x[-1] - x[0]) * x.size / (x.size - 1) / np.arange(1, power.size + 1)
+    band = np.round(BANDS * np.log10(wavelengths / wavelengths[-1])).astype(int)
+    sums = np.bincount(band, power)
+    used = np.flatnonzero(np.bincount(band))
+    return wavelengths[-1] * 10 ** (used / BANDS), sums[used]
 
 
 def draw_convergence(result: DryResult) -> Figure:

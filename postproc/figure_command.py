@@ -100,7 +100,7 @@ def targets(options: argparse.Namespace, stem: str, kind: str) -> list[Path]:
     """Names of one figure: OUTPUT/STEM_KIND.EXT, or OUTPUT itself where it is a file name."""
     output = Path(options.output)
     if output.suffix[1:] in FORMATS:
-        if len(options.results) > 1 and kind != "compare":
+        if len(options.results) > 1 and kind not in ("compare", "regime"):
             raise ResultError(f"{output}: one file name for several results; give a folder")
         output.parent.mkdir(parents=True, exist_ok=True)
         return [output]

@@ -67,8 +67,8 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     ratio, rms = values["lambda_ratio"][0], values["rms_height"][0] / NANO
     if ratio > 0:
         axes[1].set_title(f"lambda ratio {ratio:.3g} (rms height {rms:.3g} nm)")
-    handles = [handle for panel in axes for handle in panel.get_legend_handles_labels()[0]]
-    style.legend_below(figure, handles, 4)
+    for panel in (axes[0], axes[2]):  # each above its own panel
+        panel.legend(loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.2)
     style.mark_not_converged(figure, [result])
     return style.save_figure(figure, figure_command.targets(options, result.stem, "film_statistics"))
 

@@ -270,6 +270,10 @@ def _check_content(path: Path, file: h5py.File, needs: tuple[str, ...]) -> None:
     for group in needs:
         if group not in file:
             hint = " (a steady result)" if group == "transient" else ""
+            decision = file.get("adequacy/decision")
+            solved = _text(decision.attrs.get("solved", "")) if decision is not None else ""
+            if hint and "in place of" in solved:
+                hint = f": model = 'auto' solved {solved}; model = 'full' has it"
             raise ResultError(f"{path}: has no /{group}{hint}")
 
 

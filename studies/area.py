@@ -4,7 +4,7 @@
 Ar/An = kappa pbar/(E* g), g the rms gradient, E* = E'/2. Asperity theory (Bush, Gibson and Thomas, Wear 35, 1975, 87) gives
 kappa = sqrt(2 pi) = 2.51 in the limit of light load, Persson's theory sqrt(8/pi) = 1.60. Self-affine surfaces with roll-off,
 several seeds, the same surfaces on three grids (Fourier resampling), elastic and with hardnesses. The error is stated from seeds
-and resolution.
+and resolution. Greenwood and Williamson's asperities beside them.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from asperities import compare, summits_of, wavenumbers
 from study import Case, Claims, Runner, Table, finish, new_parser, save, style
 
 PROGRAM = "area.py"
@@ -64,11 +65,10 @@ def case_of(surface: str, slope: float, nodes: int, hardness: float | None = Non
 def gradient(z: np.ndarray) -> float:
     """Rms gradient of the band-limited heights."""
     n = z.shape[0]
-    waves = 2 * np.pi / LENGTH * np.hypot(np.fft.fftfreq(n, 1 / n)[:, None], np.arange(n // 2 + 1)[None, :])
     power = np.abs(np.fft.rfft2(z)) ** 2
     weight = np.full(n // 2 + 1, 2.0)
     weight[0] = 1.0
-    return float(np.sqrt((power * waves**2 * weight).sum()) / n**2)
+    return float(np.sqrt((power * wavenumbers(n, LENGTH) ** 2 * weight).sum()) / n**2)
 
 
 def read_gradient(_name: str, path: Path) -> float:
@@ -81,13 +81,16 @@ def read_case(_name: str, path: Path) -> dict[str, np.ndarray]:
     """The sweep, the load and the area over their units, and the constant with and without the perimeter."""
     with h5py.File(path) as file:
         found = {name: item[()] for name, item in file["sweep"].items()}
-        slope = gradient(file["solution/height_undeformed"][()])
+        heights = file["solution/height_undeformed"][()]
+    slope = gradient(heights)
     load = found["mean_pressure"] / (MODULUS / 2 * slope)
     return found | {
         "share": load,
         "gradient": slope,
         "kappa": found["contact_area_fraction_corrected"] / load,
         "kappa_nodes": found["contact_area_fraction"] / load,
+        "summits_all": summits_of(heights, LENGTH),
+        "summits_half": summits_of(heights, LENGTH, SHORT / 2),
     }
 
 
@@ -201,6 +204,7 @@ def study(options: argparse.Namespace) -> None:
             f"area over load over hardness {(area * h / load)[0]:.2f} to {(area * h / load)[-1]:.2f}; over the elastic area "
             f"{(area / middle['area'].mean)[0]:.2f} to {(area / middle['area'].mean)[-1]:.2f}",
         )
+    compare([found[f"{grids[-1]}_{seed}"] for seed in seeds], MODULUS / 2, claims, options.output)
     claims.show()
     claims.table.write(options.output / "statements", "Rough areas: statements")
     draw(curves, hard, grids, options.output)

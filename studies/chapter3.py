@@ -9,18 +9,13 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from chapter7 import LOADS, PROFILES, pressures, stand_in
+import similarity
+from dry_profiles import LOADS, PROFILES, pressures, stand_in, without_hardness
 from study import Case, Claims, Runner, Table, base_case, changed, finish, new_parser, save, style
 
 PROGRAM = "chapter3.py"
 COUNTERS = {"rigid": {}, "steel": {"youngs_modulus_2": 210e9, "poisson_ratio_2": 0.3}}
 COLUMNS = ("contact_area_fraction", "plastic_area_fraction", "mean_separation", "p_max", "elastic_energy", "dissipated_energy")
-
-
-def without_hardness(case: Case) -> Case:
-    """The elastic case."""
-    bodies = {key: value for key, value in case["bodies"].items() if key != "hardness"}
-    return changed(changed(case, bodies=None), bodies=bodies)
 
 
 def cycle_of(case: Case, steps: int) -> Case:
@@ -193,6 +188,7 @@ def study(options: argparse.Namespace) -> None:
             table.add(profile=name, kind=kind, counter=counter, load=load, **{c: float(values[c][i]) for c in COLUMNS})
     table.write(options.output / "chapter3", "Chapter 3: elastic against elastic-perfectly plastic")
     claims = judge(found, cycles, steps)
+    similarity.study(runner, 2 if options.quick else 4, claims)
     claims.show()
     claims.table.write(options.output / "statements", "Chapter 3: statements")
     draw_profile(found, options.output)

@@ -2,7 +2,8 @@
 """Chapter 4 of the thesis: which harmonics must a measurement resolve to trust the contact area, and how fine must the grid be?
 
 Four rough profiles cut to their harmonics 1 ... n (4.1) at one load, elastic and elastic-perfectly plastic; the same over synthetic
-realisations; and a cut profile on ever finer grids (Fourier resampling), every quantity against the finest.
+realisations; and a cut profile on ever finer grids (Fourier resampling), every quantity against the finest. The figures and
+statements of the chapter are those of one profile, D.
 """
 
 from __future__ import annotations
@@ -12,40 +13,26 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from chapter7 import PROFILES, accepted_seeds, realisation, stand_in
-from study import Case, Claims, Runner, Table, changed, finish, new_parser, save, style
+from chapter4_claims import KINDS, Cut, judge, needed
+from chapter4_figures import FINEST, QUANTITIES, draw_area, draw_depth, draw_grids, draw_parameters, draw_truncation
+from dry_profiles import PROFILES, Statements, accepted_seeds, realisation, stand_in, without_hardness
+from study import Case, Claims, Runner, Table, changed, finish, new_parser
 
 PROGRAM = "chapter4.py"
 PRESSURE = 250e6  # 100 kN per metre of width
+LOW_PRESSURE = 62.5e6
 HARMONICS = (5, 8, 12, 16, 20, 26, 32, 40, 50, 64, 80, 100, 130, 160, 200, 255)
-KINDS = ("elastic", "plastic")
+# For the figures of the chapter.
+DENSE = (*range(2, 30, 2), *range(30, 80, 4), 80, 85, 90, 95, 100, 110, 120, 130, 145, 160, 175, 190, 205, 220, 235, 255)
 CUT = 64
 GRIDS = (256, 512, 1024, 2048, 4096, 8192, 16384)
-FINEST = 65536
-ACCURACY = 0.1
-QUANTITIES = {
-    "contact_area_fraction": "contact area",
-    "plastic_area_fraction": "plastic area",
-    "mean_separation": "mean separation",
-    "p_max": "largest pressure",
-    "dp_mean": "mean plastic deformation",
-    "elastic_energy": "stored energy",
-    "dissipated_energy": "dissipated energy",
-    "ra_loaded": "Ra loaded",
-    "ra_unloaded": "Ra unloaded",
-    "rsk_loaded": "Rsk loaded",
-    "rku_loaded": "Rku loaded",
-    "rms_slope_undeformed": "rms slope undeformed",
-    "rms_curvature_undeformed": "rms curvature undeformed",
-}
 
 
-def one_load(case: Case, kind: str, harmonics: int | None = None, nodes: int | None = None) -> Case:
+def one_load(case: Case, kind: str, harmonics: int | None = None, nodes: int | None = None, pressure: float = PRESSURE) -> Case:
     """The case at one load, elastic or plastic, cut and on other nodes as wanted."""
-    case = changed(case, load={"mean_pressure": PRESSURE})
+    case = changed(case, load={"mean_pressure": pressure})
     if kind == "elastic":
-        bodies = {key: value for key, value in case["bodies"].items() if key != "hardness"}
-        case = changed(changed(case, bodies=None), bodies=bodies)
+        case = without_hardness(case)
     if harmonics:
         case = changed(case, surface_1={"harmonics": harmonics})
     if nodes:
@@ -54,62 +41,23 @@ def one_load(case: Case, kind: str, harmonics: int | None = None, nodes: int | N
 
 
 def read_figures(_name: str, path: Path) -> dict[str, float]:
-    """Every quantity of the last load."""
+    """Every quantity of the last load, and as NAME_error its error bar."""
     with h5py.File(path) as file:
-        found = {name: float(item[-1]) for name, item in file["sweep"].items()}
-        return found | {name: float(item[()]) for name, item in file["surface"].items() if item.shape == ()}
+        found = {name: float(item[()]) for name, item in file["surface"].items() if item.shape == ()}
+        for name, item in file["sweep"].items():
+            found[name] = float(item[-1])
+            if "error_estimate" in item.attrs:
+                found[f"{name}_error"] = float(item.attrs["error_estimate"][-1])
+        return found
 
 
-def needed(harmonics: list[int], values: np.ndarray, accuracy: float) -> int:
-    """The first harmonic from which on all values stay within `accuracy` of the last."""
-    inside = np.abs(values / values[-1] - 1) <= accuracy
-    return harmonics[len(inside) - int(np.argmin(inside[::-1])) if not inside.all() else 0]
-
-
-def draw_truncation(tables: dict[str, dict[str, np.ndarray]], harmonics: list[int], folder: Path) -> None:
-    """Area, elastic and plastic, slope and Ra over the number of harmonics."""
-    figure, axes = style.new_figure(style.TWO_COLUMNS, 120, nrows=2, ncols=2, sharex=True)
-    panels = {
-        "elastic": ("contact_area_fraction", "Contact area, elastic, over that of all"),
-        "plastic": ("contact_area_fraction", "Contact area, plastic, over that of all"),
-        "slope": ("rms_slope_undeformed", "Rms slope over that of all"),
-        "height": ("rq_undeformed", "$Rq$ over that of all"),
-    }
-    for panel, (kind, (column, label)) in zip(axes.flat, panels.items(), strict=True):
-        for name, series in zip(PROFILES, style.SERIES, strict=False):
-            values = tables[f"{name}_{kind if kind in KINDS else 'elastic'}"][column]
-            draw = panel.loglog if kind in KINDS else panel.semilogx
-            draw(harmonics, values / values[-1], label=name, **series)
-        panel.axhspan(1 - ACCURACY, 1 + ACCURACY, color="0.9", linewidth=0)
-        panel.set(ylabel=label)
-    for panel in axes[1]:
-        panel.set_xlabel("Harmonics kept $n$ [-]")
-    axes[0, 0].legend(ncols=2)
-    save(figure, folder, "chapter4_truncation")
-
-
-def draw_grids(errors: dict[str, dict[str, np.ndarray]], grids: list[int], folder: Path) -> None:
-    """Error of each quantity over the number of nodes: contact, then heights."""
-    figure, axes = style.new_figure(style.TWO_COLUMNS, 95, ncols=2, sharey=True)
-    panels = (
-        ("contact_area_fraction", "plastic_area_fraction", "mean_separation", "stored_energy", "dissipated_energy", "elastic_peak"),
-        ("ra_loaded", "ra_unloaded", "rsk_loaded", "rku_loaded", "rms_slope_undeformed", "rms_curvature_undeformed"),
-    )
-    curves = errors["plastic"] | {
-        "stored_energy": errors["plastic"]["elastic_energy"],
-        "elastic_peak": errors["elastic"]["p_max"],
-    }
-    labels = QUANTITIES | {"stored_energy": "stored energy", "elastic_peak": "largest elastic pressure"}
-    for panel, names in zip(axes, panels, strict=True):
-        for name, series in zip(names, style.SERIES, strict=True):
-            values = curves[name]
-            panel.loglog(grids, np.where(values > 0, values, np.nan), label=labels[name], **series)
-        guide = np.array([grids[0], grids[-1]], dtype=float)
-        panel.loglog(guide, 0.3 * guide[0] / guide, label="order 1", **style.REFERENCE)
-        panel.set(xlabel="Nodes $N$ [-]")
-        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), fontsize=7.5, ncols=2)
-    axes[0].set_ylabel(f"Difference to {FINEST} nodes [-]")
-    save(figure, folder, "chapter4_grids")
+def cut_of(found: dict[str, dict[str, float]], name: str, harmonics: list[int]) -> Cut:
+    """The curves over n of the runs NAME_elastic_n and NAME_plastic_n."""
+    series = {}
+    for kind in KINDS:
+        rows = [found[f"{name.format(kind)}_{n}"] for n in harmonics]
+        series[kind] = {key: np.array([row[key] for row in rows]) for key in rows[0].keys() & rows[-1].keys()}
+    return Cut(harmonics, series)
 
 
 def study_truncation(runner: Runner, harmonics: list[int], folder: Path) -> tuple[dict, dict[str, dict[str, int]]]:
@@ -129,15 +77,18 @@ def study_truncation(runner: Runner, harmonics: list[int], folder: Path) -> tupl
     columns = ("contact_area_fraction", "mean_separation", "ra_unloaded", "rms_slope_undeformed", "rq_undeformed")
     summary = Table(profile="profile", kind="elastic or plastic", **{column: f"n for 10 % of {column}" for column in columns})
     for key, values in series.items():
-        enough[key] = {column: needed(harmonics, values[column], ACCURACY) for column in columns}
+        enough[key] = {column: needed(harmonics, values[column]) for column in columns}
         summary.add(profile=key[0], kind=key[2:], **enough[key])
     summary.write(folder / "chapter4_needed", "Harmonics from which on a quantity stays within 10 %")
     summary.show("Harmonics from which on a quantity stays within 10 % of that with all")
     return series, enough
 
 
-def study_seeds(runner: Runner, seeds: list[int], harmonics: list[int]) -> dict[str, np.ndarray]:
-    """Over realisations: the n needed for the area, for the slope, and area times slope with few harmonics over that with all."""
+def study_seeds(runner: Runner, seeds: list[int], harmonics: list[int]) -> tuple[dict[str, np.ndarray], list[Cut]]:
+    """Over realisations: the n needed for the area, for the slope, and area times slope with few harmonics over that with all.
+
+    Also the curves of the realisations of D.
+    """
     cases = {
         f"{name}_{kind}_{seed}_{n}": one_load(realisation(name, seed), kind, n)
         for name in PROFILES
@@ -153,11 +104,50 @@ def study_seeds(runner: Runner, seeds: list[int], harmonics: list[int]) -> dict[
                 np.array([[found[f"{name}_{kind}_{seed}_{n}"][key] for n in harmonics] for seed in seeds])
                 for key in ("contact_area_fraction", "rms_slope_undeformed")
             )
-            result[f"{name}_{kind}_area"] = np.array([needed(harmonics, row, ACCURACY) for row in area])
-            result[f"{name}_{kind}_slope"] = np.array([needed(harmonics, row, ACCURACY) for row in slope])
+            result[f"{name}_{kind}_area"] = np.array([needed(harmonics, row) for row in area])
+            result[f"{name}_{kind}_slope"] = np.array([needed(harmonics, row) for row in slope])
             result[f"{name}_{kind}_product"] = (area * slope)[:, harmonics.index(20)] / (area * slope)[:, -1]
             result[f"{name}_{kind}_ratio"] = area[:, harmonics.index(20)] / area[:, -1]
-    return result
+    return result, [cut_of(found, f"D_{{}}_{seed}", harmonics) for seed in seeds]
+
+
+def study_profile(runner: Runner, harmonics: list[int], folder: Path) -> Cut:
+    """Profile D as the chapter has it: Figures 4.1 to 4.6."""
+    cases = {f"D_{kind}_{n}": one_load(stand_in("D"), kind, n) for kind in KINDS for n in harmonics}
+    whole = f"D_plastic_{harmonics[-1]}"
+    cut = cut_of(runner.run(cases, read_figures, frozenset({whole})), "D_{}", harmonics)
+    draw_depth(folder / f"{whole}.h5", folder)
+    draw_area(cut, folder)
+    draw_parameters(cut, folder)
+    area = "contact_area_fraction"
+    table = Table(kind="elastic or plastic", harmonics="harmonics kept", **{key: key for key in (area, f"{area}_error")})
+    for kind in KINDS:
+        for i, n in enumerate(harmonics):
+            table.add(kind=kind, harmonics=n, **{key: float(cut.series[kind][key][i]) for key in (area, f"{area}_error")})
+    table.write(folder / "figure_4_2", "Figure 4.2: contact area of profile D over the harmonics kept")
+    return cut
+
+
+def judge_load(runner: Runner, seeds: list[int], harmonics: list[int], cuts: list[Cut], statements: Statements) -> None:
+    """Whether the n from which on the area is constant depends on the load: 25 against 100 kN/m."""
+    cases = {
+        f"D_{kind}_{seed}_{n}": one_load(realisation("D", seed), kind, n, pressure=LOW_PRESSURE)
+        for kind in KINDS
+        for seed in seeds
+        for n in harmonics
+    }
+    found = runner.run(cases, read_figures)
+    low = [cut_of(found, f"D_{{}}_{seed}", harmonics) for seed in seeds]
+    counts = [[tuple(cut.area(kind) for kind in KINDS) for cut in some] for some in (low, cuts)]
+    medians = [np.median(values, axis=0) for values in counts]
+    statements.judge(
+        "4.3",
+        "The n from which on the area is constant depends on the load",
+        "another n at 25 than at 100 kN/m, elastic or plastic",
+        "medians of the draws: " + "; ".join(f"{m[0]:.0f} elastic, {m[1]:.0f} plastic" for m in medians),
+        {},
+        [a != b for a, b in zip(*counts, strict=True)],
+    )
 
 
 def study_grids(runner: Runner, grids: list[int], folder: Path) -> dict[str, dict[str, np.ndarray]]:
@@ -188,16 +178,18 @@ def study_grids(runner: Runner, grids: list[int], folder: Path) -> dict[str, dic
     return errors
 
 
-def judge(enough: dict, drawn: dict, errors: dict, grids: list[int], seeds: int) -> Claims:
-    """What the chapter asks."""
+def findings(enough: dict, drawn: dict, errors: dict, grids: list[int], seeds: int, short: bool) -> Claims:
+    """What the chapter asks, for all four profiles; with a short list of harmonics and few draws what fails proves nothing."""
     claims = Claims()
+    fails = "not judged: the short form has too few harmonics and draws" if short else False
 
     def list_of(kind: str, column: str) -> str:
         return ", ".join(f"{name} {enough[f'{name}_{kind}'][column]}" for name in PROFILES)
 
     claims.check(
         "few harmonics suffice for the heights, not for the elastic contact",
-        all(enough[f"{name}_elastic"]["rq_undeformed"] < enough[f"{name}_elastic"]["contact_area_fraction"] for name in PROFILES),
+        all(enough[f"{name}_elastic"]["rq_undeformed"] < enough[f"{name}_elastic"]["contact_area_fraction"] for name in PROFILES)
+        or fails,
         f"n for 10 % of Rq: {list_of('elastic', 'rq_undeformed')}; of the elastic area: "
         f"{list_of('elastic', 'contact_area_fraction')}; of the plastic area: {list_of('plastic', 'contact_area_fraction')}",
     )
@@ -212,7 +204,7 @@ def judge(enough: dict, drawn: dict, errors: dict, grids: list[int], seeds: int)
     close = [abs(product - 1) < 0.1 for _, product in ratios.values()]
     claims.check(
         "the elastic area goes with 1/(rms slope): what a measurement misses of the slope it adds to the area",
-        all(close) or ("partly" if any(close) else False),
+        all(close) or ("partly" if any(close) else fails),
         "20 harmonics, area and area times slope over those of all: "
         + "; ".join(f"{k} {ratio:.2f} and {product:.2f}" for k, (ratio, product) in ratios.items()),
     )
@@ -234,11 +226,16 @@ def study(options: argparse.Namespace) -> None:
     grids = [n for n in GRIDS if n <= 1024] if options.quick else list(GRIDS)
     seeds = accepted_seeds(2 if options.quick else 20, options.program, options.output)
     series, enough = study_truncation(runner, harmonics, options.output)
-    drawn = study_seeds(runner, seeds, [n for n in harmonics if n <= 64] + [255])
+    drawn, cuts = study_seeds(runner, seeds, harmonics)
     errors = study_grids(runner, grids, options.output)
-    claims = judge(enough, drawn, errors, grids, len(seeds))
+    claims = findings(enough, drawn, errors, grids, len(seeds), options.quick)
     claims.show()
-    claims.table.write(options.output / "statements", "Chapter 4: statements")
+    claims.table.write(options.output / "findings", "Chapter 4: findings")
+    given = study_profile(runner, harmonics if options.quick else list(DENSE), options.output)
+    statements = judge(given, cuts, options.quick)
+    judge_load(runner, seeds, harmonics, cuts, statements)
+    statements.write(options.output / "statements", "Chapter 4: statements")
+    statements.show()
     draw_truncation(series, harmonics, options.output)
     draw_grids(errors, grids, options.output)
     print(runner.effort)

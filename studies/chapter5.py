@@ -15,7 +15,10 @@ from pathlib import Path
 import chapter5_figures
 import h5py
 import numpy as np
+from chapter5_momentum import compare
+from chapter5_passages import compare_passages
 from chapter5_readings import PRINTED, Change, change, check_readings, extremes, extremes_table, readings_table
+from chapter5_rule import find_rule
 from study import Case, Claims, Runner, StudyError, Table, base_case, changed, exchanged, finish, new_parser
 
 PROGRAM = "chapter5.py"
@@ -304,6 +307,9 @@ def study(options: argparse.Namespace) -> None:
     check_coarse_steps(claims, runner)
     mirrored = runner.run({"case1_exchanged": exchanged_speeds()}, read_profile)["case1_exchanged"]
     check(claims, smooth, mirrored, passages, times, spaces)
+    compare(runner, options.output, claims)
+    compare_passages(runner, options.output, claims)
+    find_rule(runner, options.output, claims)
     claims.show()
     claims.table.write(options.output / "statements", "Statements of chapter 5 and what was measured")
     print(f"\n{runner.effort}")

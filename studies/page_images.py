@@ -12,13 +12,22 @@ from PIL import Image
 from study import ROOT
 
 FIGURES = {
-    "chapter3": ("chapter3_profile", "chapter3_loads", "chapter3_cycle"),
-    "chapter4": ("chapter4_truncation", "chapter4_grids"),
-    "chapter7": ("chapter7_loads",),
-    "area": ("area_load",),
+    "chapter3": ("chapter3_profile", "chapter3_loads", "chapter3_cycle", "chapter3_similarity"),
+    "chapter4": ("figure_4_1_depth", "figure_4_2_area", "figure_4_3_to_4_6_parameters", "chapter4_truncation", "chapter4_grids"),
+    "chapter7": ("figure_7_1_heights", "figure_7_2_contact", "figure_7_3_amplitudes", "figure_7_4_shape"),
+    "area": ("area_load", "area_asperities"),
     "chart": ("dry_chart",),
     "stability": ("dry_stability",),
-    "chapter5": ("figure_5_1_smooth", "figure_5_2_case2", "figure_5_3_case3", "time_errors"),
+    "chapter5": (
+        "figure_5_1_smooth",
+        "figure_5_2_case2",
+        "figure_5_3_case3",
+        "time_errors",
+        "figure_5_4_difference_case1",
+        "figure_5_5_difference_case2",
+        "figure_5_6_difference_case3",
+        "momentum_rule",
+    ),
     "chapter6": (
         "figure_6_1_situations",
         "figure_6_2_to_6_5_overtakings",

@@ -41,6 +41,15 @@ def text(value):
     return value.decode("utf-8") if isinstance(value, bytes) else str(value)
 
 
+def named(file, value):
+    """The value of an attribute; references as the names of what they lead to."""
+    if isinstance(value, np.ndarray) and value.dtype.names == ("dataset", "dimension"):
+        return " ".join(f"{file[user].name}:{dimension}" for user, dimension in value)
+    if isinstance(value, np.ndarray) and value.dtype == object and len(value) and isinstance(value[0], np.ndarray):
+        return " ".join(file[axis[0]].name for axis in value)
+    return value
+
+
 def contents(path):
     """All datasets {path: value} and attributes {path@name: value} of a file."""
     found = {}
@@ -48,7 +57,7 @@ def contents(path):
     def visit(name, item):
         if isinstance(item, h5py.Dataset):
             found[name] = item[()]
-        found.update({f"{name}@{key}": value for key, value in item.attrs.items()})
+        found.update({f"{name}@{key}": named(file, value) for key, value in item.attrs.items()})
 
     with h5py.File(path) as file:
         found.update({f"@{key}": value for key, value in file.attrs.items()})

@@ -53,6 +53,8 @@ def check_part(part, reference):
         times = len(file["transient/time"])
         profiles = np.count_nonzero(whole["transient/profile_time"][()] <= whole["transient/time"][times - 1])
         for name, series in whole["transient"].items():
+            if name == "x":  # a link to /solution/x, which a part does not have
+                continue
             count = profiles if name in PROFILES else times
             assert len(file["transient"][name]) >= count, name
             assert same_bits(file["transient"][name][:count], series[:count]), name

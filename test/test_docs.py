@@ -2,7 +2,8 @@
 
 Fenced blocks of a page are run in their order, in one folder that looks like a checkout in which `make build` has run:
 `sh` and `python` blocks are executed and must succeed; a `text` block behind one is its output, where `...` stands for what may
-differ; `fortran` blocks with a &case are checked as namelists. A comment `<!-- not run: reason -->` above a block exempts it.
+differ; `fortran` blocks with a &case are checked as namelists, `toml` blocks with a base as sweeps. A comment
+`<!-- not run: reason -->` above a block exempts it.
 """
 
 import os
@@ -14,7 +15,7 @@ import sys
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PAGES = ["README.md", "CONTRIBUTING.md", "docs/guide.md", "docs/theory.md", "docs/developer.md"]
+PAGES = ["README.md", "CONTRIBUTING.md", "docs/guide.md", "docs/batch.md", "docs/theory.md", "docs/developer.md", "docs/scenes.md"]
 LINKED_PAGES = [
     *PAGES,
     "CHANGELOG.md",
@@ -25,8 +26,8 @@ LINKED_PAGES = [
     "docs/performance.md",
     "docs/testing.md",
 ]
-BLOCK = re.compile(r"^(?P<exempt><!-- not run: .+ -->\n)?```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
-FOLDERS = r"(?:src|app|test|tools|docs|input|postproc|include|bench|cluster|studies|\.ci)"
+BLOCK = re.compile(r"^(?P<exempt><!-- not run: [^\n]+ -->\n)?```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
+FOLDERS = r"(?:src|app|test|tools|docs|input|postproc|include|bench|batch|cluster|studies|python|notebooks|packaging|\.ci)"
 
 
 def page_text(page):
@@ -48,7 +49,7 @@ def prose(page):
 @pytest.fixture
 def checkout(program, tmp_path):
     """A folder that looks like a checkout after `make build`, with the program to test in it."""
-    for name in ("input", "postproc", "test", "docs", "tools", "src"):
+    for name in ("input", "postproc", "batch", "test", "docs", "tools", "src"):
         (tmp_path / name).symlink_to(ROOT / name)
     (tmp_path / "build" / "bin").mkdir(parents=True)
     (tmp_path / "build" / "bin" / "asperity").symlink_to(program.resolve())
@@ -62,7 +63,8 @@ def checkout(program, tmp_path):
 def run_block(language, code, folder):
     """The combined output of one block; fails if the block does."""
     command = [sys.executable, "-c", code] if language == "python" else ["sh", "-euc", code]
-    environment = {**os.environ, "MPLBACKEND": "agg", "PYTHONDONTWRITEBYTECODE": "1"}
+    environment = {**os.environ, "MPLBACKEND": "agg", "PYTHONDONTWRITEBYTECODE": "1", "PYTHONPATH": str(ROOT / "python")}
+    environment["ASPERITY"] = str(folder / "build" / "bin" / "asperity")
     result = subprocess.run(
         command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120, check=False
     )
@@ -90,6 +92,9 @@ def test_examples_run_and_show_what_the_page_shows(page, checkout):
         elif language == "fortran" and "&case" in code:
             (checkout / "block.nml").write_text(code, encoding="utf-8")
             run_block("sh", "build/bin/asperity --check block.nml", checkout)
+        elif language == "toml" and "base =" in code:
+            (checkout / "block.toml").write_text(code.replace('"../', '"input/'), encoding="utf-8")
+            run_block("sh", ".venv/bin/python batch/sweep.py block.toml", checkout)
         elif language == "text" and output is not None:
             assert list(missing_lines(code, output)) == [], f"{page}:{line}: not in the output\n{output}"
             output = None
@@ -149,7 +154,7 @@ def test_words_of_make_that_are_named_exist(page):
 
 
 def test_names_of_the_developer_page_are_in_the_source():
-    patterns = ("src/**/*.f90", "app/*.f90", "tools/*", "test/**/*.p[fy]", "bench/*.py")
+    patterns = ("src/**/*.f90", "app/*.f90", "tools/*", "test/**/*.p[fy]", "bench/*.py", "batch/*.py")
     files = [path for pattern in patterns for path in ROOT.glob(pattern) if path.is_file()]
     words = {word for path in files for word in re.findall(r"\w+", path.read_text(encoding="utf-8"))}
     named = set(re.findall(r"`([a-z]\w*_\w+)`", prose("docs/developer.md")))

@@ -196,14 +196,14 @@ BAD_FILES = {
     "slash": ("x,z\n0,/\n1,0\n2,0\n", "bad.csv:2:3: found '/', expected a number"),
     "no_position": ("x,z\n0,1e-6\nNaN,0\n2,0\n", "bad.csv:3:1: found 'NaN', expected a number"),
     "field_more": ("x,z\n0,1e-6,3\n1,0\n2,0\n", "bad.csv:2:1: found 3 fields, expected the 2 of the header"),
-    "field_less": ("x,z\n0,1e-6\n1\n2,0\n", "bad.csv:3:1: found 1 fields, expected the 2 of the header"),
+    "field_less": ("x,z\n0,1e-6\n1\n2,0\n", "bad.csv:3:1: found 1 fields, expected the 2 of the first row"),
     "decimal_commas": ("x,z\n0,0,1,0\n1,0,2,0\n", "bad.csv:2:1: found 4 fields, expected the 2 of the header"),
     "huge": ("x,z\n0,1e300\n1,0\n2,0\n", "bad.csv:2:3: found a height of 1.000E+300 m, expected at most 1000 m"),
     "tiny": ("x,z\n0,1e-300\n1,0\n2,0\n", "bad.csv: found heights that differ by 1.000E-300 m, expected 0 or at least 1.0E-20 m"),
     "far": ("x,z\n0,0\n1e300,0\n2e300,0\n", "bad.csv:3:1: found a position of 1.000E+300 m, expected at most 1000000000 m"),
     "dense": ("x,z\n0,0\n1e-300,1\n2e-300,0\n", "bad.csv: found a spacing of 1.000E-300 m, expected 1.0E-15 to 1000000 m"),
-    "no_header": ("0,1e-6\n1,0\n2,0\n", "bad.csv:1:1: found '0,1e-6', expected a header line"),
-    "semicolons": ("x;z\n0;1e-6\n1;0\n", "bad.csv:1:1: found 'x;z', expected a header line"),
+    "no_header": ("0,1e-6\n1,0\n2,0\n", "bad.csv:1:1: found no header line, expected one with the name z"),
+    "semicolons": ("x;z\n0,1e-6\n1,0\n", "bad.csv:2:1: found 2 fields, expected the 1 of the header"),
     "no_column": ("x,height\n0,1e-6\n1,0\n", "found no column z in the header"),
 }
 

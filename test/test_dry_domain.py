@@ -51,7 +51,7 @@ def test_what_images_of_a_parabola_do_is_told(asperity, tmp_path, problem):
     with h5py.File(tmp_path / "case.h5") as file:
         rise = 100 * (file["summary/p_max"][()] / 1e9 - 1)
         note = file["report/note"][()].decode()
-    assert note in " ".join(done.stderr.split())
+    assert note in " ".join(done.stdout.split())
     told = float(note.split("by about ")[1].split(" %")[0])
     assert rise > 1
     assert told == pytest.approx(rise, rel=0.1)

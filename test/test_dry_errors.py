@@ -49,14 +49,14 @@ def test_off_is_off_and_changes_no_number(asperity, tmp_path):
 
 def test_estimates_are_printed(asperity, tmp_path):
     write(tmp_path, "case.nml", case_text(profile("C"), [250e6], HARD))
-    lines = asperity("case.nml").stderr.splitlines()
+    lines = asperity("case.nml").stdout.splitlines()
     with h5py.File(tmp_path / "case.h5") as file:
         area = file["summary/contact_area_fraction"]
         share = 100 * area.attrs["error_estimate"] / area[()]
     bar = next(line for line in lines if line.strip().startswith("+-"))
     assert float(bar.split()[1]) == pytest.approx(share, rel=0.06)
     write(tmp_path, "case.nml", case_text(profile("C"), [250e6], HARD, OFF))
-    assert "+-" not in asperity("case.nml").stderr
+    assert "+-" not in asperity("case.nml").stdout
 
 
 def test_no_estimate_without_a_solution(asperity, tmp_path):

@@ -36,7 +36,7 @@ def test_datum_between_two_nodes(asperity, tmp_path):
     # All contact nodes at the hardness: the load stays, the separation is free between two values.
     heights = [4.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     write(tmp_path, "z.csv", "x,z\n" + "".join(f"{i}e-6,{z}e-6\n" for i, z in enumerate(heights)))
-    surface = "shape = 'file', file = 'z.csv'"
+    surface = "shape = 'file', file = 'z.csv', detrend = 'none'"
     separations = np.array([2.6, 2.2, 1.8, 1.4]) * 1e-6
     with separated(asperity, tmp_path, surface, separations, bodies=", hardness = 1e6") as file:
         sweep = {key: value[()] for key, value in file["sweep"].items()}

@@ -20,7 +20,7 @@ def run(asperity, folder, surface, loads, target, bodies="", domain=LINE, more="
     write(folder, "case.nml", content.replace("&solver tolerance = 1e-12 /", ""))
     done = asperity("case.nml")
     assert done.returncode == 0, done.stderr
-    return h5py.File(folder / "case.h5"), done.stderr
+    return h5py.File(folder / "case.h5"), done.stderr + done.stdout
 
 
 def shares(file):

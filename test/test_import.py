@@ -57,7 +57,9 @@ def test_area_of_an_instrument(library, asperity, tmp_path, ending):
         np.testing.assert_allclose(file["z"][()], z.T * 1e-6, rtol=0, atol=1e-14)
         assert file["z"].attrs["spacing_x"] == pytest.approx(2e-6)
         assert file["z"].attrs["spacing_y"] == pytest.approx(4e-6)
-    with solve(asperity, tmp_path, "shape = 'file', file = 'scan.h5', dataset = 'z'", [1e8], problem="dry_area") as file:
+    with solve(
+        asperity, tmp_path, "shape = 'file', file = 'scan.h5', dataset = 'z', detrend = 'none'", [1e8], problem="dry_area"
+    ) as file:
         np.testing.assert_allclose(file["solution/height_undeformed"][()], z.T * 1e-6, rtol=0, atol=1e-14)
         assert file["solution/y"][-1] == pytest.approx(60e-6)
 
@@ -100,3 +102,62 @@ def test_files_that_are_none(library, tmp_path):
     library.Topography(measured(), (48.0, 64.0), unit="µm").to_netcdf(str(tmp_path / "scan.nc"))
     assert call("scan.nc", "--list", cwd=tmp_path).stdout.startswith("0  Default  ")
     assert "found no channel 3, expected 0 to 0" in call("scan.nc", "--channel", "3", cwd=tmp_path).stderr
+
+
+TABLES = {
+    "commas": ("x,z\n" + "".join(f"{i * 0.5},{(i % 3) * 0.1}\n" for i in range(20)), ["--unit", "mm,um"], 5e-4, 1e-7),
+    "decimal commas": (
+        "".join(f"{i * 0.5};{(i % 3) * 0.1:.1f}\n".replace(".", ",") for i in range(20)),
+        ["--unit", "um,nm"],
+        5e-7,
+        1e-10,
+    ),
+    "blanks": (
+        "# by hand\n" + "".join(f" {i * 0.5}  7 {(i % 3) * 0.1}\n" for i in range(20)),
+        ["--unit", "um", "--column", "3"],
+        5e-7,
+        1e-7,
+    ),
+    "no positions": ("".join(f"{(i % 3) * 0.1}\n" for i in range(20)), ["--unit", "um,nm", "--spacing", "0.5"], 5e-7, 1e-10),
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_plain_columns(asperity, tmp_path, name):
+    """Without the library, and the program reads what was written."""
+    table, options, spacing, step = TABLES[name]
+    (tmp_path / "scan.txt").write_text(table, encoding="utf-8")
+    done = call("scan.txt", *options, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("heights.h5: 20 nodes, ")
+    expected = step * (np.arange(20) % 3)
+    with h5py.File(tmp_path / "heights.h5") as file:
+        np.testing.assert_allclose(file["z"][()], expected, rtol=1e-12, atol=1e-25)
+        assert file["z"].attrs["spacing_x"] == pytest.approx(spacing, rel=1e-12)
+    surface = "shape = 'file', file = 'heights.h5', dataset = 'z', detrend = 'none'"
+    with solve(asperity, tmp_path, surface, [1e3], "") as file:
+        np.testing.assert_allclose(file["solution/height_undeformed"][()], expected, rtol=1e-12, atol=1e-25)
+
+
+def test_area_of_plain_columns(tmp_path):
+    y, x = np.mgrid[0:6, 0:9]
+    z = 3.0 + 0.2 * x - 0.1 * y
+    np.savetxt(tmp_path / "area.txt", z)
+    done = call("area.txt", "--unit", "um", "--spacing", "2", "--detrend", "tilt", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    with h5py.File(tmp_path / "heights.h5") as file:
+        assert file["z"].shape == (6, 9)
+        assert np.abs(file["z"][()]).max() < 1e-20
+        assert file["z"].attrs["spacing_y"] == 2e-6
+
+
+def test_plain_columns_that_are_none(tmp_path):
+    (tmp_path / "scan.txt").write_text("0 1\n1 2\n3 4\n", encoding="utf-8")
+    assert "do not rise evenly" in call("scan.txt", "--unit", "mm", cwd=tmp_path).stderr
+    assert "--unit: found 'mm,furlong'" in call("scan.txt", "--unit", "mm,furlong", cwd=tmp_path).stderr
+    (tmp_path / "scan.txt").write_text("0 1\n1 x\n", encoding="utf-8")
+    assert "scan.txt:2: could not convert string to float: 'x'" in call("scan.txt", "--unit", "mm", cwd=tmp_path).stderr
+    (tmp_path / "scan.txt").write_text("0,5\n1,5\n2,5\n", encoding="utf-8")
+    assert "may be numbers with decimal commas" in call("scan.txt", "--unit", "um", "--spacing", "1", cwd=tmp_path).stderr
+    assert "with --unit" in call("scan.txt", "--column", "2", cwd=tmp_path).stderr
+    assert not (tmp_path / "heights.h5").exists()

@@ -8,6 +8,7 @@ import io
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -16,9 +17,10 @@ import h5py
 import numpy as np
 import pytest
 import result_maker
+from cases import STEADY, write
 
 ROOT = Path(__file__).resolve().parent.parent
-SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics")
+SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics", "regime", "friction")
 RIDGE = {"shape": "feature", "amplitude": 2e-7, "wavelength": 1e-4, "position": -2.5}
 
 
@@ -109,6 +111,45 @@ def test_compare_draws_and_prints_a_table(steady: Path, moving: Path, tmp_path: 
     assert second.split()[0] == "ridge"
 
 
+def scaled(entry: str) -> str:
+    """An entry of a namelist with one and a half times its value."""
+    name, value = entry.split("=")
+    return f"{name}= {1.5 * float(value)!r}"
+
+
+@pytest.mark.parametrize("key", ["load_per_length = 1e5", "radius_1 = 0.01", "speed_2 = 1.1"])
+def test_compare_is_in_si_where_scales_differ(asperity: Callable, tmp_path: Path, key: str) -> None:
+    """The change of the film that is printed is that of the film in metres, whatever of the case changes."""
+    write(tmp_path, "one.nml", STEADY)
+    write(tmp_path, "other.nml", STEADY.replace(key, scaled(key)))
+    assert asperity("one.nml", "other.nml", "--quiet").returncode == 0
+    done = run("compare", tmp_path / "one.h5", tmp_path / "other.h5", "--output", tmp_path / "out", "--format", "png")
+    assert (done.returncode, done.stderr) == (0, "")
+    films = []
+    for name in ("one", "other"):
+        with h5py.File(tmp_path / f"{name}.h5") as file:
+            films.append(file["summary/h_min"][()])
+    change = f"{100 * (films[1] / films[0] - 1):+8.3f}%".strip()
+    assert change != "+0.000%"
+    rows = {line.split()[0]: line.split() for line in done.stdout.splitlines() if line[:3] in ("one", "oth")}
+    assert rows["other"][3] == change
+    differ = "speed" not in key
+    assert ("compared in SI" in done.stdout) is differ
+    assert ("h_min [µm]" in done.stdout) is differ
+
+
+def test_compare_warns_where_there_is_no_si(asperity: Callable, tmp_path: Path) -> None:
+    for m in (10.0, 20.0):
+        write(tmp_path, f"m{m:.0f}.nml", MOES.format(m, 5.0, 0.01))
+    write(tmp_path, "coarse.nml", MOES.format(10.0, 5.0, 0.05))
+    assert asperity("m10.nml", "m20.nml", "coarse.nml", "--quiet").returncode == 0
+    results = [tmp_path / f"{name}.h5" for name in ("m10", "m20", "coarse")]
+    done = run("compare", *results[:2], "--output", tmp_path / "out", "--format", "png")
+    assert done.returncode == 0
+    assert "the scales of the results differ, and " in done.stderr
+    assert run("compare", results[0], results[2], "--output", tmp_path / "out", "--format", "png").stderr == ""
+
+
 def test_compare_needs_two_files(steady: Path) -> None:
     done = run("compare", steady)
     assert done.returncode == 1
@@ -117,7 +158,10 @@ def test_compare_needs_two_files(steady: Path) -> None:
 
 @pytest.mark.parametrize("si", [(), ("--si",)])
 def test_transient_draws_map_strip_and_animation(moving: Path, tmp_path: Path, si: tuple[str, ...]) -> None:
-    done = run("transient", moving, "--output", tmp_path / "out", "--frames", 4, *si)
+    done = run("transient", moving, "--output", tmp_path / "out", *si)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert len(files_of(tmp_path / "out")) == 4
+    done = run("transient", moving, "--parts", "passage", "--output", tmp_path / "out", "--frames", 4, *si)
     assert (done.returncode, done.stderr) == (0, "")
     assert files_of(tmp_path / "out") == [
         "ridge_film_strip.pdf",
@@ -164,9 +208,7 @@ def test_figures_of_the_program(asperity, tmp_path: Path) -> None:
     for script in ("profile", "convergence", "transient"):
         done = run(script, result, "--output", tmp_path / "out", "--format", "png")
         assert (done.returncode, done.stderr) == (0, "")
-    assert files_of(tmp_path / "out") == [
-        f"demo_{kind}" for kind in ("convergence.png", "film_strip.png", "passage.gif", "profile.png", "xt.png")
-    ]
+    assert files_of(tmp_path / "out") == [f"demo_{kind}" for kind in ("convergence.png", "film_strip.png", "profile.png", "xt.png")]
     read = load_module("result_file").read_result(result, with_transient=True)
     (ridge,) = read.features
     assert (ridge.word, ridge.surface, ridge.position) == ("ridge", 2, -2.5)
@@ -210,6 +252,111 @@ def test_results_of_older_versions_are_drawn(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
     read = load_module("result_file").read_result(result, with_transient=True)
     assert read.profile_time.values.size == read.transient["pressure"].values.shape[0]
+
+
+MOES = """&case problem = 'ehl_line' /
+&moes moes_m = {}, moes_l = {}, velocity = 'sum' /
+&lubricant viscosity_law = 'barus', density_law = 'constant' /
+&accuracy target = {} /
+"""
+
+
+def test_regime_of_several_results(asperity, tmp_path: Path) -> None:
+    points = {"rubber": (200.0, 0.0), "roller": (100.0, 10.0), "ring": (0.2, 3.0), "light": (1.0, 38.0), "heavy": (2000.0, 5.0)}
+    for name, point in points.items():
+        (tmp_path / f"{name}.nml").write_text(MOES.format(*point, 1e-2), encoding="utf-8")
+    assert asperity(*[f"{name}.nml" for name in points], "--quiet").returncode == 0
+    done = run("regime", *[tmp_path / f"{name}.h5" for name in points], "--output", tmp_path / "out", "--format", "png")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert files_of(tmp_path / "out") == ["rubber_regime.png"]
+    said = dict(line.split(": ", 1) for line in done.stdout.splitlines()[:-1])
+    regimes = {name: words.split(": ")[1].split(";")[0] for name, words in said.items()}
+    assert regimes == {
+        "rubber": "elastic, isoviscous",
+        "roller": "elastic, piezoviscous",
+        "ring": "rigid, isoviscous",
+        "light": "rigid, piezoviscous",
+        "heavy": "elastic, piezoviscous",
+    }
+    # the same contact as in the table; 1 % is what was asked for, 1 % the interpolation
+    for name in ("rubber", "roller", "ring", "light"):
+        assert abs(float(re.search(r"\(([+-]\S+) %\)", said[name])[1])) < 2.0
+    assert "outside the table" in said["heavy"]
+
+
+FRICTION = """&case problem = 'ehl_line' /
+&bodies reduced_radius = 0.01, reduced_modulus = 226e9, speed_1 = 0.5, speed_2 = 1.5 /
+&load load_per_length = 1e5 /
+&lubricant viscosity = 0.14, roelands_z = 0.6, roelands_p0 = 1.98e8, rheology = 'eyring', eyring_stress = 3.3e6 /
+&domain x_inlet = -4.0, x_outlet = 1.5, intervals = 128 /
+{}
+"""
+
+
+def test_friction_draws_with_and_without_velocity(asperity, tmp_path: Path) -> None:
+    """Steady with the velocity across the film, and the last time of a passage without; the caption has both coefficients."""
+    passage = "&surface_2 shape = 'feature', amplitude = 1e-7, wavelength = 1e-4 /\n&time transient = .true., end_time = 0.5 /"
+    for name, more in {"steady": "&output velocity_layers = 8 /", "passage": passage}.items():
+        (tmp_path / f"{name}.nml").write_text(FRICTION.format(more), encoding="utf-8")
+        assert asperity(f"{name}.nml", "--quiet").returncode == 0
+        for options in ((), ("--si", "--window", -1, 1)):
+            done = run("friction", tmp_path / f"{name}.h5", "--output", tmp_path / "out", "--format", "png", *options)
+            assert (done.returncode, done.stderr) == (0, "")
+    assert files_of(tmp_path / "out") == ["passage_friction.png", "steady_friction.png"]
+    friction, read = load("friction"), load_module("result_file").read_result
+    found = friction.read_friction(tmp_path / "steady.h5")
+    assert found.velocity.values.shape == (129, 9)
+    words = friction.caption(found, read(tmp_path / "steady.h5"))
+    with h5py.File(tmp_path / "steady.h5") as file:
+        for name in ("friction_coefficient", "rolling_friction_coefficient"):
+            error = file[f"summary/{name}"].attrs["error_estimate"]
+            shown = [float(number) for number in re.findall(r"\d\.\d+", words)]
+            assert min(abs(number - file[f"summary/{name}"][()]) for number in shown) < 0.1 * error
+            assert min(abs(number - error) for number in shown) < 0.1 * error
+    assert "largest in time" not in words
+    assert "largest in time" in friction.caption(found, read(tmp_path / "passage.h5"))
+
+
+def test_friction_needs_stresses(asperity, steady: Path, tmp_path: Path) -> None:
+    """A file without friction, and a contact by Moes' numbers, whose speeds are not known."""
+    done = run("friction", steady)
+    assert done.returncode == 1
+    assert "has no friction" in done.stderr
+    (tmp_path / "moes.nml").write_text(MOES.format(10.0, 5.0, 1e-2), encoding="utf-8")
+    assert asperity("moes.nml", "--quiet").returncode == 0
+    done = run("friction", tmp_path / "moes.h5")
+    assert done.returncode == 1
+    assert "speeds of the surfaces are not known" in done.stderr
+
+
+def test_regime_table_is_what_the_program_computes(asperity, tmp_path: Path) -> None:
+    table = load("regime").TABLE.read_text(encoding="utf-8").splitlines()
+    rows = [dict(zip(table[2].split(","), map(float, line.split(",")), strict=True)) for line in table[3:]]
+    assert len(rows) == 11 * 33
+    chosen = rows[:: len(rows) // 11]
+    for i, row in enumerate(chosen):
+        (tmp_path / f"{i}.nml").write_text(MOES.format(row["moes_m"], row["moes_l"], 1e-3), encoding="utf-8")
+    assert asperity(*[f"{i}.nml" for i in range(len(chosen))], "--quiet").returncode == 0
+    for i, row in enumerate(chosen):
+        with h5py.File(tmp_path / f"{i}.h5") as file:
+            film = file["summary/h_min_moes"]
+            margin = row["h_min_error"] + film.attrs["error_estimate"] / np.sqrt(2)
+            assert row["h_min"] == pytest.approx(film[()] / np.sqrt(2), abs=margin)
+
+
+def test_regime_asymptotes() -> None:
+    films = load("regime").read_films()
+    # Martin's film, without a factor from the table, at the light end: 0.3 % and what L = 0 and M = 0.1 leave
+    rigid = films.asymptotes(films.moes_m[:1], np.zeros(1))[0]
+    assert films.h_min[0, 0] == pytest.approx(rigid[0], rel=5e-3)
+    # the exponents of the others where they should hold: over the last decade of M, and over the largest L
+    slope = np.diff(np.log(films.h_min[:, -9::8]), axis=1)[:, 0] / np.log(10)
+    assert slope[0] == pytest.approx(-0.2, abs=0.01)
+    assert slope[-1] == pytest.approx(-0.125, abs=0.01)
+    ones = np.searchsorted(films.moes_m, 1.0)
+    rise = np.log(films.h_min[-1] / films.h_min[-2]) / np.log(films.moes_l[-1] / films.moes_l[-2])
+    assert rise[ones] == pytest.approx(2 / 3, abs=0.03)
+    assert rise[-1] == pytest.approx(3 / 4, abs=0.03)
 
 
 def test_film_statistics_of_the_program(asperity, tmp_path: Path) -> None:

@@ -10,7 +10,8 @@ import time
 import h5py
 import numpy as np
 import pytest
-from cases import LONG, STEADY, TRANSIENT, seal, write
+from cases import LONG, STEADY, TRANSIENT, seal, text, write
+from conftest import ROOT
 from kill_and_resume import busy, check_part, different, kill_until_complete, killed_at_last, start, undisturbed
 
 
@@ -178,10 +179,30 @@ def test_resume_leaves_a_complete_result_alone(asperity, tmp_path):
     assert (tmp_path / "case.h5").stat().st_mtime_ns > written
 
 
-def test_resume_remembers_that_a_complete_result_did_not_converge(asperity, tmp_path):
-    write(tmp_path, "case.nml", STEADY + "&solver start = 'hertz', max_cycles = 1 /\n")
+UNCONVERGED = {
+    "steady": STEADY + "&solver start = 'hertz', max_cycles = 1 /\n",
+    "in time": TRANSIENT + "&solver tolerance = 1e-15, max_cycles = 3 /\n",
+    "dry": (ROOT / "input" / "dry_sphere.nml").read_text() + "&solver max_cycles = 1 /\n",
+}
+
+
+@pytest.mark.parametrize("kind", UNCONVERGED)
+def test_resume_says_that_a_complete_result_did_not_converge(asperity, tmp_path, kind):
+    """With its reason, as the run told it, and how to compute it again."""
+    write(tmp_path, "case.nml", UNCONVERGED[kind])
     assert asperity("case.nml", "--quiet").returncode == 2
-    assert asperity("case.nml", "--quiet", "--resume").returncode == 2
+    with h5py.File(tmp_path / "case.h5") as file:
+        reason = text(file.attrs["reason"])
+    assert reason
+    written = (tmp_path / "case.h5").stat().st_mtime_ns
+    again = asperity("case.nml", "--resume")
+    assert again.returncode == 2
+    assert again.stderr == f"asperity: case.nml: case.h5 is there, NOT CONVERGED: {reason}; without --resume it is computed again\n"
+    quiet = asperity("case.nml", "--quiet", "--resume")
+    assert (quiet.returncode, quiet.stderr) == (2, again.stderr)
+    assert (tmp_path / "case.h5").stat().st_mtime_ns == written
+    assert asperity("case.nml", "--quiet").returncode == 2
+    assert (tmp_path / "case.h5").stat().st_mtime_ns > written
 
 
 def test_checkpoint_of_another_case_is_refused(interrupted, asperity, tmp_path):

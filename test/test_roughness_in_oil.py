@@ -42,7 +42,7 @@ def run(asperity, tmp_path, text, name="case"):
     write(tmp_path, f"{name}.nml", text)
     done = asperity(f"{name}.nml")
     assert done.returncode == 0, done.stderr
-    return tmp_path / f"{name}.h5", done.stderr
+    return tmp_path / f"{name}.h5", done.stderr + done.stdout
 
 
 def test_csv_and_hdf5_give_the_same(asperity, tmp_path):

@@ -9,6 +9,8 @@ from study_runs import STUDIES, rows, run_quick
 sys.path.append(str(STUDIES))
 
 import chapter5
+import chapter5_passages
+import chapter5_rule
 import overtaking
 import waviness
 from linear_response import Advection
@@ -115,3 +117,19 @@ def test_a_waviness_as_high_as_the_film_enters_and_is_nearly_linear(runner):
     runs = [waviness.Waviness(amplitude=a, intervals=512, entry=1.0) for a in (0.02, 1.0)]
     low, high = (abs(answer.ratio) for answer in waviness.run_all(runner, runs).values())
     assert high / low == pytest.approx(1.012, abs=0.003)
+
+
+def test_ridge_by_the_full_momentum_equations(runner):
+    # Full run, 512 intervals: 0.1314 +- 0.0037 % of p_h and 0.1036 +- 0.0024 % of the central film.
+    case = chapter5_passages.passage_case("case3", 128, 5, 2)
+    largest = runner.run({"case3": case}, chapter5_passages.read_difference)["case3"].largest()
+    assert 100 * largest["pressure"] == pytest.approx(0.1314, abs=0.015)
+    assert 100 * largest["film"] == pytest.approx(0.1036, abs=0.01)
+
+
+def test_rule_of_the_differences_is_fitted():
+    source = np.random.default_rng(5)
+    rows = [{"sliding": t, "slope": s, "h_min": 3.0 * t**0.7 * s**0.4} for t, s in source.uniform(0.01, 0.3, (20, 2))]
+    rule = chapter5_rule.fitted(rows, "h_min")
+    assert rule == pytest.approx([3.0, 0.7, 0.4], rel=1e-9)
+    assert chapter5_rule.ruled(rule, rows) == pytest.approx([row["h_min"] for row in rows], rel=1e-9)

@@ -16,7 +16,7 @@ def run(asperity, folder, surface, end, others="", extra=""):
     write(folder, "a.nml", STEADY + surface + TIME.format(end, others) + extra)
     done = asperity("a.nml")
     assert done.returncode == 0, done.stderr
-    return h5py.File(folder / "a.h5"), " ".join(done.stderr.split())
+    return h5py.File(folder / "a.h5"), " ".join((done.stderr + done.stdout).split())
 
 
 def test_periodic_passage_reports_its_last_periods(asperity, tmp_path):
@@ -92,6 +92,38 @@ def test_what_is_asked_for_counts(asperity, tmp_path):
     with file:
         assert file["summary/h_min"].attrs["dimensionless"] == file["transient/h_min"][()].min()
     assert "statistics_from lies in the artificial start" in told
+
+
+@pytest.mark.parametrize(
+    ("ridge", "others", "first"),
+    [
+        (RIDGE.format(", position = -6.0"), "", "arrival"),
+        (RIDGE.replace("surface_2", "surface_1").format(", position = -2.6"), "", "arrival"),
+        (RIDGE.format(", position = -6.0"), ", statistics_from = 0.5", 0.5),
+        (RIDGE.format(", position = -40.0"), "", 0.0),
+    ],
+)
+def test_statistics_begin_when_the_ridge_arrives(asperity, tmp_path, ridge, others, first):
+    """The smooth film before it is no peak of the distribution, unless asked for; what never arrives leaves all times."""
+    file, _ = run(asperity, tmp_path, ridge, 12.0 if "surface_1" in ridge else 5.0, others, "&output film_thresholds = 4e-7 /\n")
+    with file:
+        time, films = file["transient/time"][()], file["transient/h_min"]
+        values = films[()] * films.attrs["si_scale"]
+        begin = file["statistics"].attrs["statistics_from"]
+        if first == "arrival":
+            change = abs(values / values[0] - 1)
+            assert 3 * change[time < begin].max() < 0.03 < change.max()
+            film = file["summary/h_central"].attrs["dimensionless"]
+            speed, place = (2 * 1.1 / 1.2, -6.0) if "position = -6" in ridge else (2 * 0.1 / 1.2, -2.6)
+            edge = place + 0.5 * 1e-4 / file["scaling"].attrs["half_width"]
+            assert begin == pytest.approx((-1 - 0.5 * np.sqrt(2 * film) - edge) / speed, rel=0.15)
+        else:
+            assert begin == pytest.approx(first, abs=1e-6)
+        counted = (time > 0) & (time >= begin)
+        edges, shares = file["statistics/h_min_edges"][()], file["statistics/h_min_share"][()]
+        assert shares.sum() == pytest.approx(1.0)
+        expected = np.histogram(values[counted], edges)[0] / counted.sum()
+        assert shares == pytest.approx(expected, abs=2.5 / counted.sum())
 
 
 def test_output_keys_do_not_change_a_periodic_passage(asperity, tmp_path):

@@ -19,15 +19,21 @@ def solved(asperity, tmp_path, content):
         h_min = file["summary/h_min"]
         note = text(file["report/note"][()]) if "report/note" in file else ""
         reason = text(h_min.attrs["no_estimate"]) if "no_estimate" in h_min.attrs else ""
-        return h_min[()], h_min.attrs["error_estimate"], file["report/nodes_per_wave"][()], note, reason, done.stderr
+        return h_min[()], h_min.attrs["error_estimate"], file["report/nodes_per_wave"][()], note, reason, done.stderr + done.stdout
 
 
 @pytest.mark.parametrize("shape", ["feature", "sinusoid"])
 def test_chosen_grid_sees_a_wave_of_a_spacing(asperity, tmp_path, shape):
-    """Its crests all lie at the same place between the nodes of 256 intervals, where the sinusoid is a plane."""
+    """Its crests all lie at the same place between the nodes of 256 intervals, where the sinusoid is a plane.
+
+    Behind the outlet at 1.5 the sinusoid would carry on under pressure and add to the friction by 0.6 %, which is noted.
+    """
     h_min, error, nodes, note, _, _ = solved(asperity, tmp_path, OPEN + WAVE.format(shape, DX))
     assert 32 <= nodes <= 40
-    assert note == ""
+    if shape == "feature":
+        assert note == ""
+    else:
+        assert note.startswith("the film is still under pressure at the outlet X = 1.500, which changes its")
     fine = AT_REST.replace("= 256", "= 65536") + "&accuracy error_bars = .false. /\n" + WAVE.format(shape, DX)
     truth = solved(asperity, tmp_path, fine)[0]
     assert abs(h_min - truth) < min(error, 0.02 * truth)

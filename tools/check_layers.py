@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Check the order of the layers by the `use` lines: a module uses only its own layer and those to its left.
 
-    base -> physics -> numerics -> surface -> film -> dry -> accuracy -> system -> hdf5 -> heights -> input -> output -> app
+    base -> physics -> numerics -> surface -> film -> stokes -> dry -> accuracy -> system -> hdf5 -> heights -> input -> output
+    -> app
 
-physics and numerics do not use each other, nor do film and dry. Every module lies in a layer folder and is named after its file.
+physics and numerics do not use each other, nor dry and film or stokes. Every module lies in a layer
+folder and has the name of its file.
 Prints `file:line: what is wrong`; exit status 1 if anything is.
 """
 
@@ -12,10 +14,10 @@ import re
 import sys
 
 LAYERS = [
-    *("base", "physics", "numerics", "surface", "film", "dry", "accuracy"),
+    *("base", "physics", "numerics", "surface", "film", "stokes", "dry", "accuracy"),
     *("system", "hdf5", "heights", "input", "output", "app"),
 ]
-STRANGERS = {("numerics", "physics"), ("dry", "film")}
+STRANGERS = {("numerics", "physics"), ("dry", "film"), ("dry", "stokes")}
 ROOT = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 
 

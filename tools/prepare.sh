@@ -20,8 +20,11 @@ mkdir -p build/info
 ln -sf "$(pkg-config --variable=includedir fftw3)/fftw3.f03" build/info/
 
 # The file is only touched when the commit changes; fpm does not watch included files, so its note of build_info goes too.
-commit=$(git describe --always --dirty --abbrev=12 --exclude '*' 2> /dev/null || echo unknown)
-line="commit = '$commit'"
+if commit=$(git describe --always --dirty --abbrev=12 --exclude '*' 2> /dev/null); then
+  line="commit = '$commit'"
+else
+  line=$(cat include/git_commit.inc) # a tarball knows its commit
+fi
 if [ "$(cat build/info/git_commit.inc 2> /dev/null)" != "$line" ]; then
   echo "$line" > build/info/git_commit.inc
   rm -f build/gfortran_*/*/src_base_build_info.f90.o.digest

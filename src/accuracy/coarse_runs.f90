@@ -10,36 +10,21 @@ module coarse_runs
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
-   use observer, only: lookout_t, observer_t
+   use observer, only: observer_t
+   use run_collector, only: collector_t
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
-   use quantities, only: h_min, x_cavitation
+   use quantities, only: x_cavitation
    use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
    use split_errors, only: foretold_values, orders_in_time
    implicit none (type, external)
    private
 
-   public :: collector_t, make_coarse_runs, run_apart, run_farther, run_for_comparison, &
+   public :: make_coarse_runs, run_apart, run_farther, run_for_comparison, &
       run_longer, run_other_scheme
 
    !> Coarse runs that error bars come from have at least this many intervals.
    integer, parameter :: min_intervals = 32
-
-   !> Collects the quantities of a run: of its state, or the extremes over the time steps that
-   !> count.
-   type, extends(lookout_t) :: collector_t
-      type(line_summary_t) :: summary
-      type(passage_extremes_t) :: passage
-      !> Coarser grids that a steady run has passed.
-      type(line_summary_t), allocatable :: passed(:)
-      !> Smallest film at each time step of the last transient (0:steps); huge at times that do not
-      !> count.
-      real(wp), allocatable :: films(:)
-   contains
-      procedure :: on_step => collect_step
-      procedure :: keep_coarser => collect_coarser
-      procedure :: on_stage => tell_coarse_run
-   end type collector_t
 
 contains
 
@@ -93,16 +78,17 @@ contains
       type(line_contact_t) :: own
       type(time_settings_t) :: slow
       real(wp) :: orders(3)
-      integer :: steps
+      integer :: steps, slow_steps
       logical :: is_known
 
       steps = nint(time%end_time/time%time_step)
+      slow_steps = (steps + 1)/2
       if (steps < 2) return
       collector%watcher => watcher
       own = contact
       call choose_domain(own)
       slow = time
-      slow%time_step = time%end_time/((steps + 1)/2)
+      slow%time_step = time%end_time/slow_steps
       associate (apart => bars%apart, n => own%domain%intervals)
          n = n/2
          call run_for_comparison(own, settings, time, collector, is_known, error)
@@ -112,7 +98,7 @@ contains
          call run_for_comparison(own, settings, slow, collector, apart%is_known, error)
          if (allocated(error)) return
          apart%slow = foretold_values(collector%summary)
-         apart%step_ratio = real(steps, wp)/((steps + 1)/2)
+         apart%step_ratio = real(steps, wp)/slow_steps
          orders = orders_in_time(time%scheme)
          apart%time_order = orders(2)
       end associate
@@ -268,42 +254,5 @@ contains
       is_known = report%converged
       if (is_known) collector%summary = collector%passage%extremes(summary_of(state))
    end subroutine run_for_comparison
-
-   !> Keeps what a steady run has passed.
-   subroutine collect_coarser(self, coarser)
-      class(collector_t), intent(inout) :: self
-      type(line_summary_t), intent(in) :: coarser(:)
-
-      self%passed = coarser
-   end subroutine collect_coarser
-
-   !> Not the run itself.
-   recursive subroutine tell_coarse_run(self, words)
-      class(collector_t), intent(inout) :: self
-      character(*), intent(in) :: words
-
-      call self%watcher%on_stage('coarse run, '//words)
-   end subroutine tell_coarse_run
-
-   !> Adds the quantities of one time step.
-   subroutine collect_step(self, step, steps, state, report)
-      class(collector_t), intent(inout) :: self
-      integer, intent(in) :: step
-      integer, intent(in) :: steps
-      type(line_state_t), intent(in) :: state
-      type(report_t), intent(in) :: report
-      type(line_summary_t) :: summary
-
-      associate (unused_report => report)
-      end associate
-      if (step == 0) then
-         if (allocated(self%films)) deallocate (self%films)
-         allocate (self%films(0:steps), source=huge(1.0_wp))
-      end if
-      summary = summary_of(state)
-      if (self%passage%times%counts(state%time)) self%films(step) = summary%of(h_min)%value
-      call self%passage%add(summary, state%time, step == steps)
-      call self%look_outside()
-   end subroutine collect_step
 
 end module coarse_runs

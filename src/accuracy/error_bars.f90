@@ -10,12 +10,12 @@ module error_bars
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_summary, only: line_summary_t, new_quantity, quantity_t
-   use missing_value, only: not_known
-   use pressure_errors, only: allow_for_spike, estimate_crest, estimate_crest_in_time, &
-      pressure_safety, top_of
+   use missing_value, only: exceeds, larger, not_known
+   use pressure_errors, only: allow_for_spike, doubt_shear, estimate_crest, &
+      estimate_crest_in_time, pressure_safety, top_of
    use pressure_spike, only: spike_law_t
    use quantities, only: h_central, h_min, p_max, quantity_count, quantity_rows, &
-      rule_between, rule_crest, rule_node
+      rule_between, rule_crest, rule_node, sliding_rows
    use solver_settings, only: time_settings_t
    use split_errors, only: apart_t, apply_forecast, forecast_t
    use transient_errors, only: error_by_reference, error_in_time, limit_in_time
@@ -31,6 +31,9 @@ module error_bars
    !> Films err by up to twice the share by which the inlet starves them, and the exit by that share
    !> as far as the film is thick (M 0.5-500, L 0-30, against four times the domain).
    real(wp), parameter :: film_safety = 2.0_wp
+   !> Forces err as films do, that of sliding by up to this many times the share of the pressures
+   !> more.
+   real(wp), parameter :: shear_safety = 1.5_wp
 
    !> At rest h_min of the kappa scheme errs by at most this share of what the thesis's scheme errs
    !> on the same grid.
@@ -65,6 +68,9 @@ module error_bars
       !> twice the spacing and with twice the time step.
       type(forecast_t) :: forecast
       type(apart_t) :: apart
+      !> Bound on the relative change of each quantity by what was left out of the model; NaN: not
+      !> known.
+      real(wp) :: left_out(quantity_count) = 0.0_wp
    end type error_bars_t
 
 contains
@@ -114,10 +120,14 @@ contains
       else if (bars%has_half .and. .not. has_unseen_waves(bars)) then
          call estimate_grid_errors(bars, report%steps > 0, dx, summary)
       end if
+      if (bars%spike_law%lambda > 0.0_wp) call doubt_shear(bars%spike_law%fluid, summary)
       iteration = max(report%residual, report%load_error)
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
       domain = inlet_shares(bars, report, summary)
       do i = 1, quantity_count
+         summary%of(i)%error_grid = quantity_rows(i)%widening*summary%of(i)%error_grid
+         if (exceeds(abs(summary%of(i)%value), 0.0_wp)) summary%of(i)%error_model = &
+            bars%left_out(i)*abs(summary%of(i)%value)
          call add_up(summary%of(i), domain(i), iteration, cut_error(bars, i))
       end do
    end subroutine apply_error_bars
@@ -138,6 +148,9 @@ contains
       shares = report%inlet_error*min(1.0_wp, summary%of(h_central)%value)
       where (quantity_rows%field == 'pressure') shares = report%inlet_pressure_error
       where (quantity_rows%field == 'film_thickness') shares = domain_error(report%inlet_error)
+      where (quantity_rows%field == 'friction_coefficient' .or. quantity_rows%field == 'power') &
+         shares = domain_error(report%inlet_error)
+      shares(sliding_rows) = shares(sliding_rows) + shear_safety*report%inlet_pressure_error
    end function inlet_shares
 
    !> Whether the surfaces have waves that coarse runs do not see; a forecast has seen them.
@@ -163,7 +176,8 @@ contains
       if (.not. (bars%has_half .and. bars%has_longer)) return
       error = 0.0_wp
       do i = 1, quantity_count
-         if (len_trim(quantity_rows(i)%short) > 0) error = max(error, cut_error(bars, i) &
+         if (len_trim(quantity_rows(i)%short) == 0) cycle
+         if (exceeds(bars%half%of(i)%value, 0.0_wp)) error = larger(error, cut_error(bars, i) &
             /bars%half%of(i)%value)
       end do
    end function outlet_error
@@ -190,6 +204,9 @@ contains
 
       if (.not. report%converged) then
          reason = 'no solution'
+      else if (any(exceeds(bars%left_out, 0.0_wp))) then
+         reason = 'what was left out of the model may change it, or a pressure spike that this '// &
+            'grid does not resolve'
       else if (has_unseen_waves(bars)) then
          reason = bars%unseen
       else if (bars%is_cut .and. .not. bars%has_longer) then
@@ -223,7 +240,7 @@ contains
       quantity%error_domain = domain*abs(quantity%value) + cut
       quantity%error_iteration = iteration*abs(quantity%value)
       quantity%error_estimate = quantity%error_grid + quantity%error_domain &
-         + quantity%error_iteration + quantity%error_start
+         + quantity%error_iteration + quantity%error_start + quantity%error_model
    end subroutine add_up
 
    !> The part of grid and time step.
@@ -318,7 +335,7 @@ contains
       between(1) = between(1) + abs(quantity%value - quantity%between)
       select case (quantity_rows(i)%rule)
       case (rule_node)
-         own(1) = max(own(1), between(1))
+         own(1) = larger(own(1), between(1))
       case (rule_between)
          own = [between(1) + exit_jitter*dx, quantity%between]
       case default

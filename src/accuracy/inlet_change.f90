@@ -10,6 +10,7 @@ module inlet_change
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
    use line_summary, only: crests_t, line_summary_t, value_between
+   use missing_value, only: quotient
    use quantities, only: quantity_count, quantity_rows, rule_crest
    implicit none (type, external)
    private
@@ -19,6 +20,10 @@ module inlet_change
    !> An estimate is so many times the change, and this share of the largest one: a quantity may
    !> change little by chance.
    real(wp), parameter :: safety = 1.1_wp, doubt = 0.15_wp
+
+   !> Fields whose quantities may be not known, or 0, in a solution.
+   character(len=*), parameter :: may_be_unknown(3) = [character(len=20) :: 'x', &
+      'friction_coefficient', 'power']
 
    !> Those of the same domain and of the longer one.
    type :: inlet_change_t
@@ -38,7 +43,7 @@ contains
       where (quantity_rows%field == 'pressure') errors = errors*(1 + doubt)
    end function change_by_inlet
 
-   !> The changes themselves; 0 for a position that is not known.
+   !> The changes themselves; 0 where it is not known of a position, or of forces.
    pure function changes(self)
       type(inlet_change_t), intent(in) :: self
       real(wp) :: changes(quantity_count)
@@ -48,12 +53,13 @@ contains
       do i = 1, quantity_count
          near = compared_value(self%near, i)
          far = compared_value(self%far, i)
-         if (quantity_rows(i)%field /= 'x') then
-            changes(i) = near/far - 1
-         else
+         if (quantity_rows(i)%field == 'x') then
             changes(i) = near - far
-            if (.not. ieee_is_finite(changes(i))) changes(i) = 0.0_wp
+         else
+            changes(i) = quotient(near, far) - 1
          end if
+         if (any(quantity_rows(i)%field == may_be_unknown)) changes(i) = merge(changes(i), &
+            0.0_wp, ieee_is_finite(changes(i)))
       end do
    end function changes
 

@@ -4,18 +4,23 @@ module pressure_errors
    use grid_errors, only: error_from_levels, observed_order, orders, safety
    use kinds, only: wp
    use line_summary, only: crests_t, line_summary_t, quantity_t
+   use lubricant, only: fluid_t, fluid_viscosity, viscosity_constant
    use missing_value, only: not_known
    use pressure_spike, only: ceiling_of_spike, spike_law_t
-   use quantities, only: h_central, p_max
+   use quantities, only: h_central, p_max, sliding_rows
+   use rheology, only: thins
    use transient_errors, only: error_by_reference, error_in_time, limit_in_time, &
       pressure_safety_in_time
    implicit none (type, external)
    private
 
-   public :: allow_for_spike, estimate_crest, estimate_crest_in_time, top_of
+   public :: allow_for_spike, doubt_shear, estimate_crest, estimate_crest_in_time, top_of
 
    !> An estimate is widened by this factor in place of `safety`.
    real(wp), parameter, public :: pressure_safety = 2.0_wp
+   !> What shears a Newtonian oil is not known where the largest pressure may be so far off that ln
+   !> mu is by more than this.
+   real(wp), parameter :: doubtful_ln_mu = 0.5_wp
 
 contains
 
@@ -81,5 +86,26 @@ contains
          end if
       end associate
    end subroutine allow_for_spike
+
+   !> Sliding friction of a Newtonian oil where the largest pressure may be off, whose error is that
+   !> of `summary`: a spike may carry most of the stress, which rises like the viscosity.
+   pure subroutine doubt_shear(fluid, summary)
+      type(fluid_t), intent(in) :: fluid
+      type(line_summary_t), intent(inout) :: summary
+      real(wp) :: ln_mu(2)
+      integer :: i
+
+      if (thins(fluid) .or. fluid%viscosity_law == viscosity_constant) return
+      associate (pressure => summary%of(p_max))
+         if (ieee_is_finite(pressure%error_grid) .and. ieee_is_finite(pressure%value)) then
+            call fluid_viscosity(fluid, pressure%value + [0.0_wp, pressure%error_grid], ln_mu)
+            if (ln_mu(2) - ln_mu(1) <= doubtful_ln_mu) return
+         end if
+      end associate
+      do i = 1, size(sliding_rows)
+         summary%of(sliding_rows(i))%error_grid = not_known()
+         summary%of(sliding_rows(i))%extrapolated = not_known()
+      end do
+   end subroutine doubt_shear
 
 end module pressure_errors

@@ -13,7 +13,7 @@
 !> How often the target is met and at what cost is measured by `make accuracy-time`; what else was
 !> tried is in docs/decisions.md.
 module resolution_choice
-   use coarse_runs, only: collector_t, run_for_comparison
+   use coarse_runs, only: run_for_comparison
    use domain_choice, only: choose_domain, inlet_error
    use error_bars, only: domain_error, error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
@@ -22,6 +22,7 @@ module resolution_choice
    use observer, only: observer_t
    use pilots, only: add_pilot, begun_anew, cheapest_resolution, forecast_at, has_forecast, &
       new_pilots, next_direction, nothing, pilots_t, refined, resolution_t
+   use run_collector, only: collector_t
    use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
    use split_errors, only: foretold_values
    use text, only: to_text

@@ -10,8 +10,9 @@ module steady_target
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: intervals_for_waves, line_contact_t
-   use line_hierarchy, only: add_level, coarser_summaries, level_summary, line_hierarchy_t, &
-      new_growing_hierarchy, new_hierarchy, pose_steady_problem, relaxation_t
+   use level_summaries, only: coarser_summaries, level_summary
+   use line_hierarchy, only: add_level, line_hierarchy_t, new_growing_hierarchy, new_hierarchy, &
+      pose_steady_problem, relaxation_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use nested_start, only: coarse_run_tolerance, first_guess, max_firsts, solve_level

@@ -15,14 +15,15 @@ contains
    !> The commit that the program was built from, with `-dirty` if files had changed since;
    !> 'unknown' without git.
    !>
-   !> The included line is `include/git_commit.inc`, or the one that `make` writes to build/info/,
-   !> which is found first.
+   !> The included line is `include/git_commit.inc`, in which `git archive` writes the commit of a
+   !> tarball, or the one that `make` writes to build/info/, which is found first.
    pure function git_commit() result(commit)
       character(:), allocatable :: commit
 
       ! make writes this line; a generated module would stop a plain `fpm build`.
       ! allow(include-statement)
       include 'git_commit.inc'
+      if (commit(1:1) == '$') commit = 'unknown'
    end function git_commit
 
 end module build_info

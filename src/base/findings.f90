@@ -10,14 +10,20 @@ module findings
    type :: finding_t
       integer :: line = 0
       character(:), allocatable :: message
+      !> It is about an entry of the command line.
+      logical :: is_of_command = .false.
    end type finding_t
 
    !> A growing list of findings; empty means that the input is good.
    type :: findings_t
       private
       type(finding_t), allocatable :: items(:)
+      !> Entries of the command line, "group key".
+      character(len=64), allocatable :: set_keys(:)
       integer, public :: count = 0
    contains
+      !> From now on findings about this key, or about its group as a whole, are about --set.
+      procedure, public :: set_apart
       procedure, public :: add => add_finding
       procedure, public :: report => findings_report
    end type findings_t
@@ -30,6 +36,15 @@ module findings
    integer, parameter :: max_quoted = 48
 
 contains
+
+   !> Notes that the command line gives a key.
+   subroutine set_apart(self, group, key)
+      class(findings_t), intent(inout) :: self
+      character(*), intent(in) :: group, key
+
+      if (.not. allocated(self%set_keys)) allocate (self%set_keys(0))
+      self%set_keys = [character(len=64) :: self%set_keys, trim(group)//' '//key]
+   end subroutine set_apart
 
    !> Appends a finding: `line` [-] of the file, group and key (either may be empty) and the
    !> message.
@@ -54,10 +69,13 @@ contains
       if (len(place) > 0) place = place // ': '
       self%items(self%count)%line = line
       self%items(self%count)%message = place // message
+      self%items(self%count)%is_of_command = .false.
+      if (allocated(self%set_keys)) self%items(self%count)%is_of_command = any(self%set_keys &
+         == trim(group)//' '//key)
    end subroutine add_finding
 
    !> All findings in the order of their lines, one a line: `file:line: &group key: found ...,
-   !> expected ... [unit]`.
+   !> expected ... [unit]`; of an entry of the command line `file: --set: ...`.
    function findings_report(self, file) result(report)
       class(findings_t), intent(in) :: self
       character(*), intent(in) :: file
@@ -80,8 +98,12 @@ contains
       do i = 1, min(self%count, max_shown)
          if (i > 1) report = report // new_line('a')
          report = report // file // ':'
-         if (self%items(order(i))%line > 0) report = report // to_text(self%items(order(i))%line) &
-            // ':'
+         if (self%items(order(i))%is_of_command) then
+            report = report // ' --set:'
+         else if (self%items(order(i))%line > 0) then
+            report = report // to_text(self%items(order(i))%line) &
+               // ':'
+         end if
          report = report // ' ' // self%items(order(i))%message
       end do
       if (self%count > max_shown) report = report // new_line('a') // file // ': ... and ' &

@@ -1,11 +1,11 @@
 !> The value of a quantity that is not known: a NaN, which cannot be mistaken for a result.
 module missing_value
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: not_known
+   public :: exceeds, larger, not_known, quotient
 
 contains
 
@@ -15,5 +15,34 @@ contains
 
       value = ieee_value(0.0_wp, ieee_quiet_nan)
    end function not_known
+
+   !> The larger one; a value that is not known gives way.
+   pure function larger(a, b) result(value)
+      real(wp), intent(in) :: a, b
+      real(wp) :: value
+
+      value = a
+      if (ieee_is_finite(b)) value = b
+      if (ieee_is_finite(a) .and. ieee_is_finite(b)) value = max(a, b)
+   end function larger
+
+   !> Whether `a` is known and larger than `b`, which is known.
+   pure elemental function exceeds(a, b)
+      real(wp), intent(in) :: a, b
+      logical :: exceeds
+
+      exceeds = .false.
+      if (ieee_is_finite(a)) exceeds = a > b
+   end function exceeds
+
+   !> a/b; not known where either is not, or b is 0.
+   pure elemental function quotient(a, b)
+      real(wp), intent(in) :: a, b
+      real(wp) :: quotient
+
+      quotient = not_known()
+      if (.not. (ieee_is_finite(a) .and. ieee_is_finite(b))) return
+      if (abs(b) > 0.0_wp) quotient = a/b
+   end function quotient
 
 end module missing_value

@@ -6,7 +6,7 @@ module text
    implicit none (type, external)
    private
 
-   public :: count_of, joined, to_lower, to_text
+   public :: add_sentence, count_of, joined, to_lower, to_text
 
    !> A number or logical as short text without surrounding blanks.
    interface to_text
@@ -101,6 +101,17 @@ contains
          list = list // trim(words(i))
       end do
    end function joined
+
+   !> Puts `sentence` behind what `note` says already; an empty one adds nothing.
+   pure subroutine add_sentence(note, sentence)
+      character(:), allocatable, intent(inout) :: note
+      character(*), intent(in) :: sentence
+
+      if (sentence == '') return
+      if (.not. allocated(note)) note = ''
+      if (note /= '') note = note // '; '
+      note = note // sentence
+   end subroutine add_sentence
 
    !> How often `mark` is in `words`.
    pure function count_of(mark, words) result(number)

@@ -9,8 +9,8 @@ module ehl_line_solver
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles
-   use line_hierarchy, only: coarser_summaries, line_hierarchy_t, new_hierarchy, &
-      pose_steady_problem
+   use level_summaries, only: coarser_summaries
+   use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem
    use line_state, only: line_state_t
    use observer, only: observer_t
    use solver_settings, only: domain_t, solver_settings_t, time_settings_t

@@ -13,6 +13,7 @@ module ehl_line_transient
    use errors, only: error_t
    use film_breakdown, only: look_for_breakdown
    use film_equation, only: take_film
+   use features, only: surface_height
    use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -24,8 +25,10 @@ module ehl_line_transient
    use observer, only: observer_t
    use solver_choice, only: adopt, note_choice, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t, word_length
+   use reynolds_line, only: evaluate_coefficients
    use state_output, only: fill_state
    use text, only: to_text
+   use time_part, only: time_part_t
    use time_scheme, only: derivative_weights, part_ends
    implicit none (type, external)
    private
@@ -42,6 +45,9 @@ module ehl_line_transient
       real(wp) :: length = 0.0_wp
       character(len=word_length) :: scheme = ''
       real(wp), allocatable :: ends(:)
+      !> Its parts once they are solved, where somebody wants them.
+      logical :: keeps_parts = .false.
+      type(time_part_t), allocatable :: parts(:)
    end type step_plan_t
 
 contains
@@ -67,6 +73,7 @@ contains
       call note_choice(report, plan%attempts(1))
       plan%length = time%time_step
       plan%scheme = time%scheme
+      plan%keeps_parts = watcher%wants_parts
       steps = nint(time%end_time/time%time_step)
       associate (level => hierarchy%levels(hierarchy%finest))
          call watcher%on_stage('time steps on '//to_text(level%n)//' intervals')
@@ -75,6 +82,7 @@ contains
             level%state%pressure = history%pressure(:, 1)
             level%state%film = history%film
             level%state%rigid_displacement = history%rigid_displacement(1)
+            call evaluate_coefficients(level)
             call fill_state(contact, level, history%step*plan%length, state)
          else
             level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, 0.0_wp)
@@ -84,6 +92,10 @@ contains
                //'surfaces at their start are higher than the smooth film; '//report%reason
             if (.not. report%converged) return
             call remember(history, level, 0.0_wp)
+            call evaluate_coefficients(level)
+            call fill_state(contact, level, 0.0_wp, state)
+            if (watcher%wants_parts) call watcher%on_start(contact, state, report)
+            if (.not. report%converged) return
             call hand_out(0)
          end if
          do step = history%step + 1, steps
@@ -94,6 +106,8 @@ contains
             plan%step = step
             plan%ends = part_ends(plan%scheme, step, plan%length)
             call take_step(hierarchy, contact, plan, history, report)
+            if (report%converged .and. watcher%wants_parts) call watcher%on_parts(plan%parts, &
+               report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
                   to_text(step*plan%length)//'): '//report%reason//hints(contact, state))
@@ -192,7 +206,7 @@ contains
    subroutine take_parts(hierarchy, contact, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
-      type(step_plan_t), intent(in) :: plan
+      type(step_plan_t), intent(inout) :: plan
       type(march_state_t), intent(inout) :: history
       type(report_t), intent(inout) :: report
       type(error_t), allocatable :: error
@@ -200,6 +214,10 @@ contains
       logical :: has_older
       integer :: part
 
+      if (plan%keeps_parts) then
+         if (allocated(plan%parts)) deallocate (plan%parts)
+         allocate (plan%parts(size(plan%ends)))
+      end if
       associate (level => hierarchy%levels(hierarchy%finest))
          do part = 1, size(plan%ends)
             length = plan%ends(part)*plan%length
@@ -220,9 +238,21 @@ contains
             call solve_step(hierarchy, plan%attempts, length, history, report)
             if (.not. report%converged) return
             call remember(history, level, length)
+            if (plan%keeps_parts) plan%parts(part) = time_part_t(weights, length, &
+               heights_at(contact, level%x, new_time), level%state)
          end do
       end associate
    end subroutine take_parts
+
+   !> Psi_1 and Psi_2 at the nodes x (., 2).
+   pure function heights_at(contact, x, time) result(heights)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: x(:), time
+      real(wp) :: heights(size(x), 2)
+
+      heights(:, 1) = surface_height(contact%surface_1, x, time)
+      heights(:, 2) = surface_height(contact%surface_2, x, time)
+   end function heights_at
 
    !> One part of `length`: from the better guess by the past, then by all of it if that was
    !> another, then from the old pressure, each way in turn; relaxations of one method begin with

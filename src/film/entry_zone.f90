@@ -9,8 +9,8 @@ module entry_zone
    implicit none (type, external)
    private
 
-   public :: has_something_inside, has_waves, is_cut, is_moving, is_ridge, is_wave, last_passage, &
-      zone_of, zone_t
+   public :: arrival_of, has_something_inside, has_waves, is_cut, is_moving, is_ridge, is_wave, &
+      last_passage, zone_of, zone_t
 
    !> Half the length of a ridge, in wavelengths: there its height is 0.3 % of that of its centre.
    real(wp), parameter, public :: half_ridge = 0.5_wp
@@ -99,6 +99,45 @@ contains
       is_cut = is_moving(surface) .and. .not. surface%entry_length > 0.0_wp &
          .and. has_something_inside(surface, zone)
    end function is_cut
+
+   !> When the first of what is rough on a surface reaches the contact; 0: it is there at T = 0;
+   !> huge: it never comes.
+   pure function arrival_of(surface, zone) result(time)
+      type(rough_surface_t), intent(in) :: surface
+      type(zone_t), intent(in) :: zone
+      real(wp) :: time
+
+      time = huge(time)
+      if (allocated(surface%features)) then
+         associate (f => surface%features)
+            time = minval([time, pack(reached(f%position, half_ridge*f%wavelength), is_ridge(f))])
+         end associate
+      end if
+      if (allocated(surface%profile)) then
+         associate (half => 0.5_wp*profile_length(surface%profile))
+            time = min(time, reached(surface%profile%start + half, half))
+         end associate
+      end if
+      if (has_waves(surface)) time = 0.0_wp
+      if (surface%entry_length > 0.0_wp .and. is_moving(surface)) time = max(time, &
+         max(abs(surface%entry_position) - zone%border, 0.0_wp)/abs(surface%speed))
+
+   contains
+
+      !> When something around `centre`, with a length of 2 `half`, reaches the contact.
+      pure elemental function reached(centre, half) result(when)
+         real(wp), intent(in) :: centre, half
+         real(wp) :: when, distance
+
+         when = 0.0_wp
+         if (abs(centre) - half < zone%border) return
+         when = huge(when)
+         if (.not. is_moving(surface)) return
+         distance = -sign(1.0_wp, surface%speed)*centre - half - zone%border
+         if (distance >= 0.0_wp) when = distance/abs(surface%speed)
+      end function reached
+
+   end function arrival_of
 
    !> When the last ridge of a moving surface leaves the contact at its end, |X| = 1.
    pure function last_passage(surface) result(time)

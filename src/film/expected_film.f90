@@ -25,7 +25,7 @@ contains
       type(line_contact_t), intent(in) :: contact
       real(wp) :: film
 
-      film = central_film(contact%moes_m_sum, contact%moes_l_sum)
+      film = central_film(contact%moes_m_sum, contact%moes_l_sum, contact%elasticity)
    end function newtonian_film
 
 end module expected_film

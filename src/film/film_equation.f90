@@ -1,5 +1,5 @@
 !> Film equation (2.58): H = X^2/2 - Psi_1 - Psi_2 + H0 - K P, on a coarse grid with the right side
-!> of the coarse problem, `rhs_film`.
+!> of the coarse problem, `rhs_film`. K is that of the level: of rigid bodies it is zero.
 module film_equation
    use kinds, only: wp
    use line_level, only: line_level_t, thinnest_film
@@ -14,6 +14,7 @@ contains
    subroutine evaluate_deflection(level)
       type(line_level_t), intent(inout) :: level
 
+      if (.not. level%elasticity > 0.0_wp) return   ! it has been 0 from the start
       call level%convolution%apply(level%state%pressure, level%deflection)
       level%products = level%products + 1
    end subroutine evaluate_deflection

@@ -67,7 +67,8 @@ contains
          gain = 0.0_wp
          do i = 1, points
             x = x_a*points/(i - 0.5_wp)
-            h = first_film + 0.5_wp*(x**2 - x_a**2) - share*log((centre - x)/(centre - x_a))
+            h = first_film + 0.5_wp*(x**2 - x_a**2) &
+               - level%elasticity*share*log((centre - x)/(centre - x_a))
             reduced = pressure + 0.5_wp*gain
             gain = level%lambda*max(h - flow, 0.0_wp)/h**3
             if (thins(level%fluid)) call divide_by_slip(level%fluid, h, reduced, gain, drive)

@@ -29,12 +29,18 @@ module line_contact
       real(wp) :: moes_m_sum = 0.0_wp
       !> Moes lubricant parameter L, SUM velocity [-].
       real(wp) :: moes_l_sum = 0.0_wp
+      !> Slide-to-roll ratio 2 (u2 - u1)/(u1 + u2) [-], positive where surface 2 is the faster one;
+      !> NaN where the speeds are not known. Shear stresses need it, the solver does not.
+      real(wp) :: slide_to_roll = 0.0_wp
       !> Scaled lubricant laws.
       type(fluid_t) :: fluid
       !> Scaled surfaces: heights in b^2/R, lengths in b, speeds dX/dT.
       type(rough_surface_t) :: surface_1, surface_2
       !> Domain in half-widths; after `choose_domain` everything in it is set.
       type(domain_t) :: domain
+      !> How much of the deformation of the bodies counts: 1, all of it; 0, rigid bodies; between,
+      !> bodies that are stiffer by the inverse of it.
+      real(wp) :: elasticity = 1.0_wp
    end type line_contact_t
 
 contains

@@ -7,7 +7,6 @@ module line_hierarchy
    use expected_film, only: film_estimate
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t, new_level, set_plain_problem
-   use line_summary, only: line_summary_t, summary_of_fields
    use newton_work, only: newton_t
    use transfer, only: inject
    use wall_clock, only: wall_seconds
@@ -16,8 +15,7 @@ module line_hierarchy
 
    public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_coarser_levels, &
       pose_steady_problem, roughness_at
-   public :: add_level, coarser_summaries, coarsest_for_film, count_work, is_newton, &
-      level_summary, new_growing_hierarchy
+   public :: add_level, coarsest_for_film, count_work, is_newton, new_growing_hierarchy
 
    !> Smoother words.
    integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, &
@@ -92,8 +90,6 @@ module line_hierarchy
    integer, parameter :: smallest_coarsest = 64, largest_coarsest = 512
    !> No grid has fewer intervals.
    integer, parameter :: smallest_grid = 8
-   !> Solutions on coarser grids that an error estimate can use.
-   integer, parameter :: max_coarser = 3
 
 contains
 
@@ -202,7 +198,8 @@ contains
       hierarchy%coarsest = hierarchy%top
       call new_level(hierarchy%levels(hierarchy%top), contact%lambda, contact%fluid, &
          [contact%domain%x_inlet, contact%domain%x_outlet], first*2**(hierarchy%top - 1), &
-         error)   ! error: the caller looks
+         error, contact%elasticity)   ! error: the caller looks
+      hierarchy%levels(hierarchy%top)%slide_to_roll = contact%slide_to_roll
       hierarchy%setup_seconds = hierarchy%setup_seconds + wall_seconds() - start
    end subroutine new_grid
 
@@ -296,30 +293,5 @@ contains
       hierarchy%work_units = hierarchy%work_units &
          + sweeps*real(hierarchy%levels(k)%n, wp)/hierarchy%levels(hierarchy%top)%n
    end subroutine count_work
-
-   !> Summaries on n/2, n/4 and n/8 intervals, n those of the finest level: as far as these levels
-   !> are solved well enough and no cycle has changed them since.
-   pure function coarser_summaries(hierarchy) result(coarser)
-      type(line_hierarchy_t), intent(in) :: hierarchy
-      type(line_summary_t), allocatable :: coarser(:)
-      integer :: below
-
-      allocate (coarser(0))
-      if (hierarchy%coarsest < hierarchy%finest) return
-      do below = 1, min(max_coarser, hierarchy%finest - 1)
-         associate (level => hierarchy%levels(hierarchy%finest - below))
-            if (.not. level%is_coarse_run) exit
-            coarser = [coarser, level_summary(level)]
-         end associate
-      end do
-   end function coarser_summaries
-
-   !> Summary of the solution on a level.
-   pure function level_summary(level) result(summary)
-      type(line_level_t), intent(in) :: level
-      type(line_summary_t) :: summary
-
-      summary = summary_of_fields(level%x, level%state%pressure, level%state%film, 0.0_wp)
-   end function level_summary
 
 end module line_hierarchy

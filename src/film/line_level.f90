@@ -31,6 +31,8 @@ module line_level
       !> Speed parameter lambda and scaled laws of the oil, those of the contact.
       real(wp) :: lambda = 0.0_wp
       type(fluid_t) :: fluid
+      !> Slide-to-roll ratio of the contact.
+      real(wp) :: slide_to_roll = 0.0_wp
       !> Space scheme: kappa, else that of the thesis (module reynolds_line).
       logical :: is_kappa = .false.
       !> 1/dT of the time step, 0 in the steady problem.
@@ -54,7 +56,9 @@ module line_level
       !> Right sides: L_R(P, H) = rhs_reynolds, H - H0 + K P = rhs_film, dX sum P = rhs_load.
       real(wp), allocatable :: rhs_reynolds(:), rhs_film(:)
       real(wp) :: rhs_load = contact_load
-      !> Kernel K_j/pi, j = 0..n, and its product by FFT.
+      !> How much of the deformation counts, that of the contact; 0: rigid bodies.
+      real(wp) :: elasticity = 1.0_wp
+      !> Kernel K_j/pi, j = 0..n, times the elasticity, and its product by FFT.
       real(wp), allocatable :: kernel(:)
       type(toeplitz_t) :: convolution
       !> Coefficients e = rho H^3 S/mu (of the thesis's scheme) and rho, the operator L_R, and K
@@ -71,23 +75,25 @@ module line_level
 contains
 
    !> Allocates a level of `n` intervals between the `ends` X of the domain with unknowns zero and
-   !> plans its convolution.
-   subroutine new_level(level, lambda, fluid, ends, n, error)
+   !> plans its convolution. `elasticity`: of the contact, 1 where it is not given.
+   subroutine new_level(level, lambda, fluid, ends, n, error, elasticity)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: lambda
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: ends(2)
       integer, intent(in) :: n
       type(error_t), allocatable, intent(out) :: error
+      real(wp), intent(in), optional :: elasticity
       integer :: i
 
+      if (present(elasticity)) level%elasticity = elasticity
       level%n = n
       level%dx = (ends(2) - ends(1))/n
       level%lambda = lambda
       level%fluid = fluid
       allocate (level%x(0:n), level%kernel(0:n))
       level%x = [(ends(1) + i*level%dx, i=0, n - 1), ends(2)]
-      level%kernel = line_deflection_coefficients(n, level%dx)
+      level%kernel = level%elasticity*line_deflection_coefficients(n, level%dx)
       call new_toeplitz(level%convolution, level%kernel, error)
       if (allocated(error)) return
       allocate (level%state%pressure(0:n), level%state%film(0:n), level%rhs_reynolds(0:n), &

@@ -1,6 +1,7 @@
 !> The fields of a lubricated line contact at one time, as the solver hands them out.
 module line_state
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use friction_sums, only: friction_t
    use kinds, only: wp
    implicit none (type, external)
    private
@@ -21,6 +22,11 @@ module line_state
       real(wp), allocatable :: density(:)
       !> Eyring slip factor S; 1 for a Newtonian fluid.
       real(wp), allocatable :: slip_factor(:)
+      !> Shear stress at the wall of surface 1, mean across the film, and at the wall of surface 2,
+      !> over p_h b/R; 0 where the film cavitates. Not allocated where the speeds are not known.
+      real(wp), allocatable :: shear_stress_1(:), shear_stress_mean(:), shear_stress_2(:)
+      !> What they add up to; not allocated without a film.
+      type(friction_t), allocatable :: friction
       !> Psi_1 = psi_1 R/b^2: height of surface 1, positive out of the material (towards the gap).
       real(wp), allocatable :: roughness_1(:)
       !> Psi_2 likewise for surface 2.

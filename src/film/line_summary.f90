@@ -4,16 +4,17 @@
 !> Dimensionless (H, P, X, T).
 module line_summary
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use friction_sums, only: friction_t, unknown_friction
    use kinds, only: wp
    use line_state, only: line_state_t
-   use missing_value, only: not_known
+   use missing_value, only: larger, not_known
    use quantities, only: quantity_count, quantity_rows, quantity_values, &
       rule_between, rule_crest, rule_value
    implicit none (type, external)
    private
 
    public :: crests_t, keep_extremes, line_summary_t, new_quantity, quantity_t, summary_of, &
-      summary_of_fields, value_between
+      summary_of_fields, take_values, value_between
 
    !> One quantity, when it was reached and how far off it may be.
    type :: quantity_t
@@ -22,7 +23,7 @@ module line_summary
       real(wp) :: between
       !> T at which it was reached; 0 in steady state.
       real(wp) :: time
-      !> Estimated error of `value`: the sum of the four below; NaN = not estimated.
+      !> Estimated error of `value`: the sum of the five below; NaN = not estimated.
       real(wp) :: error_estimate
       !> Richardson's extrapolation of `value`, of x_cavitation the exit between the nodes;
       !> NaN = not known.
@@ -33,6 +34,8 @@ module line_summary
       real(wp) :: error_domain = 0.0_wp, error_iteration = 0.0_wp
       !> Because a transient has begun: NaN = the start is in the quantity.
       real(wp) :: error_start = 0.0_wp
+      !> Because something was left out of the model; NaN = not known.
+      real(wp) :: error_model = 0.0_wp
    end type quantity_t
 
    !> Maxima of P; NaN: there is none.
@@ -63,24 +66,42 @@ contains
       type(line_state_t), intent(in) :: state
       type(line_summary_t) :: summary
 
-      summary = summary_of_fields(state%x, state%pressure, state%film_thickness, state%time)
+      summary = summary_of_fields(state%x, state%pressure, state%film_thickness, state%time, &
+         state%friction)
    end function summary_of
 
    !> The quantities of pressure `p` and film `h` on the nodes `x` of a rising grid at a time, each
-   !> (nx).
-   pure function summary_of_fields(x, p, h, time) result(summary)
+   !> (nx), and of their friction if that is known.
+   pure function summary_of_fields(x, p, h, time, friction) result(summary)
       real(wp), intent(in) :: x(:)
       real(wp), intent(in) :: p(:)
       real(wp), intent(in) :: h(:)
       real(wp), intent(in) :: time
+      type(friction_t), intent(in), optional :: friction
       type(line_summary_t) :: summary
+      type(friction_t) :: forces
       integer :: i
 
+      forces = unknown_friction()
+      if (present(friction)) forces = friction
       do i = 1, quantity_count
-         summary%of(i) = new_quantity(i, quantity_values(i, x, p, h), time)
+         summary%of(i) = new_quantity(i, quantity_values(i, x, p, h, forces), time)
       end do
       summary%crests = crests_of(p, h)
    end function summary_of_fields
+
+   !> Takes the values of `other`, a solution of other equations on the same grid: the estimated
+   !> errors stay, extrapolated values go along.
+   pure subroutine take_values(summary, other)
+      type(line_summary_t), intent(inout) :: summary
+      type(line_summary_t), intent(in) :: other
+
+      associate (of => summary%of)
+         of%extrapolated = of%extrapolated + other%of%value - of%value
+         of%between = other%of%between
+         of%value = other%of%value
+      end associate
+   end subroutine take_values
 
    !> Widens `summary` by the quantities of another time: smallest films, largest pressure and exit.
    pure subroutine keep_extremes(summary, other)
@@ -131,16 +152,6 @@ contains
       curvature = values(3) - 2*values(2) + values(1)
       if (curvature < 0.0_wp) top = values(2) - 0.125_wp*(values(3) - values(1))**2/curvature
    end function vertex
-
-   !> The larger one; a value that is not known gives way.
-   pure function larger(a, b) result(value)
-      real(wp), intent(in) :: a, b
-      real(wp) :: value
-
-      value = a
-      if (ieee_is_finite(b)) value = b
-      if (ieee_is_finite(a) .and. ieee_is_finite(b)) value = max(a, b)
-   end function larger
 
    !> The value of row `i` that does not change with the place of the nodes, and is followed from
    !> grid to grid.

@@ -15,6 +15,7 @@ module nested_start
    use quantities, only: exit_between_nodes
    use newton_line, only: solve_newton
    use observer, only: is_stopped, observer_t
+   use reynolds_line, only: evaluate_coefficients
    use transfer, only: prolong_cubic
    use rheology, only: eased_fluid, thins, wall_stress
    implicit none (type, external)
@@ -143,13 +144,15 @@ contains
          call solve_newton(hierarchy%newton, level, tolerance, nested_steps, watcher)
          is_sound = is_solved
          level%is_coarse_run = is_sound .and. tolerance <= coarse_run_tolerance
-         if (.not. (level%is_coarse_run .and. hierarchy%is_kappa)) return
-         thesis = level%state
-         level%is_kappa = .true.
-         call solve_newton(hierarchy%newton, level, tolerance, nested_steps, watcher)
-         level%is_kappa = is_solved
-         level%is_coarse_run = is_solved
-         if (.not. is_solved) level%state = thesis
+         if (level%is_coarse_run .and. hierarchy%is_kappa) then
+            thesis = level%state
+            level%is_kappa = .true.
+            call solve_newton(hierarchy%newton, level, tolerance, nested_steps, watcher)
+            level%is_kappa = is_solved
+            level%is_coarse_run = is_solved
+            if (.not. is_solved) level%state = thesis
+         end if
+         if (level%is_coarse_run) call evaluate_coefficients(level)
       end associate
    end subroutine solve_level
 

@@ -2,9 +2,11 @@
 module observer
    use iteration_report, only: report_t
    use kinds, only: wp
+   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use march_state, only: march_state_t
+   use time_part, only: time_part_t
    implicit none (type, external)
    private
 
@@ -18,11 +20,17 @@ module observer
       !> Set by the observer in `on_step`: it wants to keep where the transient stands
       !> (`keep_state`).
       logical :: wants_state = .false.
+      !> Set by the observer: it repeats the time steps with other equations (`on_start`,
+      !> `on_parts`).
+      logical :: wants_parts = .false.
    contains
       !> After each cycle of a steady solve.
       procedure :: on_cycle => ignore_cycle
       !> After each time step, and once at T = 0 with step = 0.
       procedure :: on_step => ignore_step
+      !> With `wants_parts`, before `on_step` at T = 0, and after each time step before `on_step`.
+      procedure :: on_start => ignore_start
+      procedure :: on_parts => ignore_parts
       !> After a time step for which `wants_state` is set.
       procedure :: keep_state => ignore_state
       !> After a steady solution: the summaries of the coarser grids that it has passed, of n/2
@@ -80,6 +88,30 @@ contains
          unused_state => state, unused_report => report)
       end associate
    end subroutine ignore_step
+
+   !> T = 0: in `state` the smooth steady pressure of `contact`, with the film that the surfaces
+   !> have entered. A report that is not converged afterwards ends the march.
+   subroutine ignore_start(self, contact, state, report)
+      class(observer_t), intent(inout) :: self
+      type(line_contact_t), intent(in) :: contact
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
+
+      associate (unused_self => self, unused_contact => contact, unused_state => state, &
+         unused_report => report)
+      end associate
+   end subroutine ignore_start
+
+   !> A time step has been solved in these parts. A report that is not converged afterwards ends the
+   !> march.
+   subroutine ignore_parts(self, parts, report)
+      class(observer_t), intent(inout) :: self
+      type(time_part_t), intent(in) :: parts(:)
+      type(report_t), intent(inout) :: report
+
+      associate (unused_self => self, unused_parts => parts, unused_report => report)
+      end associate
+   end subroutine ignore_parts
 
    !> Keeps nothing.
    subroutine ignore_state(self, history)

@@ -11,13 +11,13 @@
 !> A passage of nothing but waves becomes periodic: its quantities are those of the last whole
 !> periods.
 module passage_times
-   use entry_zone, only: half_ridge, has_something_inside, has_waves, is_cut, is_moving, is_ridge, &
-      is_wave, last_passage, zone_of, zone_t
+   use entry_zone, only: arrival_of, half_ridge, has_something_inside, has_waves, is_cut, &
+      is_moving, is_ridge, is_wave, last_passage, zone_of, zone_t
    use features, only: feature_ridge, rough_surface_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use solver_settings, only: time_settings_t
-   use text, only: to_text
+   use text, only: add_sentence, to_text
    implicit none (type, external)
    private
 
@@ -48,6 +48,8 @@ module passage_times
       real(wp) :: period = 0.0_wp
       !> From here on the start is forgotten and all waves have entered.
       real(wp) :: settled_from = 0.0_wp
+      !> Before this time the contact is smooth still; 0 where that lasts to the end.
+      real(wp) :: arrival = 0.0_wp
       !> End that the passage needs.
       real(wp) :: needed_end = 0.0_wp
       real(wp) :: end_time = 0.0_wp
@@ -59,6 +61,8 @@ module passage_times
       !> Whether a time counts, and whether it belongs to the comparison.
       procedure :: counts
       procedure :: is_earlier
+      !> From when statistics of the film count.
+      procedure :: statistics_from
       !> Whether the run lasts until the quantities have nothing of the start in them.
       procedure :: is_settled
    end type passage_times_t
@@ -73,6 +77,17 @@ contains
 
       counts = time >= self%counts_from - rounding*self%end_time
    end function counts
+
+   !> Statistics of the film count no times at which the contact is smooth still, unless the user
+   !> has said from when.
+   pure function statistics_from(self) result(from)
+      class(passage_times_t), intent(in) :: self
+      real(wp) :: from
+
+      from = self%counts_from
+      if (.not. self%is_given) from = max(from, self%arrival)
+      from = from - rounding*self%end_time
+   end function statistics_from
 
    !> Whether the quantities at `time` are those to compare with.
    pure elemental function is_earlier(self, time)
@@ -110,6 +125,8 @@ contains
       call look_at_surface(contact%surface_1, zone, times)
       call look_at_surface(contact%surface_2, zone, times)
       times%needed_end = times%settled_from
+      times%arrival = min(arrival_of(contact%surface_1, zone), arrival_of(contact%surface_2, zone))
+      if (times%arrival > time%end_time) times%arrival = 0.0_wp
       if (time%statistics_from >= 0.0_wp) then
          times%is_given = .true.
          times%counts_from = time%statistics_from
@@ -277,12 +294,9 @@ contains
             to_text(times%settled_from, 3)//' counts; position further outside shows all of it'
       end if
       left = max(last_passage(contact%surface_1), last_passage(contact%surface_2))
-      if (left > times%end_time*(1 + rounding)) then
-         if (note /= '') note = note//'; '
-         note = note//'a feature is still in the contact or in front of it at the end: '// &
-            'end_time = '//rounded_up(left)// &
-            ' or more is needed'
-      end if
+      if (left > times%end_time*(1 + rounding)) call add_sentence(note, &
+         'a feature is still in the contact or in front of it at the end: end_time = ' &
+         //rounded_up(left)//' or more is needed')
    end function passage_note
 
    !> A time with three digits, not below it.

@@ -1,11 +1,14 @@
 !> The quantities of a lubricated line contact that everybody asks for first: smallest and central
-!> film, largest pressure, exit. What each is stands in one table; the summary of a state, extremes
-!> over time, error estimates, forecasts, checkpoints, results and the closing table go through it.
+!> film, largest pressure, exit, friction. What each is stands in one table; the summary of a state,
+!> extremes over time, error estimates, forecasts, checkpoints, results and the closing table go
+!> through it.
 !>
-!> Dimensionless (H, P, X). Where a quantity cannot be known it is NaN, never a number that looks
-!> like an answer.
+!> Dimensionless (H, P, X; forces and powers as in module film_shear). Where a quantity cannot be
+!> known it is NaN, never a number that looks like an answer.
 module quantities
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use constants, only: pi
+   use friction_sums, only: friction_t
    use kinds, only: wp
    use missing_value, only: not_known
    implicit none (type, external)
@@ -16,7 +19,8 @@ module quantities
 
    !> Rows of the table.
    integer, parameter, public :: h_min = 1, h_min_node = 2, h_central = 3, p_max = 4, &
-      x_cavitation = 5
+      x_cavitation = 5, friction_coefficient = 6, rolling_coefficient = 7, sliding_power = 8, &
+      rolling_power = 9
 
    !> How the error of a quantity is estimated from other grids. `rule_value`: by its own values, in
    !> a transient by those between the nodes. `rule_node`: by both, and their distance is added.
@@ -28,43 +32,61 @@ module quantities
    !> What a quantity is.
    type, public :: quantity_row_t
       !> Name in the result.
-      character(len=12) :: name
+      character(len=28) :: name
       !> Name in the closing table; empty: it is not there, and changes of it need no note.
-      character(len=5) :: short
+      character(len=9) :: short
       !> The field of /solution whose unit it has; that says what an inlet too near does to it, too.
-      character(len=14) :: field
+      character(len=20) :: field
       !> Which one over several times counts: 'smallest' or 'largest'.
       character(len=8) :: extreme
       integer :: rule
       !> Bounds of its observed order in space in the kappa scheme: at a spike that of h_min is
       !> chance, and h_central falls faster than with the second order.
       real(wp) :: kappa_orders(2)
+      !> Its estimate is wider than others by this factor.
+      real(wp) :: widening
       !> Text of its data set.
       character(len=80) :: text
    end type quantity_row_t
 
    type(quantity_row_t), parameter, public :: quantity_rows(*) = [ &
-      quantity_row_t('h_min', 'h_min', 'film_thickness', 'smallest', rule_value, [1.0_wp, 1.0_wp], &
-         'smallest film thickness, parabola through three nodes'), &
-      quantity_row_t('h_min_node', '', 'film_thickness', 'smallest', rule_node, [1.0_wp, 1.0_wp], &
-         'smallest film thickness of a node'), &
-      quantity_row_t('h_central', 'h_c', 'film_thickness', 'smallest', rule_value, &
-         [1.0_wp, 2.5_wp], 'film thickness at X = 0, linear between nodes'), &
-      quantity_row_t('p_max', 'p_max', 'pressure', 'largest', rule_crest, [1.0_wp, 2.0_wp], &
-         'largest pressure of a node'), &
-      quantity_row_t('x_cavitation', '', 'x', 'largest', rule_between, [1.0_wp, 2.0_wp], &
-         'last node with P > 0 (extrapolated: exit between nodes)')]
+      quantity_row_t('h_min', 'h_min', 'film_thickness', 'smallest', rule_value, &
+         [1.0_wp, 1.0_wp], 1.0_wp, 'smallest film thickness, parabola through three nodes'), &
+      quantity_row_t('h_min_node', '', 'film_thickness', 'smallest', rule_node, &
+         [1.0_wp, 1.0_wp], 1.0_wp, 'smallest film thickness of a node'), &
+      quantity_row_t('h_central', 'h_central', 'film_thickness', 'smallest', rule_value, &
+         [1.0_wp, 2.5_wp], 1.0_wp, 'film thickness at X = 0, linear between nodes'), &
+      quantity_row_t('p_max', 'p_max', 'pressure', 'largest', rule_crest, &
+         [1.0_wp, 2.0_wp], 1.0_wp, 'largest pressure of a node'), &
+      quantity_row_t('x_cavitation', '', 'x', 'largest', rule_between, &
+         [1.0_wp, 2.0_wp], 1.0_wp, &
+         'last node with P > 0 (extrapolated: exit between nodes)'), &
+      quantity_row_t('friction_coefficient', 'friction', 'friction_coefficient', 'largest', &
+         rule_node, [1.0_wp, 2.0_wp], 1.0_wp, &
+         'force of sliding over the load (dimensionless: times R/b)'), &
+      quantity_row_t('rolling_friction_coefficient', '', 'friction_coefficient', 'largest', &
+         rule_value, [1.0_wp, 2.0_wp], 1.0_wp, &
+         'force of rolling on each surface over the load (dimensionless: times R/b)'), &
+      quantity_row_t('sliding_power', '', 'power', 'largest', rule_node, &
+         [1.0_wp, 2.0_wp], 1.0_wp, 'power that sliding turns into heat, per length'), &
+      quantity_row_t('rolling_power', '', 'power', 'largest', rule_value, &
+         [1.0_wp, 2.0_wp], 1.5_wp, 'power that flow by the pressure turns into heat, per length')]
 
    integer, parameter, public :: quantity_count = size(quantity_rows)
 
+   !> Rows that are not known where the speeds of the surfaces are not.
+   integer, parameter, public :: sliding_rows(*) = [friction_coefficient, sliding_power]
+
 contains
 
-   !> A quantity of pressure `p` and film `h` on the nodes `x` of a rising grid, each (nx): its
-   !> value and that between the nodes, which does not change with the place of the nodes. The same
-   !> number twice where there is no other; of the pressure the crests are used in its place.
-   pure function quantity_values(row, x, p, h) result(values)
+   !> A quantity of pressure `p` and film `h` on the nodes `x` of a rising grid, each (nx), or of
+   !> what their stresses add up to: its value and that between the nodes, which does not change
+   !> with the place of the nodes. The same number twice where there is no other; of the pressure
+   !> the crests are used in its place, of sliding it is that with an exit farther by its error.
+   pure function quantity_values(row, x, p, h, friction) result(values)
       integer, intent(in) :: row
       real(wp), intent(in) :: x(:), p(:), h(:)
+      type(friction_t), intent(in) :: friction
       real(wp) :: values(2)
 
       select case (row)
@@ -78,6 +100,14 @@ contains
          values = peak_value(p)
       case (x_cavitation)
          values = [exit_position(x, p), exit_between_nodes(x, p)]
+      case (friction_coefficient)
+         values = abs(friction%sliding + [0.0_wp, friction%exit_doubt])*2/pi
+      case (rolling_coefficient)
+         values = friction%rolling*2/pi
+      case (sliding_power)
+         values = friction%sliding_speed*(friction%sliding + [0.0_wp, friction%exit_doubt])
+      case (rolling_power)
+         values = friction%rolling_power
       case default
          values = not_known()
       end select

@@ -22,7 +22,8 @@ module reynolds_line
    implicit none (type, external)
    private
 
-   public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, reynolds_diagonals, &
+   public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, mass_flux, &
+      reynolds_diagonals, &
       third_order_share, third_order_slope, wedge_weights
 
    !> Curvature c at which half of the third order is left in the flux of the kappa scheme.
@@ -127,18 +128,44 @@ contains
       integer :: i, n
 
       n = level%n
-      associate (p => level%state%pressure, h => level%state%film, rho => level%density, &
-         more => level%work, &
-         alpha => level%fluid%alpha_bar)
+      associate (more => level%work)
          more(0) = 0.0_wp
          do concurrent (i=1:n - 1)
-            more(i) = third_order_share(alpha*(p(i - 1) - 2*p(i) + p(i + 1)))/3 &
-               *(rho(i + 1)*h(i + 1) - 2*rho(i)*h(i) + rho(i - 1)*h(i - 1))
+            more(i) = third_order_flux(level, i)
          end do
          level%operator(1:n - 1) = level%operator(1:n - 1) &
             - level%lambda/level%dx*(more(1:n - 1) - more(:n - 2))
       end associate
    end subroutine add_third_order
+
+   !> What the kappa scheme adds to the mass flux rH at the face behind node i, 1 <= i < n.
+   pure elemental function third_order_flux(level, i) result(flux)
+      type(line_level_t), intent(in) :: level
+      integer, intent(in) :: i
+      real(wp) :: flux
+
+      associate (p => level%state%pressure, h => level%state%film, rho => level%density)
+         flux = third_order_share(level%fluid%alpha_bar*(p(i - 1) - 2*p(i) + p(i + 1)))/3 &
+            *(rho(i + 1)*h(i + 1) - 2*rho(i)*h(i) + rho(i - 1)*h(i - 1))
+      end associate
+   end function third_order_flux
+
+   !> Mass flux rho H - e/lambda dP/dX at the faces (1:n), face i left of node i, as the space
+   !> scheme has it, with the present coefficients.
+   pure function mass_flux(level) result(flux)
+      type(line_level_t), intent(in) :: level
+      real(wp) :: flux(level%n)
+      integer :: i
+
+      associate (p => level%state%pressure, h => level%state%film, rho => level%density)
+         flux(1) = 0.5_wp*(rho(0)*h(0) + rho(1)*h(1))
+         do i = 2, level%n
+            flux(i) = 1.5_wp*rho(i - 1)*h(i - 1) - 0.5_wp*rho(i - 2)*h(i - 2)
+         end do
+         if (level%is_kappa) flux(2:) = flux(2:) + third_order_flux(level, [(i, i=1, level%n - 1)])
+         flux = flux - level%face_mobility*(p(1:) - p(0:level%n - 1))/(level%lambda*level%dx)
+      end associate
+   end function mass_flux
 
    !> Adds what the slopes of the compensation of P bring to L_R. (P(i) - P(i-1) is exact, being the
    !> difference of neighbours.)

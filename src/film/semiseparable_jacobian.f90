@@ -104,7 +104,7 @@ contains
       is_solved = is_solved .or. self%krylov%iterations > 0
    end subroutine solve_semiseparable_system
 
-   !> Fit of kappa_j = pi K_j/dX - ln dX and storage, once per grid.
+   !> Fit of kappa_j = pi K_j/dX - ln dX, times the elasticity, and storage, once per grid.
    subroutine prepare_kernel(self, level, is_ready)
       class(semiseparable_jacobian_t), intent(inout) :: self
       type(line_level_t), intent(in) :: level
@@ -115,14 +115,14 @@ contains
 
       is_ready = self%n == level%n
       if (is_ready) return
-      call fit_exponentials(pi*level%kernel/level%dx - log(level%dx), fit, error)
+      call fit_exponentials(pi*level%kernel/level%dx - level%elasticity*log(level%dx), fit, error)
       is_ready = .not. allocated(error)
       if (.not. is_ready) return
       call new_semiseparable(self%factors, level%n - 1, fit%ratio)
       self%n = level%n
       associate (rows => self%rows)
          rows%ratio = fit%ratio
-         rows%constant = -level%dx/pi*(fit%constant + log(level%dx))
+         rows%constant = -level%dx/pi*(fit%constant + level%elasticity*log(level%dx))
          do o = -2, 1
             rows%left(:, o) = level%dx/pi*fit%weight*fit%ratio**o
             rows%right(:, o) = level%dx/pi*fit%weight*fit%ratio**(-o)

@@ -1,12 +1,15 @@
 !> From a level of the solver to the fields that are handed out.
 module state_output
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use features, only: surface_height
+   use film_shear, only: friction_of
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t
    use line_state, only: line_state_t
    use lubricant, only: fluid_density, fluid_viscosity
    use rheology, only: ln_slip
+   use shear_stresses, only: film_stresses
    implicit none (type, external)
    private
 
@@ -17,8 +20,9 @@ module state_output
 
 contains
 
-   !> Pressure, film, roughness, H0 and time; the lubricant's properties are left to
-   !> `fill_properties`.
+   !> Pressure, film, roughness, H0, time, and friction from a level whose mobility and density are
+   !> those of its pressure and film, where these have been evaluated (a stop may come before that);
+   !> fields of the lubricant are left to `fill_properties`.
    pure subroutine fill_state(contact, level, time, state)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
@@ -32,13 +36,18 @@ contains
       state%roughness_2 = surface_height(contact%surface_2, level%x, time)
       state%rigid_displacement = level%state%rigid_displacement
       state%time = time
+      if (allocated(state%friction)) deallocate (state%friction)
+      if (all(state%film_thickness > 0.0_wp) .and. level%density(0) > 0.0_wp) then
+         state%friction = friction_of(level)
+      end if
    end subroutine fill_state
 
-   !> Viscosity mu/mu_0, density rho/rho_0 and slip factor S of the state's pressure and film.
+   !> Viscosity mu/mu_0, density rho/rho_0, slip factor S and shear stresses of the state's pressure
+   !> and film.
    pure subroutine fill_properties(contact, state)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(inout) :: state
-      real(wp), allocatable :: drive(:), ln_mu(:)
+      real(wp), allocatable :: drive(:), ln_mu(:), stresses(:, :)
       integer :: n
 
       n = size(state%x)
@@ -51,6 +60,12 @@ contains
          /(state%x(3:) - state%x(:n - 2))
       state%slip_factor = exp(min(ln_slip(contact%fluid, drive, state%film_thickness, ln_mu), &
          largest_exponent))
+      if (.not. ieee_is_finite(contact%slide_to_roll)) return
+      stresses = film_stresses(contact%fluid, contact%lambda, contact%slide_to_roll, state%x, &
+         state%pressure, state%film_thickness)
+      state%shear_stress_1 = stresses(:, 1)
+      state%shear_stress_mean = stresses(:, 2)
+      state%shear_stress_2 = stresses(:, 3)
    end subroutine fill_properties
 
 end module state_output

@@ -8,7 +8,7 @@ module wave_resolution
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t, shortest_passage
    use solver_settings, only: time_settings_t
-   use text, only: to_text
+   use text, only: add_sentence, to_text
    implicit none (type, external)
    private
 
@@ -73,11 +73,9 @@ contains
          to_text(wanted_nodes)//' are needed: '// &
          to_text(intervals_at_least(real(wanted_nodes, wp)/nodes*contact%domain%intervals)) &
             //' intervals'
-      if (steps >= wanted_steps) return
-      if (len(words) > 0) words = words//'; '
-      words = words//'the finest moving wave passes in '//to_text(steps, 3)//' time steps, ' &
-         //to_text(wanted_steps)// &
-         ' are needed: time_step = '//to_text(shortest_passage(contact)/wanted_steps, 2)
+      if (steps < wanted_steps) call add_sentence(words, 'the finest moving wave passes in ' &
+         //to_text(steps, 3)//' time steps, '//to_text(wanted_steps)// &
+         ' are needed: time_step = '//to_text(shortest_passage(contact)/wanted_steps, 2))
    end function coarse_waves
 
    !> Why coarser grids and longer steps tell nothing of the error: waves that they do not see.

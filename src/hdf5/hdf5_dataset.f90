@@ -5,18 +5,20 @@
 module hdf5_dataset
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
-   use hdf5, only: h5dclose_f, h5dcreate_f, h5dwrite_f, h5p_dataset_create_f, h5pclose_f, &
-      h5pcreate_f, h5pset_obj_track_times_f, h5sclose_f, h5tclose_f, hid_t
-   use hdf5_attribute, only: new_space, new_string, write_attribute
+   use hdf5, only: h5dclose_f, h5dcreate_f, h5dwrite_f, h5iinc_ref_f, hid_t
+   use hdf5_attribute, only: close_space, new_space, stored_text, write_attribute
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: create_labelled, label_t, new_label, new_properties, write_dataset, write_string, &
-      write_values
+   public :: create_labelled, label_t, new_label, write_dataset, write_string, write_values
 
-   !> What a stored value is. value * si_scale = value in si_units.
+   !> Numbers that are stored in the header of their dataset, at most: no place in the file to look
+   !> up and to write.
+   integer, parameter :: few = 16
+
+   !> What a stored value is. value * si_scale = value in si_units; attribute `units`: of the value.
    type :: label_t
       character(:), allocatable :: long_name
       !> Unit after multiplication by `si_scale`; '1' for a number without unit.
@@ -71,14 +73,10 @@ contains
       character(*), intent(in) :: path, value
       type(label_t), intent(in), optional :: label
       character(kind=c_char, len=:), allocatable, target :: copy
-      integer(hid_t) :: string_type
-      integer :: status
 
       if (allocated(file%failure)) return
-      call new_string(value, copy, string_type, status)
-      call file%check(status, 'string type')
-      call write_values(file, path, string_type, [integer ::], c_loc(copy), label)
-      call h5tclose_f(string_type, status)
+      copy = stored_text(value)
+      call write_values(file, path, file%string_type(len(copy)), [integer ::], c_loc(copy), label)
    end subroutine write_string
 
    !> Creates, writes and closes a dataset of the `extents` (none: one value), and labels it.
@@ -89,51 +87,58 @@ contains
       integer, intent(in) :: extents(:)
       type(c_ptr), intent(in) :: values
       type(label_t), intent(in), optional :: label
-      integer(hid_t) :: space, dataset, properties
+      integer(hid_t) :: space, dataset
       integer :: status
 
       if (allocated(file%failure)) return
-      call new_space(extents, space, status)
-      if (status >= 0) call new_properties(properties, status)
+      call new_space(file, extents, space, status)
       call file%check(status, path)
-      call create_labelled(file, path, type_id, space, properties, label, dataset)
+      associate (is_small => product(int(extents, int64)) <= few .and. (type_id == &
+         file%real_type .or. type_id == file%integer_type))
+         call create_labelled(file, path, type_id, space, merge(file%small_creation, &
+            file%creation, is_small), label, dataset)
+      end associate
       if (allocated(file%failure)) return
       if (all(extents > 0)) call h5dwrite_f(dataset, type_id, values, status)
       if (status >= 0) call h5dclose_f(dataset, status)
+      if (status >= 0) call close_space(extents, space, status)
       call file%check(status, path)
    end subroutine write_values
 
-   !> Properties of a new dataset, for `create_labelled`: without a time stamp; `status` < 0:
-   !> failed.
-   subroutine new_properties(properties, status)
-      integer(hid_t), intent(out) :: properties
-      integer, intent(out) :: status
-
-      call h5pcreate_f(h5p_dataset_create_f, properties, status)
-      if (status >= 0) call h5pset_obj_track_times_f(properties, .false., status)
-   end subroutine new_properties
-
-   !> Creates a dataset, which stays open, and the groups above it, and labels it; `space` and
-   !> `properties` are given back.
+   !> Creates a dataset, which stays open, and the groups above it, and labels it. (A single number
+   !> without unit has no `units`: netCDF takes that for '1'.)
    subroutine create_labelled(file, path, type_id, space, properties, label, dataset)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
       integer(hid_t), intent(in) :: type_id, space, properties
       type(label_t), intent(in), optional :: label
       integer(hid_t), intent(out) :: dataset
-      integer :: status
+      integer(hid_t) :: parent
+      integer :: first, references, status
 
       dataset = -1_hid_t
       if (allocated(file%failure)) return
-      call h5dcreate_f(file%id, path, type_id, space, dataset, status, dcpl_id=properties, &
-         lcpl_id=file%link_creation)
-      if (status >= 0) call h5pclose_f(properties, status)
-      if (status >= 0) call h5sclose_f(space, status)
+      call file%find_parent(path, parent, first)
+      call h5dcreate_f(parent, path(first:), type_id, space, dataset, status, &
+         dcpl_id=properties, lcpl_id=file%link_creation)
       call file%check(status, path)
-      if (.not. present(label)) return
+      if (.not. present(label) .or. allocated(file%failure)) return
+      call h5iinc_ref_f(dataset, references, status)   ! the caller has one, the file another
+      call file%keep_object(path, dataset)
       call write_attribute(file, path, 'long_name', label%long_name)
       call write_attribute(file, path, 'si_units', label%si_units)
       call write_attribute(file, path, 'si_scale', label%si_scale)
+      if (stored_unit(label) /= '1' .or. space /= file%scalar_space) call write_attribute(file, &
+         path, 'units', stored_unit(label))
    end subroutine create_labelled
+
+   !> The unit of the numbers as they are stored: '1' for those that `si_scale` turns into SI.
+   pure function stored_unit(label) result(unit)
+      type(label_t), intent(in) :: label
+      character(:), allocatable :: unit
+
+      unit = '1'
+      if (abs(label%si_scale - 1.0_wp) <= 0.0_wp) unit = label%si_units
+   end function stored_unit
 
 end module hdf5_dataset

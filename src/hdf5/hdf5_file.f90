@@ -9,18 +9,34 @@ module hdf5_file
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, output_error
-   use hdf5, only: h5f_acc_trunc_f, h5f_close_strong_f, h5f_scope_global_f, h5fclose_f, &
-      h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5kind_to_type, h5_integer_kind, &
-      h5_real_kind, h5p_file_access_f, h5p_link_create_f, h5pclose_f, h5pcreate_f, &
-      h5pset_create_inter_group_f, h5pset_fclose_degree_f, h5pset_libver_bounds_f, &
-      h5f_libver_earliest_f, h5f_libver_latest_f, hid_t
+   use hdf5, only: h5_integer_kind, h5_real_kind, h5d_compact_f, h5f_acc_trunc_f, &
+      h5f_close_strong_f, h5f_libver_earliest_f, h5f_libver_latest_f, h5f_scope_global_f, &
+      h5fclose_f, h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5gopen_f, h5kind_to_type, &
+      h5oclose_f, h5oopen_f, h5p_dataset_create_f, h5p_file_access_f, h5p_link_create_f, &
+      h5pclose_f, h5pcreate_f, h5pset_create_inter_group_f, h5pset_fclose_degree_f, &
+      h5pset_layout_f, h5pset_libver_bounds_f, h5pset_obj_track_times_f, h5s_scalar_f, &
+      h5sclose_f, h5screate_f, h5t_c_s1, h5t_cset_utf8_f, h5t_str_nullpad_f, h5tclose_f, &
+      h5tcopy_f, h5tset_cset_f, h5tset_size_f, h5tset_strpad_f, hid_t, size_t
    use hdf5_library, only: start_hdf5
    use hdf5_reason, only: keep_hdf5_failure
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: create_hdf5_file, hdf5_file_t
+   public :: axis_t, create_hdf5_file, hdf5_file_t, new_properties
+
+   !> Longest string whose type is kept for the next string of its length.
+   integer, parameter :: longest_kept = 256
+
+   !> A coordinate of datasets in a file (see `hdf5_axes`).
+   type :: axis_t
+      character(:), allocatable :: path
+      !> What stands for it in references, and for the datasets of which it is a dimension; the
+      !> numbers of these dimensions, 0 = the slowest.
+      integer(int64) :: place = 0
+      integer(int64), allocatable :: users(:)
+      integer, allocatable :: dimensions(:)
+   end type axis_t
 
    !> An open file for writing.
    type :: hdf5_file_t
@@ -32,13 +48,38 @@ module hdf5_file
       !> (groups above are made as well).
       integer(hid_t) :: id = -1_hid_t
       integer(hid_t) :: link_creation = -1_hid_t
+      !> Properties of new datasets, and of small ones, whose values stand in their header.
+      integer(hid_t) :: creation = -1_hid_t
+      integer(hid_t) :: small_creation = -1_hid_t
+      !> The dataspace of one value.
+      integer(hid_t) :: scalar_space = -1_hid_t
       !> HDF5 types of real(wp) and integer(int64).
       integer(hid_t) :: real_type = -1_hid_t
       integer(hid_t) :: integer_type = -1_hid_t
+      !> Types of strings by their length; at 0 that of the last one that is longer.
+      integer(hid_t), private :: string_types(0:longest_kept) = -1_hid_t
+      !> Coordinates so far; unallocated: none.
+      type(axis_t), allocatable :: axes(:)
       !> The first dataset whose values are no answer, and why; unallocated: none so far.
       character(:), allocatable :: nonsense
       logical, private :: is_open = .false.
+      !> The group or dataset that got the last attribute, which stays open for the next one: to
+      !> look up its path costs as much as an attribute.
+      character(:), allocatable, private :: object_path
+      integer(hid_t), private :: object = -1_hid_t
+      !> The group, with a slash at its end, in which the last dataset was made, and its identifier
+      !> if it was not the first there.
+      character(:), allocatable, private :: group_path
+      integer(hid_t), private :: group = -1_hid_t
    contains
+      !> Keeps a new group or dataset open for its attributes.
+      procedure :: keep_object
+      !> Where to make a dataset.
+      procedure :: find_parent
+      !> The identifier of a group or dataset for its attributes.
+      procedure :: object_at
+      !> The HDF5 type of a string.
+      procedure :: string_type
       !> Looks at numbers that are written.
       procedure :: look_at
       !> Makes a group, and those above it.
@@ -73,6 +114,10 @@ contains
             h5f_libver_latest_f, status)
          if (status >= 0) call h5pcreate_f(h5p_link_create_f, file%link_creation, status)
          if (status >= 0) call h5pset_create_inter_group_f(file%link_creation, 1, status)
+         if (status >= 0) call new_properties(file%creation, status)
+         if (status >= 0) call new_properties(file%small_creation, status)
+         if (status >= 0) call h5pset_layout_f(file%small_creation, h5d_compact_f, status)
+         if (status >= 0) call h5screate_f(h5s_scalar_f, file%scalar_space, status)
          if (status >= 0) call h5fcreate_f(path, h5f_acc_trunc_f, file%id, status, &
             access_prp=access)
          file%is_open = status >= 0
@@ -81,6 +126,37 @@ contains
       end if
       if (allocated(file%failure)) error = file%failure
    end subroutine create_hdf5_file
+
+   !> Properties of a new dataset, for `create_labelled`: without a time stamp; `status` < 0:
+   !> failed.
+   subroutine new_properties(properties, status)
+      integer(hid_t), intent(out) :: properties
+      integer, intent(out) :: status
+
+      call h5pcreate_f(h5p_dataset_create_f, properties, status)
+      if (status >= 0) call h5pset_obj_track_times_f(properties, .false., status)
+   end subroutine new_properties
+
+   !> The type of UTF-8 strings of `length` > 0 bytes, to be left open; nothing sensible after a
+   !> failure.
+   function string_type(self, length) result(type_id)
+      class(hdf5_file_t), intent(inout) :: self
+      integer, intent(in) :: length
+      integer(hid_t) :: type_id
+      integer :: slot, status
+
+      slot = merge(length, 0, length <= longest_kept)
+      type_id = self%string_types(slot)
+      if (slot > 0 .and. type_id >= 0_hid_t) return
+      status = 0
+      if (type_id >= 0_hid_t) call h5tclose_f(type_id, status)
+      if (status >= 0) call h5tcopy_f(h5t_c_s1, type_id, status)
+      if (status >= 0) call h5tset_size_f(type_id, int(length, size_t), status)
+      if (status >= 0) call h5tset_strpad_f(type_id, h5t_str_nullpad_f, status)
+      if (status >= 0) call h5tset_cset_f(type_id, h5t_cset_utf8_f, status)
+      call self%check(status, 'string type')
+      self%string_types(slot) = type_id
+   end function string_type
 
    !> Keeps the first failure: `status` < 0 while `doing`.
    subroutine check(self, status, doing)
@@ -119,9 +195,100 @@ contains
 
       if (allocated(self%failure)) return
       call h5gcreate_f(self%id, path, group, status, lcpl_id=self%link_creation)
-      if (status >= 0) call h5gclose_f(group, status)
       call self%check(status, path)
+      if (.not. allocated(self%failure)) call self%keep_object(path, group)
    end subroutine create_group
+
+   !> Takes over the open `object` at `path`.
+   subroutine keep_object(self, path, object)
+      class(hdf5_file_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      integer(hid_t), intent(in) :: object
+
+      call close_object(self)
+      self%object_path = path
+      self%object = object
+   end subroutine keep_object
+
+   !> The open object at `path`, to be left open; nothing sensible after a failure.
+   function object_at(self, path) result(object)
+      class(hdf5_file_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      integer(hid_t) :: object
+      integer :: status
+
+      if (allocated(self%object_path)) then
+         object = self%object
+         if (self%object_path == path) return
+      end if
+      call h5oopen_f(self%id, path, object, status)
+      call self%check(status, path)
+      if (.not. allocated(self%failure)) call self%keep_object(path, object)
+   end function object_at
+
+   !> What a new dataset at `path` is made in: `parent`, under the name path(first:). That is the
+   !> file, and the group where several datasets are made one after another.
+   subroutine find_parent(self, path, parent, first)
+      class(hdf5_file_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      integer(hid_t), intent(out) :: parent
+      integer, intent(out) :: first
+      integer :: slash, status
+
+      parent = self%id
+      first = 1
+      slash = index(path, '/', back=.true.)
+      if (slash < 2) return
+      if (.not. allocated(self%group_path)) self%group_path = ''
+      if (self%group_path /= path(:slash)) then
+         call close_group(self)
+         self%group_path = path(:slash)
+         return
+      end if
+      status = 0
+      if (self%group < 0_hid_t) call h5gopen_f(self%id, path(:slash), self%group, status)
+      call self%check(status, path)
+      parent = self%group
+      first = slash + 1
+   end subroutine find_parent
+
+   !> Closes the group that was kept open.
+   subroutine close_group(self)
+      class(hdf5_file_t), intent(inout) :: self
+      integer :: status
+
+      if (self%group < 0_hid_t) return
+      call h5gclose_f(self%group, status)
+      self%group = -1_hid_t
+      call self%check(status, self%group_path)
+   end subroutine close_group
+
+   !> Closes the object that was kept open.
+   subroutine close_object(self)
+      class(hdf5_file_t), intent(inout) :: self
+      integer :: status
+
+      if (.not. allocated(self%object_path)) return
+      call h5oclose_f(self%object, status)
+      call self%check(status, self%object_path)
+      deallocate (self%object_path)
+   end subroutine close_object
+
+   !> Closes properties, types and the dataspace that all datasets share.
+   subroutine close_shared(self)
+      class(hdf5_file_t), intent(inout) :: self
+      integer :: i, status
+
+      call h5pclose_f(self%link_creation, status)
+      if (status >= 0) call h5pclose_f(self%creation, status)
+      if (status >= 0) call h5pclose_f(self%small_creation, status)
+      if (status >= 0) call h5sclose_f(self%scalar_space, status)
+      do i = 0, longest_kept
+         if (self%string_types(i) >= 0_hid_t .and. status >= 0) call h5tclose_f( &
+            self%string_types(i), status)
+      end do
+      call self%check(status, 'properties and types')
+   end subroutine close_shared
 
    !> Hands everything written so far to the operating system.
    subroutine flush_file(self)
@@ -143,8 +310,9 @@ contains
       call self%flush()
       if (self%is_open) then
          self%is_open = .false.
-         call h5pclose_f(self%link_creation, status)
-         call self%check(status, 'link properties')
+         call close_object(self)
+         call close_group(self)
+         call close_shared(self)
          call h5fclose_f(self%id, status)
          call self%check(status, 'closing the file')
       end if

@@ -46,6 +46,8 @@ module hdf5_input
       procedure :: read_numbers
       !> The text of a dataset, or of an attribute of a dataset or group, of a fixed length.
       procedure :: text
+      !> The text of an attribute that may be missing, or be something else.
+      procedure :: text_of
       procedure :: check
       procedure :: refuse
       !> Closes the file; `error` is the first failure.
@@ -256,6 +258,32 @@ contains
       end if
       call source%close()
    end function text
+
+   !> The text of the `attribute` of the object at `path`, of a fixed or a variable length; empty if
+   !> there is none or it is not one text.
+   function text_of(self, path, attribute) result(text)
+      class(hdf5_input_t), intent(inout) :: self
+      character(*), intent(in) :: path, attribute
+      character(:), allocatable :: text
+      type(hdf5_source_t) :: source
+      logical :: exists
+      integer :: status
+
+      text = ''
+      if (allocated(self%failure)) return
+      call h5aexists_by_name_f(self%id, path, attribute, exists, status)
+      call self%check(status, attribute)
+      if (allocated(self%failure) .or. .not. exists) return
+      call self%open(source, path, attribute)
+      if (allocated(self%failure)) return
+      if (source%values == 1_int64 .and. source%is_variable) then
+         call source%read_variable(text, status)
+         call self%check(status, attribute)
+      else if (source%fault(text_class, 1_int64) == '') then
+         text = trim(self%text(path, attribute))
+      end if
+      call source%close()
+   end function text_of
 
    !> Closes the file; twice does nothing.
    subroutine close_reader(self, error)

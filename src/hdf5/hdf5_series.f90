@@ -2,11 +2,12 @@
 !> a short one.
 module hdf5_series
    use, intrinsic :: iso_c_binding, only: c_loc
-   use hdf5, only: h5dget_space_f, h5dset_extent_f, h5dwrite_f, h5pset_chunk_f, h5pset_deflate_f, &
-      h5pset_shuffle_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, h5screate_simple_f, &
-      h5sselect_hyperslab_f, h5z_filter_deflate_f, h5zfilter_avail_f, hid_t, hsize_t
-   use hdf5_dataset, only: create_labelled, label_t, new_properties
-   use hdf5_file, only: hdf5_file_t
+   use hdf5, only: h5dclose_f, h5dget_space_f, h5dset_extent_f, h5dwrite_f, h5pclose_f, &
+      h5pset_chunk_f, h5pset_deflate_f, h5pset_shuffle_f, h5s_select_set_f, h5s_unlimited_f, &
+      h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, h5z_filter_deflate_f, &
+      h5zfilter_avail_f, hid_t, hsize_t
+   use hdf5_dataset, only: create_labelled, label_t
+   use hdf5_file, only: hdf5_file_t, new_properties
    use kinds, only: wp
    implicit none (type, external)
    private
@@ -30,6 +31,8 @@ module hdf5_series
    contains
       !> Appends records: rows (row_length, n), or numbers (1, n).
       procedure :: append
+      !> Gives the library's memory for the series back; nothing can be appended afterwards.
+      procedure :: close => close_series
    end type series_t
 
 contains
@@ -56,6 +59,10 @@ contains
       if (status >= 0) call add_chunks(row_length, properties, status)
       call file%check(status, path)
       call create_labelled(file, path, file%real_type, space, properties, label, series%id)
+      if (allocated(file%failure)) return
+      call h5pclose_f(properties, status)
+      if (status >= 0) call h5sclose_f(space, status)
+      call file%check(status, path)
    end subroutine create_series
 
    !> Chunks, and compression of rows; `status` < 0: failed.
@@ -106,5 +113,17 @@ contains
       call file%check(status, self%path)
       self%records = self%records + size(values, 2)
    end subroutine append
+
+   !> Closes the dataset of the series.
+   subroutine close_series(self, file)
+      class(series_t), intent(inout) :: self
+      class(hdf5_file_t), intent(inout) :: file
+      integer :: status
+
+      if (allocated(file%failure)) return
+      call h5dclose_f(self%id, status)
+      self%id = -1_hid_t
+      call file%check(status, self%path)
+   end subroutine close_series
 
 end module hdf5_series

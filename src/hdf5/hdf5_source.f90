@@ -2,11 +2,13 @@
 !> with what the reader has room for before anything is read, and everything must lie in the file
 !> itself.
 module hdf5_source
-   use, intrinsic :: iso_c_binding, only: c_ptr
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_loc, c_null_char, &
+      c_null_ptr, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use hdf5, only: h5aclose_f, h5aget_space_f, h5aget_type_f, h5aread_f, h5d_chunked_f, &
       h5d_virtual_f, h5dclose_f, h5dget_create_plist_f, h5dget_space_f, h5dget_storage_size_f, &
-      h5dget_type_f, h5dread_f, h5pclose_f, h5pget_chunk_f, h5pget_external_count_f, &
+      h5dget_type_f, h5dread_f, h5dvlen_reclaim_f, h5p_default_f, h5pclose_f, h5pget_chunk_f, &
+      h5pget_external_count_f, &
       h5pget_layout_f, h5sclose_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
       h5sget_simple_extent_npoints_f, h5t_float_f, h5t_integer_f, h5t_string_f, h5tclose_f, &
       h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, hid_t, hsize_t, size_t
@@ -22,6 +24,8 @@ module hdf5_source
    integer, parameter :: number_class = 1, text_class = 2
    !> Largest number and text [bytes].
    integer(size_t), parameter :: largest_number = 16_size_t, largest_text = 16777216_size_t
+   !> Longest text of variable length that is read [bytes].
+   integer, parameter :: longest_name = 256
    !> Largest chunk: the library holds a whole one [bytes].
    integer(int64), parameter :: largest_chunk = 1073741824_int64
    !> Datasets from this size on must be stored, not only declared [bytes]. Largest compression
@@ -42,10 +46,10 @@ module hdf5_source
       integer(hsize_t), allocatable :: extents(:)
       !> Class of the type in HDF5, and whether it is text of variable length.
       integer, private :: class = -1
-      logical, private :: is_variable = .false.
+      logical :: is_variable = .false.
    contains
       procedure :: fault, fault_of_size, fault_of_storage
-      procedure :: read_into
+      procedure :: read_into, read_variable
       procedure :: close => close_source
    end type hdf5_source_t
 
@@ -193,6 +197,34 @@ contains
          call h5dread_f(self%id, type_id, address, status)
       end if
    end subroutine read_into
+
+   !> Reads one text of variable length, cut after `longest_name` bytes; the source must be an
+   !> attribute with such a text.
+   subroutine read_variable(self, text, status)
+      class(hdf5_source_t), intent(in) :: self
+      character(:), allocatable, intent(out) :: text
+      integer, intent(out) :: status
+      type(c_ptr), target :: address
+      type(c_ptr) :: place
+      character(kind=c_char), pointer :: bytes(:)
+      integer(hid_t) :: space
+      integer :: i
+
+      text = ''
+      address = c_null_ptr
+      place = c_loc(address)
+      call h5aread_f(self%id, self%type_id, place, status)
+      if (status < 0 .or. .not. c_associated(address)) return
+      call c_f_pointer(address, bytes, [longest_name])
+      bytes_of_text: do i = 1, longest_name
+         if (bytes(i) == c_null_char) exit bytes_of_text
+         text = text//bytes(i)
+      end do bytes_of_text
+      call h5aget_space_f(self%id, space, status)
+      place = c_loc(address)
+      call h5dvlen_reclaim_f(self%type_id, space, h5p_default_f, place, status)
+      call h5sclose_f(space, status)
+   end subroutine read_variable
 
    !> Closes the source and its type.
    subroutine close_source(self)

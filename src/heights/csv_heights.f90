@@ -1,17 +1,19 @@
-!> Heights in a CSV table: a header line, then rows with x in the first column; read a stretch at a
+!> Heights in a CSV table of any usual dialect, with x in the first column; read a stretch at a
 !> time.
 !>
 !> A first pass over the file notes where every 4096th row begins, so that any row is found again
 !> without holding the table.
 module csv_heights
    use, intrinsic :: iso_fortran_env, only: int64
+   use csv_dialect, only: dialect_words, find_field, number_of_fields, read_field
+   use csv_layout, only: csv_layout_t, find_layout
+   use csv_sample, only: next_row, refuse, shown
    use errors, only: error_t, fail, input_error
-   use findings, only: quoted
    use height_limits, only: height_fault, is_height, is_position, position_fault, spacing_fault
    use height_source, only: height_source_t
    use kinds, only: wp
-   use number_text, only: read_real
-   use text, only: count_of, to_text
+   use length_units, only: height_units_t, settle_unit
+   use text, only: to_text
    use text_lines, only: open_lines, text_lines_t
    implicit none (type, external)
    private
@@ -22,14 +24,13 @@ module csv_heights
    real(wp), parameter :: max_uneven = 1.0e-3_wp
    !> Rows from one noted place to the next.
    integer(int64), parameter :: block_rows = 4096_int64
-   !> Blank and tab.
-   character(*), parameter :: blanks = ' '//achar(9)
 
    !> One column of a table. The file is open only while it is read.
    type, extends(height_source_t) :: csv_heights_t
       character(:), allocatable, private :: file
-      !> Number of the column with the heights, and of all columns.
-      integer, private :: column = 2, columns = 2
+      type(csv_layout_t), private :: layout
+      !> Units of positions and of heights in a metre.
+      real(wp), private :: per_metre(2) = 1.0_wp
       !> First byte and line number of rows 0, block_rows, 2 block_rows, ... (2, n); the array may
       !> be longer.
       integer(int64), allocatable, private :: places(:, :)
@@ -48,52 +49,65 @@ module csv_heights
 contains
 
    !> Finds the rows of `file`, their `spacing` [m] and the column named `dataset` (empty: the
-   !> second). Errors (input_error), with the line: no such file or column; no header; positions
-   !> that are no numbers or uneven; rows that have not as many fields as the header.
-   subroutine open_csv_heights(source, file, dataset, spacing, error)
+   !> second); `units` are those that the keys say. Errors (input_error), with the line: no such
+   !> file or column; no rows of numbers; units that are unknown or contradict the keys; positions
+   !> that are no numbers or uneven; rows of another number of fields.
+   subroutine open_csv_heights(source, file, dataset, units, spacing, error)
       type(csv_heights_t), intent(out) :: source
       character(*), intent(in) :: file, dataset
+      type(height_units_t), intent(in) :: units
       real(wp), intent(out) :: spacing
       type(error_t), allocatable, intent(out) :: error
       type(text_lines_t) :: lines
-      logical :: is_there
 
       source%file = file
       spacing = 0.0_wp
       call open_lines(lines, file, error)
       if (allocated(error)) return
-      call lines%next(is_there, error)
-      if (.not. allocated(error)) call read_header(source, lines, dataset, error)   ! error: below
+      call find_layout(source%layout, lines, dataset, error)
+      if (.not. allocated(error)) call settle_units(source, units, error)
       if (.not. allocated(error)) call find_rows(source, lines, spacing, error)   ! error: handed up
       call lines%close()
    end subroutine open_csv_heights
 
-   !> Finds the column named `dataset` in the present line. Errors: there is none; the line is no
-   !> header.
-   subroutine read_header(source, lines, dataset, error)
+   !> The units of both columns. Errors: they are unknown or contradict the keys; only one of them
+   !> is said; one stands in a comment only.
+   subroutine settle_units(source, units, error)
       type(csv_heights_t), intent(inout) :: source
-      type(text_lines_t), intent(in) :: lines
-      character(*), intent(in) :: dataset
+      type(height_units_t), intent(in) :: units
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: number
-      logical :: is_number
-      integer :: first, last
+      character(:), allocatable :: fault
 
-      associate (header => lines%line(:lines%length))
-         source%columns = 1 + count_of(',', header)
-         source%column = column_of(header, dataset)
-         call find_field(header, 1, first, last)
-         call read_real(header(first:last), number, is_number)
-         if (source%columns < 2 .or. is_number) then
-            call refuse(lines, first, 'found '//shown(header) &
-               //', expected a header line with the names of the columns, as '// &
-               'in x,z', error)
-         else if (source%column == 0) then
-            call refuse(lines, 1, 'found no column '//quoted(dataset)//' in the header ' &
-               //shown(header), error)
-         end if
+      associate (layout => source%layout, per_metre => source%per_metre)
+         call settle_unit(layout%x_unit, units%x, layout%place, 'x_unit', per_metre(1), fault)
+         if (fault == '') call settle_unit(layout%z_unit, units%z, layout%place, 'z_unit', &
+            per_metre(2), fault)
+         if (fault == '') fault = fault_of_silence(layout, units, per_metre)
       end associate
-   end subroutine read_header
+      if (fault /= '') call fail(error, input_error, source%file//': '//fault)
+   end subroutine settle_units
+
+   !> "found ..., expected ..." where a unit is missing that others let expect; else empty.
+   pure function fault_of_silence(layout, units, per_metre) result(fault)
+      type(csv_layout_t), intent(in) :: layout
+      type(height_units_t), intent(in) :: units
+      real(wp), intent(in) :: per_metre(2)
+      character(:), allocatable :: fault, missing
+      logical :: is_silent(2)
+
+      fault = ''
+      is_silent = [layout%x_unit//units%x == '', layout%z_unit//units%z == '']
+      if (.not. any(is_silent)) return
+      missing = 'x_unit and z_unit'
+      if (.not. all(is_silent)) missing = trim(merge('x_unit', 'z_unit', is_silent(1)))
+      if (layout%unit_in_comment /= '') then
+         fault = "found the unit '"//layout%unit_in_comment//"' in a comment, expected units "// &
+            'in the header (as in x_mm,z_um) or the keys '//missing
+      else if (layout%x_unit//layout%z_unit /= '' .and. any(per_metre > 1.0_wp)) then
+         fault = 'found a unit of '//trim(merge('heights  ', 'positions', is_silent(1)))// &
+            ' only in '//layout%place//', expected both, or the key '//missing
+      end if
+   end function fault_of_silence
 
    !> Notes where the rows are and looks at their positions.
    subroutine find_rows(source, lines, spacing, error)
@@ -107,6 +121,7 @@ contains
 
       spacing = 0.0_wp
       allocate (source%places(2, 16))
+      call lines%seek(source%layout%first_row(1), source%layout%first_row(2))
       do
          call next_row(lines, is_there, error)
          if (allocated(error) .or. .not. is_there) exit
@@ -191,28 +206,14 @@ contains
          if (.not. (allocated(error) .or. is_there)) call fail(error, input_error, &
             self%file//' has fewer rows than before')
          if (row >= first .and. .not. allocated(error)) call read_number(self, lines, &
-            self%column, z(row - first + 1), &
-            error)
+            self%layout%column, z(row - first + 1), error)
          if (allocated(error)) exit
       end do
       call lines%close()
    end subroutine get
 
-   !> The next line that is not blank.
-   subroutine next_row(lines, is_there, error)
-      type(text_lines_t), intent(inout) :: lines
-      logical, intent(out) :: is_there
-      type(error_t), allocatable, intent(out) :: error
-
-      do
-         call lines%next(is_there, error)
-         if (allocated(error) .or. .not. is_there) return
-         if (verify(lines%line(:lines%length), blanks) > 0) return
-      end do
-   end subroutine next_row
-
    !> The number in a column of the present line. Errors, with line and column: there is none; it
-   !> cannot be a position or a height; the line has not as many fields as the header.
+   !> cannot be a position or a height; the line has not as many fields as the first row.
    subroutine read_number(source, lines, column, number, error)
       type(csv_heights_t), intent(in) :: source
       type(text_lines_t), intent(in) :: lines
@@ -224,84 +225,26 @@ contains
       logical :: good
 
       number = 0.0_wp
-      associate (row => lines%line(:lines%length))
-         columns = 1 + count_of(',', row)
-         call find_field(row, column, first, last)
-         call read_real(row(first:last), number, good)
-         if (columns == source%columns .and. good .and. merge(is_position(number), &
+      associate (row => lines%line(:lines%length), dialect => source%layout%dialect)
+         columns = number_of_fields(dialect, row)
+         call find_field(dialect, row, column, first, last)
+         call read_field(dialect, row(first:last), number, good)
+         number = number/source%per_metre(merge(1, 2, column == 1))
+         if (columns == source%layout%columns .and. good .and. merge(is_position(number), &
             is_height(number), column == 1)) return
-         if (columns /= source%columns) then
+         if (columns /= source%layout%columns) then
             fault = 'found '//to_text(columns)//' fields, expected the ' &
-               //to_text(source%columns)// &
-               ' of the header, separated by commas (numbers have a decimal point)'
+               //to_text(source%layout%columns)//' of the first row, '//dialect_words(dialect)
          else if (.not. good) then
             fault = 'found '//shown(row(first:last))//', expected a number'
+            if (dialect%separator /= ',') fault = fault//' ('//dialect_words(dialect)//')'
          else if (column == 1) then
             fault = position_fault(number)
          else
             fault = height_fault(number)
          end if
-         call refuse(lines, first, fault, error)
+         call refuse(lines, lines%number, first, fault, error)
       end associate
    end subroutine read_number
-
-   !> Error with the place: byte `column` of the present line.
-   subroutine refuse(lines, column, fault, error)
-      type(text_lines_t), intent(in) :: lines
-      integer, intent(in) :: column
-      character(*), intent(in) :: fault
-      type(error_t), allocatable, intent(out) :: error
-
-      call fail(error, input_error, lines%file//':'//to_text(lines%number)//':'//to_text(column) &
-         //': '//fault)
-   end subroutine refuse
-
-   !> What a file says, in quotes and short.
-   function shown(string)
-      character(*), intent(in) :: string
-      character(:), allocatable :: shown
-
-      shown = quoted(string)
-      if (len_trim(string) > 0) shown = "'"//shown//"'"
-   end function shown
-
-   !> Number of the column named `dataset` in a header (empty: 2); 0 if there is none.
-   pure function column_of(header, dataset) result(column)
-      character(*), intent(in) :: header, dataset
-      integer :: column
-      integer :: first, last
-
-      column = 2
-      if (dataset == '') return
-      do column = 1, 1 + count_of(',', header)
-         call find_field(header, column, first, last)
-         if (header(first:last) == trim(dataset)) return
-      end do
-      column = 0
-   end function column_of
-
-   !> Where field number `i` of a line of fields separated by commas is, without blanks around it;
-   !> empty if there are fewer.
-   pure subroutine find_field(line, i, first, last)
-      character(*), intent(in) :: line
-      integer, intent(in) :: i
-      integer, intent(out) :: first, last
-      integer :: k, length
-
-      first = 1
-      last = len(line)
-      do k = 1, i
-         length = index(line(first:), ',') - 1
-         last = merge(len(line), first + length - 1, length < 0)
-         if (k == i) exit
-         first = last + 2
-         if (length >= 0) cycle
-         first = len(line) + 1
-         exit
-      end do
-      k = verify(line(first:last), blanks)
-      first = merge(last + 1, first + k - 1, k == 0)
-      last = first - 1 + verify(line(first:last), blanks, back=.true.)
-   end subroutine find_field
 
 end module csv_heights

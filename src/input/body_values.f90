@@ -8,7 +8,7 @@ module body_values
    implicit none (type, external)
    private
 
-   public :: check_radii, modulus_of, radius_of
+   public :: check_radii, has_plane, modulus_of, radius_of
 
    !> Curvature of the gap between two bodies, 1/R [1/m]: the reverse of the range of
    !> reduced_radius.
@@ -16,11 +16,31 @@ module body_values
 
 contains
 
-   !> Finding: two radii of bodies that do not touch, or lie in each other.
+   !> Whether one body has a radius and the other is a plane.
+   pure function has_plane(values)
+      type(input_values_t), intent(in) :: values
+      logical :: has_plane
+
+      has_plane = values%logical_value('bodies', 'plane') .and. (values%is_given('bodies', &
+         'radius_1') .neqv. values%is_given('bodies', 'radius_2'))
+   end function has_plane
+
+   !> A finding: two radii of bodies that do not touch, or lie in each other; a plane beside more or
+   !> less than one radius, or one that is not convex.
    subroutine check_radii(values)
       type(input_values_t), intent(inout) :: values
+      character(len=8) :: key
       real(wp) :: curvature
 
+      if (has_plane(values)) then
+         key = merge('radius_1', 'radius_2', values%is_given('bodies', 'radius_1'))
+         if (values%real_value('bodies', key) < 0.0_wp) call values%refuse('bodies', key, &
+            'found '//to_text(values%real_value('bodies', key))// &
+            ' with plane = .true., expected a radius > 0 [m]')
+      else if (values%logical_value('bodies', 'plane')) then
+         call values%refuse('bodies', 'plane', &
+            'found .true., expected one of radius_1 and radius_2 beside it')
+      end if
       if (.not. (values%has_value('bodies', 'radius_1') .and. values%has_value('bodies', &
          'radius_2'))) return
       curvature = 1.0_wp/values%real_value('bodies', 'radius_1') &
@@ -36,7 +56,12 @@ contains
       real(wp) :: radius
 
       radius = values%real_value('bodies', 'reduced_radius')
-      if (radius > 0.0_wp .or. .not. values%is_given('bodies', 'radius_1')) return
+      if (radius > 0.0_wp) return
+      if (has_plane(values)) then
+         radius = values%real_value('bodies', 'radius_1') + values%real_value('bodies', 'radius_2')
+         return
+      end if
+      if (.not. values%is_given('bodies', 'radius_1')) return
       radius = reduced_radius(values%real_value('bodies', 'radius_1'), &
          values%real_value('bodies', 'radius_2'))
    end function radius_of

@@ -1,6 +1,7 @@
 !> The list of all values that a case uses, given, default or derived, for the result file.
 module case_effective
    use case_record, only: case_t, set_effective
+   use height_form, only: curvature_of, tilt_of, trend_t
    use input_keys, only: key_rows
    use input_values, only: input_values_t, value_t
    use key_row, only: has_word, integer_kind, is_chosen, key_row_t, lubricated, real_kind, &
@@ -14,7 +15,7 @@ module case_effective
    implicit none (type, external)
    private
 
-   public :: list_dry, list_effective
+   public :: list_dry, list_effective, list_trend
 
 contains
 
@@ -98,9 +99,31 @@ contains
             call set_effective(case, 'domain', 'intervals_y', dry%grid%ny)
          end if
       end associate
+      call list_trend(case, 'surface_1', case%dry%trends(1))
+      call list_trend(case, 'surface_2', case%dry%trends(2))
       call list_waves(case, 'surface_1')
       call list_waves(case, 'surface_2')
    end subroutine list_dry
+
+   !> What was taken off the heights of the file of a surface, if it has one.
+   subroutine list_trend(case, group, trend)
+      type(case_t), intent(inout) :: case
+      character(*), intent(in) :: group
+      type(trend_t), intent(in) :: trend
+      integer :: directions
+
+      if (trend%word == '') return
+      directions = merge(2, 1, trend%form%grid(2) > 1)
+      call set_effective(case, group, 'detrend', trim(trend%word))
+      if (trend%word == 'none') return
+      call set_effective(case, group, 'heights_mean', trend%form%terms(1), 'm')
+      if (trend%word == 'mean') return
+      associate (curvatures => curvature_of(trend), tilts => tilt_of(trend))
+         call set_effective(case, group, 'heights_tilt', tilts(:directions), '-')
+         if (trend%word == 'line') return
+         call set_effective(case, group, 'heights_curvature', curvatures(:directions), '1/m')
+      end associate
+   end subroutine list_trend
 
    !> The wavelengths of a synthetic surface of a dry case.
    subroutine list_waves(case, group)

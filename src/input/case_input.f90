@@ -1,9 +1,10 @@
 !> From the text of a namelist to a case: reading, checking, filling the record.
 module case_input
-   use body_values, only: modulus_of, radius_of
+   use body_values, only: has_plane, modulus_of, radius_of
    use case_effective, only: list_dry, list_effective
    use case_record, only: case_t
    use case_validation, only: validate
+   use derived_values, only: alone, derive_values
    use dry_input, only: fill_dry_case
    use errors, only: error_t
    use features, only: rough_surface_t
@@ -21,8 +22,11 @@ module case_input
    use number_text, only: read_real
    use namelist_text, only: namelist_text_t, split_namelist
    use scaling, only: scaling_t, new_scaling
+   use set_entries, only: set_entry_t, tell_apart
    use text, only: to_text
    use roelands_relation, only: complete_roelands
+   use unusual_values, only: find_unusual, unusual_t
+   use validity, only: materials_t
    use value_reader, only: read_values
    use wave_validation, only: check_waves
    implicit none (type, external)
@@ -34,28 +38,49 @@ contains
 
    !> Reads the namelist `content` of the file `file` (a name for paths and messages only).
    !>
-   !> `case` is filled if `findings` stays empty. Findings: everything that is wrong, see modules
+   !> `entries` of the command line are in it already; findings about them name --set. `case` is
+   !> filled if `findings` stays empty. Findings: everything that is wrong, see modules
    !> namelist_text, value_reader and case_validation.
-   subroutine read_case(content, file, case, findings)
+   subroutine read_case(content, file, case, findings, entries)
       character(*), intent(in) :: content, file
       type(case_t), intent(out) :: case
       type(findings_t), intent(out) :: findings
+      type(set_entry_t), intent(in), optional :: entries(:)
       type(namelist_text_t) :: pieces
       type(input_values_t) :: values
+      logical :: is_alpha_alone
 
       case%file = file
       case%namelist = content
+      case%note = ''
       call split_namelist(content, pieces, values%findings)
       if (pieces%group_count > 0) then
+         if (present(entries)) call tell_apart(entries, pieces, values%findings)
          call read_values(pieces, values)
+         is_alpha_alone = alone(values)
+         call derive_values(values)
          call validate(values)
          if (values%findings%count == 0) call fill_case(values, case)
+         case%unusual = find_unusual(values)
+         if (is_alpha_alone) case%unusual = [case%unusual, assumed_p0(values, case%lubricant)]
       else if (values%findings%count == 0) then
          call values%findings%add(1, '', '', 'found no group, expected &case ... / and others; '// &
             'see asperity --template ehl_line')
       end if
       findings = values%findings
    end subroutine read_case
+
+   !> What is said of an oil with alpha alone.
+   function assumed_p0(values, oil) result(told)
+      type(input_values_t), intent(in) :: values
+      type(lubricant_t), intent(in) :: oil
+      type(unusual_t) :: told
+
+      told%line = values%line_of('lubricant', 'pressure_viscosity')
+      told%words = '&lubricant pressure_viscosity is given alone: Roelands with P0 = '// &
+         to_text(oil%roelands_p0, 3)//' Pa, z = '//to_text(oil%roelands_z, 4)
+      told%question = ''
+   end function assumed_p0
 
    !> The case that values without findings describe. Findings: what does not go together in it.
    subroutine fill_case(values, case)
@@ -88,6 +113,7 @@ contains
       case%has_moes = values%has_group('moes')
       call fill_bodies(values, case)
       call fill_lubricant(values, case)
+      call fill_materials(values, case%materials)
       call fill_numerics(values, case)
       call check_regime(values, case)
       if (values%findings%count > 0) return
@@ -111,6 +137,12 @@ contains
          case%moes_l = moes_l_mean_from_sum(case%moes_l)
       end if
       case%bodies%reduced_radius = radius_of(values)
+      if (values%is_given('bodies', 'radius_2') .and. has_plane(values)) then
+         case%bodies%curvature_share = 0.0_wp
+      else if (values%is_given('bodies', 'radius_1')) then
+         case%bodies%curvature_share = case%bodies%reduced_radius/values%real_value('bodies', &
+            'radius_1')
+      end if
       case%bodies%reduced_modulus = modulus_of(values)
       case%bodies%speed_1 = values%real_value('bodies', 'speed_1')
       case%bodies%speed_2 = values%real_value('bodies', 'speed_2')
@@ -119,6 +151,19 @@ contains
          line_load_from_pressure(values%real_value('load', 'hertz_pressure'), &
          case%bodies%reduced_radius, case%bodies%reduced_modulus)
    end subroutine fill_bodies
+
+   !> What only the limits of the model need, of &bodies and &lubricant.
+   subroutine fill_materials(values, materials)
+      type(input_values_t), intent(in) :: values
+      type(materials_t), intent(out) :: materials
+
+      materials%hardness = values%real_value('bodies', 'hardness')
+      materials%length = values%real_value('bodies', 'contact_length')
+      materials%effusivity = values%real_value('bodies', 'thermal_effusivity')
+      materials%density = values%real_value('lubricant', 'density')
+      materials%conductivity = values%real_value('lubricant', 'thermal_conductivity')
+      materials%thermal_viscosity = values%real_value('lubricant', 'thermal_viscosity')
+   end subroutine fill_materials
 
    !> &lubricant; parameters that a law does not use are 0.
    subroutine fill_lubricant(values, case)
@@ -181,7 +226,7 @@ contains
       call read_real(trim(key_rows(find_key('lubricant', key))%moes_default), value, good)
    end function moes_default
 
-   !> &domain, &time, &solver, &output and &accuracy; 0 where the program chooses.
+   !> &domain, &time, &solver, &film, &output and &accuracy; 0 where the program chooses.
    subroutine fill_numerics(values, case)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case
@@ -216,6 +261,12 @@ contains
          solver%load_relaxation = values%real_value('solver', 'load_relaxation')
          solver%on_film_breakdown = values%word_value('solver', 'on_film_breakdown')
       end associate
+      case%equations = values%word_value('case', 'equations')
+      if (case%equations == 'stokes') then
+         case%layers = values%integer_value('film', 'layers')
+         case%has_inertia = values%logical_value('film', 'inertia')
+         case%solver%space_scheme = 'kappa'
+      end if
       case%film_floor = values%real_value('solver', 'film_floor')
       fields = values%slot('output', 'fields')
       thresholds = values%slot('output', 'film_thresholds')
@@ -224,6 +275,9 @@ contains
          output%fields = fields%words
          output%checkpoint_interval = values%real_value('output', 'checkpoint_interval')
          output%film_thresholds = thresholds%reals
+         output%has_adequacy = values%logical_value('output', 'adequacy')
+         output%has_si = values%logical_value('output', 'si_copies')
+         output%velocity_layers = values%integer_value('output', 'velocity_layers')
       end associate
       case%accuracy%target = values%real_value('accuracy', 'target')
       case%accuracy%has_error_bars = values%logical_value('accuracy', 'error_bars')

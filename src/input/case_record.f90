@@ -8,6 +8,8 @@ module case_record
    use lubricant, only: lubricant_t
    use solver_settings, only: domain_t, time_settings_t, solver_settings_t, word_length
    use text, only: to_text
+   use unusual_values, only: unusual_t
+   use validity, only: materials_t
    implicit none (type, external)
    private
 
@@ -42,6 +44,12 @@ module case_record
       real(wp) :: checkpoint_interval
       !> Films for the statistics [m]; none: no statistics.
       real(wp), allocatable :: film_thresholds(:)
+      !> What each ingredient of the model changes is measured.
+      logical :: has_adequacy
+      !> Fields and series are stored in SI too.
+      logical :: has_si
+      !> Layers of the velocity across the film; 0: it is not stored.
+      integer :: velocity_layers
    end type output_settings_t
 
    !> What is asked of the accuracy.
@@ -61,6 +69,11 @@ module case_record
       character(len=word_length) :: problem = ''
       !> 'full'.
       character(len=word_length) :: model
+      !> 'reynolds', or 'stokes': the full momentum equations too, on `layers` across the film.
+      character(len=word_length) :: equations = 'reynolds'
+      integer :: layers = 0
+      !> With the inertia of the oil.
+      logical :: has_inertia = .false.
       !> Result file as given, empty if not; see `result_path`.
       character(:), allocatable :: output
       !> Name of the namelist file.
@@ -73,6 +86,8 @@ module case_record
       real(wp) :: moes_m, moes_l
       type(bodies_t) :: bodies
       type(lubricant_t) :: lubricant
+      !> What only the limits of the model need.
+      type(materials_t) :: materials
       !> w [N/m].
       real(wp) :: load_per_length
       !> Amplitude and wavelength [m], position [half-widths], speed [m/s].
@@ -88,6 +103,10 @@ module case_record
       !> file and namelist.
       type(dry_case_t) :: dry
       type(accuracy_t) :: accuracy
+      !> Values outside the typical ranges of their keys.
+      type(unusual_t), allocatable :: unusual(:)
+      !> What the reader of the result should know about the input.
+      character(:), allocatable :: note
       !> Every value used, given or default or derived.
       type(effective_t), allocatable :: effective(:)
    end type case_t
@@ -135,7 +154,8 @@ contains
       lines = '&case problem = '//trim(case%problem)
       do i = 1, size(case%effective)
          associate (entry => case%effective(i))
-            if (entry%group == 'case' .or. entry%key == 'checkpoint_interval') cycle
+            if (entry%group == 'case' .or. entry%key == 'checkpoint_interval' &
+               .or. entry%key == 'adequacy' .or. entry%key == 'si_copies') cycle
             lines = lines//new_line('a')//'&'//trim(entry%group)//' '//trim(entry%key) &
                //' = '//effective_text(entry)
          end associate

@@ -45,7 +45,8 @@ contains
          return
       end if
       if (values%has_group('bodies')) then
-         call check_ways(values, 'reduced_radius', [character(len=20) :: 'radius_1', 'radius_2'])
+         if (.not. values%logical_value('bodies', 'plane')) call check_ways(values, &
+            'reduced_radius', [character(len=20) :: 'radius_1', 'radius_2'])
          call check_ways(values, 'reduced_modulus', [character(len=20) :: 'youngs_modulus_1', &
             'youngs_modulus_2', 'poisson_ratio_1', 'poisson_ratio_2'])
          call check_speeds(values)
@@ -127,11 +128,19 @@ contains
       end if
    end subroutine check_ways
 
-   !> Finding: speeds that draw no oil into the contact.
+   !> Findings: a speed that is missing; speeds that draw no oil into the contact.
    subroutine check_speeds(values)
       type(input_values_t), intent(inout) :: values
+      character(len=7), parameter :: speeds(2) = ['speed_1', 'speed_2']
       real(wp) :: speed_sum
+      integer :: i
 
+      if (.not. values%is_given('bodies', 'entrainment_speed')) then
+         do i = 1, size(speeds)
+            if (.not. values%is_given('bodies', speeds(i))) call values%refuse_missing('bodies', &
+               speeds(i), '(or entrainment_speed for both)')
+         end do
+      end if
       if (.not. (values%has_value('bodies', 'speed_1') &
          .and. values%has_value('bodies', 'speed_2'))) return
       speed_sum = values%real_value('bodies', 'speed_1') + values%real_value('bodies', 'speed_2')
@@ -182,7 +191,12 @@ contains
       type(input_values_t), intent(inout) :: values
       integer :: intervals, levels
 
-      if (values%word_value('solver', 'space_scheme') == 'kappa') call check_kappa_scheme(values)
+      if (values%word_value('case', 'equations') == 'stokes') then
+         call check_equations(values)
+         call check_kappa_scheme(values, "equations = 'stokes'")
+      else if (values%word_value('solver', 'space_scheme') == 'kappa') then
+         call check_kappa_scheme(values, "space_scheme = 'kappa'")
+      end if
       if (.not. values%has_value('domain', 'intervals')) return
       call check_fineness(values)
       intervals = values%integer_value('domain', 'intervals')
@@ -203,24 +217,42 @@ contains
       method = trim(values%word_value('solver', 'method'))
       intervals = values%integer_value('domain', 'intervals')
       fault = memory_fault('a grid', lubricated_memory(intervals, 0.0_wp, &
-         method == 'newton_dense'))
+         method == 'newton_dense', merge(values%integer_value('film', 'layers'), 0, &
+         values%word_value('case', 'equations') == 'stokes')))
       if (intervals > max_intervals_of(method)) fault = 'found ' // to_text(intervals) &
          // ', expected at most ' // to_text(max_intervals_of(method)) // " with method = '" &
          // method // "'"
       if (fault /= '') call values%refuse('domain', 'intervals', fault)
    end subroutine check_fineness
 
-   !> Finds a method or smoother that cannot solve the kappa space scheme.
-   subroutine check_kappa_scheme(values)
+   !> Finds what the full momentum equations of the film do not go with.
+   subroutine check_equations(values)
       type(input_values_t), intent(inout) :: values
+
+      if (values%has_group('moes')) then
+         call values%refuse('case', 'equations', "found 'stokes' with &moes, expected "// &
+            "'reynolds': the slope of the film, b/R, is not known")
+      else if (values%logical_value('time', 'transient') &
+         .and. values%logical_value('film', 'inertia')) then
+         call values%refuse('film', 'inertia', 'found .true. with transient = .true., '// &
+            'expected .false., or a steady contact')
+      end if
+      if (values%word_value('solver', 'space_scheme') == 'upwind2') call values%refuse('solver', &
+         'space_scheme', "found 'upwind2', expected 'auto' or 'kappa' with equations = 'stokes'")
+   end subroutine check_equations
+
+   !> Finds a method or smoother that cannot solve the kappa space scheme, used `because`.
+   subroutine check_kappa_scheme(values, because)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: because
       character(:), allocatable :: method
 
       method = trim(values%word_value('solver', 'method'))
       if (index(method, 'block_jacobi') > 0) then
          call values%refuse('solver', 'method', "found '" // method // "', expected 'auto', "// &
-            "'newton_krylov' or 'newton_dense' with space_scheme = 'kappa'")
+            "'newton_krylov' or 'newton_dense' with " // because)
       else if (values%word_value('solver', 'smoother') /= 'auto') then
-         call values%refuse_unused('solver', 'smoother', "with space_scheme = 'kappa'")
+         call values%refuse_unused('solver', 'smoother', 'with ' // because)
       end if
    end subroutine check_kappa_scheme
 
@@ -240,10 +272,17 @@ contains
       end do
    end subroutine check_fields
 
-   !> Finds a target without the error bars that it needs.
+   !> Finds a target without the error bars that it needs, and a model that is left to the program
+   !> without a target to choose it by, or with equations that it does not measure.
    subroutine check_accuracy(values)
       type(input_values_t), intent(inout) :: values
 
+      if (values%word_value('case', 'model') == 'auto') then
+         if (.not. values%is_given('accuracy', 'target')) call values%refuse('case', 'model', &
+            "found 'auto' without &accuracy target, expected 'full', or a target")
+         if (values%word_value('case', 'equations') == 'stokes') call values%refuse('case', &
+            'model', "found 'auto' with equations = 'stokes', expected 'full'")
+      end if
       if (.not. values%is_given('accuracy', 'target') .or. .not. values%has_value('accuracy', &
          'error_bars') .or. values%logical_value('accuracy', 'error_bars')) return
       call values%refuse('accuracy', 'error_bars', &

@@ -2,13 +2,14 @@
 module dry_case
    use dry_problem, only: dry_grid_t
    use dry_settings, only: dry_loads_t, dry_settings_t
-   use height_file, only: heights_t
+   use measured_heights, only: heights_t
+   use height_form, only: trend_t
    use input_values, only: input_values_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: add_note, dry_case_t
+   public :: dry_case_t
 
    !> Made by `fill_dry_case` of module dry_input.
    type :: dry_case_t
@@ -18,6 +19,8 @@ module dry_case
       character(:), allocatable :: folder
       !> Heights of the files of both surfaces, once they are read.
       type(heights_t) :: files(2)
+      !> What was taken off them.
+      type(trend_t) :: trends(2)
       !> R of a parabola [m]; 0: there is none.
       real(wp) :: radius = 0.0_wp
       type(dry_grid_t) :: grid
@@ -35,24 +38,12 @@ module dry_case
       type(dry_settings_t) :: settings
       !> Errors are estimated.
       logical :: has_error_bars
+      !> What each ingredient of the model changes is measured.
+      logical :: wants_adequacy = .true.
       !> Relative error of the contact area for which the grid is chosen; 0: it is given.
       real(wp) :: target = 0.0_wp
       !> What the reader of the result should know about it; not allocated: nothing.
       character(:), allocatable :: note
    end type dry_case_t
-
-contains
-
-   !> Adds a sentence to the notes.
-   pure subroutine add_note(dry, sentence)
-      type(dry_case_t), intent(inout) :: dry
-      character(*), intent(in) :: sentence
-
-      if (allocated(dry%note)) then
-         dry%note = dry%note // '; ' // sentence
-      else
-         dry%note = sentence
-      end if
-   end subroutine add_note
 
 end module dry_case

@@ -3,12 +3,12 @@
 module dry_checks
    use constants, only: pi
    use domain_border, only: recommended_room
-   use dry_case, only: add_note, dry_case_t
+   use dry_case, only: dry_case_t
    use hertz, only: line_half_width, point_radius
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
    use surface_keys, only: has_shape, surfaces
-   use text, only: to_text
+   use text, only: add_sentence, to_text
    implicit none (type, external)
    private
 
@@ -36,7 +36,7 @@ contains
          call dry%values%refuse(surfaces(2), 'shape', 'found a second parabola, expected one: '// &
             'the reduced radius is that of both bodies')
       else if (any(is_one) .and. dry%is_periodic) then
-         call add_note(dry, note_on_images(dry))
+         call add_sentence(dry%note, note_on_images(dry))
       else if (any(is_one) .and. any(has_shape(dry%values, surfaces, 'smooth'))) then
          call check_size(dry)
       end if
@@ -139,8 +139,8 @@ contains
             // to_text(2.0_wp*spacing, 3) // ' m, or more intervals')
          if (wave < huge(1.0_wp)) finest = min(finest, wave/spacing)
       end do
-      if (finest < min_nodes - rounding .and. dry%values%findings%count == 0) call add_note( &
-         dry, 'the finest waves of the surface have ' // to_text(finest, 2) // ' nodes, of ' &
+      if (finest < min_nodes - rounding .and. dry%values%findings%count == 0) call add_sentence( &
+         dry%note, 'the finest waves of the surface have ' // to_text(finest, 2) // ' nodes, of ' &
          // to_text(nint(min_nodes)) // ' that are needed for its contact area')
    end subroutine check_waves
 

@@ -7,8 +7,8 @@ module dry_input
    use dry_checks, only: check_parabola, check_waves
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
    use dry_grids, only: find_grid
-   use dry_surfaces, only: make_heights
-   use height_file, only: heights_t
+   use dry_surfaces, only: make_heights, prepare_files
+   use measured_heights, only: heights_t
    use hertz, only: line_load_from_pressure, point_load_from_pressure
    use input_values, only: value_t
    use dry_settings, only: method_conjugate_gradient, method_steepest_descent
@@ -32,6 +32,7 @@ contains
       dry%folder = folder
       dry%reduced_modulus = modulus_of(dry%values)
       dry%radius = radius_of(dry%values)
+      dry%wants_adequacy = dry%values%logical_value('output', 'adequacy')
       ! Where it is not said, a parabola is not periodic.
       dry%is_periodic = .not. any(has_shape(dry%values, surfaces, 'parabola'))
       if (dry%values%has_value('domain', 'periodic')) dry%is_periodic = &
@@ -39,6 +40,8 @@ contains
       call find_grid(dry)
       if (dry%values%findings%count == 0) call check_waves(dry)
       if (dry%values%findings%count == 0) call check_size(dry)
+      if (dry%values%findings%count > 0) return
+      call prepare_files(dry)
       if (dry%values%findings%count > 0) return
       call make_heights(dry)
       if (dry%values%findings%count > 0) return

@@ -1,20 +1,23 @@
 !> The heights of a dry case from its two surfaces, on its first grid and on finer ones.
 module dry_surfaces
+   use, intrinsic :: iso_fortran_env, only: int64
    use analytic_heights, only: feature_heights, node_positions, parabola_heights
    use dry_case, only: dry_case_t
    use errors, only: error_t, fail, input_error
+   use file_heights, only: check_heights, filter_heights, find_trend, is_filtered
    use fourier_resampling, only: resample_heights
    use height_file, only: read_heights
+   use height_form, only: take_off
    use input_values, only: value_t
    use kinds, only: wp
    use life_sign, only: begin_activity
-   use surface_keys, only: features_of, has_shape, read_synthesis, surfaces
+   use surface_keys, only: features_of, has_shape, read_synthesis, surfaces, units_of
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: is_refinable, load_file, make_heights, refine_heights, same_length
+   public :: is_refinable, load_file, make_heights, prepare_files, refine_heights, same_length
 
    !> Relative difference of two lengths that are the same.
    real(wp), parameter :: same_length = 1.0e-3_wp
@@ -73,8 +76,8 @@ contains
       fault = ''
       path = trim(dry%values%text_value(surfaces(i), 'file'))
       if (index(path, '/') /= 1) path = dry%folder // path
-      call read_heights(path, trim(dry%values%text_value(surfaces(i), 'dataset')), dry%files(i), &
-         error)
+      call read_heights(path, trim(dry%values%text_value(surfaces(i), 'dataset')), &
+         units_of(dry%values, surfaces(i)), dry%files(i), error)
       if (allocated(error)) then
          fault = error%message
       else if (dry%values%problem == 'dry_line' .and. dry%files(i)%grid(2) > 1) then
@@ -84,6 +87,31 @@ contains
       end if
       if (fault /= '') call dry%values%refuse(surfaces(i), 'file', fault)
    end subroutine load_file
+
+   !> Reads the files of both surfaces, once the lengths of the domain are known, and takes off
+   !> their tilt, form and the waves beyond the cut-offs. Findings: as of
+   !> `load_file`; heights that cannot be.
+   subroutine prepare_files(dry)
+      type(dry_case_t), intent(inout) :: dry
+      real(wp) :: spacing(2)
+      integer :: i
+
+      do i = 1, size(surfaces)
+         if (.not. has_shape(dry%values, surfaces(i), 'file')) cycle
+         call load_file(dry, i)
+         if (dry%values%findings%count > 0) return
+         associate (file => dry%files(i))
+            spacing = file%spacing
+            where (spacing <= 0.0_wp) spacing = dry%lengths/file%grid
+            call find_trend(dry%values, surfaces(i), file, spacing, dry%is_periodic, &
+               dry%trends(i), dry%note)
+            call take_off(dry%trends(i)%form, 0_int64, file%z)
+            if (is_filtered(dry%values, surfaces(i))) call filter_heights(dry%values, surfaces(i), &
+               dry%is_periodic, spacing, file)
+            call check_heights(dry%values, surfaces(i), file, spacing, dry%note)
+         end associate
+      end do
+   end subroutine prepare_files
 
    !> Adds the heights of surface `i` to those of `dry`. Findings: what the surface itself finds.
    subroutine add_surface(dry, i)
@@ -130,8 +158,6 @@ contains
       real(wp) :: length
       integer :: k
 
-      call load_file(dry, i)
-      if (dry%values%findings%count > 0) return
       fault = ''
       associate (file => dry%files(i), nodes => [dry%grid%nx, dry%grid%ny])
          do k = merge(2, 1, dry%grid%ny > 1), 1, -1

@@ -1,6 +1,6 @@
 !> What the values of a dry case must have in common, beyond the rules of their keys.
 module dry_validation
-   use body_values, only: check_radii
+   use body_values, only: check_radii, has_plane
    use input_values, only: input_values_t, value_t
    use surface_keys, only: has_shape, surfaces
    implicit none (type, external)
@@ -57,7 +57,8 @@ contains
          do i = 1, size(radii)
             call values%refuse_unused('bodies', trim(radii(i)), "without shape = 'parabola'")
          end do
-      else if (.not. (given(1) .or. all(given(2:)))) then
+         call values%refuse_unused('bodies', 'plane', "without shape = 'parabola'")
+      else if (.not. (given(1) .or. all(given(2:)) .or. has_plane(values))) then
          call values%refuse_missing('bodies', 'reduced_radius', &
             "(or radius_1 and radius_2) for shape = 'parabola'")
       else if (.not. given(1)) then

@@ -9,18 +9,12 @@ module input_keys
       is_chosen, is_optional, is_required, key_row_t, logical_kind, lubricated, real_kind, &
       reals_kind, text_kind, word_kind, words_kind
    use kinds, only: wp
+   use length_units, only: length_words => known_units
    use solver_settings, only: max_small_intervals, steady_tolerance, step_tolerance
    implicit none (type, external)
    private
 
-   public :: find_group, find_key, later_meaning
-
-   !> A key that is known but not built yet.
-   type, public :: later_row_t
-      character(len=12) :: group
-      character(len=20) :: key
-      character(len=40) :: meaning
-   end type later_row_t
+   public :: find_group, find_key
 
    !> A word of a key that has got another name.
    type, public :: renamed_word_t
@@ -48,7 +42,8 @@ module input_keys
       group_row_t('time', &
          'steady, or a transient from the smooth steady solution; T = t (u1+u2)/(2 half-width)'), &
       group_row_t('solver', 'method and accuracy of the numerical solution', every), &
-      group_row_t('output', 'what is stored of a transient'), &
+      group_row_t('film', "the layers of equations = 'stokes'"), &
+      group_row_t('output', 'what is measured and stored beside the solution', every), &
       group_row_t('accuracy', &
          'error bars, and an accuracy from which the program chooses grid and time step', every)]
 
@@ -62,6 +57,16 @@ module input_keys
       in_time = 'time%transient = .true.', &
       in_metres = 'no &moes: which has no SI units', &
       no_target = 'no accuracy%target: which chooses it'
+
+   !> Typical magnitudes that several keys share. Radii: from balls of miniature bearings to slewing
+   !> rings [m]. Moduli: from soft silicone to diamond [Pa]. Speeds: from slow tests to aircraft
+   !> turbines [m/s]. Hardness: from soft polymers to diamond [Pa]. Hertzian pressures: from soft
+   !> seals to indentation [Pa]. Wavelengths: from what optics resolves to waviness [m]. Films: from
+   !> a molecule to a journal bearing [m].
+   character(*), parameter :: typical_radius = '1e-4 to 5', typical_modulus = '5e5 to 1.2e12', &
+      typical_speed = '1e-3 to 200', typical_hardness = '1e7 to 1e11', &
+      typical_pressure = '5e4 to 1e10', typical_wave = '5e-8 to 0.02', &
+      typical_film = '1e-10 to 5e-5'
 
    character(len=1), parameter :: axes(2) = ['x', 'y']
    !> Counter of the implied loops below; it never has a value.
@@ -89,54 +94,85 @@ module input_keys
          'result file, relative to the namelist; chosen: name of the namelist + .h5, in the '// &
             'current folder', problems=every), &
       key_row_t('case', 'model', word_kind, '', "'full'", &
-         'full: every ingredient of the model', words='full', later_words='auto', problems=every)]
+         'full: every ingredient of the model; auto: a passage as a steady contact where that '// &
+            'surely does', words='full auto'), &
+      key_row_t('case', 'model', word_kind, '', "'full'", &
+         'full: every ingredient of the model', words='full', problems=dry), &
+      key_row_t('case', 'equations', word_kind, '', "'reynolds'", &
+         'of the film: reynolds; stokes: full momentum, beside Reynolds on the same grid', &
+         words='reynolds stokes')]
 
    type(key_row_t), parameter :: bodies_rows(*) = [ &
       key_row_t('bodies', 'radius_1', real_kind, 'm', is_optional, &
-         'radius of body 1, negative if concave; radius_1 and radius_2, or reduced_radius', &
-         range='/= 0, >= -1e12, <= 1e12', problems=every), &
+         'radius of body 1, negative if concave; radius_1 and radius_2, or one and plane, or '// &
+            'reduced_radius', &
+         range='/= 0, >= -1e12, <= 1e12', problems=every, typical=typical_radius), &
       key_row_t('bodies', 'radius_2', real_kind, 'm', is_optional, &
          'radius of body 2, negative if concave', &
-         range='/= 0, >= -1e12, <= 1e12', problems=every), &
+         range='/= 0, >= -1e12, <= 1e12', problems=every, typical=typical_radius), &
+      key_row_t('bodies', 'plane', logical_kind, '', '.false.', &
+         'the body whose radius is not given is a plane', problems=every), &
       key_row_t('bodies', 'reduced_radius', real_kind, 'm', is_optional, &
-         'R of 1/R = 1/R1 + 1/R2', range='>= 1e-9, <= 1e9', problems=every), &
+         'R of 1/R = 1/R1 + 1/R2', range='>= 1e-9, <= 1e9', problems=every, &
+         typical=typical_radius), &
       key_row_t('bodies', 'youngs_modulus_1', real_kind, 'Pa', is_optional, &
          'of body 1; both moduli and Poisson ratios, or reduced_modulus', &
-         range='>= 1e3, <= 1e15', problems=every), &
+         range='>= 1e3, <= 1e15', problems=every, typical=typical_modulus), &
       key_row_t('bodies', 'youngs_modulus_2', real_kind, 'Pa', is_optional, &
-         'of body 2', range='>= 1e3, <= 1e15', problems=every), &
+         'of body 2', range='>= 1e3, <= 1e15', problems=every, typical=typical_modulus), &
       key_row_t('bodies', 'poisson_ratio_1', real_kind, '-', is_optional, &
          'of body 1', range='>= 0, <= 0.5', problems=every), &
       key_row_t('bodies', 'poisson_ratio_2', real_kind, '-', is_optional, &
          'of body 2', range='>= 0, <= 0.5', problems=every), &
       key_row_t('bodies', 'reduced_modulus', real_kind, 'Pa', is_optional, &
-         "E' of 2/E' = (1-nu1^2)/E1 + (1-nu2^2)/E2", range='>= 1e3, <= 1e15', problems=every), &
-      key_row_t('bodies', 'speed_1', real_kind, 'm/s', is_required, &
-         'surface speed u1 of body 1; the oil flows towards +x: u1 + u2 > 0', &
-         range='>= -1e4, <= 1e4'), &
-      key_row_t('bodies', 'speed_2', real_kind, 'm/s', is_required, &
-         'surface speed u2 of body 2', range='>= -1e4, <= 1e4'), &
+         "E' of 2/E' = (1-nu1^2)/E1 + (1-nu2^2)/E2", range='>= 1e3, <= 1e15', problems=every, &
+         typical=typical_modulus), &
+      key_row_t('bodies', 'speed_1', real_kind, 'm/s', is_optional, &
+         'surface speed u1 of body 1; both speeds, or entrainment_speed; the oil flows '// &
+            'towards +x: u1 + u2 > 0', &
+         range='>= -1e4, <= 1e4', typical=typical_speed), &
+      key_row_t('bodies', 'speed_2', real_kind, 'm/s', is_optional, &
+         'surface speed u2 of body 2', range='>= -1e4, <= 1e4', typical=typical_speed), &
+      key_row_t('bodies', 'entrainment_speed', real_kind, 'm/s', is_optional, &
+         'mean speed U = (u1 + u2)/2, in place of the two speeds', range='> 0, <= 1e4', &
+         typical=typical_speed), &
+      key_row_t('bodies', 'slide_to_roll', real_kind, '-', '0.0', &
+         '(u2 - u1)/U: positive where surface 2 is the faster one', range='>= -1e3, <= 1e3', &
+         used='entrainment_speed'), &
       key_row_t('bodies', 'hardness', real_kind, 'Pa', is_optional, &
          'H, the largest pressure of an elastic-perfectly plastic contact; not given: elastic', &
-         range='>= 1, <= 1e15', problems=dry)]
+         range='>= 1, <= 1e15', problems=dry, typical=typical_hardness), &
+      key_row_t('bodies', 'hardness', real_kind, 'Pa', is_optional, &
+         'of the softer body: pressures above it, and above the shakedown limit, are told', &
+         range='>= 1, <= 1e15', typical=typical_hardness), &
+      key_row_t('bodies', 'contact_length', real_kind, 'm', is_optional, &
+         'length of the contact across the flow, for an estimate of the flow to its sides', &
+         range='>= 1e-9, <= 1e6', typical='1e-4 to 5'), &
+      key_row_t('bodies', 'thermal_effusivity', real_kind, 'W s^0.5/m2/K', '13000.0', &
+         'sqrt(k rho c) of both bodies, for an estimate of temperatures; default: steel', &
+         range='>= 1, <= 1e6', typical='100 to 1e5')]
 
    type(key_row_t), parameter :: load_rows(*) = [ &
       key_row_t('load', 'load_per_length', real_kind, 'N/m', is_optional, &
          'load w per length of the line; this or hertz_pressure', &
-         range='>= 1e-6, <= 1e12', problems='ehl_line dry_line'), &
+         range='>= 1e-6, <= 1e12', problems='ehl_line dry_line', typical='50 to 2e7'), &
       key_row_t('load', 'hertz_pressure', real_kind, 'Pa', is_optional, &
-         'greatest Hertzian pressure p_h of the same load', range='>= 1, <= 1e13'), &
+         'greatest Hertzian pressure p_h of the same load', range='>= 1, <= 1e13', &
+         typical=typical_pressure), &
       key_row_t('load', 'mean_pressure', reals_kind, 'Pa', is_optional, &
          'load over nominal area; several values: a sweep; or load_per_length, load, '// &
-            'hertz_pressure, separation', range='> 0, <= 1e15', problems=dry), &
+            'hertz_pressure, separation', range='> 0, <= 1e15', problems=dry, &
+         typical='1e4 to 1e10'), &
       key_row_t('load', 'load', real_kind, 'N', is_optional, &
-         'load of an area', range='> 0, <= 1e15', problems=dry_area), &
+         'load of an area', range='> 0, <= 1e15', problems=dry_area, typical='1e-5 to 1e6'), &
       key_row_t('load', 'hertz_pressure', real_kind, 'Pa', is_optional, &
          'greatest Hertzian pressure of the same load', &
-         range='>= 1, <= 1e13', used='surface%shape = parabola', problems=dry), &
+         range='>= 1, <= 1e13', used='surface%shape = parabola', problems=dry, &
+         typical=typical_pressure), &
       key_row_t('load', 'separation', reals_kind, 'm', is_optional, &
          'instead of a load: plane to mean of the undeformed surface; open areas: approach '// &
-            'since first touch', range='>= -1e3, <= 1e3', problems=dry), &
+            'since first touch', range='>= -1e3, <= 1e3', problems=dry, &
+         typical='1e-10 to 3e-4'), &
       key_row_t('load', 'loading', word_kind, '', "'virgin'", &
          'virgin: each load acts on the virgin surface; history: on what the load before left', &
          words='virgin history', problems=dry), &
@@ -151,26 +187,40 @@ module input_keys
    type(key_row_t), parameter :: lubricant_rows(*) = [ &
       key_row_t('lubricant', 'viscosity', real_kind, 'Pa s', is_optional, &
          'viscosity mu_0 at ambient pressure', &
-         range='>= 1e-9, <= 1e6', used='no &moes: which stands for it', needed='no &moes'), &
+         range='>= 1e-9, <= 1e6', used='no &moes: which stands for it', needed='no &moes', &
+         typical='2e-4 to 5'), &
       key_row_t('lubricant', 'viscosity_law', word_kind, '', "'roelands'", &
          'rise of viscosity with pressure', words='roelands barus constant'), &
       key_row_t('lubricant', 'pressure_viscosity', real_kind, '1/Pa', is_optional, &
-         'alpha; Roelands needs two of alpha, z, P0', moes_default='2.2e-8', &
+         'alpha; Roelands needs alpha, or two of alpha, z, P0 (alpha alone: P0 = 1.96e8)', &
+         moes_default='2.2e-8', &
          range='>= 1e-12, <= 1e-6', used='moes%moes_l /= 0, viscosity_law = roelands barus', &
-         needed="no &moes, viscosity_law = barus: with viscosity_law = 'barus'"), &
+         needed="no &moes, viscosity_law = barus: with viscosity_law = 'barus'", &
+         typical='3e-10 to 1e-7'), &
       key_row_t('lubricant', 'roelands_z', real_kind, '-', is_optional, &
          'exponent z of Roelands', moes_default='0.668', &
-         range='>= 0.01, <= 2', used='moes%moes_l /= 0, viscosity_law = roelands'), &
+         range='>= 0.01, <= 2', used='moes%moes_l /= 0, viscosity_law = roelands', &
+         typical='0.1 to 1.5'), &
       key_row_t('lubricant', 'roelands_p0', real_kind, 'Pa', is_optional, &
          'reference pressure P0 of Roelands, about 1.96e8', moes_default='1.96e8', &
-         range='>= 1e6, <= 1e11', used='moes%moes_l /= 0, viscosity_law = roelands'), &
+         range='>= 1e6, <= 1e11', used='moes%moes_l /= 0, viscosity_law = roelands', &
+         typical='5e7 to 1e9'), &
       key_row_t('lubricant', 'density_law', word_kind, '', "'dowson_higginson'", &
          'rise of density with pressure', words='dowson_higginson constant'), &
       key_row_t('lubricant', 'rheology', word_kind, '', "'newtonian'", &
          'flow law of the oil', words='newtonian eyring'), &
       key_row_t('lubricant', 'eyring_stress', real_kind, 'Pa', is_optional, &
          'tau_0 of the Eyring law', range='>= 1e3, <= 1e15', used='rheology = eyring', &
-         needed="rheology = eyring: with rheology = 'eyring'")]
+         needed="rheology = eyring: with rheology = 'eyring'", typical='5e4 to 1e8'), &
+      key_row_t('lubricant', 'density', real_kind, 'kg/m3', '870.0', &
+         'at ambient pressure, for the Reynolds number and &film inertia; default: mineral oil', &
+         range='>= 1, <= 1e5', used=in_metres, typical='500 to 2500'), &
+      key_row_t('lubricant', 'thermal_conductivity', real_kind, 'W/m/K', '0.14', &
+         'for estimates of temperatures; default: mineral oil', &
+         range='>= 1e-3, <= 1e3', used=in_metres, typical='0.05 to 2'), &
+      key_row_t('lubricant', 'thermal_viscosity', real_kind, '1/K', '0.04', &
+         '-d ln(viscosity)/dT, for estimates of what heat does; default: mineral oil', &
+         range='>= 0, <= 1', used=in_metres, typical='0.005 to 0.2')]
 
    type(key_row_t), parameter :: surface_1_rows(*) = [ &
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", &
@@ -179,10 +229,12 @@ module input_keys
          words='smooth feature sinusoid file synthetic', later_words='parabola'), &
       key_row_t('surface_1', 'amplitude', reals_kind, 'm', is_optional, &
          'height A of each element; a ridge is positive, a dent negative', &
-         range='>= -1, <= 1', used=of_features, needed=of_features, problems=every), &
+         range='>= -1, <= 1', used=of_features, needed=of_features, problems=every, &
+         typical='1e-9 to 1e-4'), &
       key_row_t('surface_1', 'wavelength', reals_kind, 'm', is_optional, &
          'wavelength Lambda of each element', &
-         range='>= 1e-12, <= 1e3', used=of_features, needed=of_features, problems=every), &
+         range='>= 1e-12, <= 1e3', used=of_features, needed=of_features, problems=every, &
+         typical=typical_wave), &
       key_row_t('surface_1', 'position', reals_kind, 'half-widths', is_chosen, &
          'centre xc of each element at time 0; chosen: 0, where it moves about to enter', &
          range='>= -1e6, <= 1e6', used=of_roughness), &
@@ -197,11 +249,27 @@ module input_keys
          'centre xc of each element, from x = 0 of the domain', &
          range='>= -1e3, <= 1e3', used=of_features, problems=dry), &
       key_row_t('surface_1', 'file', text_kind, '', is_optional, &
-         'file of heights: CSV with a header line, x in the first column; or HDF5 (.h5, .hdf5)', &
+         'file of heights: table (CSV) with x in the first column; or HDF5 (.h5, .hdf5)', &
          used='shape = file', needed='shape = file', problems=every), &
       key_row_t('surface_1', 'dataset', text_kind, '', is_optional, &
          'name of the column (default: the second), or path in the HDF5 file', &
          used='shape = file', problems=every), &
+      key_row_t('surface_1', 'x_unit', word_kind, '', "'auto'", &
+         'unit of the positions or spacings in the file; auto: what the file says, else m', &
+         words='auto '//length_words, used='shape = file', problems=every), &
+      key_row_t('surface_1', 'z_unit', word_kind, '', "'auto'", &
+         'unit of the heights in the file; auto: what the file says, else m', &
+         words='auto '//length_words, used='shape = file', problems=every), &
+      key_row_t('surface_1', 'detrend', word_kind, '', "'auto'", &
+         'taken off the heights (line: plane of an area); auto: line, none where heights close '// &
+            'that are repeated', words='auto none mean line parabola', used='shape = file', &
+         problems=every), &
+      key_row_t('surface_1', 'cutoff_long', real_kind, 'm', is_optional, &
+         'cut-off lambda_c: longer waves are taken off by the Gaussian filter of ISO 16610-21', &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave), &
+      key_row_t('surface_1', 'cutoff_short', real_kind, 'm', is_optional, &
+         'cut-off lambda_s: shorter waves are smoothed out by the same filter', &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave), &
       key_row_t('surface_1', 'harmonics', integer_kind, '-', is_optional, &
          'keep the harmonics 1 to n of the periodic heights, drop the mean (4.1)', &
          range='>= 1, <= 16777216', used='shape = file'), &
@@ -216,18 +284,20 @@ module input_keys
          range='>= 0, <= 1', used=of_synthesis, problems=every), &
       key_row_t('surface_1', 'rms_height', real_kind, 'm', is_optional, &
          'rms height Rq', &
-         range='>= 1e-12, <= 1', used=of_synthesis, needed=of_synthesis, problems=every), &
+         range='>= 1e-12, <= 1', used=of_synthesis, needed=of_synthesis, problems=every, &
+         typical='1e-9 to 5e-5'), &
       key_row_t('surface_1', 'wavelength_long', real_kind, 'm', is_chosen, &
          'longest wave; chosen: the longest that fits', &
-         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=every), &
+         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=every, typical=typical_wave), &
       key_row_t('surface_1', 'wavelength_rolloff', real_kind, 'm', is_chosen, &
          'below it the spectrum falls by the power law; chosen: wavelength_long', &
-         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=every), &
+         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=every, typical=typical_wave), &
       key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_optional, &
-         'shortest wave', range='>= 1e-12, <= 1e3', used=of_synthesis, needed=of_synthesis), &
+         'shortest wave', range='>= 1e-12, <= 1e3', used=of_synthesis, needed=of_synthesis, &
+         typical=typical_wave), &
       key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_chosen, &
          'shortest wave; chosen: two node spacings, with &accuracy target required', &
-         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=dry), &
+         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=dry, typical=typical_wave), &
       key_row_t('surface_1', 'skewness', real_kind, '-', '0.0', &
          'Rsk', range='>= -3, <= 3', used=of_synthesis, problems=every), &
       key_row_t('surface_1', 'kurtosis', real_kind, '-', '3.0', &
@@ -246,13 +316,13 @@ module input_keys
          range='>= 8, <= 16777216, a power of two (times 3 or 5 or 7)', used=no_target), &
       key_row_t('domain', 'length', real_kind, 'm', is_optional, &
          'length of the profile; from the file if the surface is one', &
-         range='>= 1e-12, <= 1e6', problems=dry_line), &
+         range='>= 1e-12, <= 1e6', problems=dry_line, typical='1e-6 to 0.2'), &
       key_row_t('domain', 'intervals', integer_kind, '-', is_optional, &
          'number of nodes; default: those of the file, which others resample (Fourier series)', &
          range='>= 2, <= 16777216', used=no_target, problems=dry_line), &
       [(key_row_t('domain', 'length_'//axes(i), real_kind, 'm', is_optional, &
          'length of the area in '//axes(i)//'; from the file if the surface is one', &
-         range='>= 1e-12, <= 1e6', problems=dry_area), i=1, 2)], &
+         range='>= 1e-12, <= 1e6', problems=dry_area, typical='1e-6 to 0.2'), i=1, 2)], &
       [(key_row_t('domain', 'intervals_'//axes(i), integer_kind, '-', is_optional, &
          'number of nodes in '//axes(i)// &
             '; default: those of the file, which others resample (Fourier series)', &
@@ -275,6 +345,13 @@ module input_keys
       key_row_t('time', 'statistics_from', real_kind, '-', is_chosen, &
          'T from which extremes and film statistics count; chosen: when waves have entered '// &
             'and the start is forgotten', range='>= 0, <= 1e6', used=in_time)]
+
+   type(key_row_t), parameter :: film_rows(*) = [ &
+      key_row_t('film', 'layers', integer_kind, '-', '20', &
+         'layers across the film', range='>= 4, <= 200', used='case%equations = stokes'), &
+      key_row_t('film', 'inertia', logical_kind, '', '.false.', &
+         'with the convective terms (Navier-Stokes), for which density counts', &
+         used='case%equations = stokes')]
 
    type(key_row_t), parameter :: solver_rows(*) = [ &
       key_row_t('solver', 'method', word_kind, '', "'auto'", &
@@ -312,7 +389,7 @@ module input_keys
          'relaxation factor of the force balance', range='>= 1e-6, < 2', used=of_sweeps), &
       key_row_t('solver', 'film_floor', real_kind, 'm', is_optional, &
          'a film below it is a film breakdown, told with place and time', &
-         range='> 0, <= 1e-3', used=in_metres), &
+         range='> 0, <= 1e-3', used=in_metres, typical=typical_film), &
       key_row_t('solver', 'on_film_breakdown', word_kind, '', "'stop'", &
          'at a film breakdown: end as not converged, or go on with a mark; a film that '// &
             'closes always ends', words='stop continue', used='film_floor'), &
@@ -337,7 +414,15 @@ module input_keys
          range='>= 0, <= 1e9', used=in_time), &
       key_row_t('output', 'film_thresholds', reals_kind, 'm', is_optional, &
          'films for /statistics: how often and on how much of the contact the film is thinner', &
-         range='> 0, <= 1', used=in_time//', '//in_metres), &
+         range='> 0, <= 1', used=in_time//', '//in_metres, typical=typical_film), &
+      key_row_t('output', 'adequacy', logical_kind, '', '.true.', &
+         'measures what each ingredient of the model changes, for /adequacy: at most a tenth '// &
+            'of the cost, or 20 ms', problems=every), &
+      key_row_t('output', 'si_copies', logical_kind, '', '.true.', &
+         'stores the fields and series that are dimensionless in SI too, in /si'), &
+      key_row_t('output', 'velocity_layers', integer_kind, '-', '0', &
+         'layers across the film at whose borders /velocity has the velocity of the oil; 0: none', &
+         range='>= 0, <= 200', used='case%equations = reynolds, '//in_metres), &
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, &
          'relative error of h_min, in dry cases of the contact area, for which intervals and '// &
             'time step are chosen', range='>= 1e-7, <= 0.1', problems=every), &
@@ -349,15 +434,13 @@ module input_keys
       surface_1_rows(i)%key, surface_1_rows(i)%kind, surface_1_rows(i)%unit, &
       surface_1_rows(i)%default, 'as in &surface_1', surface_1_rows(i)%range, &
       surface_1_rows(i)%words, surface_1_rows(i)%later_words, surface_1_rows(i)%used, &
-      surface_1_rows(i)%needed, problems=surface_1_rows(i)%problems), i=1, size(surface_1_rows))]
+      surface_1_rows(i)%needed, problems=surface_1_rows(i)%problems, &
+      typical=surface_1_rows(i)%typical), i=1, size(surface_1_rows))]
 
    !> Every key that is built, in the order of the manual.
    type(key_row_t), parameter, public :: key_rows(*) = [case_rows, bodies_rows, load_rows, &
-      lubricant_rows, surface_1_rows, surface_2_rows, domain_rows, solver_rows, output_rows]
-
-   !> Keys that are known but not built yet.
-   type(later_row_t), parameter, public :: later_rows(*) = [ &
-      later_row_t('output', 'adequacy', 'lean models')]
+      lubricant_rows, surface_1_rows, surface_2_rows, domain_rows, film_rows, solver_rows, &
+      output_rows]
 
    !> Words that were renamed; the old one is refused, and the message names the new one.
    type(renamed_word_t), parameter, public :: renamed_words(*) = [ &
@@ -372,11 +455,17 @@ contains
       character(*), intent(in), optional :: problem
       integer :: row
       character(len=16) :: wanted
+      character(len=len(key_rows%group)) :: padded_group
+      character(len=len(key_rows%key)) :: padded_key
 
       wanted = lubricated
       if (present(problem)) wanted = problem
+      ! of equal lengths they are compared without a call
+      padded_group = group
+      padded_key = key
       do row = size(key_rows), 1, -1
-         if (key_rows(row)%group /= group .or. key_rows(row)%key /= key) cycle
+         if (key_rows(row)%key /= padded_key) cycle
+         if (key_rows(row)%group /= padded_group) cycle
          if (has_word(key_rows(row)%problems, trim(wanted))) return
       end do
    end function find_key
@@ -390,18 +479,5 @@ contains
          if (group_rows(row)%group == group) return
       end do
    end function find_group
-
-   !> What a key that is not built yet belongs to; empty: not such a key.
-   pure function later_meaning(group, key) result(meaning)
-      character(*), intent(in) :: group, key
-      character(:), allocatable :: meaning
-      integer :: row
-
-      meaning = ''
-      do row = 1, size(later_rows)
-         if (later_rows(row)%group == group .and. later_rows(row)%key == key) meaning = &
-            trim(later_rows(row)%meaning)
-      end do
-   end function later_meaning
 
 end module input_keys

@@ -1,6 +1,6 @@
 !> The key table as text for a terminal (`asperity --keys`) and as the page docs/input.md.
 module input_manual
-   use input_keys, only: group_rows, key_rows, later_rows
+   use input_keys, only: group_rows, key_rows
    use key_condition, only: rules_text
    use key_row, only: every, key_row_t, kind_names, word_list
    use quantity_text, only: wrapped
@@ -29,6 +29,8 @@ module input_manual
       // '  element.' // nl &
       // '- A key that is unknown, repeated, not used by the case or not built yet is an '// &
       'error: nothing is ignored.' // nl &
+      // '- A value outside the typical magnitudes of its key is told, in one line: most '// &
+      'often its unit is another one.' // nl &
       // '- The file is UTF-8 text. Paths in it are relative to the file.' // nl &
       // '- "required" must be given, "chosen" is chosen by the program, "-" has no '// &
       'default: the meaning says when it is' // nl &
@@ -54,8 +56,6 @@ contains
                text // terminal_entry(key_rows(i))
          end do
       end do
-      text = text // nl // wrapped('Known, but not built yet (refused): ' // later_list(), &
-         page_width, 0) // nl
    end function keys_text
 
    !> The lines of one key.
@@ -68,12 +68,22 @@ contains
       if (row%unit /= '' .and. row%unit /= '-') head = head // ' [' // trim(row%unit) // ']'
       head = head // ', default ' // trim(row%default)
       if (row%range /= '') head = head // ', ' // trim(row%range)
+      head = head // typical_text(row)
       text = wrapped(head, page_width, 8) // nl
       if (row%words /= '') text = text // wrapped(repeat(' ', indent) // words_text(row), &
          page_width, 8) // nl
       text = text // wrapped(repeat(' ', indent) // trim(row%meaning) // conditions_text(row), &
          page_width, 8) // nl
    end function terminal_entry
+
+   !> What is typical of a key, ", typical 1e-4 to 5"; empty: nothing in particular.
+   pure function typical_text(row) result(text)
+      type(key_row_t), intent(in) :: row
+      character(:), allocatable :: text
+
+      text = ''
+      if (row%typical /= '') text = ', typical ' // trim(row%typical)
+   end function typical_text
 
    !> The rules of a key, and the problems that use it if not all of them do.
    pure function conditions_text(row) result(text)
@@ -95,18 +105,6 @@ contains
       if (row%later_words /= '') text = text // '; not built yet: ' // word_list(row%later_words)
    end function words_text
 
-   !> "&group key, &group key" of all keys not built yet.
-   pure function later_list() result(list)
-      character(:), allocatable :: list
-      integer :: i
-
-      list = ''
-      do i = 1, size(later_rows)
-         if (i > 1) list = list // ', '
-         list = list // '&' // trim(later_rows(i)%group) // ' ' // trim(later_rows(i)%key)
-      end do
-   end function later_list
-
    !> The page docs/input.md.
    pure function keys_markdown() result(text)
       character(:), allocatable :: text
@@ -127,13 +125,6 @@ contains
                text // markdown_entry(key_rows(i))
          end do
       end do
-      text = text // nl // '## Not built yet' // nl // nl // 'These names are known and '// &
-         'refused as not built yet:' // nl // nl
-      do i = 1, size(later_rows)
-         text = text // '- `&' // trim(later_rows(i)%group) // ' ' // trim(later_rows(i)%key) &
-            // '` (' &
-            // trim(later_rows(i)%meaning) // ')' // nl
-      end do
    end function keys_markdown
 
    !> One row of a table.
@@ -142,7 +133,7 @@ contains
       character(:), allocatable :: text
       character(:), allocatable :: range
 
-      range = trim(row%range)
+      range = trim(row%range) // typical_text(row)
       if (row%words /= '') range = words_text(row)
       text = '| `' // trim(row%key) // '` | ' // trim(kind_names(row%kind)) // ' | ' &
          // trim(row%unit) &

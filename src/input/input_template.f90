@@ -35,6 +35,11 @@ module input_template
       example_t('bodies', 'reduced_modulus', '226.4e9', .false.), &
       example_t('bodies', 'speed_1', '0.1', .true.), &
       example_t('bodies', 'speed_2', '1.1', .true.), &
+      example_t('bodies', 'plane', '.true.', .false.), &
+      example_t('bodies', 'entrainment_speed', '0.6', .false.), &
+      example_t('bodies', 'slide_to_roll', '1.666667', .false.), &
+      example_t('bodies', 'hardness', '7e9', .false.), &
+      example_t('bodies', 'contact_length', '0.02', .false.), &
       example_t('load', 'load_per_length', '1e5', .true.), &
       example_t('load', 'hertz_pressure', '0.6e9', .false.), &
       example_t('moes', 'moes_m', '20', .false.), &
@@ -51,6 +56,11 @@ module input_template
       example_t('surface_1', 'position', '-2.5, -3.0', .false.), &
       example_t('surface_1', 'file', "'profile.csv'", .false.), &
       example_t('surface_1', 'dataset', "'z'", .false.), &
+      example_t('surface_1', 'x_unit', "'mm'", .false.), &
+      example_t('surface_1', 'z_unit', "'um'", .false.), &
+      example_t('surface_1', 'detrend', "'line'", .false.), &
+      example_t('surface_1', 'cutoff_long', '0.8e-3', .false.), &
+      example_t('surface_1', 'cutoff_short', '2.5e-6', .false.), &
       example_t('surface_1', 'harmonics', '50', .false.), &
       example_t('surface_1', 'seed', '1', .false.), &
       example_t('surface_1', 'hurst', '0.8', .false.), &
@@ -63,7 +73,7 @@ module input_template
       example_t('surface_1', 'entry_length', '1.0', .false.), &
       example_t('domain', 'x_inlet', '-4.0', .false.), &
       example_t('domain', 'x_outlet', '1.5', .false.), &
-      example_t('domain', 'intervals', '1024', .true.), &
+      example_t('domain', 'intervals', '1024', .false.), &
       example_t('time', 'end_time', '2.181818', .false.), &
       example_t('time', 'time_step', '2.7e-3', .false.), &
       example_t('time', 'scheme', "'bdf2'", .false.), &
@@ -76,6 +86,8 @@ module input_template
       example_t('solver', 'coarse_sweeps', '100', .false.), &
       example_t('solver', 'relaxation', '0.8', .false.), &
       example_t('solver', 'load_relaxation', '0.5', .false.), &
+      example_t('film', 'layers', '20', .false.), &
+      example_t('film', 'inertia', '.false.', .false.), &
       example_t('output', 'profile_stride', '1', .false.), &
       example_t('output', 'fields', "'pressure', 'film_thickness'", .false.), &
       example_t('output', 'checkpoint_interval', '600.0', .false.), &
@@ -92,6 +104,7 @@ module input_template
       example_t('case', 'output', "'rough.h5'", .false.), &
       example_t('bodies', 'radius_1', '0.01', .false.), &
       example_t('bodies', 'radius_2', '2.0', .false.), &
+      example_t('bodies', 'plane', '.true.', .false.), &
       example_t('bodies', 'reduced_radius', '9.950e-3', .false.), &
       example_t('bodies', 'youngs_modulus_1', '210e9', .true.), &
       example_t('bodies', 'poisson_ratio_1', '0.3', .true.), &
@@ -110,6 +123,11 @@ module input_template
       example_t('surface_1', 'position', '0.0', .false.), &
       example_t('surface_1', 'file', "'profile.csv'", .false.), &
       example_t('surface_1', 'dataset', "'z'", .false.), &
+      example_t('surface_1', 'x_unit', "'mm'", .false.), &
+      example_t('surface_1', 'z_unit', "'um'", .false.), &
+      example_t('surface_1', 'detrend', "'line'", .false.), &
+      example_t('surface_1', 'cutoff_long', '0.8e-3', .false.), &
+      example_t('surface_1', 'cutoff_short', '2.5e-6', .false.), &
       example_t('surface_1', 'harmonics', '50', .false.), &
       example_t('surface_1', 'rms_height', '1e-6', .true.), &
       example_t('surface_1', 'wavelength_long', '4e-4', .false.), &

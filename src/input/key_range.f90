@@ -1,11 +1,12 @@
-!> Ranges of the key table, "> 0, <= 0.5" or "a power of two (times 3 or 5 or 7)", as a test.
+!> Ranges of the key table, "> 0, <= 0.5", "a power of two (times 3 or 5 or 7)" or "1e-4 to 5", as
+!> a test.
 module key_range
    use kinds, only: wp
    use number_text, only: read_real
    implicit none (type, external)
    private
 
-   public :: is_in_range
+   public :: is_in_range, is_typical
 
 contains
 
@@ -26,6 +27,22 @@ contains
          start = start + length + 1
       end do
    end function is_in_range
+
+   !> True if `value` is 0, or its magnitude within the `typical` range "LOWEST to LARGEST".
+   pure elemental function is_typical(value, typical) result(inside)
+      real(wp), intent(in) :: value
+      character(*), intent(in) :: typical
+      logical :: inside
+      real(wp) :: lowest, largest
+      integer :: middle
+      logical :: good(2)
+
+      middle = index(typical, ' to ')
+      call read_real(typical(:middle - 1), lowest, good(1))
+      call read_real(trim(typical(middle + 4:)), largest, good(2))
+      inside = all(good) .and. abs(value) >= lowest .and. abs(value) <= largest
+      inside = inside .or. .not. abs(value) > 0.0_wp
+   end function is_typical
 
    !> One comparison: "> 0", ">= 0", "< 1", "<= 1", "/= 0" or "a power of two (times 3 or 5 or 7)".
    pure function holds(value, comparison)

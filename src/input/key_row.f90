@@ -60,6 +60,9 @@ module key_row
       !> Problems that use the key, separated by blanks. A key may have a row for each of several
       !> problems.
       character(len=32) :: problems = lubricated
+      !> Magnitudes that contacts have, "LOWEST to LARGEST" in the unit of the key: others are told,
+      !> as most often slips of a unit; empty: all of the range.
+      character(len=20) :: typical = ''
    end type key_row_t
 
 contains

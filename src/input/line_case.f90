@@ -33,6 +33,7 @@ contains
       contact%lambda = scaling%lambda
       contact%moes_m_sum = moes_m_sum_from_mean(scaling%moes_m)
       contact%moes_l_sum = moes_l_sum_from_mean(scaling%moes_l)
+      contact%slide_to_roll = scaling%slide_to_roll
       contact%fluid = scaled_fluid(scaling, case%lubricant, case%bodies)
       contact%domain = case%domain
       if (scaling%is_dimensional) then

@@ -2,19 +2,25 @@
 !> synthetic heights that enter the contact.
 module line_profiles
    use, intrinsic :: iso_fortran_env, only: int64
+   use case_effective, only: list_trend
    use case_record, only: beside_namelist, case_t, set_effective
    use checksum, only: checksum_t
    use errors, only: error_t
    use features, only: rough_surface_t
+   use file_heights, only: check_heights, filter_heights, find_trend, is_filtered, units_hint
    use height_file, only: open_heights
+   use height_form, only: form_t, rms_height, take_off, trend_t
+   use level_heights, only: put_level
+   use measured_heights, only: heights_t
    use input_values, only: input_values_t
    use kinds, only: wp
+   use moes, only: central_film, moes_l_sum_from_mean, moes_m_sum_from_mean
    use profile, only: profile_length, profile_t
    use scaling, only: new_scaling, scaling_t
-   use surface_keys, only: features_of, read_synthesis
+   use surface_keys, only: features_of, read_synthesis, units_of
    use synthetic_pieces, only: new_synthetic_pieces, synthetic_pieces_t
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
-   use text, only: to_text
+   use text, only: add_sentence, to_text
    implicit none (type, external)
    private
 
@@ -30,6 +36,8 @@ module line_profiles
    !> Each piece has at least 32 of the longest waves, which are at most `max_waves` times as long
    !> as the shortest.
    integer, parameter :: max_nodes = 2**20, max_waves = max_nodes/(32*nodes_per_wave)
+   !> Rms height over the expected film from which a note is given, and above which it is refused.
+   real(wp), parameter :: many_films = 10.0_wp, most_films = 1000.0_wp
    !> Nodes of half a piece, at least.
    integer, parameter :: least_half = 32768
    !> Nodes of a file up to which harmonics can be taken.
@@ -79,29 +87,43 @@ contains
       type(profile_t), intent(inout) :: profile
       type(error_t), allocatable :: error
       character(:), allocatable :: fault, path
-      character(len=16) :: digits
-      integer(int64) :: most
+      type(heights_t) :: heights
+      type(trend_t) :: trend
+      integer(int64) :: most, nodes
       integer :: harmonics
 
       path = beside_namelist(case, trim(values%text_value(group, 'file')))
-      call open_heights(path, trim(values%text_value(group, 'dataset')), profile%source, &
-         profile%spacing, profile%heights, digits, error)
+      call open_heights(path, trim(values%text_value(group, 'dataset')), &
+         units_of(values, group), profile%source, heights, error)
       if (allocated(error)) then
          call values%refuse(group, 'file', error%message)
          return
       end if
-      if (.not. profile%spacing > 0.0_wp) call values%refuse(group, 'file', &
-         'found no spacing in '//path// &
-         ', expected the attribute spacing_x or spacing [m] of the dataset')
+      profile%spacing = heights%spacing(1)
+      if (profile%spacing > 0.0_wp) then
+         call find_trend(values, group, heights, heights%spacing, values%is_given(group, &
+            'harmonics'), trend, case%note)
+         call level_profile(values, group, trend, heights, profile)
+         call check_heights(values, group, heights, heights%spacing, case%note)
+         call compare_with_film(values, group, heights, trend, case)
+         call list_trend(case, group, trend)
+      else
+         call values%refuse(group, 'file', 'found no spacing in '//path// &
+            ', expected the attribute spacing_x or spacing [m] of the dataset')
+      end if
       profile%finest_wave = 2.0_wp*profile%spacing
-      call set_effective(case, group, 'heights_checksum', digits)
+      if (values%is_given(group, 'cutoff_short')) profile%finest_wave = max(profile%finest_wave, &
+         0.5_wp*values%real_value(group, 'cutoff_short'))
+      call set_effective(case, group, 'heights_checksum', heights%digits)
       call set_effective(case, group, 'heights_spacing', profile%spacing, 'm')
+      if (allocated(heights%z)) call move_alloc(heights%z, profile%heights)
       if (.not. values%is_given(group, 'harmonics') .or. values%findings%count > 0) return
       harmonics = values%integer_value(group, 'harmonics')
-      most = min(profile%source%nodes/2 - 1, int(max_nodes, int64))
+      nodes = heights%sums%nodes
+      most = min(nodes/2 - 1, int(max_nodes, int64))
       fault = ''
-      if (profile%source%nodes > max_truncated) then
-         fault = 'found a profile of '//to_text(profile%source%nodes)//' nodes, expected at '// &
+      if (nodes > max_truncated) then
+         fault = 'found a profile of '//to_text(nodes)//' nodes, expected at '// &
             'most '//to_text(max_truncated)//': a series needs all of them at once'
       else if (harmonics > most) then
          fault = 'found '//to_text(harmonics)//', expected at most '//to_text(most) &
@@ -112,6 +134,67 @@ contains
       end if
       if (fault /= '') call values%refuse(group, 'harmonics', fault)
    end subroutine fill_from_file
+
+   !> Takes the `trend` and the waves beyond the cut-offs off a profile: off its source, and off the
+   !> heights that are held. Filtered heights have no source. Findings: too many nodes for a filter;
+   !> its cut-offs.
+   subroutine level_profile(values, group, trend, heights, profile)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group
+      type(trend_t), intent(in) :: trend
+      type(heights_t), intent(inout) :: heights
+      type(profile_t), intent(inout) :: profile
+      type(error_t), allocatable :: error
+
+      call put_level(profile%source, trend%form)
+      if (allocated(heights%z)) call take_off(trend%form, 0_int64, heights%z)
+      if (.not. is_filtered(values, group)) return
+      if (profile%source%nodes > max_truncated) then
+         call values%refuse(group, 'file', 'found a profile of '//to_text(profile%source%nodes) &
+            //' nodes, expected at most '//to_text(max_truncated)//' with cutoff_long or '// &
+            'cutoff_short: a filter needs all of them at once')
+         return
+      end if
+      if (.not. allocated(heights%z)) then
+         allocate (heights%z(profile%source%nodes))
+         call profile%source%get(0_int64, heights%z, error)
+         if (allocated(error)) then
+            call values%refuse(group, 'file', error%message)
+            return
+         end if
+      end if
+      deallocate (profile%source)
+      call filter_heights(values, group, values%is_given(group, 'harmonics'), heights%spacing, &
+         heights)
+   end subroutine level_profile
+
+   !> Finding: heights far above any film. A note: above the film that is expected.
+   subroutine compare_with_film(values, group, heights, trend, case)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group
+      type(heights_t), intent(in) :: heights
+      type(trend_t), intent(in) :: trend
+      type(case_t), intent(inout) :: case
+      type(scaling_t) :: scales
+      type(form_t) :: form
+      character(:), allocatable :: words
+      real(wp) :: film, height
+
+      call new_scaling(scales, case%bodies, case%lubricant, case%load_per_length)
+      film = scales%film*central_film(moes_m_sum_from_mean(scales%moes_m), &
+         moes_l_sum_from_mean(scales%moes_l))
+      form = trend%form
+      if (is_filtered(values, group)) form%terms = 0.0_wp   ! the sums are those without it
+      height = rms_height(heights%sums, form)
+      words = to_text(height, 3)//' m, '//to_text(height/film, 2)// &
+         ' times the film that is expected, '//to_text(film, 3)//' m'
+      if (height > most_films*film) then
+         call values%refuse(group, 'file', heights%file//': found heights with an rms of '// &
+            words//', expected less than '//to_text(nint(most_films))//' times'//units_hint)
+      else if (height > many_films*film) then
+         call add_sentence(case%note, 'the rms height of '//group//' is '//words//units_hint)
+      end if
+   end subroutine compare_with_film
 
    !> The truncated Fourier series of a whole profile, which is held from now on.
    subroutine truncate_profile(harmonics, profile, error)
@@ -124,7 +207,7 @@ contains
          call profile%source%get(0_int64, profile%heights, error)
          if (allocated(error)) return
       end if
-      deallocate (profile%source)
+      if (allocated(profile%source)) deallocate (profile%source)
       call truncate_harmonics(harmonics, [size(profile%heights), 1], profile%heights, &
          error)   ! error: the caller looks
       profile%is_periodic = .true.

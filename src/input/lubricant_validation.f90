@@ -25,7 +25,8 @@ contains
       end if
    end subroutine check_lubricant
 
-   !> Finds fewer than two of alpha, P0, z, or three that contradict each other by (2.27).
+   !> Finds fewer than two of alpha (which gets the usual P0), P0, z, or three that contradict each
+   !> other by (2.27).
    subroutine check_roelands(values)
       type(input_values_t), intent(inout) :: values
       type(error_t), allocatable :: error
@@ -50,8 +51,8 @@ contains
       if (.not. allocated(error)) return
       if (given < 2) then
          call values%refuse('lubricant', trim(last), 'found ' // to_text(given) &
-            // ' of pressure_viscosity, roelands_p0 and roelands_z, expected two with '// &
-               "viscosity_law = 'roelands'")
+            // ' of pressure_viscosity, roelands_p0 and roelands_z, expected '// &
+               "pressure_viscosity or two of them with viscosity_law = 'roelands'")
       else if (number(1) <= exp(-roelands_log_shift)) then
          call values%refuse('lubricant', 'viscosity', 'found ' // to_text(number(1)) &
             // ', expected more than ' // to_text(exp(-roelands_log_shift), 3) &

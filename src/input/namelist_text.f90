@@ -30,12 +30,16 @@ module namelist_text
       logical :: has_subscript = .false.
       !> True if the subscript cannot be read (and is reported).
       logical :: is_broken = .false.
+      !> First and last character of the entry in the text.
+      integer :: span(2) = 0
    end type entry_t
 
    !> One group.
    type :: group_t
       character(:), allocatable :: name
       integer :: line = 0
+      !> Last character of its name in the text.
+      integer :: name_end = 0
    end type group_t
 
    !> A namelist file in pieces.
@@ -155,7 +159,7 @@ contains
             '(line ' // to_text(earlier) // ')')
       else if (name /= '') then
          pieces%group_count = pieces%group_count + 1
-         pieces%groups(pieces%group_count) = group_t(name, line)
+         pieces%groups(pieces%group_count) = group_t(name, line, position - 1)
          call split_group(source, position, last, name, pieces, findings)
       end if
       position = last + 1
@@ -232,6 +236,7 @@ contains
       character(:), allocatable :: name, subscript
 
       entry%group = group
+      entry%span = [place(1), place(3) - 1]
       name = trim(source%text(place(1):place(2) - 1))
       entry%line = source%line(min(place(1) + verify(source%text(place(1):place(2)), ' ') - 1, &
          place(2)))

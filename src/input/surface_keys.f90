@@ -3,12 +3,13 @@ module surface_keys
    use features, only: feature_ridge, feature_sinusoid, feature_t
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
+   use length_units, only: height_units_t
    use synthetic_surface, only: synthesis_t
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: features_of, has_shape, read_synthesis
+   public :: features_of, has_shape, read_synthesis, units_of
 
    !> The groups of both surfaces.
    character(len=9), parameter, public :: surfaces(2) = ['surface_1', 'surface_2']
@@ -47,6 +48,20 @@ contains
             size(position%reals)))
       end do
    end function features_of
+
+   !> The units that the keys say of the file of the surface `group`.
+   pure function units_of(values, group) result(units)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      type(height_units_t) :: units
+
+      units%x = ''
+      units%z = ''
+      if (values%is_given(group, 'x_unit')) units%x = trim(values%word_value(group, 'x_unit'))
+      if (values%is_given(group, 'z_unit')) units%z = trim(values%word_value(group, 'z_unit'))
+      if (units%x == 'auto') units%x = ''
+      if (units%z == 'auto') units%z = ''
+   end function units_of
 
    !> The heights that the surface `group` wants; `longest` and `shortest` are its longest and
    !> shortest wave [m] where it does not give them, and the roll-off is at the longest then.

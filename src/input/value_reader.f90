@@ -5,7 +5,7 @@
 module value_reader
    use, intrinsic :: iso_fortran_env, only: int64
    use findings, only: findings_t, quoted
-   use input_keys, only: find_group, find_key, group_rows, key_rows, later_meaning, &
+   use input_keys, only: find_group, find_key, group_rows, key_rows, &
       renamed_words
    use input_values, only: input_values_t, value_t
    use key_range, only: is_in_range
@@ -106,13 +106,13 @@ contains
          'asperity --keys lists' // hint)
    end subroutine check_group
 
-   !> Finding: a key that is unknown, belongs to another group, or is known and not built yet.
+   !> Finding: a key that is unknown, belongs to another group, or is not used by the problem.
    subroutine report_unknown_key(entry, problem, findings)
       type(entry_t), intent(in) :: entry
       character(*), intent(in) :: problem
       type(findings_t), intent(inout) :: findings
       character(len=len(key_rows%key)) :: names(size(key_rows))
-      character(:), allocatable :: hint, later, message
+      character(:), allocatable :: hint, message
       logical :: is_known
       integer :: i
 
@@ -127,12 +127,8 @@ contains
             if (row%key == entry%key .and. hint == '') hint = '; it belongs to &'//trim(row%group)
          end associate
       end do
-      later = later_meaning(entry%group, entry%key)
-      if (later == '' .and. .not. has_word(group_rows(find_group(entry%group))%problems, &
-         trim(problem))) return
-      if (later /= '') then
-         message = 'found a key that is not built yet (' // later // ')'
-      else if (is_known) then
+      if (.not. has_word(group_rows(find_group(entry%group))%problems, trim(problem))) return
+      if (is_known) then
          message = "found a key that problem = '" // trim(problem) &
             // "' does not use, expected it left out"
       else
@@ -219,7 +215,7 @@ contains
       missing = length - size(slot%is_set)
       if (missing <= 0) return
       slot%reals = [slot%reals, (0.0_wp, i=1, missing)]
-      slot%words = [slot%words, (repeat(' ', word_length), i=1, missing)]
+      slot%words = [character(len=word_length) :: slot%words, (' ', i=1, missing)]
       slot%is_set = [slot%is_set, (.false., i=1, missing)]
    end subroutine make_room
 

@@ -10,7 +10,7 @@ module grid_transform
    implicit none (type, external)
    private
 
-   public :: transform_field, transform_back
+   public :: power_of_rows, transform_field, transform_back
 
 contains
 
@@ -50,6 +50,31 @@ contains
       call fftw_execute_dft_c2r(plan, spectrum, z)
       call fftw_destroy_plan(plan)
    end subroutine transform_back
+
+   !> Mean over all rows z(:, j) of |sum of z exp(-2 pi i k m/nx)|^2 for k = 0 ... nx/2. Fails
+   !> (internal_error) if FFTW does.
+   subroutine power_of_rows(z, power, error)
+      real(wp), intent(in) :: z(:, :)
+      real(wp), allocatable, intent(out) :: power(:)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: row(:)
+      complex(wp), allocatable :: spectrum(:)
+      type(c_ptr) :: plan
+      integer :: grid(2), j
+
+      grid = [size(z, 1), 1]
+      allocate (row(grid(1)), spectrum(0:grid(1)/2))
+      allocate (power(0:grid(1)/2), source=0.0_wp)
+      plan = fftw_plan_dft_r2c(1_c_int, int(grid(:1), c_int), row, spectrum, fftw_estimate)
+      call check_plan(plan, grid, error)
+      if (allocated(error)) return
+      do j = 1, size(z, 2)
+         row = z(:, j)
+         call fftw_execute_dft_r2c(plan, row, spectrum)
+         power = power + (spectrum%re**2 + spectrum%im**2)/size(z, 2)
+      end do
+      call fftw_destroy_plan(plan)
+   end subroutine power_of_rows
 
    !> Error if FFTW has given no plan.
    subroutine check_plan(plan, grid, error)

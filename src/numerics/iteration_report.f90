@@ -10,7 +10,7 @@ module iteration_report
    public :: breakdown_t, report_t
 
    !> Number of phases whose wall time is kept apart.
-   integer, parameter, public :: phase_count = 5
+   integer, parameter, public :: phase_count = 6
    !> Index of a phase in `report_t%phase_seconds`: kernels, levels, plans and storage.
    integer, parameter, public :: phase_setup = 1
    !> The steady solution (also the one that a transient starts from).
@@ -21,9 +21,12 @@ module iteration_report
    integer, parameter, public :: phase_output = 4
    !> The coarse runs from which errors are estimated.
    integer, parameter, public :: phase_error_bars = 5
+   !> The coarse runs that leave out ingredients of the model.
+   integer, parameter, public :: phase_adequacy = 6
    !> Names of the phases, in the order of their index.
    character(len=*), parameter, public :: phase_names(phase_count) = &
-      [character(len=10) :: 'setup', 'steady', 'transient', 'output', 'error_bars']
+      [character(len=10) :: 'setup', 'steady', 'transient', 'output', 'error_bars', &
+      'adequacy']
 
    !> Films below the floor of the film: how often, where the first one was, the smallest of all.
    !> Dimensionless.
@@ -87,6 +90,8 @@ module iteration_report
       real(wp) :: work_units = 0.0_wp
       !> Wall time of the whole solve [s].
       real(wp) :: wall_seconds = 0.0_wp
+      !> Most memory of the process [bytes]; 0: not told.
+      real(wp) :: peak_memory = 0.0_wp
       !> Wall time by phase [s], see `phase_names`.
       real(wp) :: phase_seconds(phase_count) = 0.0_wp
       !> Entries of the history in use; the two arrays below may be longer.

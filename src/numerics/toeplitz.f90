@@ -1,16 +1,24 @@
 !> Product of a symmetric Toeplitz matrix with a vector in O(n log n) by FFTW.
 !>
-!> The matrix is embedded in a circulant, whose eigenvalues are the real, even transform of its
-!> first column (Golub & Van Loan, Matrix Computations, 4th ed., section 4.8). Plans are made once,
-!> by FFTW_ESTIMATE: its choice does not depend on timing, so that a repeated run gives the same
-!> bits.
+!> The matrix is embedded in a circulant of length 2n, whose eigenvalues lambda(k) are the real,
+!> even transform of its first column (Golub & Van Loan, Matrix Computations, 4th ed., section 4.8).
+!> The 2n real values are taken as n complex ones, those of even places their real parts: of their
+!> transform Z the product makes
+!>
+!>   Z'(k) = (a - b sin t) Z(k) + i b cos t conj(Z(n-k)),   t = pi k/n,
+!>   a = (lambda(k) + lambda(n-k))/2,   b = (lambda(k) - lambda(n-k))/2,
+!>
+!> for the transforms of even and odd places, E and O, make X(k) = E + exp(-it) O and X(k+n) =
+!> E - exp(-it) O. FFTW plans complex transforms in a tenth of the time that it takes for real ones.
+!> Plans are made once, by FFTW_ESTIMATE: its choice does not depend on timing, so that a repeated
+!> run gives the same bits.
 module toeplitz
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_double_complex, c_f_pointer, &
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double_complex, c_f_pointer, &
       c_int, c_loc, c_null_ptr, c_ptr, c_size_t
+   use constants, only: pi
    use errors, only: error_t, fail, internal_error
-   use fftw, only: fftw_alloc_complex, fftw_alloc_real, fftw_destroy_plan, fftw_estimate, &
-      fftw_execute_dft_c2r, fftw_execute_dft_r2c, fftw_free, fftw_plan_dft_c2r_1d, &
-      fftw_plan_dft_r2c_1d
+   use fftw, only: fftw_alloc_complex, fftw_backward, fftw_destroy_plan, fftw_estimate, &
+      fftw_execute_dft, fftw_forward, fftw_free, fftw_plan_dft_1d
    use kinds, only: wp
    use text, only: to_text
    implicit none (type, external)
@@ -26,9 +34,11 @@ module toeplitz
       integer :: n = 0
       type(c_ptr) :: forward = c_null_ptr
       type(c_ptr) :: backward = c_null_ptr
-      real(c_double), pointer, contiguous :: values(:) => null()
+      !> Values by pairs, and their transform (0:n-1).
+      complex(c_double_complex), pointer, contiguous :: pairs(:) => null()
       complex(c_double_complex), pointer, contiguous :: spectrum(:) => null()
-      real(wp), allocatable :: eigenvalues(:)
+      !> a - b sin t, a + b sin t and b cos t for k = 0..n/2, all over n.
+      real(wp), allocatable :: own(:), mirrored(:), crossed(:)
    contains
       procedure :: apply
       final :: destroy_toeplitz
@@ -43,49 +53,109 @@ contains
       real(wp), intent(in) :: column(0:)
       type(error_t), allocatable, intent(out) :: error
       integer :: n
-      integer(c_int) :: m
+      integer(c_int) :: length
       logical :: is_planned
 
       call destroy_toeplitz(self)
       n = ubound(column, 1)
-      m = int(2*n, c_int)
+      length = int(n, c_int)
       self%n = n
-      call c_f_pointer(fftw_alloc_real(int(m, c_size_t)), self%values, [m])
-      call c_f_pointer(fftw_alloc_complex(int(n + 1, c_size_t)), self%spectrum, [n + 1])
-      is_planned = associated(self%values) .and. associated(self%spectrum)
+      self%pairs => new_complex(n)
+      self%spectrum => new_complex(n)
+      is_planned = associated(self%pairs) .and. associated(self%spectrum)
       if (is_planned) then
-         self%forward = fftw_plan_dft_r2c_1d(m, self%values, self%spectrum, fftw_estimate)
-         self%backward = fftw_plan_dft_c2r_1d(m, self%spectrum, self%values, fftw_estimate)
+         self%forward = fftw_plan_dft_1d(length, self%pairs, self%spectrum, fftw_forward, &
+            fftw_estimate)
+         self%backward = fftw_plan_dft_1d(length, self%spectrum, self%pairs, fftw_backward, &
+            fftw_estimate)
          is_planned = c_associated(self%forward) .and. c_associated(self%backward)
       end if
-      if (.not. is_planned) then
+      if (is_planned) then
+         call find_coefficients(self, column)
+      else
          call fail(error, internal_error, 'FFTW: no memory or no plan for a transform of length ' &
-            //to_text(m))
-         return
+            //to_text(n))
       end if
-      self%values(1:n) = column(0:n - 1)
-      self%values(n + 1) = column(n)
-      self%values(n + 2:m) = column(n - 1:1:-1)
-      call fftw_execute_dft_r2c(self%forward, self%values, self%spectrum)
-      allocate (self%eigenvalues(n + 1))
-      self%eigenvalues = self%spectrum%re/m
    end subroutine new_toeplitz
+
+   !> Memory of FFTW's for (0:n-1), where its transforms are fastest; not associated: there is none.
+   function new_complex(n) result(values)
+      integer, intent(in) :: n
+      complex(c_double_complex), pointer, contiguous :: values(:)
+      complex(c_double_complex), pointer, contiguous :: from_one(:)
+
+      call c_f_pointer(fftw_alloc_complex(int(n, c_size_t)), from_one, [n])
+      nullify (values)
+      if (associated(from_one)) values(0:) => from_one
+   end function new_complex
+
+   !> The coefficients a -+ b sin t, b cos t of the matrix.
+   subroutine find_coefficients(self, column)
+      type(toeplitz_t), intent(inout) :: self
+      real(wp), intent(in) :: column(0:)
+      real(wp) :: circulant(0:2*self%n - 1), lambda(0:self%n)
+      real(wp), dimension(0:self%n/2) :: a, b, angle
+      complex(wp) :: even, odd
+      integer :: k
+
+      associate (n => self%n)
+         circulant(:n) = column
+         circulant(n + 1:) = column(n - 1:1:-1)
+         self%pairs = cmplx(circulant(0::2), circulant(1::2), wp)
+         call fftw_execute_dft(self%forward, self%pairs, self%spectrum)
+         do k = 0, n
+            associate (z => self%spectrum(modulo(k, n)), c => conjg(self%spectrum(modulo(-k, n))))
+               even = 0.5_wp*(z + c)
+               odd = cmplx(0.0_wp, -0.5_wp, wp)*(z - c)
+            end associate
+            lambda(k) = even%re + real(exp(cmplx(0.0_wp, -pi*k/n, wp))*odd, wp)
+         end do
+         a = 0.5_wp*(lambda(:n/2) + lambda(n:n - n/2:-1))/n
+         b = 0.5_wp*(lambda(:n/2) - lambda(n:n - n/2:-1))/n
+         angle = [(pi*k/n, k=0, n/2)]
+      end associate
+      self%own = a - b*sin(angle)
+      self%mirrored = a + b*sin(angle)
+      self%crossed = b*cos(angle)
+   end subroutine find_coefficients
 
    !> y = T x for x(0:n) with x(0) = x(n) = 0; y(0:n) is filled at every node.
    subroutine apply(self, x, y)
       class(toeplitz_t), intent(inout) :: self
       real(wp), intent(in) :: x(0:)
       real(wp), intent(out) :: y(0:)
-      integer :: n
+      integer :: half, n
 
       n = self%n
-      self%values(1:n) = x(0:n - 1)
-      self%values(n + 1:) = 0.0_wp
-      call fftw_execute_dft_r2c(self%forward, self%values, self%spectrum)
-      self%spectrum = self%spectrum*self%eigenvalues
-      call fftw_execute_dft_c2r(self%backward, self%spectrum, self%values)
-      y(0:n) = self%values(1:n + 1)
+      half = (n + 1)/2
+      self%pairs(:half - 1) = cmplx(x(0:2*half - 2:2), x(1:2*half - 1:2), wp)
+      self%pairs(half:) = (0.0_wp, 0.0_wp)
+      call fftw_execute_dft(self%forward, self%pairs, self%spectrum)
+      call multiply(self%spectrum, self%own, self%mirrored, self%crossed)
+      call fftw_execute_dft(self%backward, self%spectrum, self%pairs)
+      y(0:n:2) = self%pairs(:n/2)%re
+      y(1:n:2) = self%pairs(:half - 1)%im
    end subroutine apply
+
+   !> Z'(k) and Z'(n-k) in place of `z` (0:n-1).
+   pure subroutine multiply(z, own, mirrored, crossed)
+      complex(wp), intent(inout) :: z(0:)
+      real(wp), intent(in) :: own(0:), mirrored(0:), crossed(0:)
+      complex(wp) :: first, last
+      integer :: k, n
+
+      n = size(z)
+      ! k = 0 and, if n is even, n/2 are their own partners
+      z(0) = own(0)*z(0) + crossed(0)*cmplx(z(0)%im, z(0)%re, wp)
+      if (modulo(n, 2) == 0) z(n/2) = own(n/2)*z(n/2)
+      do k = 1, (n - 1)/2
+         first = z(k)
+         last = z(n - k)
+         ! i conj(z) = (im z, re z)
+         z(k) = own(k)*first + crossed(k)*cmplx(last%im, last%re, wp)
+         z(n - k) = mirrored(k)*last + crossed(k)*cmplx(first%im, first%re, wp)
+      end do
+   end subroutine multiply
 
    !> Gives plans and memory back.
    subroutine destroy_toeplitz(self)
@@ -95,10 +165,9 @@ contains
       if (c_associated(self%backward)) call fftw_destroy_plan(self%backward)
       self%forward = c_null_ptr
       self%backward = c_null_ptr
-      if (associated(self%values)) call fftw_free(c_loc(self%values))
+      if (associated(self%pairs)) call fftw_free(c_loc(self%pairs))
       if (associated(self%spectrum)) call fftw_free(c_loc(self%spectrum))
-      nullify (self%values, self%spectrum)
-      if (allocated(self%eigenvalues)) deallocate (self%eigenvalues)
+      nullify (self%pairs, self%spectrum)
       self%n = 0
    end subroutine destroy_toeplitz
 

@@ -7,7 +7,8 @@ module dry_result
    use dry_sweep, only: dry_fields_t, dry_row_t
    use errors, only: error_t
    use hdf5_attribute, only: write_attribute
-   use hdf5_dataset, only: new_label, write_dataset
+   use hdf5_axes, only: link_object, make_axis, make_counter, name_axes
+   use hdf5_dataset, only: label_t, new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use missing_value, only: not_known
@@ -24,6 +25,14 @@ module dry_result
    character(len=21), parameter :: summary_names(*) = [character(len=21) :: 'p_max', &
       'contact_area_fraction', &
       'plastic_area_fraction', 'mean_separation']
+
+   !> What is stored of the surface before, under and after loading.
+   type :: surface_state_t
+      real(wp), allocatable :: bearing_ratio(:), height_density(:)
+      !> Of periodic surfaces only.
+      real(wp) :: rms_slope = 0.0_wp, rms_curvature = 0.0_wp
+      real(wp), allocatable :: power(:)
+   end type surface_state_t
 
 contains
 
@@ -56,9 +65,12 @@ contains
       call write_dataset(file, '/solution/x', node_positions(dry%grid%nx, dry%lengths(1), &
          dry%is_periodic), &
          new_label('position', 'm'))
-      if (dry%grid%ny > 1) call write_dataset(file, '/solution/y', &
-         node_positions(dry%grid%ny, dry%lengths(2), dry%is_periodic), &
-            new_label('position across', 'm'))
+      call make_axis(file, '/solution/x')
+      if (dry%grid%ny > 1) then
+         call write_dataset(file, '/solution/y', node_positions(dry%grid%ny, dry%lengths(2), &
+            dry%is_periodic), new_label('position across', 'm'))
+         call make_axis(file, '/solution/y')
+      end if
       call write_field('pressure', fields%pressure, 'contact pressure', 'Pa')
       call write_field('gap', fields%gap, 'gap between the surfaces', 'm')
       call write_field('height_undeformed', fields%height_undeformed, &
@@ -68,6 +80,8 @@ contains
          'composite height after unloading', 'm')
       call write_field('plastic_deformation', fields%plastic_deformation, 'plastic deformation', &
          'm')
+      call file%create_group('/si')
+      call link_object(file, '/solution', '/si/solution')
 
    contains
 
@@ -78,10 +92,12 @@ contains
 
          if (dry%grid%ny == 1) then
             call write_dataset(file, '/solution/' // name, values, new_label(long_name, units))
+            call name_axes(file, '/solution/'//name, '/solution/x')
          else
             call write_dataset(file, '/solution/' // name, &
                reshape(values, [dry%grid%nx, dry%grid%ny]), &
                new_label(long_name, units))
+            call name_axes(file, '/solution/'//name, '/solution/x', '/solution/y')
          end if
       end subroutine write_field
 
@@ -95,6 +111,7 @@ contains
       character(:), allocatable :: energy_unit, load_unit
       logical :: is_line
 
+      call make_counter(file, '/sweep/step', size(rows), 'number of the load')
       is_line = dry%grid%ny == 1
       load_unit = trim(merge('N/m', 'N  ', is_line))
       energy_unit = trim(merge('J/m', 'J  ', is_line))
@@ -103,9 +120,9 @@ contains
             'load over nominal area', 'Pa')
          call write_estimated('load', rows%load, errors%load, 'load', load_unit)
       else
-         call write_dataset(file, '/sweep/mean_pressure', [rows%mean_pressure], &
+         call write_column(file, 'mean_pressure', rows%mean_pressure, &
             new_label('load over nominal area', 'Pa'))
-         call write_dataset(file, '/sweep/load', [rows%load], new_label('load', load_unit))
+         call write_column(file, 'load', rows%load, new_label('load', load_unit))
       end if
       call write_estimated('contact_area_fraction', rows%contact_area_fraction, &
          errors%contact_area_fraction, &
@@ -137,10 +154,11 @@ contains
          'stored elastic energy', energy_unit)
       call write_estimated('dissipated_energy', rows%dissipated_energy, errors%dissipated_energy, &
          'energy dissipated by plastic deformation', energy_unit)
-      call write_dataset(file, '/sweep/kkt', [rows%kkt], &
+      call write_column(file, 'kkt', rows%kkt, &
          new_label('violation of the contact conditions', '1'))
       call write_dataset(file, '/sweep/fft_pairs', int(rows%fft_pairs, int64), &
          new_label('pairs of transforms, in pairs of the full grid', '1'))
+      call name_axes(file, '/sweep/fft_pairs', '/sweep/step')
 
    contains
 
@@ -157,14 +175,14 @@ contains
             known = estimates
             missing = 'no solution, or too few other grids with one'
          end if
-         call write_dataset(file, '/sweep/' // name, [values], new_label(long_name, units))
+         call write_column(file, name, values, new_label(long_name, units))
          call write_attribute(file, '/sweep/' // name, 'error_estimate', known)
          if (.not. all(ieee_is_finite(known))) call write_attribute(file, '/sweep/' // name, &
             'no_estimate', missing)
          if (.not. any(summary_names == name)) return
          associate (last => size(values))
             call write_dataset(file, '/summary/' // name, values(last), new_label(long_name, units))
-            call write_attribute(file, '/summary/' // name, 'units', units)
+            if (units == '1') call write_attribute(file, '/summary/' // name, 'units', units)
             call write_attribute(file, '/summary/' // name, 'error_estimate', known(last))
             if (.not. ieee_is_finite(known(last))) call write_attribute(file, &
                '/summary/' // name, 'no_estimate', missing)
@@ -172,6 +190,19 @@ contains
       end subroutine write_estimated
 
    end subroutine write_sweep
+
+   !> One column of /sweep.
+   subroutine write_column(file, name, values, label)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: values(:)
+      type(label_t), intent(in) :: label
+      real(wp) :: copy(size(values))
+
+      copy = values
+      call write_dataset(file, '/sweep/'//name, copy, label)
+      call name_axes(file, '/sweep/'//name, '/sweep/step')
+   end subroutine write_column
 
    !> /sweep/<name>_undeformed, _loaded or _unloaded: the roughness parameters of a state for each
    !> load.
@@ -184,15 +215,15 @@ contains
 
       height = 'highest less lowest'
       if (is_line) height = height//', mean of five parts'
-      call write_dataset(file, '/sweep/ra_'//state, [roughness%ra], &
+      call write_column(file, 'ra_'//state, roughness%ra, &
          new_label('arithmetic mean height '//when, 'm'))
-      call write_dataset(file, '/sweep/rq_'//state, [roughness%rq], &
+      call write_column(file, 'rq_'//state, roughness%rq, &
          new_label('rms height '//when, 'm'))
-      call write_dataset(file, '/sweep/rz_'//state, [roughness%rz], &
+      call write_column(file, 'rz_'//state, roughness%rz, &
          new_label(height//' '//when, 'm'))
-      call write_dataset(file, '/sweep/rsk_'//state, [roughness%rsk], &
+      call write_column(file, 'rsk_'//state, roughness%rsk, &
          new_label('skewness '//when, '1'))
-      call write_dataset(file, '/sweep/rku_'//state, [roughness%rku], &
+      call write_column(file, 'rku_'//state, roughness%rku, &
          new_label('kurtosis '//when, '1'))
    end subroutine write_roughness
 
@@ -203,7 +234,9 @@ contains
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
       type(error_t), allocatable, intent(out) :: error
+      type(surface_state_t) :: state
       real(wp) :: edges(density_steps + 1), highest, levels(bearing_levels), lowest
+      logical :: is_elastic
       integer :: i
 
       associate (z => fields%height_undeformed)
@@ -215,42 +248,69 @@ contains
       edges = [(lowest + (highest - lowest)*real(i, wp)/density_steps, i=0, density_steps)]
       call write_dataset(file, '/surface/level', levels, new_label('height of the bearing '// &
          'curves', 'm'))
+      call make_axis(file, '/surface/level')
       call write_dataset(file, '/surface/density_edge', edges, &
          new_label('ends of the steps of the height densities', 'm'))
-      call write_state(file, dry, 'undeformed', fields%height_undeformed, levels, edges, error)
+      call make_axis(file, '/surface/density_edge')
+      call write_dataset(file, '/surface/density_height', 0.5_wp*(edges(2:) &
+         + edges(:density_steps)), new_label('middle of the steps of the height densities', 'm'))
+      call make_axis(file, '/surface/density_height')
+      call find_state(dry, fields%height_undeformed, levels, edges, state, error)
       if (allocated(error)) return
-      call write_state(file, dry, 'loaded', fields%height_loaded, levels, edges, error)
+      call write_state(file, 'undeformed', state)
+      is_elastic = .not. any(abs(fields%height_unloaded - fields%height_undeformed) > 0.0_wp)
+      if (is_elastic) call write_state(file, 'unloaded', state)
+      call find_state(dry, fields%height_loaded, levels, edges, state, error)
       if (allocated(error)) return
-      call write_state(file, dry, 'unloaded', fields%height_unloaded, levels, edges, error)
+      call write_state(file, 'loaded', state)
+      if (is_elastic) return
+      call find_state(dry, fields%height_unloaded, levels, edges, state, error)
+      if (.not. allocated(error)) call write_state(file, 'unloaded', state)
    end subroutine write_surface
 
-   !> One state of the surface.
-   subroutine write_state(file, dry, state, z, levels, edges, error)
-      class(hdf5_file_t), intent(inout) :: file
+   !> What is stored of the heights `z` of a state.
+   subroutine find_state(dry, z, levels, edges, state, error)
       type(dry_case_t), intent(in) :: dry
-      character(*), intent(in) :: state
       real(wp), intent(in) :: z(:), levels(:), edges(:)
+      type(surface_state_t), intent(out) :: state
       type(error_t), allocatable, intent(out) :: error
-      real(wp), allocatable :: map(:, :), power(:)
+      real(wp), allocatable :: map(:, :)
       real(wp) :: dx, dy
 
-      call write_dataset(file, '/surface/bearing_ratio_' // state, bearing_ratio(z, levels), &
-         new_label('share of the surface at or above each level', '1'))
-      call write_dataset(file, '/surface/height_density_' // state, height_density(z, edges), &
-         new_label('share of the surface at a height, over the height', '1/m'))
+      state%bearing_ratio = bearing_ratio(z, levels)
+      state%height_density = height_density(z, edges)
       if (.not. dry%is_periodic) return
       dx = dry%lengths(1)/dry%grid%nx
       dy = dx
       if (dry%grid%ny > 1) dy = dry%lengths(2)/dry%grid%ny
       map = reshape(z, [dry%grid%nx, dry%grid%ny])
-      call write_dataset(file, '/surface/rms_slope_' // state, rms_slope(map, dx, dy), &
+      state%rms_slope = rms_slope(map, dx, dy)
+      state%rms_curvature = rms_curvature(map, dx, dy)
+      call power_spectrum(map, state%power, error)   ! error: the caller looks
+   end subroutine find_state
+
+   !> One state of the surface: '/surface/<quantity>_<name>'.
+   subroutine write_state(file, name, state)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: name
+      type(surface_state_t), intent(in) :: state
+
+      call write_dataset(file, '/surface/bearing_ratio_'//name, state%bearing_ratio, &
+         new_label('share of the surface at or above each level', '1'))
+      call write_dataset(file, '/surface/height_density_'//name, state%height_density, &
+         new_label('share of the surface at a height, over the height', '1/m'))
+      call name_axes(file, '/surface/bearing_ratio_'//name, '/surface/level')
+      call name_axes(file, '/surface/height_density_'//name, '/surface/density_height')
+      if (.not. allocated(state%power)) return
+      call write_dataset(file, '/surface/rms_slope_'//name, state%rms_slope, &
          new_label('rms slope', '1'))
-      call write_dataset(file, '/surface/rms_curvature_' // state, rms_curvature(map, dx, dy), &
+      call write_dataset(file, '/surface/rms_curvature_'//name, state%rms_curvature, &
          new_label('rms curvature', '1/m'))
-      call power_spectrum(map, power, error)
-      if (allocated(error)) return
-      call write_dataset(file, '/surface/power_' // state, power, &
+      call write_dataset(file, '/surface/power_'//name, state%power, &
          new_label('mean square height in harmonics 1, 2, ... along x', 'm^2'))
+      if (name == 'undeformed') call make_counter(file, '/surface/harmonic', size(state%power), &
+         'number of the harmonic along x')
+      call name_axes(file, '/surface/power_'//name, '/surface/harmonic')
    end subroutine write_state
 
 end module dry_result

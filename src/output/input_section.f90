@@ -2,6 +2,7 @@
 module input_section
    use, intrinsic :: iso_fortran_env, only: int64
    use case_record, only: effective_t
+   use hdf5_axes, only: make_axis
    use hdf5_dataset, only: label_t, new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
    use result_labels, only: scaled_label
@@ -34,6 +35,7 @@ contains
          call write_dataset(file, path, int(entry%integer, int64), label)
       else if (size(entry%reals) > 1) then
          call write_dataset(file, path, entry%reals, label)
+         call make_axis(file, path)   ! one value after the other: no coordinate but itself
       else
          call write_dataset(file, path, entry%reals(1), label)
       end if

@@ -1,25 +1,32 @@
-!> What the user sees while a case runs and when it is done: the only module under src/ that prints,
-!> on standard error.
+!> What the user sees while a case runs, on standard error, and when it is done, on standard output:
+!> the only module under src/ that prints.
 !>
 !> On a terminal one line that is updated; in a log few plain lines; with `is_quiet` nothing but
 !> what went wrong. A closed standard error is no reason to stop: the status of a write is dropped
-!> on purpose.
+!> on purpose; that a summary is lost is said.
 module progress_log
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: error_unit, int64
+   use errors, only: error_t
    use hdf5_dataset, only: label_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use life_sign, only: begin_line, columns_of_sign, end_line
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
+   use missing_value, only: exceeds
    use operating_system, only: is_terminal
    use passage_times, only: passage_times_t
-   use quantities, only: h_min, p_max, parabola_minimum, quantity_count, quantity_rows
+   use quantities, only: friction_coefficient, h_min, p_max, parabola_minimum, quantity_count, &
+      quantity_rows
    use quantity_text, only: duration_text, number_text, prefixed_text, shortened, wrapped
    use result_labels, only: row_label
    use scaling, only: scaling_t
    use signal_calls, only: standard_error
+   use standard_output, only: standard_output_descriptor, write_text
+   use validity, only: limit_t
+   use validity_section, only: limit_sentence
+   use validity_table, only: starvation
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -35,9 +42,6 @@ module progress_log
    !> Longest silence in a log during cycles and time steps [s].
    real(wp), parameter :: log_seconds = 4.0_wp
 
-   !> A starved inlet is reported from this relative error of the film on.
-   real(wp), parameter :: telling_inlet_error = 5.0e-3_wp
-
    !> Progress of one case after another.
    type :: progress_log_t
       !> Unit that is written.
@@ -46,7 +50,11 @@ module progress_log
       logical :: is_quiet = .false.
       !> One updating line instead of lines.
       logical :: is_updating = .false.
+      !> Summaries go to standard output, not to `unit`.
+      logical :: has_summary_apart = .false.
       character(:), allocatable, private :: name
+      !> The summary so far.
+      character(:), allocatable, private :: summary
       type(scaling_t), private :: scaling
       !> Columns of the updating line now on the screen.
       integer, private :: shown = 0
@@ -66,18 +74,25 @@ module progress_log
       procedure :: say
       !> Something went wrong; said in any case.
       procedure :: say_error
-      procedure, private :: update, write_line, write_table, clear
+      !> A summary: its lines, unless quiet, and its end.
+      procedure :: add_to_summary, print_summary
+      !> Whether what went wrong must be told beside the summary.
+      procedure :: tells_apart
+      procedure, private :: update, write_line, write_table, write_model, clear
    end type progress_log_t
 
 contains
 
-   !> A log on standard error.
-   function new_progress_log(is_quiet) result(log)
+   !> A log on standard error, with its summaries on standard output unless that has other lines.
+   function new_progress_log(is_quiet, has_other_lines) result(log)
       logical, intent(in) :: is_quiet
+      logical, intent(in), optional :: has_other_lines
       type(progress_log_t) :: log
 
       log%is_quiet = is_quiet
       log%is_updating = is_terminal(standard_error)
+      log%has_summary_apart = .true.
+      if (present(has_other_lines)) log%has_summary_apart = .not. has_other_lines
    end function new_progress_log
 
    !> Sets the name of the case (its file) and its scales.
@@ -167,13 +182,17 @@ contains
       line = line//'  '//duration_text(remaining)//' left'
    end function step_text
 
-   !> The closing table: quantities in SI and dimensionless, residuals, seconds, path of the result.
-   subroutine close_case(self, summary, report, path, times)
+   !> The closing table: quantities in SI and dimensionless, residuals, seconds, limits of the model
+   !> that are passed, what its ingredients change (`model`), the table of what was left out
+   !> (`decision`), path of the result.
+   subroutine close_case(self, summary, report, path, times, limits, model, decision)
       class(progress_log_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
       character(*), intent(in) :: path
       type(passage_times_t), intent(in) :: times
+      type(limit_t), intent(in), optional :: limits(:)
+      character(*), intent(in), optional :: model, decision
       character(:), allocatable :: outcome
 
       call self%clear()
@@ -189,42 +208,66 @@ contains
             //number_text(real(report%uncut_steps, wp), 9)// &
             ' of the start not cut into parts)'
          outcome = outcome//', '//number_text(report%wall_seconds, 3)//' s'
+         if (report%peak_memory > 0.0_wp) outcome = outcome//', ' &
+            //prefixed_text(report%peak_memory, 'B')
       end if
-      if (.not. report%converged .or. .not. self%is_quiet) call self%write_line(wrapped(outcome, &
-         columns))
-      if (.not. self%is_quiet) call self%write_table(summary, report, path, times)
+      outcome = wrapped(outcome, columns)
+      if (.not. report%converged .and. self%tells_apart()) call self%write_line(outcome)
+      if (self%is_quiet) return
+      call self%add_to_summary(outcome)
+      call self%write_table(summary, report, path, times, limits, model, decision)
+      call self%print_summary()
    end subroutine close_case
 
-   !> The closing table: quantities in SI and dimensionless with their errors, residuals, the cost
-   !> of the inlet, the file.
-   subroutine write_table(self, summary, report, path, times)
+   !> The closing table: quantities in SI and dimensionless with their errors, residuals, limits
+   !> that are passed, what the ingredients of the model change, the file.
+   subroutine write_table(self, summary, report, path, times, limits, model, decision)
       class(progress_log_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
       character(*), intent(in) :: path
       type(passage_times_t), intent(in) :: times
+      type(limit_t), intent(in), optional :: limits(:)
+      character(*), intent(in), optional :: model, decision
       integer :: i
 
       ! else no start was found: there is nothing to show
-      if (summary%of(p_max)%value > 0.0_wp) then
-         call self%write_line('            SI              dimensionless')
+      if (exceeds(summary%of(p_max)%value, 0.0_wp)) then
+         call self%add_to_summary('            SI              dimensionless')
          do i = 1, quantity_count
-            if (len_trim(quantity_rows(i)%short) > 0) call self%write_line(row_of_table(i))
+            if (is_in_table(i)) call self%add_to_summary(row_of_table(i))
          end do
-         call self%write_line('  residual  '//number_text(report%residual, 2)//'   load error '// &
-                              number_text(report%load_error, 2)//'   bound ' &
-                                 //number_text(report%tolerance_effective, 2))
+         call self%add_to_summary('  residual  '//number_text(report%residual, 2) &
+            //'   load error '//number_text(report%load_error, 2)//'   bound ' &
+            //number_text(report%tolerance_effective, 2))
       end if
-      if (report%inlet_error > telling_inlet_error) call self%write_line('  inlet     starves '// &
-         'the film by '// &
-                           number_text(100*report%inlet_error, 2) &
-                              //' % (x_inlet further out cures it)')
-      if (times%counts_from > 0.0_wp) call self%write_line('  times     '//times_text(times))
-      if (allocated(report%note)) call self%write_line('  '//wrapped('note      '//report%note, &
-         columns - 2))
-      call self%write_line('  result    '//path)
+      if (present(limits)) call write_limits(limits)
+      if (times%counts_from > 0.0_wp) call self%add_to_summary('  times     '//times_text(times))
+      call self%write_model(model, decision)
+      if (allocated(report%note)) call self%add_to_summary('  '//wrapped('note      ' &
+         //report%note, columns - 2))
+      call self%add_to_summary('  result    '//path)
 
    contains
+
+      !> A line for each limit of the model that is passed.
+      subroutine write_limits(limits)
+         type(limit_t), intent(in) :: limits(:)
+
+         do i = 1, size(limits)
+            if (limits(i)%is_passed) call self%add_to_summary('  '//wrapped(merge('inlet     ', &
+               'limit     ', i == starvation)//limit_sentence(i, limits(i)), columns - 2))
+         end do
+      end subroutine write_limits
+
+      !> Whether a quantity has a row: all with a short name, but friction where nothing slides.
+      logical function is_in_table(i)
+         integer, intent(in) :: i
+
+         is_in_table = len_trim(quantity_rows(i)%short) > 0
+         if (i == friction_coefficient) is_in_table = exceeds(summary%of(i)%value, &
+            0.0_wp)
+      end function is_in_table
 
       !> One row of the table.
       function row_of_table(i) result(line)
@@ -237,9 +280,13 @@ contains
             scale = row_label(trim(quantity_rows(i)%field), self%scaling)
             row = '  '//quantity_rows(i)%short
             row(13:) = '-'
-            if (self%scaling%is_dimensional) row(13:) = prefixed_text(quantity%value &
-               *scale%si_scale, scale%si_units)
+            if (scale%si_units /= '1') then
+               row(13:) = prefixed_text(quantity%value*scale%si_scale, scale%si_units)
+            else if (self%scaling%is_dimensional) then
+               row(13:) = number_text(quantity%value*scale%si_scale, 4)
+            end if
             row(29:) = number_text(quantity%value, 6)
+            if (row(39:39) /= ' ') row(29:) = number_text(quantity%value, 5)
             if (ieee_is_finite(quantity%error_estimate) .and. abs(quantity%value) > 0.0_wp) then
                row(40:) = '+- '//number_text(100*abs(quantity%error_estimate/quantity%value), 2) &
                   //' %'
@@ -254,6 +301,19 @@ contains
 
    end subroutine write_table
 
+   !> What the ingredients of the model change, and which of them were left out.
+   subroutine write_model(self, model, decision)
+      class(progress_log_t), intent(inout) :: self
+      character(*), intent(in), optional :: model, decision
+
+      if (present(model)) then
+         if (model /= '') call self%add_to_summary('  '//wrapped(model, columns - 2, 12))
+      end if
+      if (present(decision)) then
+         if (decision /= '') call self%add_to_summary(decision)
+      end if
+   end subroutine write_model
+
    !> Which times count.
    function times_text(times) result(words)
       type(passage_times_t), intent(in) :: times
@@ -265,6 +325,45 @@ contains
       if (times%settled_from > 0.0_wp) words = words//'; the start is forgotten by T ' &
          //number_text(times%settled_from, 4)
    end function times_text
+
+   !> Whether what went wrong must be told beside the summary: there is none, or its reader may not
+   !> be that of the log.
+   function tells_apart(self)
+      class(progress_log_t), intent(in) :: self
+      logical :: tells_apart
+
+      tells_apart = self%is_quiet
+      if (self%has_summary_apart .and. .not. tells_apart) tells_apart = &
+         .not. (is_terminal(standard_output_descriptor) .and. is_terminal(standard_error))
+   end function tells_apart
+
+   !> Adds `line` to the summary, unless quiet.
+   subroutine add_to_summary(self, line)
+      class(progress_log_t), intent(inout) :: self
+      character(*), intent(in) :: line
+
+      if (self%is_quiet) return
+      if (.not. allocated(self%summary)) self%summary = ''
+      self%summary = self%summary//line//new_line('a')
+   end subroutine add_to_summary
+
+   !> Prints the summary, and begins a new one.
+   subroutine print_summary(self)
+      class(progress_log_t), intent(inout) :: self
+      type(error_t), allocatable :: error
+
+      if (.not. allocated(self%summary)) return
+      call self%clear()
+      if (self%has_summary_apart) then
+         call begin_line()
+         call write_text(self%summary, error)   ! error: said below
+         call end_line()
+         if (allocated(error)) call self%say_error(error%message)
+      else
+         call self%write_line(self%summary(:len(self%summary) - 1))
+      end if
+      deallocate (self%summary)
+   end subroutine print_summary
 
    !> A line of its own, unless quiet.
    subroutine say(self, message)

@@ -8,39 +8,51 @@ module result_labels
    implicit none (type, external)
    private
 
-   public :: field_values, row_label, scaled_label
+   public :: field_values, has_scale, row_label, scaled_label, si_label
 
    !> A field or series.
    type :: row_t
-      character(len=20) :: name
+      character(len=28) :: name
       !> The quantity of `scaling_t` that is its unit; '1': none.
       character(len=14) :: unit
-      character(len=64) :: text
+      !> What it is, and what the stored number without unit is.
+      character(len=56) :: text
+      character(len=48) :: definition = ''
    end type row_t
 
    !> The fields of `line_state_t`, as in /solution, then the series of /transient.
    type(row_t), parameter :: rows(*) = [ &
-      row_t('x', 'half_width', 'position along the contact, X = x/b'), &
-      row_t('pressure', 'hertz_pressure', 'pressure, P = p/p_h'), &
-      row_t('film_thickness', 'film', 'film thickness, H = h R/b^2'), &
-      row_t('viscosity', 'viscosity', 'viscosity over ambient viscosity, mu/mu_0'), &
-      row_t('density', '1', 'density over ambient density, rho/rho_0'), &
-      row_t('slip_factor', '1', 'Eyring slip factor S; 1 for a Newtonian fluid'), &
-      row_t('roughness_1', 'film', &
-      'height of surface 1, positive out of its material, psi_1 R/b^2'), &
-      row_t('roughness_2', 'film', &
-      'height of surface 2, positive out of its material, psi_2 R/b^2'), &
-      row_t('time', 'time', 'time of every step, T = t u_s/(2 b)'), &
-      row_t('rigid_displacement', 'film', 'rigid displacement H0 of (2.58)'), &
+      row_t('x', 'half_width', 'position along the contact', ', X = x/b'), &
+      row_t('pressure', 'hertz_pressure', 'pressure', ', P = p/p_h'), &
+      row_t('film_thickness', 'film', 'film thickness', ', H = h R/b^2'), &
+      row_t('viscosity', 'viscosity', 'viscosity', ' over ambient viscosity, mu/mu_0'), &
+      row_t('density', '1', 'density', ' over ambient density, rho/rho_0'), &
+      row_t('slip_factor', '1', 'Eyring slip factor S', '; 1 for a Newtonian fluid'), &
+      row_t('roughness_1', 'film', 'height of surface 1, positive out of its material', &
+      ', psi_1 R/b^2'), &
+      row_t('roughness_2', 'film', 'height of surface 2, positive out of its material', &
+      ', psi_2 R/b^2'), &
+      row_t('shear_stress_1', 'shear_stress', 'shear stress at the wall of surface 1', &
+      ', tau R/(p_h b); 0 where P = 0'), &
+      row_t('shear_stress_mean', 'shear_stress', 'mean shear stress across the film', &
+      ', tau_m R/(p_h b); 0 where P = 0'), &
+      row_t('shear_stress_2', 'shear_stress', 'shear stress at the wall of surface 2', &
+      ', tau R/(p_h b); 0 where P = 0'), &
+      row_t('time', 'time', 'time of every step', ', T = t u_s/(2 b)'), &
+      row_t('rigid_displacement', 'film', 'rigid displacement', ' H0 of (2.58)'), &
       row_t('h_min', 'film', 'smallest film thickness, parabola through three nodes'), &
       row_t('p_max', 'hertz_pressure', 'largest pressure of a node'), &
+      row_t('friction_coefficient', 'slope', 'force of sliding over the load', &
+      ' (dimensionless: times R/b)'), &
+      row_t('power', 'power', 'power per length'), &
       row_t('residual', '1', 'residual reached in the step'), &
       row_t('film_breakdown', '1', '1 where the film is below film_floor, else 0'), &
-      row_t('profile_time', 'time', 'time of the stored profiles, T = t u_s/(2 b)')]
+      row_t('profile_time', 'time', 'time of the stored profiles', ', T = t u_s/(2 b)')]
 
    !> Names of the fields.
-   character(len=*), parameter, public :: field_names(8) = [character(len=14) :: 'x', 'pressure', &
-      'film_thickness', 'viscosity', 'density', 'slip_factor', 'roughness_1', 'roughness_2']
+   character(len=*), parameter, public :: field_names(11) = [character(len=17) :: 'x', &
+      'pressure', 'film_thickness', 'viscosity', 'density', 'slip_factor', 'roughness_1', &
+      'roughness_2', 'shear_stress_1', 'shear_stress_mean', 'shear_stress_2']
 
 contains
 
@@ -52,8 +64,26 @@ contains
       type(row_t) :: row
 
       row = rows(findloc(rows%name == name, .true., 1))
-      label = scaled_label(trim(row%text), trim(row%unit), scaling)
+      label = scaled_label(trim(row%text)//trim(row%definition), trim(row%unit), scaling)
    end function row_label
+
+   !> Whether values with this label are other numbers in SI.
+   pure function has_scale(label)
+      type(label_t), intent(in) :: label
+      logical :: has_scale
+
+      has_scale = abs(label%si_scale - 1.0_wp) > 0.0_wp
+   end function has_scale
+
+   !> Label of a field or series in SI.
+   pure function si_label(name, scaling) result(label)
+      character(*), intent(in) :: name
+      type(scaling_t), intent(in) :: scaling
+      type(label_t) :: label
+
+      label = row_label(name, scaling)
+      label = new_label(trim(rows(findloc(rows%name == name, .true., 1))%text), label%si_units)
+   end function si_label
 
    !> Label of a value whose unit is the quantity `unit` of `scaling`, or a pure number ('1', or if
    !> the SI scales are unknown: input by Moes' numbers).
@@ -75,6 +105,12 @@ contains
          label = new_label(long_name, 's', scaling%time)
       case ('viscosity')
          label = new_label(long_name, 'Pa s', scaling%viscosity)
+      case ('shear_stress')
+         label = new_label(long_name, 'Pa', scaling%shear_stress)
+      case ('slope')
+         label = new_label(long_name, '1', scaling%slope)
+      case ('power')
+         label = new_label(long_name, 'W/m', scaling%power)
       case default
          return
       end select
@@ -105,6 +141,12 @@ contains
          if (allocated(state%roughness_1)) values = state%roughness_1
       case ('roughness_2')
          if (allocated(state%roughness_2)) values = state%roughness_2
+      case ('shear_stress_1')
+         if (allocated(state%shear_stress_1)) values = state%shear_stress_1
+      case ('shear_stress_mean')
+         if (allocated(state%shear_stress_mean)) values = state%shear_stress_mean
+      case ('shear_stress_2')
+         if (allocated(state%shear_stress_2)) values = state%shear_stress_2
       case default
          return
       end select

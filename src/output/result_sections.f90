@@ -4,6 +4,7 @@ module result_sections
    use, intrinsic :: iso_fortran_env, only: int64
    use constants, only: pi
    use hdf5_attribute, only: write_attribute
+   use hdf5_axes, only: make_axis, make_counter, name_axes
    use hdf5_dataset, only: label_t, new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
    use iteration_report, only: phase_names, report_t
@@ -13,8 +14,9 @@ module result_sections
    use missing_value, only: not_known
    use moes, only: moes_m_sum_from_mean
    use passage_times, only: passage_times_t
-   use quantities, only: quantity_count, quantity_row_t, quantity_rows
-   use result_labels, only: field_names, field_values, row_label, scaled_label
+   use quantities, only: quantity_count, quantity_row_t, quantity_rows, sliding_rows
+   use result_labels, only: field_names, field_values, has_scale, row_label, &
+      scaled_label, si_label
    use scaling, only: scaling_t
    implicit none (type, external)
    private
@@ -35,6 +37,8 @@ contains
                            '(the names in _sum: with u_s = u1 + u2)')
       call write_reference('lambda', scaling%lambda, '1')
       call write_reference('alpha_bar', scaling%alpha_bar, '1')
+      if (ieee_is_finite(scaling%slide_to_roll)) call write_reference('slide_to_roll', &
+         scaling%slide_to_roll, '1')
       call write_reference('moes_m', scaling%moes_m, '1')
       call write_reference('moes_l', scaling%moes_l, '1')
       call write_reference('moes_m_sum', moes_m_sum_from_mean(scaling%moes_m), '1')
@@ -47,6 +51,8 @@ contains
       call write_reference('reduced_modulus', scaling%reduced_modulus, 'Pa')
       call write_reference('load_per_length', scaling%load_per_length, 'N/m')
       call write_reference('film_thickness', scaling%film, 'm')
+      call write_reference('shear_stress', scaling%shear_stress, 'Pa')
+      call write_reference('power', scaling%power, 'W/m')
       call write_reference('time', scaling%time, 's')
       call write_reference('viscosity', scaling%viscosity, 'Pa s')
       call write_reference('speed_sum', scaling%speed_sum, 'm/s')
@@ -65,25 +71,51 @@ contains
 
    end subroutine write_scaling
 
-   !> /solution: the fields of the last time.
-   subroutine write_solution(file, state, scaling)
+   !> /solution: the fields of the last time over x; with `has_si` in /si/solution those that are
+   !> other numbers in SI.
+   subroutine write_solution(file, state, scaling, has_si)
       class(hdf5_file_t), intent(inout) :: file
       type(line_state_t), intent(in) :: state
       type(scaling_t), intent(in) :: scaling
+      logical, intent(in) :: has_si
+      type(label_t) :: label
+      character(:), allocatable :: name
       real(wp), allocatable :: values(:)
       integer :: i
 
       do i = 1, size(field_names)
-         values = field_values(trim(field_names(i)), state)
+         name = trim(field_names(i))
+         values = field_values(name, state)
          if (size(values) == 0) cycle
-         call write_dataset(file, '/solution/'//trim(field_names(i)), values, &
-            row_label(trim(field_names(i)), scaling))
+         label = row_label(name, scaling)
+         call write_field('/solution/', name, values, label)
+         if (has_si .and. has_scale(label)) call write_field('/si/solution/', name, &
+            values*label%si_scale, si_label(name, scaling))
       end do
       call write_dataset(file, '/solution/rigid_displacement', state%rigid_displacement, &
          scaled_label('rigid displacement H0 of (2.58); h0 of (2.24) = '// &
          '(b^2/R)(H0 + ln(b)/2), b in m', 'film', scaling))
       call write_dataset(file, '/solution/time', state%time, &
          scaled_label('time of these fields, T = t u_s/(2 b)', 'time', scaling))
+
+   contains
+
+      !> One field, over the x of its group, which is the first.
+      subroutine write_field(group, name, values, label)
+         character(*), intent(in) :: group, name
+         real(wp), intent(in) :: values(:)
+         type(label_t), intent(in) :: label
+         real(wp) :: copy(size(values))
+
+         copy = values
+         call write_dataset(file, group//name, copy, label)
+         if (name == 'x') then
+            call make_axis(file, group//'x')
+         else
+            call name_axes(file, group//name, group//'x')
+         end if
+      end subroutine write_field
+
    end subroutine write_solution
 
    !> /summary: quantities in SI; `is_transient`: extremes over the times that count, each with its
@@ -99,9 +131,11 @@ contains
       call file%create_group('/summary')
       call write_attribute(file, '/summary', 'about', 'values in their units; attribute '// &
          'dimensionless: the same as H, P, X or T; error_estimate: estimated error, the sum of '// &
-         'error_grid (grid and time step), error_domain (its length), error_iteration and '// &
-         'error_start (of a transient); NaN = not estimated, no_estimate says why')
+         'error_grid (grid and time step), error_domain (its length), error_iteration, '// &
+         'error_start (of a transient) and error_model (of what was left out); NaN = not '// &
+         'estimated, no_estimate says why')
       do i = 1, quantity_count
+         if (any(i == sliding_rows) .and. .not. ieee_is_finite(scaling%slide_to_roll)) cycle
          associate (row => quantity_rows(i), quantity => summary%of(i))
             call write_quantity(trim(row%name), trim(row%text)//over_time(row), quantity, 1.0_wp, &
                row_label(trim(row%field), scaling))
@@ -141,6 +175,7 @@ contains
             call write_attribute(file, path, 'error_iteration', &
                quantity%error_iteration*factor*unit)
             call write_attribute(file, path, 'error_start', quantity%error_start*factor*unit)
+            call write_attribute(file, path, 'error_model', quantity%error_model*factor*unit)
             if (ieee_is_finite(quantity%extrapolated)) call write_value(path//'_extrapolated', &
                name//' by Richardson extrapolation from n and n/2 intervals', &
                quantity%extrapolated*factor, scale, error, missing)
@@ -159,7 +194,7 @@ contains
          type(label_t), intent(in) :: scale
 
          call write_dataset(file, path, value*scale%si_scale, new_label(long_name, scale%si_units))
-         call write_attribute(file, path, 'units', scale%si_units)
+         if (scale%si_units == '1') call write_attribute(file, path, 'units', '1')
          call write_attribute(file, path, 'dimensionless', value)
          call write_attribute(file, path, 'error_estimate', error*scale%si_scale)
          if (.not. ieee_is_finite(error)) call write_attribute(file, path, 'no_estimate', missing)
@@ -220,15 +255,23 @@ contains
          new_label('time steps in which the finest moving wave passes a place', '1'))
       if (allocated(report%note)) call write_dataset(file, '/report/note', report%note, &
          new_label('what should be known about this result', '1'))
+      call make_counter(file, '/report/cycle', size(report%residual_history()), &
+         'number of the cycle')
       call write_dataset(file, '/report/residual_history', report%residual_history(), &
          new_label('residual after each cycle', '1'))
+      call name_axes(file, '/report/residual_history', '/report/cycle')
       call write_dataset(file, '/report/load_error_history', report%load_error_history(), &
          new_label('load error after each cycle', '1'))
+      call name_axes(file, '/report/load_error_history', '/report/cycle')
       call write_dataset(file, '/report/wall_seconds', report%wall_seconds, &
          new_label('wall time of the solution', 's'))
       call write_dataset(file, '/report/phase_seconds', report%phase_seconds, &
          new_label('wall time of: '//phases, 's'))
       call write_attribute(file, '/report/phase_seconds', 'phases', phases)
+      if (report%peak_memory > 0.0_wp) call write_dataset(file, '/report/peak_memory', &
+         report%peak_memory, new_label('most memory of the process', 'B'))
+      call make_counter(file, '/report/phase', size(phase_names), 'number of: '//phases)
+      call name_axes(file, '/report/phase_seconds', '/report/phase')
    end subroutine write_report
 
 end module result_sections

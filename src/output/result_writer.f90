@@ -7,13 +7,19 @@
 !> that it never shows anything that is not there.) An interrupted or failed run leaves an older
 !> NAME as it was.
 module result_writer
+   use adequacy, only: adequacy_t, judge
+   use adequacy_section, only: write_adequacy
    use breakdown_text, only: write_breakdown
    use build_info, only: git_commit, program_name, program_version
    use case_record, only: effective_t
    use error_bars, only: apply_error_bars, error_bars_t, missing_estimate
+   use decision_section, only: write_decision
    use errors, only: error_t, fail, input_error, output_error
+   use film_fields, only: film_fields_t
+   use film_passage, only: film_passage_t
    use film_statistics, only: add_start, add_time, film_statistics_t
    use hdf5_attribute, only: write_attribute
+   use hdf5_axes, only: write_users
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: create_hdf5_file, hdf5_file_t
    use input_section, only: write_input
@@ -22,7 +28,9 @@ module result_writer
    use kinds, only: wp
    use life_sign, only: begin_activity
    use line_state, only: line_state_t
-   use line_summary, only: line_summary_t, summary_of
+   use line_summary, only: line_summary_t, summary_of, take_values
+   use model_decision, only: model_choice_t
+   use momentum_section, only: write_film_passage, write_momentum
    use operating_system, only: lock_t, remove_file, rename_file, sync_file
    use passage_extremes, only: passage_extremes_t
    use result_labels, only: field_names
@@ -32,11 +40,17 @@ module result_writer
    use scaling, only: scaling_t
    use statistics_section, only: write_statistics
    use transient_store, only: attach_store, create_store, part_t, transient_store_t
+   use validity, only: limit_t
+   use validity_section, only: write_validity
+   use velocity_section, only: write_velocity
    implicit none (type, external)
    private
 
    public :: open_result, reopen_result, result_writer_t
 
+   !> Layout of result files: 2 = axes, `units` and the group /si (CHANGELOG.md); without the
+   !> attribute: 1.
+   integer, parameter :: layout = 2
    !> Longest name of a field.
    integer, parameter, public :: field_name_length = len(field_names)
 
@@ -46,6 +60,8 @@ module result_writer
       type(result_name_t) :: name
       !> Every how many time steps profiles are stored; those at T = 0 always are.
       integer :: profile_stride = 1
+      !> Fields and series are stored in SI too; they can be.
+      logical :: has_si = .false.
       !> Profiles that are stored, names of `field_names`.
       character(len=field_name_length), allocatable :: fields(:)
       !> Quantities of the time steps so far, and of all of them, or of a steady solution, when the
@@ -54,6 +70,20 @@ module result_writer
       type(line_summary_t) :: summary
       !> Coarse runs that tell how far off the quantities may be.
       type(error_bars_t) :: bars
+      !> How the solution stands to the limits of its model, if it is known.
+      type(limit_t), allocatable :: limits(:)
+      !> The film by its full momentum equations, and the solution of the Reynolds equation that
+      !> they began with, of which the error bars are; not allocated: not asked for, or none.
+      type(film_fields_t), allocatable :: momentum
+      type(line_state_t), allocatable :: reynolds
+      !> Of a transient, what they change over time; its result stays that of the Reynolds equation.
+      type(film_passage_t), allocatable :: film_passage
+      !> Velocity across the film (layers + 1, nx); not allocated: not asked for, or no film.
+      real(wp), allocatable :: velocity(:, :)
+      !> What the ingredients of the model change.
+      type(adequacy_t) :: adequacy
+      !> The model that the program has chosen, if it was to.
+      type(model_choice_t) :: choice
       !> The film over all time steps, where that is asked for.
       type(film_statistics_t) :: statistics
       !> /input/effective, every value as it is used, default or not: stored as numbers if it has a
@@ -77,6 +107,8 @@ module result_writer
       procedure :: sync
       !> Whether something could not be written.
       procedure :: has_failed
+      !> The quantities of the run, with what is known of their errors.
+      procedure :: quantities_at_end
       !> Writes solution, summary and report, closes, and gives the file its name.
       procedure :: finish
       !> Writes input and report, closes, and gives the file its name.
@@ -165,6 +197,7 @@ contains
          call write_attribute(file, '/', 'program', program_name)
          call write_attribute(file, '/', 'version', program_version)
          call write_attribute(file, '/', 'git_commit', git_commit())
+         call write_attribute(file, '/', 'layout', layout)
          call write_attribute(file, '/', 'problem', writer%problem)
          call write_attribute(file, '/', 'title', writer%title)
          call write_dataset(file, '/input/namelist', writer%namelist, &
@@ -183,8 +216,8 @@ contains
 
       if (allocated(self%statistics%thresholds)) then
          if (step == 0) call add_start(self%statistics, state)
-         if (step > 0 .and. self%passage%times%counts(state%time)) call add_time(self%statistics, &
-            state)
+         if (step > 0 .and. state%time >= self%passage%times%statistics_from()) call &
+            add_time(self%statistics, state)
       end if
       summary = summary_of(state)
       call self%passage%add(summary, state%time, step == steps)
@@ -254,6 +287,19 @@ contains
       if (is_done) is_done = sync_file(self%name%path//'.part')
    end function sync
 
+   !> The quantities of a run that has ended with `state`, of a transient extremes; with error bars
+   !> if it has converged.
+   pure function quantities_at_end(self, state, report) result(summary)
+      class(result_writer_t), intent(in) :: self
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(in) :: report
+      type(line_summary_t) :: summary
+
+      summary = self%passage%extremes(summary_of(state))
+      if (report%converged) call apply_error_bars(self%bars, report, state%x(2) - state%x(1), &
+         summary)
+   end function quantities_at_end
+
    !> Writes the solution at the last time, the quantities and the report, closes the file and
    !> gives it its final name. On an error nothing is left but an older result (and NAME.part, if
    !> there is a checkpoint).
@@ -268,23 +314,38 @@ contains
       call set_patience(.not. (self%name%has_checkpoint &
          .and. self%name%kept_step == self%store%records() - 1))
       call begin_activity('writing the result')
-      self%summary = self%passage%extremes(summary_of(state))
       if (self%is_transient .and. .not. allocated(self%file%failure)) then
          call create_hdf5_file(self%file, self%name%path//'.tmp', &
             error)   ! error: stays in the file
          call write_description(self)
-         call self%store%copy_into(self%file, self%scaling)
+      end if
+      call write_solution(self%file, state, self%scaling, self%has_si)
+      if (self%is_transient .and. .not. allocated(self%file%failure)) then
+         call self%store%copy_into(self%file, self%scaling, self%has_si)
          call self%keep_failure()
       end if
-      if (report%converged) call apply_error_bars(self%bars, report, state%x(2) - state%x(1), &
-         self%summary)
-      call write_solution(self%file, state, self%scaling)
+      if (allocated(self%reynolds)) then
+         self%summary = self%quantities_at_end(self%reynolds, report)
+         call take_values(self%summary, summary_of(state))
+      else
+         self%summary = self%quantities_at_end(state, report)
+      end if
       missing = missing_estimate(self%bars, report)
       if (report%converged .and. .not. self%passage%times%is_settled()) missing = &
          'the start is in the quantities, see /report/note'
       call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing)
       if (self%is_transient) call write_times(self%file, self%passage%times)
-      call write_statistics(self%file, self%statistics, self%scaling)
+      call write_statistics(self%file, self%statistics, self%scaling, &
+         self%passage%times%statistics_from())
+      if (allocated(self%limits)) call write_validity(self%file, self%limits)
+      if (allocated(self%momentum)) then
+         call write_momentum(self%file, self%momentum, self%scaling, self%is_transient)
+         if (self%is_transient) call write_film_passage(self%file, self%film_passage, self%scaling)
+      end if
+      if (allocated(self%velocity)) call write_velocity(self%file, self%velocity, self%scaling)
+      call judge(self%adequacy, self%summary)
+      call write_adequacy(self%file, self%adequacy)
+      call write_decision(self%file, self%choice)
       call self%publish(report, error)
    end subroutine finish
 
@@ -311,6 +372,7 @@ contains
       if (allocated(report%reason)) reason = trim(report%reason)
       call write_attribute(self%file, '/', 'converged', merge(1, 0, report%converged))
       call write_attribute(self%file, '/', 'reason', reason)
+      call write_users(self%file)
       call self%file%close(error)
       if (.not. allocated(error)) call self%name%give_to(self%name%path &
          //trim(merge('.tmp ', '.part', self%is_transient)), error)

@@ -5,10 +5,12 @@ module run_observer
    use checkpoint, only: checkpoint_t, write_checkpoint
    use error_bars, only: take_coarser
    use errors, only: error_t, fail, output_error
+   use film_passage, only: new_passage
    use interruption, only: is_interrupted, set_patience
    use iteration_report, only: phase_output, phase_transient, report_t
    use kinds, only: wp
    use life_sign, only: begin_activity
+   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use march_state, only: march_state_t
@@ -17,6 +19,7 @@ module run_observer
    use result_writer, only: result_writer_t
    use scaling, only: scaling_t
    use solver_settings, only: word_length
+   use time_part, only: follower_t, time_part_t
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -47,6 +50,9 @@ module run_observer
       real(wp) :: checkpoint_interval = huge(1.0_wp)
       !> Coarse runs are still wanted.
       logical :: has_coarse_runs = .false.
+      !> The same time steps by the full momentum equations, where they are wanted. They are not in
+      !> checkpoints: such a run keeps none.
+      class(follower_t), allocatable :: momentum
       !> Why the last checkpoint could not be written; not allocated: it could.
       type(error_t), allocatable :: failure
       !> Seconds of the clock at the start and at the last checkpoint.
@@ -54,6 +60,8 @@ module run_observer
    contains
       procedure :: on_cycle
       procedure :: on_step
+      procedure :: on_start
+      procedure :: on_parts
       procedure :: on_stage
       procedure :: keep_state
       procedure :: keep_coarser
@@ -92,6 +100,13 @@ contains
 
       begin = wall_seconds()
       call self%writer%store_step(step, steps, state, report)
+      if (allocated(self%momentum)) then
+         associate (writer => self%writer)
+            if (step == 0) writer%film_passage = new_passage(steps, writer%profile_stride, &
+               size(state%x))
+            call writer%film_passage%add(step, state, self%momentum)
+         end associate
+      end if
       call self%log%on_step(step, steps, state, report)
       if (report%breakdown%is_now .and. report%breakdown%count == 1) call self%log%say_error( &
          breakdown_sentence(report%breakdown, self%film_floor, self%scaling))
@@ -99,10 +114,42 @@ contains
       self%wants_state = is_interrupted() &
          .or. begin - self%last_checkpoint >= self%checkpoint_interval
       if (step == steps) self%wants_state = self%wants_state .or. begin - self%start > long_run
-      self%wants_state = self%wants_state .and. .not. self%writer%has_failed()
+      self%wants_state = self%wants_state .and. .not. (self%writer%has_failed() &
+         .or. allocated(self%momentum))
       call set_patience(self%wants_state .or. step < steps)
       self%output_seconds = self%output_seconds + wall_seconds() - begin
    end subroutine on_step
+
+   !> The full momentum equations begin.
+   subroutine on_start(self, contact, state, report)
+      class(run_observer_t), intent(inout) :: self
+      type(line_contact_t), intent(in) :: contact
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
+      character(:), allocatable :: reason
+
+      call self%momentum%begin(contact, state, reason)
+      if (.not. allocated(reason)) return
+      report%converged = .false.
+      report%reason = reason
+   end subroutine on_start
+
+   !> The full momentum equations follow.
+   subroutine on_parts(self, parts, report)
+      class(run_observer_t), intent(inout) :: self
+      type(time_part_t), intent(in) :: parts(:)
+      type(report_t), intent(inout) :: report
+      character(:), allocatable :: reason
+      integer :: i
+
+      do i = 1, size(parts)
+         call self%momentum%advance(parts(i), reason)
+         if (.not. allocated(reason)) cycle
+         report%converged = .false.
+         report%reason = reason
+         return
+      end do
+   end subroutine on_parts
 
    !> What is done from now on: shown if it takes long.
    subroutine on_stage(self, words)

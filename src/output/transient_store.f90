@@ -6,7 +6,9 @@
 module transient_store
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
-      use hdf5_file, only: hdf5_file_t
+   use hdf5_axes, only: link_object, make_axis, name_axes
+   use hdf5_dataset, only: label_t
+   use hdf5_file, only: hdf5_file_t
    use hdf5_series, only: create_series, series_t
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -14,8 +16,8 @@ module transient_store
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use positional_file, only: open_positional_file, positional_file_t
-   use quantities, only: h_min, p_max
-   use result_labels, only: field_names, field_values, row_label
+   use quantities, only: friction_coefficient, h_min, p_max
+   use result_labels, only: field_names, field_values, has_scale, row_label, si_label
    use running_series, only: create_running_series, running_series_t
    use scaling, only: scaling_t
    implicit none (type, external)
@@ -27,8 +29,8 @@ module transient_store
    integer, parameter :: name_length = 24
    !> Series of one number for each time step. Time is counted last, and cut back first: there are
    !> never more times than values.
-   character(len=name_length), parameter :: number_names(5) = [character(len=name_length) :: &
-      'time', 'rigid_displacement', 'h_min', 'p_max', 'residual']
+   character(len=name_length), parameter :: number_names(6) = [character(len=name_length) :: &
+      'time', 'rigid_displacement', 'h_min', 'p_max', 'friction_coefficient', 'residual']
    !> Times of the stored profiles, for which the same holds.
    character(*), parameter :: profile_time_name = 'profile_time'
    !> Mark of the time steps with a film below the floor, to be named like a field.
@@ -185,6 +187,8 @@ contains
                call series%put(self%file, [summary%of(h_min)%value])
             case ('p_max')
                call series%put(self%file, [summary%of(p_max)%value])
+            case ('friction_coefficient')
+               call series%put(self%file, [summary%of(friction_coefficient)%value])
             case ('residual')
                call series%put(self%file, [report%residual])
             case (breakdown_name)
@@ -208,31 +212,64 @@ contains
       if (allocated(self%series)) records = self%series(1)%records
    end function records
 
-   !> Writes all series into the open HDF5 file `file`.
-   subroutine copy_into(self, file, scaling)
+   !> Writes all series into the open HDF5 file `file` that has /solution, with their axes; with
+   !> `has_si` in /si/transient those that are other numbers in SI.
+   subroutine copy_into(self, file, scaling, has_si)
       class(transient_store_t), intent(inout) :: self
       class(hdf5_file_t), intent(inout) :: file
       type(scaling_t), intent(in) :: scaling
-      type(series_t) :: copy
-      real(wp), allocatable :: values(:, :)
-      integer :: i, first, last, most
+      logical, intent(in) :: has_si
+      type(label_t) :: label
+      character(:), allocatable :: name
+      integer :: i
 
+      call link_object(file, '/solution/x', '/transient/x')
+      if (has_si) call link_object(file, '/si/solution/x', '/si/transient/x')
       do i = 1, size(self%series)
-         associate (series => self%series(i))
-            call begin_activity('writing the result, '//self%names(i))
-            call create_series(copy, file, series%path, series%row_length, &
-               row_label(trim(self%names(i)), scaling))
-            most = max(block_numbers/max(series%row_length, 1), 1)
-            do first = 1, series%records, most
-               last = min(first + most - 1, series%records)
-               allocate (values(max(series%row_length, 1), last - first + 1))
-               call series%get(self%file, first, values)
-               call copy%append(file, values)
-               deallocate (values)
-            end do
-         end associate
+         name = trim(self%names(i))
+         call begin_activity('writing the result, '//name)
+         label = row_label(name, scaling)
+         call copy_series(self, file, i, '/transient/', 1.0_wp, label)
+         if (has_si .and. has_scale(label)) call copy_series(self, file, i, '/si/transient/', &
+            label%si_scale, si_label(name, scaling))
       end do
    end subroutine copy_into
+
+   !> Series `i` times `factor` into a group, with its axes.
+   subroutine copy_series(store, file, i, group, factor, label)
+      class(transient_store_t), intent(inout) :: store
+      class(hdf5_file_t), intent(inout) :: file
+      integer, intent(in) :: i
+      character(*), intent(in) :: group
+      real(wp), intent(in) :: factor
+      type(label_t), intent(in) :: label
+      type(series_t) :: copy
+      real(wp), allocatable :: values(:, :)
+      character(:), allocatable :: path
+      integer :: first, last, most
+
+      path = group//trim(store%names(i))
+      associate (series => store%series(i))
+         call create_series(copy, file, path, series%row_length, label)
+         if (store%names(i) == 'time' .or. store%names(i) == profile_time_name) then
+            call make_axis(file, path)
+         else if (series%row_length > 0) then
+            call name_axes(file, path, group//'x', group//profile_time_name)
+         else
+            call name_axes(file, path, group//'time')
+         end if
+         most = max(block_numbers/max(series%row_length, 1), 1)
+         do first = 1, series%records, most
+            last = min(first + most - 1, series%records)
+            allocate (values(max(series%row_length, 1), last - first + 1))
+            call series%get(store%file, first, values)
+            values = factor*values
+            call copy%append(file, values)
+            deallocate (values)
+         end do
+         call copy%close(file)
+      end associate
+   end subroutine copy_series
 
    !> Names of all series.
    subroutine name_series(store, fields)

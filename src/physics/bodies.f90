@@ -14,6 +14,8 @@ module bodies
       real(wp) :: reduced_modulus
       !> Speed u1, u2 [m/s] of the surfaces in x; u1 + u2 > 0.
       real(wp) :: speed_1, speed_2
+      !> R/R1, the share of surface 1 in the curvature of the gap; 1/2 where only R is known.
+      real(wp) :: curvature_share = 0.5_wp
    end type bodies_t
 
 contains

@@ -1,4 +1,5 @@
-!> Slip factor S of the Reynolds-Eyring equation, as ln S with its derivatives.
+!> Slip factor S of the Reynolds-Eyring equation, as ln S with its derivatives, and the mean shear
+!> stress of the film.
 !>
 !> Effective viscosity mu/S: S >= 1, and S -> 1 (Newtonian) for an infinite Eyring stress. S itself
 !> overflows at
@@ -9,7 +10,8 @@ module eyring
    implicit none (type, external)
    private
 
-   public :: slip_factor, slip_factors, slip_values, ln_slip_factor, ln_slip_factors
+   public :: flow_shapes, slip_factor, slip_factors, slip_values, ln_slip_factor, &
+      ln_slip_factors, mean_stresses
 
    !> A value of ln B that stands for B = 0 (equal surface speeds): far below any ln B that can
    !> change S [-].
@@ -21,6 +23,9 @@ module eyring
    !> Where ln(B exp(-|Sigma|)) lies outside these two bounds, the 1 or the other term under the
    !> root vanishes [-].
    real(wp), parameter :: lowest_exponent = -300.0_wp, highest_exponent = 100.0_wp
+
+   !> Below this argument arsinh is its series, whose next term is then below 4e-17 of it [-].
+   real(wp), parameter :: small_stress = 1.0_wp/256.0_wp
 
    !> Nodes worked on at a time, so that what is kept for the derivatives stays in fixed small
    !> arrays.
@@ -182,6 +187,64 @@ contains
          slope(i) = sign(1.0_wp, sigma(i))*(dln_shear + weight(i)*dln_ratio)
       end do
    end subroutine block_slopes
+
+   !> Mean shear stress over tau_0, without its sign, on arrays (n), with B = scale exp(ln_b) as in
+   !> `slip_factors`:
+   !>
+   !>     stress = arsinh( B |Sigma|/sinh|Sigma| ) ,
+   !>
+   !> (2.14), that of the mid-plane: with it the shear rate tau_0/mu sinh(tau/tau_0) of Eyring's law
+   !> adds up to u2 - u1 across the film. At the walls tau/tau_0 is that -+ Sigma. What has no
+   !> argument of the exponential left is the logarithm of twice the whole; small arguments have
+   !> three terms of the series, which keep the relative accuracy.
+   pure subroutine mean_stresses(sigma, ln_b, scale, stress)
+      real(wp), intent(in), contiguous :: sigma(:), ln_b(:), scale(:)
+      real(wp), intent(out), contiguous :: stress(:)
+      real(wp) :: x, y, is_large, shift, inverse_sinh, exponent, t
+      integer :: i
+
+      do i = 1, size(sigma)
+         x = min(abs(sigma(i)), largest_argument)
+         is_large = 0.5_wp + sign(0.5_wp, x - series_limit)
+         shift = is_large*x
+         y = min(x, series_limit)**2
+         inverse_sinh = ((1.0_wp - is_large) + 2.0_wp*shift)/((1.0_wp - is_large)*polynomial(s, y) &
+            + is_large*(1.0_wp - exp(-2.0_wp*max(series_limit, min(x, highest_exponent)))))
+         exponent = max(-largest_argument, min(ln_b(i), largest_argument)) - shift
+         t = inverse_sinh*scale(i)*exp(max(lowest_exponent, min(exponent, highest_exponent)))
+         is_large = 0.5_wp + sign(0.5_wp, t - small_stress)
+         y = min(t, 1.0_wp)**2
+         stress(i) = (1.0_wp - is_large)*t*(1.0_wp - y/6.0_wp + 0.075_wp*y*y) &
+            + is_large*log(t + sqrt(1.0_wp + t*t)) + max(exponent - highest_exponent, 0.0_wp)
+      end do
+   end subroutine mean_stresses
+
+   !> How velocity lies across the film at y = 2 z/h - 1, from -1 at surface 1 to 1 at surface 2,
+   !> for the `sigma` of `slip_factor`: u = (u1 + u2)/2 + (u2 - u1)/2 sliding - S h^2/(12 mu) dp/dx
+   !> driven.
+   !>
+   !> The integral of du/dz = tau_0/mu sinh(tau/tau_0) with the stress of (2.6), where the mean
+   !> stress is replaced by what the walls say: sliding = sinh(Sigma y)/sinh Sigma goes from -1 to
+   !> 1, driven = Sigma (cosh Sigma - cosh(Sigma y))/(Sigma cosh Sigma - sinh Sigma) is 0 at both
+   !> and has mean 1. A Newtonian oil, Sigma = 0, has y and 1.5 (1 - y^2).
+   pure elemental subroutine flow_shapes(sigma, y, sliding, driven)
+      real(wp), intent(in) :: sigma, y
+      real(wp), intent(out) :: sliding, driven
+      real(wp) :: x, left, right, decay
+
+      x = min(abs(sigma), largest_argument)
+      left = 0.5_wp*x*(1 + y)
+      right = 0.5_wp*x*(1 - y)
+      if (x <= series_limit) then
+         sliding = y*polynomial(s, (x*y)**2)/polynomial(s, x**2)
+         driven = 1.5_wp*(1 - y)*(1 + y)*polynomial(s, left**2)*polynomial(s, &
+            right**2)/polynomial(c, x**2)
+      else
+         decay = exp(-2*x)
+         sliding = (exp(-2*right) - exp(-2*left))/(1 - decay)
+         driven = (1 - exp(-2*left))*(1 - exp(-2*right))/((1 - 1/x) + (1 + 1/x)*decay)
+      end if
+   end subroutine flow_shapes
 
    !> a_0 + a_1 y + ... + a_8 y^8.
    pure function polynomial(a, y) result(value)

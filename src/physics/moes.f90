@@ -106,8 +106,11 @@ contains
    !> Fit of G. Nijenbanning, C. H. Venner and H. Moes, Wear 176, 1994, 217, for line contacts (H.
    !> Moes): rigid or elastic, isoviscous or piezoviscous asymptotes joined smoothly. Within 5 % for
    !> M >= 5; about 20 % high near M = 1, L = 10. `m_sum` > 0; `l_sum` >= 0 (0 = isoviscous).
-   pure elemental function central_film(m_sum, l_sum) result(film)
+   !> `elasticity` (0 to 1): of bodies that are stiffer by its inverse, in the b^2/R of those that
+   !> are not; M falls with the root of E', L rises with its power 3/4.
+   pure elemental function central_film(m_sum, l_sum, elasticity) result(film)
       real(wp), intent(in) :: m_sum, l_sum
+      real(wp), intent(in), optional :: elasticity
       real(wp) :: film
       real(wp) :: rigid_iso, elastic_iso, rigid_piezo, elastic_piezo, power, isoviscous, lower, &
          piezoviscous
@@ -116,6 +119,10 @@ contains
       elastic_iso = 2.621_wp*m_sum**(-0.2_wp)
       rigid_piezo = 1.287_wp*l_sum**(2.0_wp/3.0_wp)
       elastic_piezo = 1.311_wp*m_sum**(-0.125_wp)*l_sum**0.75_wp
+      if (present(elasticity)) then
+         elastic_iso = elastic_iso*elasticity**0.4_wp
+         elastic_piezo = elastic_piezo*max(elasticity, tiny(1.0_wp))**(-0.125_wp)
+      end if
       power = (7.0_wp + 8.0_wp*exp(-2.0_wp*min(elastic_iso/rigid_iso, 100.0_wp)))/5.0_wp
       isoviscous = (rigid_iso**(7.0_wp/3.0_wp) + elastic_iso**(7.0_wp/3.0_wp))**(3.0_wp/7.0_wp)
       ! (a^(-7/2) + b^(-7/2))^(-2/7) with the smaller one taken out, so that L = 0 is no special

@@ -5,14 +5,14 @@
 !> Newtonian lubricant. A solver asks whether the fluid thins (`thins`), for S, and how large the
 !> stress is beside the stress scale of the fluid (`wall_stress`).
 module rheology
-   use eyring, only: ln_slip_factor, slip_factor, slip_factors, slip_values
+   use eyring, only: ln_slip_factor, mean_stresses, slip_factor, slip_factors, slip_values
    use kinds, only: wp
    use lubricant, only: fluid_t, rheology_eyring, rheology_newtonian
    implicit none (type, external)
    private
 
-   public :: eased_fluid, evaluate_slip, evaluate_slip_slopes, ln_slip, ln_slip_with_slope, &
-      slide_to_roll, slip_t, thins, wall_stress
+   public :: eased_fluid, evaluate_slip, evaluate_slip_slopes, evaluate_stress, ln_slip, &
+      ln_slip_with_slope, slide_to_roll, slip_t, thins, wall_stress
 
    !> Places evaluated at a time, at most.
    integer, parameter, public :: slip_block = 128
@@ -81,6 +81,35 @@ contains
       slip%by_drive(:m) = by_sigma(:m)*fluid%sigma_scale
       slip%by_ln_film(:m) = by_sigma(:m)*sigma(:m) - slip%by_ln_mu(:m)
    end subroutine evaluate_slip_slopes
+
+   !> Mean shear stress across the film at m places, in units of p_h b/R, positive where u2 > u1;
+   !> drive, 1/H and ln(mu/mu_0) as in `evaluate_slip`. `couette` = lambda/6 (u2 - u1)/(u1 + u2):
+   !> the stress of a Newtonian fluid is that times (mu/mu_0)/H.
+   pure subroutine evaluate_stress(fluid, couette, drive, inverse_film, ln_mu, stress)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: couette
+      real(wp), intent(in), contiguous :: drive(:), inverse_film(:), ln_mu(:)
+      real(wp), intent(out), contiguous :: stress(:)
+
+      select case (fluid%rheology)
+      case (rheology_eyring)
+         call mean_stresses(fluid%sigma_scale*drive, fluid%ln_b_scale + ln_mu, inverse_film, stress)
+         stress = stress_unit(fluid, couette)*stress
+      case default
+         stress = couette*exp(min(ln_mu, largest_exponent))*inverse_film
+      end select
+   end subroutine evaluate_stress
+
+   !> The Eyring stress tau_0 in units of p_h b/R, with the sign of `couette`; 0 where that is 0,
+   !> NaN where it is not known.
+   pure function stress_unit(fluid, couette) result(unit)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: couette
+      real(wp) :: unit
+
+      unit = couette
+      if (abs(couette) > 0.0_wp) unit = sign(0.5_wp/fluid%sigma_scale, couette)
+   end function stress_unit
 
    !> ln S at one place, with the `drive` H dP/dX, the `film` H and ln(mu/mu_0).
    pure elemental function ln_slip(fluid, drive, film, ln_mu) result(ln_s)

@@ -54,8 +54,8 @@ contains
    !>
    !> `mu_0` [Pa s] is the ambient viscosity. Error (input): fewer than two are given, three are
    !> given that disagree by more than `roelands_agreement`, or mu_0 is so small that (2.27) gives
-   !> no positive value. The thesis's Table 5.1 gives P0 and z (so alpha = 2.3345e-8), Table 6.1
-   !> alpha and P0 (so z = 0.5397).
+   !> no positive value. The thesis's Table 6.1 gives alpha and P0 (so z = 0.5397), its Table 5.1
+   !> z = 0.6 alone (with the usual P0 = 1.98e8 Pa alpha = 2.3345e-8).
    pure subroutine complete_roelands(mu_0, alpha, p0, z, error)
       real(wp), intent(in) :: mu_0
       real(wp), intent(inout) :: alpha, p0, z

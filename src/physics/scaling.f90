@@ -8,12 +8,13 @@ module scaling
    use kinds, only: wp
    use lubricant, only: density_constant, density_dowson_higginson, fluid_t, lubricant_t, &
       rheology_eyring, rheology_newtonian, viscosity_constant, viscosity_roelands
+   use missing_value, only: not_known
    use moes, only: moes_m_sum_from_mean, moes_m_sum_from_lambda, moes_m_mean_from_sum, &
       lambda_from_moes_sum, alpha_bar_from_moes, moes_l_from_alpha_bar
    implicit none (type, external)
    private
 
-   public :: new_scaling, new_moes_scaling, scaled_fluid
+   public :: film_slope, inertia_number, new_scaling, new_moes_scaling, scaled_fluid
 
    !> Scales of (2.51, 2.52) and dimensionless groups of (2.53 - 2.56). Where `is_dimensional` is
    !> false (input by Moes' numbers) only lambda, alpha_bar, moes_m and moes_l mean anything, and
@@ -35,12 +36,21 @@ module scaling
       real(wp) :: viscosity = 0.0_wp
       !> u_s = u1 + u2 [m/s].
       real(wp) :: speed_sum = 0.0_wp
+      !> b/R [-], unit of friction coefficients and of slopes of the film.
+      real(wp) :: slope = 0.0_wp
+      !> p_h b/R [Pa], unit of shear stress.
+      real(wp) :: shear_stress = 0.0_wp
+      !> p_h b^2/R u_s [W/m], unit of power per length.
+      real(wp) :: power = 0.0_wp
       !> Speed parameter [-] of (2.57).
       real(wp) :: lambda = 0.0_wp
       !> alpha p_h [-], (2.56); 0 for constant viscosity.
       real(wp) :: alpha_bar = 0.0_wp
       !> Moes' M and L [-] of (2.53, 2.54), mean speed.
       real(wp) :: moes_m = 0.0_wp, moes_l = 0.0_wp
+      !> Slide-to-roll ratio 2 (u2 - u1)/(u1 + u2) [-], positive where surface 2 is the faster one,
+      !> as in chapter 6; NaN where the speeds are not known.
+      real(wp) :: slide_to_roll = 0.0_wp
       !> True if the SI scales are known.
       logical :: is_dimensional = .false.
    end type scaling_t
@@ -69,6 +79,10 @@ contains
       scaling%film = scaling%half_width**2/bodies%reduced_radius
       scaling%speed_sum = bodies%speed_1 + bodies%speed_2
       scaling%time = 2.0_wp*scaling%half_width/scaling%speed_sum
+      scaling%slope = scaling%half_width/bodies%reduced_radius
+      scaling%shear_stress = scaling%hertz_pressure*scaling%slope
+      scaling%power = scaling%shear_stress*scaling%half_width*scaling%speed_sum
+      scaling%slide_to_roll = 2.0_wp*(bodies%speed_2 - bodies%speed_1)/scaling%speed_sum
       scaling%viscosity = lubricant%viscosity
       scaling%lambda = 6.0_wp*scaling%speed_sum*bodies%reduced_radius**2*lubricant%viscosity &
                        /(scaling%hertz_pressure*scaling%half_width**3)
@@ -91,12 +105,31 @@ contains
 
       scaling%moes_m = moes_m_mean
       scaling%moes_l = moes_l_mean
+      scaling%slide_to_roll = not_known()
       scaling%lambda = lambda_from_moes_sum(moes_m_sum_from_mean(moes_m_mean))
       scaling%alpha_bar = alpha_bar_from_moes(moes_m_mean, moes_l_mean)
       if (lubricant%pressure_viscosity > 0.0_wp) then
          scaling%hertz_pressure = scaling%alpha_bar/lubricant%pressure_viscosity
       end if
    end subroutine new_moes_scaling
+
+   !> delta = h_ref/b = b/R [-], the slope of the film in its scales. Dimensional scaling only.
+   pure function film_slope(scaling) result(slope)
+      type(scaling_t), intent(in) :: scaling
+      real(wp) :: slope
+
+      slope = scaling%half_width/scaling%reduced_radius
+   end function film_slope
+
+   !> rho_0 u_s^2/p_h [-], the inertia of an oil of ambient `density` [kg/m3] beside its pressure.
+   !> Dimensional scaling only.
+   pure function inertia_number(scaling, density) result(number)
+      type(scaling_t), intent(in) :: scaling
+      real(wp), intent(in) :: density
+      real(wp) :: number
+
+      number = density*scaling%speed_sum**2/scaling%hertz_pressure
+   end function inertia_number
 
    !> The lubricant in dimensionless form.
    !>

@@ -2,7 +2,7 @@
 !> the arithmetic mean.
 module roughness
    use errors, only: error_t
-   use grid_transform, only: transform_field
+   use grid_transform, only: power_of_rows
    use kinds, only: wp
    implicit none (type, external)
    private
@@ -61,22 +61,26 @@ contains
    pure function bearing_ratio(z, levels) result(ratio)
       real(wp), intent(in) :: z(:), levels(:)
       real(wp) :: ratio(size(levels))
-      integer :: below(0:size(levels)), high, i, low, middle
+      integer :: below(0:size(levels)), count, i, k
+      real(wp) :: lowest, steps_per_height
 
-      ! below(k): nodes with k levels at or below them.
+      count = size(levels)
+      lowest = levels(1)
+      steps_per_height = 0.0_wp
+      if (levels(count) > lowest) steps_per_height = (count - 1)/(levels(count) - lowest)
+      ! below(k): nodes with k levels at or below them; the guess is that of evenly spaced levels.
       below = 0
       do i = 1, size(z)
-         low = 0
-         high = size(levels)
-         do while (low < high)
-            middle = (low + high + 1)/2
-            if (z(i) >= levels(middle)) then
-               low = middle
-            else
-               high = middle - 1
-            end if
-         end do
-         below(low) = below(low) + 1
+         k = 1 + int(min(max((z(i) - lowest)*steps_per_height, -1.0_wp), count - 1.0_wp))
+         upward: do while (k < count)
+            if (z(i) < levels(k + 1)) exit upward
+            k = k + 1
+         end do upward
+         downward: do while (k > 0)
+            if (z(i) >= levels(k)) exit downward
+            k = k - 1
+         end do downward
+         below(k) = below(k) + 1
       end do
       ratio = [(real(sum(below(i:)), wp)/size(z), i=1, size(levels))]
    end function bearing_ratio
@@ -129,20 +133,15 @@ contains
       real(wp), contiguous, intent(in) :: z(:, :)
       real(wp), allocatable, intent(out) :: power(:)
       type(error_t), allocatable, intent(out) :: error
-      complex(wp), allocatable :: spectrum(:, :)
-      integer :: j, k, n
+      real(wp), allocatable :: rows(:)
+      integer :: n
 
       n = size(z, 1)
-      allocate (power(n/2), source=0.0_wp)
-      do j = 1, size(z, 2)
-         call transform_field([n, 1], z(:, j), spectrum, error)
-         if (allocated(error)) return
-         do k = 1, n/2
-            power(k) = power(k) + merge(1.0_wp, 2.0_wp, 2*k == n)*(real(spectrum(k, 0))**2 &
-               + aimag(spectrum(k, 0))**2)
-         end do
-      end do
-      power = power/(real(n, wp)**2*size(z, 2))
+      allocate (power(n/2))
+      call power_of_rows(z, rows, error)
+      if (allocated(error)) return
+      power = 2*rows(1:n/2)/real(n, wp)**2
+      if (modulo(n, 2) == 0) power(n/2) = 0.5_wp*power(n/2)
    end subroutine power_spectrum
 
 end module roughness

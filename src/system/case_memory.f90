@@ -20,6 +20,8 @@ module case_memory
    !> a file of heights.
    real(wp), parameter :: of_line(2) = [430.0_wp, 460.0_wp], of_area(2) = [330.0_wp, 460.0_wp], &
       of_interval(2) = [1000.0_wp, 1400.0_wp], of_step = 1000.0_wp, of_height = 100.0_wp
+   !> Bytes an interval and time step, where pressure and film of all times are held.
+   real(wp), parameter :: of_profile = 16.0_wp
    !> Bytes a number of a dense matrix.
    real(wp), parameter :: of_number = 8.3_wp
    !> Bytes that OpenBLAS reserves for its thread; it uses few of them.
@@ -40,18 +42,31 @@ contains
       need%reserved = need%used
    end function dry_memory
 
-   !> Of a lubricated case with `steps` time steps (0: steady); `is_dense`: with a full matrix.
-   pure function lubricated_memory(intervals, steps, is_dense) result(need)
+   !> Of a lubricated case with `steps` time steps (0: steady); `is_dense`: with a full matrix;
+   !> `layers` > 0: with so many across the film, whose unknowns stand in a band matrix.
+   pure function lubricated_memory(intervals, steps, is_dense, layers) result(need)
       integer, intent(in) :: intervals
       real(wp), intent(in) :: steps
       logical, intent(in) :: is_dense
+      integer, intent(in), optional :: layers
       type(memory_t) :: need
 
       need%used = of_program + merge(of_interval(2), of_interval(1), steps > 0.0_wp)*intervals &
          + of_step*steps
       if (is_dense) need%used = need%used + of_number*real(intervals, wp)**2
+      if (present(layers)) need%used = need%used + of_layers(real(layers, wp))*intervals &
+         + merge(of_profile, 0.0_wp, layers > 0)*intervals*steps
       need%reserved = need%used + of_blas
    end function lubricated_memory
+
+   !> Bytes an interval with m layers: 3m - 1 unknowns, each with a column of a band matrix that
+   !> reaches 4m + 3 to both sides, and about a hundred fields.
+   pure function of_layers(m) result(bytes)
+      real(wp), intent(in) :: m
+      real(wp) :: bytes
+
+      bytes = 8*(3*m*(3*(4*m + 3) + 1) + 100*m)
+   end function of_layers
 
    !> Of the heights of a file of so many nodes, all held at once.
    pure function file_memory(nodes) result(need)

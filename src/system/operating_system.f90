@@ -1,31 +1,44 @@
 !> The few services of the operating system that Fortran lacks, through the C library (POSIX).
 module operating_system
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, &
-      c_null_ptr, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_null_char, &
+      c_null_ptr, c_ptr, c_short, c_size_t
    use file_identity, only: is_same_file, look_at_file, look_at_open_file
    use signal_calls, only: c_unlink
    implicit none (type, external)
    private
 
-   public :: closed, folder_of, is_folder, is_terminal, lock_t, opened, remove_file, rename_file, &
-      set_environment, start_again, sync_file, sync_folder
+   public :: closed, folder_of, is_folder, is_terminal, lock_t, make_folder, opened, remove_file, &
+      rename_file, set_environment, start_again, sync_file, sync_folder
 
-   !> LOCK_EX + LOCK_NB, LOCK_SH + LOCK_NB, LOCK_UN of flock(2).
-   integer(c_int), parameter :: lock_exclusive = 6_c_int, lock_shared = 5_c_int, lock_none = 8_c_int
+   !> LOCK_EX + LOCK_NB, LOCK_SH + LOCK_NB of flock(2).
+   integer(c_int), parameter :: lock_exclusive = 6_c_int, lock_shared = 5_c_int
+   !> F_OFD_SETLK of fcntl(2), and F_WRLCK and F_UNLCK.
+   integer(c_int), parameter :: set_lock = 37_c_int
+   integer(c_short), parameter :: lock_to_write = 1_c_short, lock_none = 2_c_short
    !> O_RDONLY and O_RDWR.
    integer(c_int), parameter :: read_only = 0_c_int, read_and_write = 2_c_int
 
-   !> A lock on a file, held until `release` or the end of the process, however that comes.
+   !> A lock on a file, held until `release` or the end of the process, however that comes. It is
+   !> two: that of fcntl(2) keeps other runs out, and that of flock(2) readers, since HDF5 takes it,
+   !> too. With flock alone a reader would keep a run from writing its own result.
    type :: lock_t
       integer(c_int), private :: descriptor = -1_c_int
    contains
-      !> Takes the lock for writing, making the file if there is none; false if another process
-      !> reads or writes the file.
+      !> Takes the lock for writing, making the file if there is none; false if another run has it.
       procedure :: take
       !> Lets others read the file, but not take the lock.
       procedure :: allow_readers
       procedure :: release
    end type lock_t
+
+   !> struct flock of fcntl(2): a lock on the whole file.
+   type, bind(c) :: c_flock_t
+      integer(c_short) :: kind = lock_none
+      integer(c_short) :: origin = 0_c_short
+      integer(c_int64_t) :: start = 0_c_int64_t
+      integer(c_int64_t) :: length = 0_c_int64_t
+      integer(c_int) :: process = 0_c_int
+   end type c_flock_t
 
    interface
       !> rename(2): replaces `new` in one step.
@@ -52,6 +65,15 @@ module operating_system
          integer(c_int) :: status
       end function c_flock
 
+      !> fcntl(2) with a lock, here of the open file: the end of another descriptor does not end it.
+      function c_fcntl(descriptor, operation, lock) bind(c, name='fcntl') result(status)
+         import :: c_flock_t, c_int
+         implicit none (type, external)
+         integer(c_int), value :: descriptor, operation
+         type(c_flock_t), intent(in) :: lock
+         integer(c_int) :: status
+      end function c_fcntl
+
       !> open(2) without a mode: only for files that exist.
       function c_open(path, flags) bind(c, name='open') result(descriptor)
          import :: c_char, c_int
@@ -60,6 +82,15 @@ module operating_system
          integer(c_int), value :: flags
          integer(c_int) :: descriptor
       end function c_open
+
+      !> mkdir(2).
+      function c_mkdir(path, mode) bind(c, name='mkdir') result(status)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), value :: mode
+         integer(c_int) :: status
+      end function c_mkdir
 
       !> close(2).
       function c_close(descriptor) bind(c, name='close') result(status)
@@ -150,16 +181,18 @@ contains
          if (status /= 0) return
          self%descriptor = opened(path, for_writing=.true.)
          if (self%descriptor < 0_c_int) cycle
-         if (c_flock(self%descriptor, lock_exclusive) /= 0_c_int) exit
-         if (is_same_file(look_at_open_file(self%descriptor), look_at_file(path, &
-            follows=.true.))) return
+         if (c_fcntl(self%descriptor, set_lock, c_flock_t(lock_to_write)) /= 0_c_int) exit
+         if (.not. is_same_file(look_at_open_file(self%descriptor), look_at_file(path, &
+            follows=.true.))) cycle
+         status = c_flock(self%descriptor, lock_exclusive)   ! not while somebody reads
+         return
       end do
       ! releasing what one does not have always works
-      is_taken = c_flock(self%descriptor, lock_none) /= 0_c_int
+      is_taken = c_fcntl(self%descriptor, set_lock, c_flock_t(lock_none)) /= 0_c_int
       if (.not. is_taken) call self%release()
    end function take
 
-   !> HDF5 takes a shared lock on a file that it reads.
+   !> HDF5 takes a shared lock on a file that it reads, or refuses to.
    subroutine allow_readers(self)
       class(lock_t), intent(inout) :: self
       integer(c_int) :: status
@@ -215,6 +248,21 @@ contains
 
       is_done = sync_file(folder_of(path))
    end subroutine sync_folder
+
+   !> Makes a folder with those above it, if they are not there; no name: nothing. Whether that was
+   !> done shows when a file is put into it.
+   recursive subroutine make_folder(path)
+      character(*), intent(in) :: path
+      integer(c_int), parameter :: all_permissions = 511_c_int   ! 0777, less the user's mask
+      integer(c_int) :: status
+      integer :: last
+
+      last = verify(path, '/', back=.true.)
+      if (last == 0) return
+      if (is_folder(path)) return
+      call make_folder(folder_of(path(:last)))
+      status = c_mkdir(path(:last)//c_null_char, all_permissions)
+   end subroutine make_folder
 
    !> The folder part of a path; '.' if it has none.
    pure function folder_of(path) result(folder)

@@ -7,10 +7,12 @@ module standard_output
    implicit none (type, external)
    private
 
-   public :: print_text, settle_standard_streams
+   public :: print_text, settle_standard_streams, write_text
 
    !> File descriptor of standard output.
-   integer(c_int), parameter :: standard_output_descriptor = 1_c_int
+   integer(c_int), parameter, public :: standard_output_descriptor = 1_c_int
+   character(*), parameter :: lost = 'cannot write to standard output: the disk is full, or '// &
+      'nobody reads it'
 
 contains
 
@@ -18,21 +20,29 @@ contains
    subroutine print_text(text, error)
       character(*), intent(in) :: text
       type(error_t), allocatable, intent(out) :: error
+
+      call write_text(text, error)
+      if (allocated(error)) return
+      ! some file systems report a full disk only here
+      if (.not. closed(standard_output_descriptor)) call fail(error, output_error, lost)
+   end subroutine print_text
+
+   !> Writes all of `text` and leaves standard output open. Error: some of it is lost.
+   subroutine write_text(text, error)
+      character(*), intent(in) :: text
+      type(error_t), allocatable, intent(out) :: error
       integer(c_size_t) :: done, written
 
       done = 0_c_size_t
       do while (done < len(text))
          written = c_write(standard_output_descriptor, text(done + 1:), len(text) - done)
-         if (written <= 0_c_size_t) exit
+         if (written <= 0_c_size_t) then
+            call fail(error, output_error, lost)
+            return
+         end if
          done = done + written
       end do
-      if (done == len(text)) then
-         ! some file systems report a full disk only here
-         if (closed(standard_output_descriptor)) return
-      end if
-      call fail(error, output_error, 'cannot write to standard output: the disk is full, or '// &
-         'nobody reads it')
-   end subroutine print_text
+   end subroutine write_text
 
    !> Opens closed standard streams on /dev/null: else the next files to be opened would take their
    !> descriptors, and messages would go into a result.

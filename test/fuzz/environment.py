@@ -82,7 +82,7 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
         return None
     if run.status != 0:
         return f"status {run.status}: {run.err.strip()[-200:]}"
-    if "***" in run.err or not run.err:
+    if "***" in run.err + run.out or not run.err + run.out:
         return f"broken report: {run.err.strip()[-200:]}"
     with h5py.File(folder / "case.h5") as file:
         return None if np.array_equal(file["solution/pressure"][()], usual) else "another answer"

@@ -17,7 +17,6 @@ FIELDS += [
     "1_000",
     "0x1p3",
     "'1e-7'",
-    '"1e-7"',
     "one",
     "1e",
     "e5",
@@ -30,8 +29,9 @@ FIELDS += [
     "1e-7!",
 ]
 FIELDS += ["1e-7\x00", "\xb5", "1e-7\t2", "&", "1e-7,", "2*", "1e+-5", "\u221e", "9" * 70, "=1", "#N/A", "-", "1e5000000000"]
-HEADERS = ["", "0,1e-7", "x;z", "x", "x z", "1.0,2.0", "x,z,more", "x,"]
+HEADERS = ["0,1e-7", "x;z", "x", "x z", "1.0,2.0", "x,z,more", "x,"]
 GOOD = [(" ", ","), ("", ", "), ("\t", ",")]
+GOOD_HEADERS = ["x,z", "", "# x,z", "x_m,z_m", "x [m], z [m]"]
 
 
 def rows_of(source: random.Random) -> list[list[str]]:
@@ -56,6 +56,8 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
     else:
         before, comma = source.choice(GOOD)
         ends = source.choice(["\n", "\r\n", "\n\n"])
+        header = source.choice(GOOD_HEADERS)
+        before = " " if before == "\t" and header == "" else before
         rows = [[source.choice([x, x.replace("e", "D"), x.replace("e", "E")]), z] for x, z in rows]
     text = ends.join([header, *(before + comma.join(row) for row in rows)]) + ends
     (folder / "z.csv").write_bytes(text.encode("utf-8"))

@@ -1,0 +1,37 @@
+!> The limits of the model for one lubricated case that is solved.
+module case_limits
+   use case_record, only: case_t
+   use iteration_report, only: report_t
+   use line_contact, only: line_contact_t
+   use line_state, only: line_state_t
+   use run_observer, only: run_observer_t
+   use validity, only: circumstances_t, limits_of
+   implicit none (type, external)
+   private
+
+   public :: judge_limits
+
+contains
+
+   !> Hands the limits of a converged solution to the writer of its result.
+   subroutine judge_limits(case, contact, state, report, watcher)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(in) :: report
+      type(run_observer_t), intent(inout) :: watcher
+      type(circumstances_t) :: of
+
+      if (.not. report%converged) return
+      of%scaling = watcher%scaling
+      of%bodies = case%bodies
+      of%lubricant = case%lubricant
+      of%materials = case%materials
+      of%contact = contact
+      of%summary = watcher%writer%quantities_at_end(state, report)
+      of%inlet_error = report%inlet_error
+      of%has_momentum = case%equations == 'stokes'
+      watcher%writer%limits = limits_of(of, state)
+   end subroutine judge_limits
+
+end module case_limits

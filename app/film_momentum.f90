@@ -1,0 +1,96 @@
+!> The full momentum equations of the film, after the Reynolds equation of the same case.
+module film_momentum
+   use case_notes, only: tell
+   use case_record, only: case_t
+   use errors, only: error_t
+   use film_fields, only: compare_passage
+   use iteration_report, only: report_t
+   use life_sign, only: begin_activity
+   use line_contact, only: line_contact_t
+   use line_state, only: line_state_t
+   use momentum_march, only: momentum_march_t
+   use momentum_section, only: difference_sentence
+   use momentum_setup, only: walls_t
+   use momentum_solver, only: solve_film_momentum
+   use process_memory, only: peak_memory
+   use run_observer, only: run_observer_t
+   use scaling, only: film_slope, inertia_number
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: follow_momentum, prepare_momentum
+
+contains
+
+   !> Before the Reynolds equation is solved: time steps will be repeated by the full momentum
+   !> equations, where the case asks for both.
+   subroutine prepare_momentum(case, watcher)
+      type(case_t), intent(in) :: case
+      type(run_observer_t), intent(inout) :: watcher
+
+      if (.not. (case%equations == 'stokes' .and. case%time%is_transient)) return
+      watcher%momentum = momentum_march_t(walls=walls_of(case, watcher), layers=case%layers)
+      watcher%wants_parts = .true.
+   end subroutine prepare_momentum
+
+   !> What the equations need to know of the bodies.
+   function walls_of(case, watcher) result(walls)
+      type(case_t), intent(in) :: case
+      type(run_observer_t), intent(in) :: watcher
+      type(walls_t) :: walls
+
+      walls%delta = film_slope(watcher%scaling)
+      if (case%has_inertia) walls%inertia = inertia_number(watcher%scaling, case%materials%density)
+      walls%curvature_share = case%bodies%curvature_share
+   end function walls_of
+
+   !> Where the case asks for it, goes on from `state`, a converged steady solution of the Reynolds
+   !> equation, which becomes that of the momentum equations, or closes their march; what they
+   !> change is noted.
+   subroutine follow_momentum(case, contact, watcher, state, report, error)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(inout) :: state
+      type(report_t), intent(inout) :: report
+      type(error_t), allocatable, intent(out) :: error
+
+      if (case%equations /= 'stokes' .or. .not. report%converged) return
+      call begin_activity('full momentum equations of the film')
+      associate (writer => watcher%writer)
+         if (allocated(watcher%momentum)) then
+            select type (march => watcher%momentum)
+            type is (momentum_march_t)
+               writer%momentum = march%fields()
+               call compare_passage(writer%film_passage, writer%momentum)
+               call tell(case, watcher, march_sentence(march)//'; ' &
+                  //difference_sentence(writer%momentum), report%note)
+            end select
+            report%peak_memory = peak_memory()
+            return
+         end if
+         writer%reynolds = state
+         allocate (writer%momentum)
+         call solve_film_momentum(contact, walls_of(case, watcher), case%layers, state, &
+            writer%momentum, report, error)
+         if (allocated(error)) return
+         report%peak_memory = peak_memory()
+         if (report%converged) then
+            call tell(case, watcher, difference_sentence(writer%momentum), report%note)
+         else
+            deallocate (writer%momentum, writer%reynolds)
+         end if
+      end associate
+   end subroutine follow_momentum
+
+   !> What the march has cost.
+   pure function march_sentence(march) result(words)
+      type(momentum_march_t), intent(in) :: march
+      character(:), allocatable :: words
+
+      words = 'extremes of the passage are compared ('//to_text(march%solutions) &
+         //' steps, at most '//to_text(march%most_steps)//' of Newton for one)'
+   end function march_sentence
+
+end module film_momentum

@@ -1,0 +1,329 @@
+!> `asperity table`: a row for each result file, with its quantities in SI and their estimated
+!> errors, as text, CSV or a JSON object a line. A file that cannot be read is a row with the
+!> reason.
+module result_table
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use build_info, only: program_name
+   use errors, only: error_t
+   use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   use kinds, only: wp
+   use missing_value, only: not_known
+   use quantities, only: quantity_rows
+   use quantity_text, only: number_text, prefixed_text
+   use read_cases, only: status_bad_input
+   use standard_output, only: print_text
+   implicit none (type, external)
+   private
+
+   public :: print_results
+
+   !> Quantities of /summary that can be a column; the text has those with `is_short`.
+   character(len=28), parameter :: names(*) = [character(len=28) :: quantity_rows%name, &
+      'contact_area_fraction', 'plastic_area_fraction', 'mean_separation']
+   logical, parameter :: is_short(*) = [quantity_rows%short /= '', .true., .false., .true.]
+   character(len=*), parameter :: nl = new_line('a')
+   !> Widest cell of the text.
+   integer, parameter :: cell_width = 512
+
+   !> What a file says.
+   type :: result_row_t
+      character(:), allocatable :: file
+      !> False: only `reason` is known.
+      logical :: is_read = .false.
+      logical :: is_converged = .false.
+      character(:), allocatable :: problem, reason
+      !> In SI; not known where the file has none.
+      real(wp) :: values(size(names)), errors(size(names))
+      !> Units of the values; empty: the file has none.
+      character(len=16) :: units(size(names))
+   end type result_row_t
+
+contains
+
+   !> Prints the table of `files` (n) as 'text', 'csv' or 'json'; files that cannot be read make
+   !> `status` that of bad input. Error: standard output is lost.
+   subroutine print_results(files, form, status, error)
+      character(*), intent(in) :: files(:), form
+      integer, intent(inout) :: status
+      type(error_t), allocatable, intent(out) :: error
+      type(result_row_t), allocatable :: rows(:)
+
+      call read_results(files, rows)
+      if (.not. all(rows%is_read)) status = status_bad_input
+      call print_text(table_of(rows, form), error)
+   end subroutine print_results
+
+   !> A row for each of `files` (n).
+   subroutine read_results(files, rows)
+      character(*), intent(in) :: files(:)
+      type(result_row_t), allocatable, intent(out) :: rows(:)
+      integer :: i
+
+      allocate (rows(size(files)))
+      do i = 1, size(files)
+         call read_row(trim(files(i)), rows(i))
+      end do
+   end subroutine read_results
+
+   !> The row of one file.
+   subroutine read_row(file, row)
+      character(*), intent(in) :: file
+      type(result_row_t), intent(out) :: row
+      type(hdf5_input_t) :: reader
+      type(error_t), allocatable :: error
+      character(:), allocatable :: path
+      integer :: i
+
+      row%file = file
+      row%problem = ''
+      row%values = not_known()
+      row%errors = not_known()
+      row%units = ''
+      call open_hdf5_input(reader, file, error)   ! error: the reader keeps it
+      if (reader%text('/', 'program') /= program_name) call reader%refuse('program', &
+         'found no result of '//program_name)
+      row%problem = reader%text('/', 'problem')
+      row%is_converged = reader%integer_value('/', 'converged') == 1
+      row%reason = reader%text('/', 'reason')
+      do i = 1, size(names)
+         path = '/summary/'//trim(names(i))
+         if (.not. reader%has(path)) cycle
+         row%values(i) = reader%real_value(path)
+         row%errors(i) = reader%number_of(path, 'error_estimate', not_known())
+         row%units(i) = reader%text(path, 'units')
+      end do
+      call reader%close(error)
+      row%is_read = .not. allocated(error)
+      if (allocated(error)) row%reason = reason_of(error%message, file)
+   end subroutine read_row
+
+   !> The reason in a message "cannot read FILE: reason".
+   pure function reason_of(message, file) result(reason)
+      character(*), intent(in) :: message, file
+      character(:), allocatable :: reason
+      integer :: place
+
+      reason = message
+      place = index(message, file//': ')
+      if (place > 0) reason = message(place + len(file) + 2:)
+   end function reason_of
+
+   !> The rows as 'text', 'csv' or 'json'.
+   pure function table_of(rows, form) result(table)
+      type(result_row_t), intent(in) :: rows(:)
+      character(*), intent(in) :: form
+      character(:), allocatable :: table
+      integer :: i
+
+      select case (form)
+      case ('csv')
+         table = csv_table(rows)
+      case ('json')
+         table = ''
+         do i = 1, size(rows)
+            table = table//json_line(rows(i))//nl
+         end do
+      case default
+         table = text_table(rows)
+      end select
+   end function table_of
+
+   !> Columns of equal width: file, quantities with their errors, what there is to say.
+   pure function text_table(rows) result(table)
+      type(result_row_t), intent(in) :: rows(:)
+      character(:), allocatable :: table, line
+      character(len=cell_width), allocatable :: cells(:, :)
+      integer, allocatable :: columns(:), widths(:)
+      integer :: i, j, k
+
+      columns = pack([(k, k=1, size(names))], is_short .and. [(any(rows%units(k) /= ''), &
+         k=1, size(names))])
+      allocate (cells(size(rows) + 1, 2*size(columns) + 1))
+      cells = ''
+      cells(1, 1) = 'result'
+      do i = 1, size(rows)
+         cells(i + 1, 1) = rows(i)%file
+      end do
+      do j = 1, size(columns)
+         k = columns(j)
+         cells(1, 2*j) = names(k)
+         of_column: do i = 1, size(rows)
+            if (rows(i)%units(k) == '') cycle of_column
+            cells(i + 1, 2*j) = shown_value(rows(i)%values(k), rows(i)%units(k))
+            cells(i + 1, 2*j + 1) = shown_error(rows(i)%values(k), rows(i)%errors(k))
+         end do of_column
+      end do
+      widths = maxval(len_trim(cells), dim=1)
+      table = ''
+      do i = 1, size(cells, 1)
+         line = ''
+         do j = 1, size(cells, 2)
+            line = line//cells(i, j)(:widths(j))//'  '
+         end do
+         if (i > 1) line = line//remark(rows(i - 1))
+         table = table//trim(line)//nl
+      end do
+   end function text_table
+
+   !> A value with a prefix of its unit.
+   pure function shown_value(value, unit) result(shown)
+      real(wp), intent(in) :: value
+      character(*), intent(in) :: unit
+      character(:), allocatable :: shown
+
+      if (unit == '1') then
+         shown = number_text(value, 4)
+      else
+         shown = prefixed_text(value, trim(unit))
+      end if
+   end function shown_value
+
+   !> An estimated error in per cent of its value.
+   pure function shown_error(value, error) result(shown)
+      real(wp), intent(in) :: value, error
+      character(:), allocatable :: shown
+
+      shown = ''
+      if (ieee_is_finite(error) .and. abs(value) > 0.0_wp) shown = '+- ' &
+         //number_text(100*abs(error/value), 2)//' %'
+   end function shown_error
+
+   !> What a row says beside its numbers.
+   pure function remark(row) result(words)
+      type(result_row_t), intent(in) :: row
+      character(:), allocatable :: words
+
+      words = ''
+      if (.not. row%is_read) then
+         words = 'NOT READ: '//row%reason
+      else if (.not. row%is_converged) then
+         words = 'NOT CONVERGED: '//row%reason
+      end if
+   end function remark
+
+   !> Every quantity that any of the files has, with its error, a column for each unit; what is not
+   !> known is empty.
+   pure function csv_table(rows) result(table)
+      type(result_row_t), intent(in) :: rows(:)
+      character(:), allocatable :: table
+      integer :: i, k, first
+
+      table = 'file,problem,converged,reason'
+      do k = 1, size(names)
+         do first = 1, size(rows)
+            if (is_new_column(rows, first, k)) table = table//','//heading(k, '')//','// &
+               heading(k, '_error')
+         end do
+      end do
+      table = table//nl
+      do i = 1, size(rows)
+         associate (row => rows(i))
+            table = table//csv_cell(row%file)//','//csv_cell(row%problem)//','//state(row, '') &
+               //','//csv_cell(row%reason)
+            do k = 1, size(names)
+               of_quantity: do first = 1, size(rows)
+                  if (.not. is_new_column(rows, first, k)) cycle of_quantity
+                  if (row%units(k) == rows(first)%units(k)) then
+                     table = table//','//exact(row%values(k), '')//','//exact(row%errors(k), '')
+                  else
+                     table = table//',,'
+                  end if
+               end do of_quantity
+            end do
+         end associate
+         table = table//nl
+      end do
+
+   contains
+
+      !> "h_min_error [m]".
+      pure function heading(k, ending)
+         integer, intent(in) :: k
+         character(*), intent(in) :: ending
+         character(:), allocatable :: heading
+
+         heading = trim(names(k))//ending//' ['//trim(rows(first)%units(k))//']'
+      end function heading
+
+   end function csv_table
+
+   !> Whether row `i` is the first that has quantity `k` in its unit.
+   pure function is_new_column(rows, i, k)
+      type(result_row_t), intent(in) :: rows(:)
+      integer, intent(in) :: i, k
+      logical :: is_new_column
+
+      is_new_column = rows(i)%units(k) /= '' .and. all(rows(:i - 1)%units(k) /= rows(i)%units(k))
+   end function is_new_column
+
+   !> A text as a cell, in quotes where it needs them.
+   pure function csv_cell(string) result(cell)
+      character(*), intent(in) :: string
+      character(:), allocatable :: cell
+      integer :: i
+
+      cell = string
+      if (scan(string, ',"'//nl) == 0) return
+      cell = '"'
+      do i = 1, len(string)
+         cell = cell//string(i:i)
+         if (string(i:i) == '"') cell = cell//'"'
+      end do
+      cell = cell//'"'
+   end function csv_cell
+
+   !> One result as a JSON object.
+   pure function json_line(row) result(line)
+      type(result_row_t), intent(in) :: row
+      character(:), allocatable :: line
+      integer :: k
+
+      line = '{"file": '//json_text(row%file)//', "problem": '//json_text(row%problem) &
+         //', "converged": '//state(row, 'null')//', "reason": '//json_text(row%reason)
+      do k = 1, size(names)
+         if (row%units(k) == '') cycle
+         line = line//', "'//trim(names(k))//'": {"value": '//exact(row%values(k), 'null') &
+            //', "error_estimate": '//exact(row%errors(k), 'null')//', "units": ' &
+            //json_text(trim(row%units(k)))//'}'
+      end do
+      line = line//'}'
+   end function json_line
+
+   !> A text in quotes, without characters that JSON does not have.
+   pure function json_text(string) result(quoted)
+      character(*), intent(in) :: string
+      character(:), allocatable :: quoted
+      integer :: i
+
+      quoted = '"'
+      do i = 1, len(string)
+         if (scan(string(i:i), '"'//achar(92)) > 0) quoted = quoted//achar(92)
+         quoted = quoted//merge(' ', string(i:i), iachar(string(i:i)) < 32)
+      end do
+      quoted = quoted//'"'
+   end function json_text
+
+   !> Whether a result has converged; `missing` where that is not known.
+   pure function state(row, missing) result(word)
+      type(result_row_t), intent(in) :: row
+      character(*), intent(in) :: missing
+      character(:), allocatable :: word
+
+      word = missing
+      if (row%is_read) word = trim(merge('true ', 'false', row%is_converged))
+   end function state
+
+   !> A number with all digits that count; `missing` where it is not finite.
+   pure function exact(value, missing) result(word)
+      real(wp), intent(in) :: value
+      character(*), intent(in) :: missing
+      character(:), allocatable :: word
+      character(len=32) :: buffer
+
+      word = missing
+      if (.not. ieee_is_finite(value)) return
+      write (buffer, '(es24.11e3)') value
+      word = trim(adjustl(buffer))
+   end function exact
+
+end module result_table

@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""A sweep from its file to its picture: writes the cases, runs them, gathers the results, draws what [plot] says."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import gather
+import plot
+import run
+import sweep
+from case_folder import complain, new_parser
+from program_calls import INTERRUPTED
+from sweep_file import SweepError, read_sweep_file
+
+PROGRAM = "all.py"
+EPILOG = """example:
+  all.py input/sweeps/film_over_speed.toml
+
+The same command goes on after an interruption, and takes up changes of the sweep with --replace.
+
+status: 0 all converged; 1 wrong sweep or usage; 2 some not converged; 3 some failed, or a file cannot be written; 4 interrupted"""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Command line; returns the exit status."""
+    parser = new_parser(PROGRAM, __doc__, EPILOG)
+    sweep.add_options(parser)
+    run.add_options(parser)
+    options = parser.parse_args(arguments)
+    folder = options.output or Path(options.sweep.stem)
+    try:
+        found = read_sweep_file(options.sweep)
+        print(f"{folder}: {sweep.write_sweep(found, folder, options)} cases, checked")
+        status = run.run_folder(folder, options)
+        if status == INTERRUPTED:
+            return status
+        gather.gather_folder(folder)
+    except (SweepError, OSError) as error:
+        return complain(PROGRAM, error)
+    drawn = plot.main([str(folder)]) if found.plot else 0
+    return max(status, drawn)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

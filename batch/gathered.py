@@ -1,0 +1,104 @@
+"""A gathered table in memory: columns by name, which rows are done, and what of them was varied."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+from sweep_file import SweepError
+
+PREFIXED = ("m", "Pa", "s")
+PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+# What h5py raises where the bytes of a file are damaged.
+DAMAGE = (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, MemoryError)
+
+
+@dataclass(frozen=True)
+class Axis:
+    """How a column is shown: shown = stored / size, and its label."""
+
+    size: float
+    label: str
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """The columns of a gathered file."""
+
+    path: Path
+    columns: dict[str, np.ndarray]
+    units: dict[str, str]
+    parameters: tuple[str, ...]
+    title: str
+    sweep: dict[str, object]
+
+    @property
+    def is_done(self) -> np.ndarray:
+        """Cases that converged."""
+        return self.columns["status"] == "done"
+
+    @property
+    def is_unconverged(self) -> np.ndarray:
+        """Cases with a result that did not."""
+        return self.columns["status"] == "not converged"
+
+    @property
+    def is_missing(self) -> np.ndarray:
+        """Cases without a result: failed, or not run."""
+        return ~(self.is_done | self.is_unconverged)
+
+    def numbers(self, name: str) -> np.ndarray:
+        """A column of numbers; raises SweepError if there is none of that name."""
+        values = self.column(name)
+        if values.dtype == object:
+            raise SweepError(f"{self.path}: {name} holds words, expected numbers")
+        return values
+
+    def column(self, name: str) -> np.ndarray:
+        """A column; raises SweepError if there is none of that name."""
+        if name not in self.columns:
+            near = [known for known in self.columns if name.lower() in known.lower()][:8] or list(self.columns)[:12]
+            raise SweepError(f"{self.path}: found no column {name}, expected one of {', '.join(near)} ...")
+        return self.columns[name]
+
+    def errors(self, name: str) -> np.ndarray | None:
+        """Estimated errors of a column, NaN where they are not known; None if it has none."""
+        return self.columns.get(f"{name}_error")
+
+    def axis(self, name: str) -> Axis:
+        """Unit with the prefix that suits the largest value."""
+        unit, size, prefix = self.units.get(name, ""), 1.0, ""
+        values = np.abs(self.numbers(name))
+        if unit in PREFIXED and np.any(values > 0):
+            largest = np.nanmax(values)
+            size, prefix = next((p for p in PREFIXES if largest >= 0.9999 * p[0]), PREFIXES[-1])
+        unit = {"": "", "1": "-"}.get(unit, prefix + unit)
+        return Axis(size, f"{name} [{unit}]" if unit else name)
+
+    def levels(self, name: str) -> list:
+        """The different values of a column, sorted."""
+        return sorted(set(self.column(name).tolist()))
+
+
+def read_gathered(path: Path) -> Gathered:
+    """Reads a gathered file, or that of a folder; raises SweepError."""
+    path = path / "gathered.h5" if path.is_dir() else path
+    try:
+        with h5py.File(path) as file:
+            columns = {name: _values(item) for name, item in file.items()}
+            units = {name: str(item.attrs.get("units", "")) for name, item in file.items()}
+            sweep = tomllib.loads(file.attrs.get("sweep", ""))
+            order = list(file)
+        parameters = tuple(order[order.index("case") + 1 : order.index("status")])
+    except FileNotFoundError as error:
+        raise SweepError(f"{path}: is not there; batch/gather.py writes it") from error
+    except DAMAGE as error:
+        raise SweepError(f"{path}: is no gathered table: {' '.join(str(error).split())[:200]}") from error
+    return Gathered(path, columns, units, parameters, str(sweep.get("title", "")), sweep)
+
+
+def _values(item: h5py.Dataset) -> np.ndarray:
+    return np.array(item.asstr()[()], dtype=object) if h5py.check_string_dtype(item.dtype) else item[()]

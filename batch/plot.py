@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""Draws a gathered table: curves, families of curves, maps; with error bars, and with the cases that failed."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from case_folder import complain, new_parser
+from gathered import Gathered, read_gathered
+from plot_curves import Wish, draw_curves, style
+from plot_map import draw_map
+from sweep_file import SweepError
+
+PROGRAM = "plot.py"
+EPILOG = """examples:
+  plot.py film_over_speed                                             as the table [plot] of the sweep says
+  plot.py film_over_speed --x bodies.speed_1 --y h_min h_central --log x y
+  plot.py study --x bodies.speed_1 --y h_min --colour load.hertz_pressure --facet lubricant.viscosity
+  plot.py study --kind map --x bodies.speed_1 --y h_min --colour load.hertz_pressure
+
+A map has --x and --colour as axes and the first --y as colour. Circles: not converged. Crosses: no result.
+
+status: 0 drawn; 1 wrong file or usage; 3 cannot write"""
+FORMATS = ("png", "pdf", "svg")
+KINDS = ("curves", "map")
+ENTRIES = {"x": str, "y": list, "colour": str, "facet": str, "log": list, "points": bool, "kind": str, "regimes": bool}
+
+
+def wish_of(table: Gathered, options: argparse.Namespace) -> Wish:
+    """What to draw: the command line over the table [plot] of the sweep; raises SweepError."""
+    plot = dict(table.sweep.get("plot", {}))
+    if isinstance(plot.get("y"), str):
+        plot["y"] = [plot["y"]]
+    for name, value in plot.items():
+        if name not in ENTRIES or not isinstance(value, ENTRIES[name]):
+            raise SweepError(f"{table.path}: found {name} = {value!r} in [plot], expected {', '.join(ENTRIES)}")
+    plot |= {name: value for name in ENTRIES if (value := getattr(options, name)) not in (None, False)}
+    if "x" not in plot or not plot.get("y"):
+        raise SweepError(f"{table.path}: found nothing to draw, expected --x and --y, or [plot] with x and y in the sweep")
+    if plot.get("kind", "curves") not in KINDS or not set(plot.get("log", [])) <= {"x", "y", "z"}:
+        raise SweepError(f"{table.path}: expected kind 'curves' or 'map', and log of 'x', 'y', 'z'")
+    if plot.get("kind") == "map" and "colour" not in plot:
+        raise SweepError(f"{table.path}: a map needs --colour, its second axis")
+    if "sample" in table.sweep:
+        plot.setdefault("points", True)
+    return Wish(**{name: tuple(value) if isinstance(value, list) else value for name, value in plot.items()})
+
+
+def draw(path: Path, options: argparse.Namespace) -> list[Path]:
+    """Draws one table; returns the names of the files. Raises SweepError, OSError."""
+    table = read_gathered(path)
+    wish = wish_of(table, options)
+    figure = draw_map(table, wish) if wish.kind == "map" else draw_curves(table, wish)
+    folder = options.output or table.path.parent
+    folder.mkdir(parents=True, exist_ok=True)
+    return style.save_figure(figure, [folder / f"{options.name}.{ending}" for ending in options.format])
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Command line; returns the exit status."""
+    parser = new_parser(PROGRAM, __doc__, EPILOG)
+    parser.add_argument("table", type=Path, metavar="FOLDER", help="folder of a sweep, or its gathered.h5")
+    parser.add_argument("--x", metavar="NAME", help="column along the horizontal axis")
+    parser.add_argument("--y", nargs="+", metavar="NAME", help="quantities that are drawn")
+    parser.add_argument("--colour", metavar="NAME", help="a curve for each value of this column")
+    parser.add_argument("--facet", metavar="NAME", help="a panel for each value of this column")
+    parser.add_argument("--kind", choices=KINDS, help="curves (default) or map")
+    parser.add_argument("--log", nargs="+", choices=("x", "y", "z"), help="logarithmic axes; z: the colours of a map")
+    parser.add_argument("--points", action="store_true", help="marks without lines (default for samples)")
+    parser.add_argument("--regimes", action="store_true", help="draw the regimes of lubrication into a map (Moes)")
+    parser.add_argument("--output", type=Path, metavar="DIR", help="folder of the figures (default: that of the table)")
+    parser.add_argument("--name", default="plot", help="name of the figures (default: plot)")
+    parser.add_argument("--format", nargs="+", choices=FORMATS, default=["png", "pdf"], help="one or more of png, pdf, svg")
+    options = parser.parse_args(arguments)
+    try:
+        for target in draw(options.table, options):
+            print(target)
+    except (SweepError, OSError) as error:
+        return complain(PROGRAM, error)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

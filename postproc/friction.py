@@ -1,0 +1,172 @@
+#!/usr/bin/env python3
+"""Draws the shear stresses in a film over X, with pressure and film, and the velocity across it where that is stored."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import figure_command
+import figure_style as style
+import numpy as np
+from matplotlib.axes import Axes
+from result_file import Quantity, Result, ResultError, opened, read_result
+
+PROGRAM = "friction.py"
+EXAMPLE = "python postproc/friction.py results/case1.h5 --output results --si"
+STRESSES = {
+    "shear_stress_1": (r"$\tau$, wall 1", style.SERIES[1]),
+    "shear_stress_mean": (r"$\tau$, mean", style.SERIES[0]),
+    "shear_stress_2": (r"$\tau$, wall 2", style.SERIES[2]),
+}
+# Where velocity profiles are shown, in half-widths: in front of the contact, at its inlet and middle, close to the exit.
+PLACES = (-1.2, -0.9, 0.0, 0.9)
+
+
+class Friction(NamedTuple):
+    """What a result says of its friction."""
+
+    stresses: dict[str, Quantity]
+    #: Friction coefficient of sliding and of rolling, each with its error (NaN: not estimated); None: not known.
+    sliding: tuple[float, float] | None
+    rolling: tuple[float, float]
+    #: u (nx, layers + 1) at zeta (layers + 1), if stored.
+    velocity: Quantity | None
+    zeta: np.ndarray
+
+
+def read_friction(path: Path) -> Friction:
+    """The part of a lubricated result that profile.py does not draw."""
+    with opened(path) as file:
+        try:
+            summary, solution = file["summary"], file["solution"]
+            rolling = with_error(summary["rolling_friction_coefficient"])
+            stresses = {name: quantity(solution[name], name) for name in STRESSES if name in solution}
+        except KeyError as error:
+            raise ResultError(f"{path}: has no friction: {' '.join(str(error).split())}") from None
+        sliding = with_error(summary["friction_coefficient"]) if "friction_coefficient" in summary else None
+        if not stresses:
+            raise ResultError(f"{path}: has no shear stresses (by &moes the speeds of the surfaces are not known)")
+        if "velocity" not in file:
+            return Friction(stresses, sliding, rolling, None, np.empty(0))
+        velocity = quantity(file["velocity/u"], "velocity")
+        return Friction(stresses, sliding, rolling, velocity, np.asarray(file["velocity/zeta"][()], dtype=float))
+
+
+def quantity(dataset: object, name: str) -> Quantity:
+    """A field with its unit."""
+    units = dataset.attrs["si_units"]
+    text = units.decode() if isinstance(units, bytes) else str(units)
+    return Quantity(name, np.asarray(dataset[()], dtype=float), text, float(dataset.attrs["si_scale"]))
+
+
+def with_error(dataset: object) -> tuple[float, float]:
+    """A number of /summary and its error estimate."""
+    return float(dataset[()]), float(dataset.attrs["error_estimate"])
+
+
+def in_words(value: tuple[float, float] | None) -> str:
+    """A coefficient with its error bar."""
+    if value is None:
+        return "not known"
+    number, error = value
+    if not error > 0:
+        return f"{number:.4g} (error not estimated)"
+    decimals = max(0, 1 - math.floor(math.log10(error)))
+    return rf"{number:.{decimals}f} $\pm$ {error:.{decimals}f}"
+
+
+def caption(friction: Friction, result: Result) -> str:
+    """Both friction coefficients; in time the largest of the times that count."""
+    when = "" if result.last_time is None else " (largest in time)"
+    return f"friction coefficient{when}: sliding {in_words(friction.sliding)}, rolling {in_words(friction.rolling)}"
+
+
+def draw_contact(axes: Axes, result: Result, si: bool) -> list:
+    """Pressure and film; returns their lines."""
+    p_axis, h_axis = (result.solution[name].axis(si) for name in ("pressure", "film_thickness"))
+    x = result.x * result.solution["x"].axis(si).factor
+    pressure, film = (result.solution[name].values for name in ("pressure", "film_thickness"))
+    twin = axes.twinx()
+    lines = axes.plot(x, pressure * p_axis.factor, label="pressure", **style.PRESSURE)
+    lines += twin.plot(x, film * h_axis.factor, label="film", **style.FILM)
+    axes.set(ylabel=p_axis.label)
+    axes.set_ylim(0, 1.08 * np.nanmax(pressure) * p_axis.factor)
+    twin.set_ylabel(h_axis.label)
+    twin.set_ylim(0, style.film_limit(film, pressure) * h_axis.factor)
+    axes.tick_params(right=False)
+    twin.tick_params(left=False)
+    return lines
+
+
+def draw_stresses(axes: Axes, result: Result, friction: Friction, si: bool) -> list:
+    """The stress at both walls and its mean; returns their lines."""
+    x = result.x * result.solution["x"].axis(si).factor
+    factor = next(iter(friction.stresses.values())).si_scale / 1e6 if si else 1.0
+    unit = r"$\tau$ [MPa]" if si else r"$\tau R/(p_\mathrm{h} b)$ [-]"
+    lines = []
+    for name, field in friction.stresses.items():
+        words, look = STRESSES[name]
+        kept = {key: value for key, value in look.items() if key != "marker"}
+        lines += axes.plot(x, field.values * factor, label=words, **kept)
+    axes.axhline(0, color="0.7", linewidth=0.5, zorder=0)
+    axes.set(ylabel=f"Shear stress {unit}")
+    return lines
+
+
+def draw_velocity(axes: Axes, result: Result, friction: Friction, si: bool) -> None:
+    """Velocity across the film at some places, each with its own zero line."""
+    field = friction.velocity
+    factor = field.si_scale if si else 1.0
+    x_axis = result.solution["x"].axis(si)
+    for place, look in zip(PLACES, style.SERIES, strict=False):
+        node = int(np.argmin(np.abs(result.x - place)))
+        marks = {"markevery": max(friction.zeta.size // 6, 1), "markersize": 3}
+        label = f"${x_axis.symbol}$ = {x_axis.number(result.x[node])}"
+        axes.plot(field.values[node] * factor, friction.zeta, label=label, **look, **marks)
+    axes.set(ylabel=r"Across the film $\zeta = z/h$ [-]", ylim=(0, 1))
+    axes.set_xlabel(r"Velocity $u$ [m/s]" if si else r"Velocity $u/u_\mathrm{s}$ [-]")
+    axes.legend(loc="best", fontsize=7.5)
+
+
+def draw(path: Path, options: argparse.Namespace) -> list[Path]:
+    """One result: reads it, draws it, returns the names of the figures."""
+    result = read_result(path, options.si)
+    friction = read_friction(path)
+    figure_command.warn_not_converged(PROGRAM, result)
+    has_velocity = friction.velocity is not None
+    width, columns = (style.TWO_COLUMNS, 2) if has_velocity else (style.ONE_COLUMN, 1)
+    figure, axes = style.new_figure(width, 100, nrows=2, ncols=columns, squeeze=False)
+    lines = draw_contact(axes[0, 0], result, options.si)
+    lines += draw_stresses(axes[1, 0], result, friction, options.si)
+    x_axis = result.solution["x"].axis(options.si)
+    left, right = style.x_window(result, options.window)
+    for one in axes[:, 0]:
+        one.set_xlim(left * x_axis.factor, right * x_axis.factor)
+        style.few_ticks(one)
+    axes[1, 0].set_xlabel(x_axis.label)
+    if has_velocity:
+        grid = axes[0, 1].get_gridspec()
+        for one in axes[:, 1]:
+            one.remove()
+        draw_velocity(figure.add_subplot(grid[:, 1]), result, friction, options.si)
+    words = caption(friction, result)
+    axes[0, 0].set_title(words.replace(": ", ":\n", 1) if columns == 1 else words, fontsize=8, loc="left")
+    style.legend_below(figure, lines, 3 if columns == 1 else 5)
+    style.mark_not_converged(figure, [result])
+    return style.save_figure(figure, figure_command.targets(options, result.stem, "friction"))
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Command line; returns the exit status."""
+    parser = figure_command.new_parser(PROGRAM, __doc__, EXAMPLE)
+    figure_command.add_window(parser)
+    options = parser.parse_args(arguments)
+    return figure_command.run(parser, options, draw)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

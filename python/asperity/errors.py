@@ -1,0 +1,49 @@
+"""What can go wrong, as exceptions."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+_FINDING = re.compile(r"^(?P<file>.*?):(?P<line>\d+): (?:&(?P<group>\w+)(?: (?P<key>[^:]+))?: )?(?P<text>.*)$")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong with a case: line (0: no line), group and key (empty: the case as a whole), and what was found."""
+
+    line: int
+    group: str
+    key: str
+    text: str
+
+    def __str__(self) -> str:
+        """The finding in one line."""
+        place = " ".join(word for word in (f"line {self.line}" if self.line else "", f"&{self.group}", self.key) if word.strip("&"))
+        return f"{place}: {self.text}" if place else self.text
+
+
+class AsperityError(Exception):
+    """The program ended without a result; the message is what it said."""
+
+
+class InputError(AsperityError, ValueError):
+    """A case that is refused: `findings` has all that is wrong with it."""
+
+    def __init__(self, findings: Sequence[Finding]) -> None:
+        """All findings of a case."""
+        self.findings = list(findings)
+        super().__init__("\n".join(map(str, findings)))
+
+
+def findings_in(text: str) -> list[Finding]:
+    """The findings that the program has printed, one a line."""
+    return [_finding(line) for line in text.splitlines() if line.strip()]
+
+
+def _finding(line: str) -> Finding:
+    match = _FINDING.match(line)
+    if not match:
+        return Finding(0, "", "", line.strip())
+    return Finding(int(match["line"]), match["group"] or "", (match["key"] or "").strip(), match["text"])

@@ -1,0 +1,182 @@
+"""Results: the HDF5 file of a case as xarray in SI units."""
+
+from __future__ import annotations
+
+import tempfile
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import f90nml
+import h5py
+import numpy as np
+import xarray as xr
+
+from .errors import AsperityError
+
+# Dimensions of the arrays of a group, by number of dimensions, where a file has no dimension scales.
+_DIMENSIONS: dict[str, dict[int, tuple[str, ...]]] = {
+    "solution": {1: ("x",), 2: ("y", "x")},
+    "transient": {1: ("time",), 2: ("profile_time", "x")},
+    "sweep": {1: ("step",)},
+}
+_GAP = "gap"
+# Quantities that a result shows of itself.
+_SHOWN = (
+    "h_min",
+    "h_central",
+    "p_max",
+    "friction_coefficient",
+    "contact_area_fraction",
+    "plastic_area_fraction",
+    "mean_separation",
+)
+
+
+class Result:
+    """A result file. Groups are read when they are asked for, and stay in memory."""
+
+    def __init__(self, path: str | Path, keep: tempfile.TemporaryDirectory[str] | None = None) -> None:
+        """The result `path`; `keep`: its folder, removed with the last reference to this object."""
+        self.path = Path(path)
+        self._keep = keep
+        with _opened(self.path) as file:
+            attributes = {name: _plain(value) for name, value in file.attrs.items()}
+            if attributes.get("program") != "asperity":
+                raise AsperityError(f"{self.path}: no result of asperity")
+            self.groups = [name for name, item in file.items() if isinstance(item, h5py.Group)]
+        self.problem, self.title, self.reason = (str(attributes.get(name, "")) for name in ("problem", "title", "reason"))
+        self.converged = attributes.get("converged") == 1
+        self.program = f"asperity {attributes.get('version', '')} {attributes.get('git_commit', '')}"
+
+    def __repr__(self) -> str:
+        """Problem, outcome and quantities of the summary."""
+        state = "converged" if self.converged else f"NOT CONVERGED: {self.reason}"
+        found = [(name, _shown(item)) for name, item in self.summary.items() if name in _SHOWN]
+        width = max((len(name) for name, _ in found), default=0)
+        return "\n".join([f"<asperity.Result {self.problem}, {state}>", *(f"  {name:<{width}}  {text}" for name, text in found)])
+
+    @cached_property
+    def summary(self) -> xr.Dataset:
+        """The quantities of interest, SI; attributes `units`, `long_name` and `error_estimate`."""
+        return self.group("summary")
+
+    @cached_property
+    def solution(self) -> xr.Dataset:
+        """Fields over x (of an area over y and x); of a passage at its last time."""
+        return self.group("solution")
+
+    @cached_property
+    def transient(self) -> xr.Dataset:
+        """Fields over time and x, and quantities over time, of a passage; empty for others."""
+        return self.group("transient")
+
+    @cached_property
+    def sweep(self) -> xr.Dataset:
+        """Quantities over the loads of a dry contact; empty for others."""
+        return self.group("sweep")
+
+    @cached_property
+    def report(self) -> dict[str, Any]:
+        """How it was solved: method, residuals, times, notes."""
+        return {str(name): item.values.tolist() if item.ndim == 0 else item.values for name, item in self.group("report").items()}
+
+    @cached_property
+    def verdicts(self) -> dict[str, str]:
+        """What each ingredient of the model and each numerical choice means for this contact (`/adequacy`)."""
+        with _opened(self.path) as file:
+            groups = file["adequacy"].items() if "adequacy" in file else ()
+            return {name: str(_plain(item.attrs["verdict"])) for name, item in groups if "verdict" in item.attrs}
+
+    @cached_property
+    def case(self) -> f90nml.Namelist:
+        """The namelist that was computed."""
+        with _opened(self.path) as file:
+            return f90nml.reads(_plain(file["input/namelist"][()]))
+
+    @property
+    def x(self) -> xr.DataArray:
+        """Positions [m]."""
+        return self.solution["x"]
+
+    @property
+    def pressure(self) -> xr.DataArray:
+        """Pressure [Pa]."""
+        return self.solution["pressure"]
+
+    @property
+    def film(self) -> xr.DataArray:
+        """Film thickness, of a dry contact the gap [m]."""
+        return self.solution["film_thickness" if "film_thickness" in self.solution else _GAP]
+
+    def group(self, name: str) -> xr.Dataset:
+        """The datasets of any group, as `adequacy/validity`, in SI; empty if the file has no such group."""
+        with _opened(self.path) as file:
+            if name not in file:
+                return xr.Dataset()
+            items = {key: item for key, item in file[name].items() if isinstance(item, h5py.Dataset)}
+            if name == "transient" and "x" not in items:
+                items["x"] = file["solution/x"]
+            arrays = {key: _array(item, _dimensions(name, key, item, items)) for key, item in items.items()}
+        coordinates = {key: item for key, item in arrays.items() if item.dims == (key,)}
+        return xr.Dataset({key: item for key, item in arrays.items() if key not in coordinates}, coordinates)
+
+
+def read(path: str | Path, keep: tempfile.TemporaryDirectory[str] | None = None) -> Result:
+    """A result file of the program. Raises FileNotFoundError, AsperityError if it is none."""
+    return Result(path, keep)
+
+
+def _opened(path: Path) -> h5py.File:
+    if path.suffix == ".part":
+        raise AsperityError(f"{path}: an unfinished result, still being written or left by a run that was stopped")
+    try:
+        return h5py.File(path, "r")
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise AsperityError(f"{path}: cannot be read: {error}") from error
+
+
+def _dimensions(group: str, name: str, item: h5py.Dataset, items: dict[str, h5py.Dataset]) -> tuple[str, ...]:
+    """Names of the dimensions of a dataset: from its dimension scales, else by its group."""
+    if item.is_scale or name in ("x", "y", "time", "profile_time"):
+        return tuple([name] * item.ndim)
+    scales = [Path(str(axis[0].name)).name if len(axis) else "" for axis in item.dims]
+    names = _DIMENSIONS.get(group, {}).get(item.ndim, ())
+    chosen = []
+    for i, size in enumerate(item.shape):
+        fallback = names[i] if i < len(names) and (names[i] not in items or items[names[i]].size == size) else f"{name}_{i + 1}"
+        chosen.append(scales[i] or fallback)
+    return tuple(chosen)
+
+
+def _array(item: h5py.Dataset, dimensions: tuple[str, ...]) -> xr.DataArray:
+    """A dataset in SI with unit and meaning."""
+    attributes = {name: _plain(value) for name, value in item.attrs.items() if not name.isupper()}
+    scale = attributes.pop("si_scale", 1.0)
+    attributes["units"] = attributes.pop("si_units", attributes.get("units", "1"))
+    values = item[()]
+    if item.dtype.kind in "SO":
+        values = np.vectorize(_plain, otypes=[object])(values)
+    elif item.dtype.kind == "f" and scale != 1.0:
+        values = values * scale
+    return xr.DataArray(values, dims=dimensions, attrs=attributes)
+
+
+def _plain(value: Any) -> Any:
+    """Text for bytes, Python's numbers for those of numpy, arrays as they are."""
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "replace").rstrip()
+    return value.item() if isinstance(value, np.generic) and not isinstance(value, bytes) else value
+
+
+def _shown(item: xr.DataArray) -> str:
+    """A scalar with unit and error estimate."""
+    value, error = float(item), float(item.attrs.get("error_estimate", np.nan))
+    unit = item.attrs.get("units", "1").replace("1", "")
+    if not np.isfinite(error):
+        return f"{value:.4g} {unit} +- not known".replace("  ", " ")
+    share = 100 * abs(error / value) if value != 0 else 0.0
+    bar = f"{error:.2g} {unit}".strip() if value == 0 else f"{share:.2g} %" if share < 99 else f"{share:.0f} %"
+    return f"{value:.4g} {unit} +- {bar}".replace("  ", " ")

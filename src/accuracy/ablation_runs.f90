@@ -1,0 +1,188 @@
+!> What a steady lubricated contact is without one of its ingredients, on one and the same coarse
+!> grid as with it; how far off that change is, from a grid twice as coarse.
+!>
+!> The cost is bounded beforehand, in nodes times Newton steps, so that a repeated run measures the
+!> same: by a share of the run's own cost, or what a small run may take. What does not fit is not
+!> known.
+module ablation_runs
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use ablations, only: ingredient_t
+   use adequacy, only: adequacy_t, influence_t, new_influence
+   use errors, only: error_t
+   use kinds, only: wp
+   use lean_solution, only: lean_level_t, pressure_on, solve_from, solve_without
+   use line_contact, only: line_contact_t
+   use line_hierarchy, only: coarsest_for_film
+   use line_state, only: line_state_t
+   use line_summary, only: line_summary_t, value_between
+   use missing_value, only: not_known
+   use observer, only: observer_t
+   use quantities, only: p_max, quantity_count, quantity_rows
+   implicit none (type, external)
+   private
+
+   public :: change_between, doubt_between, measure_at_rest, set_change
+
+   !> The error of a change: so many times its own change from the coarser grid, a share of itself,
+   !> and a share of the largest change of a quantity.
+   real(wp), parameter :: widths(3) = [1.5_wp, 0.05_wp, 0.0_wp]
+   !> Spikes that may add more to a pressure make its change not known.
+   real(wp), parameter :: largest_doubt = 0.01_wp
+   !> No change is known better than that.
+   real(wp), parameter :: least_error = 2.0e-5_wp
+   !> Newton steps that a solution from a neighbour takes, about, with the cost of its grid.
+   real(wp), parameter :: usual_steps = 11.0_wp
+   !> Newton steps of one ingredient on a grid at most.
+   real(wp), parameter :: most_steps = 50.0_wp
+   !> The finer one of the two grids: so many intervals where the budget allows it, and no less.
+   integer, parameter :: most_intervals = 256, least_intervals = 64
+
+contains
+
+   !> Measures the ingredients of a steady `contact`, whose domain is complete, from the pressure of
+   !> `state` on n intervals: a row each. `budget`: nodes times Newton steps that may be spent, of
+   !> which what is left is returned.
+   subroutine measure_at_rest(contact, state, list, budget, adequacy, watcher, error)
+      type(line_contact_t), intent(in) :: contact
+      type(line_state_t), intent(in) :: state
+      type(ingredient_t), intent(in) :: list(:)
+      real(wp), intent(inout) :: budget
+      type(adequacy_t), intent(inout) :: adequacy
+      class(observer_t), intent(inout) :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(lean_level_t) :: full(2)
+      integer :: g, i
+
+      adequacy%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
+      adequacy%at_rest = grids_for(contact, size(state%x) - 1, size(list), budget)
+      associate (grids => adequacy%at_rest)
+         if (any(grids == 0)) return
+         do g = 1, 2
+            call solve_from(full(g), contact, grids(g), pressure_on(state, grids(g)), &
+               budget, watcher, error)
+            if (allocated(error) .or. watcher%wants_stop) return
+            budget = budget - full(g)%work
+         end do
+         if (.not. full(1)%is_solved) return
+         do i = 1, size(list)
+            if (budget < usual_steps*sum(grids)) cycle
+            call measure_one(contact, list(i), full, budget, adequacy%rows(i), watcher, &
+               error)
+            if (allocated(error) .or. watcher%wants_stop) return
+         end do
+      end associate
+   end subroutine measure_at_rest
+
+   !> One ingredient, on the finer grid first, which tells how much of it can be left out.
+   subroutine measure_one(contact, ingredient, full, budget, row, watcher, error)
+      type(line_contact_t), intent(in) :: contact
+      type(ingredient_t), intent(in) :: ingredient
+      type(lean_level_t), intent(in) :: full(2)
+      real(wp), intent(inout) :: budget
+      type(influence_t), intent(inout) :: row
+      class(observer_t), intent(inout) :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(lean_level_t) :: lean
+      real(wp) :: rest
+      ! by the thesis's scheme and by kappa
+      real(wp), dimension(quantity_count, 2) :: changes, doubt, kappa_changes, kappa_doubt
+      logical :: has_kappa
+      integer :: g
+
+      rest = -1.0_wp
+      has_kappa = all(full%has_kappa)
+      do g = 1, 2
+         if (.not. full(g)%is_solved) return
+         call solve_without(lean, contact, ingredient, full(g), &
+            min(budget, most_steps*full(g)%level%n), rest, watcher, error)
+         if (allocated(error) .or. watcher%wants_stop) return
+         budget = budget - lean%work
+         if (.not. lean%is_solved) return
+         changes(:, g) = change_between(lean%summary, full(g)%summary)
+         doubt(:, g) = doubt_between(lean%summary, full(g)%summary)
+         has_kappa = has_kappa .and. lean%has_kappa
+         if (.not. has_kappa) cycle
+         kappa_changes(:, g) = change_between(lean%kappa, full(g)%kappa)
+         kappa_doubt(:, g) = doubt_between(lean%kappa, full(g)%kappa)
+      end do
+      row%left_out = 1 - rest
+      if (has_kappa) then
+         call set_change(row, kappa_changes, kappa_doubt(:, 1), widths)
+      else
+         call set_change(row, changes, doubt(:, 1), widths)
+      end if
+   end subroutine measure_one
+
+   !> The change of a row and its error from those on the finer (1) and the coarser grid; `factors`
+   !> are `widths`, `doubt` is added. What is in doubt by more than 1 % is not known.
+   pure subroutine set_change(row, changes, doubt, factors)
+      type(influence_t), intent(inout) :: row
+      real(wp), intent(in) :: changes(:, :), doubt(:), factors(3)
+
+      integer :: i
+
+      row%change = not_known()
+      row%error = not_known()
+      do i = 1, quantity_count
+         if (.not. all(ieee_is_finite([changes(i, :), doubt(i)]))) cycle
+         if (doubt(i) > largest_doubt) cycle
+         row%change(i) = changes(i, 1)
+         row%error(i) = factors(1)*abs(changes(i, 1) - changes(i, 2)) + factors(2)*abs(changes(i, &
+            1)) + factors(3)*largest_change(changes(:, 1)) + least_error + doubt(i)
+      end do
+   end subroutine set_change
+
+   !> The largest of the known changes of films.
+   pure function largest_change(change) result(largest)
+      real(wp), intent(in) :: change(:)
+      real(wp) :: largest
+
+      largest = max(0.0_wp, maxval(abs(pack(change, ieee_is_finite(change) &
+         .and. quantity_rows%field == 'film_thickness'))))
+   end function largest_change
+
+   !> What spikes may add to the largest pressures, relative; of other quantities 0.
+   pure function doubt_between(lean, full) result(doubt)
+      type(line_summary_t), intent(in) :: lean, full
+      real(wp) :: doubt(quantity_count)
+
+      doubt = 0.0_wp
+      doubt(p_max) = lean%of(p_max)%error_grid/lean%of(p_max)%value &
+         + full%of(p_max)%error_grid/full%of(p_max)%value
+   end function doubt_between
+
+   !> Relative change of all quantities from the `full` contact to the lean one; NaN where there is
+   !> nothing to compare with.
+   pure function change_between(lean, full) result(change)
+      type(line_summary_t), intent(in) :: lean, full
+      real(wp) :: change(quantity_count)
+      real(wp) :: value
+      integer :: i
+
+      change = not_known()
+      do i = 1, quantity_count
+         value = value_between(full, i)
+         if (.not. ieee_is_finite(value)) cycle
+         if (abs(value) > tiny(1.0_wp)) change(i) = value_between(lean, i)/value - 1
+      end do
+   end function change_between
+
+   !> The finer and the coarser one of two grids of n/2^k intervals on which so many solutions fit
+   !> into the budget; 0: there are none that carry the film.
+   pure function grids_for(contact, n, solutions, budget) result(grids)
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: n, solutions
+      real(wp), intent(in) :: budget
+      integer :: grids(2), finer, least
+
+      grids = 0
+      least = max(least_intervals, 2*coarsest_for_film(contact))
+      finer = n
+      do while (modulo(finer, 2) == 0 .and. finer/2 >= least .and. (finer > most_intervals &
+         .or. 1.5_wp*finer*usual_steps*(solutions + 1) > budget))
+         finer = finer/2
+      end do
+      if (modulo(finer, 2) == 0 .and. 1.5_wp*finer*usual_steps*2 <= budget) grids = [finer, finer/2]
+   end function grids_for
+
+end module ablation_runs

@@ -1,0 +1,177 @@
+!> The ingredients of a lubricated contact that could be left out, and the contact without one of
+!> them: what a user would have had with the leaner model.
+module ablations
+   use eyring, only: ln_b_of_no_sliding
+   use features, only: rough_surface_t
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use lubricant, only: density_constant, rheology_newtonian, viscosity_barus, viscosity_constant, &
+      viscosity_roelands
+   use rheology, only: eased_fluid, thins
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: contact_without, has_roughness, ingredient_t, ingredients_of, is_of_surfaces, &
+      without_surfaces
+
+   !> Kinds of ingredients.
+   integer, parameter, public :: compressibility = 1, shear_thinning = 2, elasticity = 3, &
+      roelands_law = 4, piezoviscosity = 5, squeeze = 6, roughness = 7, one_surface = 8, &
+      one_feature = 9
+
+   !> What can be left out.
+   type :: ingredient_t
+      !> One of the kinds.
+      integer :: kind
+      !> Name in the result, and what is in its place.
+      character(len=20) :: name
+      character(len=64) :: text
+      !> Surface and feature that are meant, of the last two kinds.
+      integer :: surface = 0, feature = 0
+      !> A quarter of it can be left out, where there is no solution without all of it.
+      logical :: can_reduce = .false.
+   end type ingredient_t
+
+contains
+
+   !> The ingredients that a contact has, those first that are cheap to look at or matter most
+   !> often. A steady contact has no squeeze term.
+   pure function ingredients_of(contact, is_transient) result(list)
+      type(line_contact_t), intent(in) :: contact
+      logical, intent(in) :: is_transient
+      type(ingredient_t), allocatable :: list(:)
+      logical :: is_rough(2)
+
+      allocate (list(0))
+      is_rough = [has_roughness(contact%surface_1), has_roughness(contact%surface_2)]
+      associate (fluid => contact%fluid)
+         if (any(is_rough)) list = [list, ingredient_t(roughness, 'roughness', &
+            'smooth surfaces')]
+         if (thins(fluid)) list = [list, ingredient_t(shear_thinning, 'shear_thinning', &
+            'Newtonian oil', can_reduce=.true.)]
+         if (fluid%density_law /= density_constant) list = [list, ingredient_t(compressibility, &
+            'compressibility', 'constant density')]
+         if (fluid%viscosity_law == viscosity_roelands) list = [list, ingredient_t(roelands_law, &
+            'roelands', 'viscosity by Barus', can_reduce=.true.)]
+         if (fluid%viscosity_law /= viscosity_constant .and. fluid%alpha_bar > 0.0_wp) list = &
+            [list, ingredient_t(piezoviscosity, 'piezoviscosity', 'constant viscosity', &
+            can_reduce=.true.)]
+         if (contact%elasticity > 0.0_wp) list = [list, ingredient_t(elasticity, 'elasticity', &
+            'rigid bodies', can_reduce=.true.)]
+      end associate
+      if (is_transient .and. any(is_rough)) list = [list, ingredient_t(squeeze, 'squeeze', &
+         'steady solutions with the waves at their places')]
+      if (all(is_rough)) list = [list, &
+         ingredient_t(one_surface, 'roughness_1', 'surface 1 smooth', surface=1), &
+         ingredient_t(one_surface, 'roughness_2', 'surface 2 smooth', surface=2)]
+      list = [list, features_of(contact%surface_1, 1), features_of(contact%surface_2, 2)]
+   end function ingredients_of
+
+   !> The features of a surface that has several.
+   pure function features_of(surface, number) result(list)
+      type(rough_surface_t), intent(in) :: surface
+      integer, intent(in) :: number
+      type(ingredient_t), allocatable :: list(:)
+      integer :: i
+
+      allocate (list(0))
+      if (.not. allocated(surface%features)) return
+      if (size(surface%features) < 2) return
+      do i = 1, size(surface%features)
+         list = [list, ingredient_t(one_feature, 'feature_'//to_text(number)//'_'//to_text(i), &
+            'surface '//to_text(number)//' without its feature '//to_text(i), number, i)]
+      end do
+   end function features_of
+
+   !> Whether there is anything on a surface.
+   pure function has_roughness(surface)
+      type(rough_surface_t), intent(in) :: surface
+      logical :: has_roughness
+
+      has_roughness = allocated(surface%profile)
+      if (allocated(surface%features)) has_roughness = has_roughness .or. size(surface%features) > 0
+   end function has_roughness
+
+   !> Whether an ingredient belongs to the surfaces or their motion: of a smooth contact nothing is
+   !> to be learnt about it.
+   pure elemental function is_of_surfaces(ingredient)
+      type(ingredient_t), intent(in) :: ingredient
+      logical :: is_of_surfaces
+
+      is_of_surfaces = any(ingredient%kind == [squeeze, roughness, one_surface, one_feature])
+   end function is_of_surfaces
+
+   !> The contact without an ingredient, or with the `rest` of it (> 0 only where it can be
+   !> reduced): ln mu times the rest; of Roelands' law z on the way to 1; an Eyring stress higher by
+   !> its inverse; bodies stiffer by its inverse.
+   pure function contact_without(contact, ingredient, rest) result(lean)
+      type(line_contact_t), intent(in) :: contact
+      type(ingredient_t), intent(in) :: ingredient
+      real(wp), intent(in) :: rest
+      type(line_contact_t) :: lean
+
+      lean = contact
+      associate (fluid => lean%fluid)
+         select case (ingredient%kind)
+         case (compressibility)
+            fluid%density_law = density_constant
+         case (piezoviscosity)
+            lean%moes_l_sum = rest*contact%moes_l_sum
+            fluid%alpha_bar = rest*fluid%alpha_bar
+            if (.not. rest > 0.0_wp) fluid%viscosity_law = viscosity_constant
+         case (roelands_law)
+            fluid%z = 1 - rest*(1 - fluid%z)
+            if (.not. rest > 0.0_wp) fluid%viscosity_law = viscosity_barus
+         case (shear_thinning)
+            if (rest > 0.0_wp) then
+               fluid = eased_fluid(fluid, 1/rest)
+            else
+               fluid%rheology = rheology_newtonian
+               fluid%sigma_scale = 0.0_wp
+               fluid%ln_b_scale = ln_b_of_no_sliding
+            end if
+         case (elasticity)
+            lean%elasticity = rest*contact%elasticity
+         case (roughness)
+            lean = without_surfaces(contact)
+         case (one_surface)
+            if (ingredient%surface == 1) call smoothen(lean%surface_1)
+            if (ingredient%surface == 2) call smoothen(lean%surface_2)
+         case (one_feature)
+            if (ingredient%surface == 1) call leave_out(lean%surface_1, ingredient%feature)
+            if (ingredient%surface == 2) call leave_out(lean%surface_2, ingredient%feature)
+         case default
+            return   ! the same contact, solved in another way
+         end select
+      end associate
+   end function contact_without
+
+   !> The contact with smooth surfaces.
+   pure function without_surfaces(contact) result(smooth)
+      type(line_contact_t), intent(in) :: contact
+      type(line_contact_t) :: smooth
+
+      smooth = contact
+      call smoothen(smooth%surface_1)
+      call smoothen(smooth%surface_2)
+   end function without_surfaces
+
+   !> Takes everything off a surface.
+   pure subroutine smoothen(surface)
+      type(rough_surface_t), intent(inout) :: surface
+
+      if (allocated(surface%profile)) deallocate (surface%profile)
+      if (allocated(surface%features)) deallocate (surface%features)
+      allocate (surface%features(0))
+   end subroutine smoothen
+
+   !> Takes one feature off a surface.
+   pure subroutine leave_out(surface, feature)
+      type(rough_surface_t), intent(inout) :: surface
+      integer, intent(in) :: feature
+
+      surface%features = [surface%features(:feature - 1), surface%features(feature + 1:)]
+   end subroutine leave_out
+
+end module ablations

@@ -1,0 +1,201 @@
+!> How much each ingredient of the model and each numerical choice changes the quantities of a
+!> result, and what follows: needed, of little weight, or irrelevant at the accuracy that counts.
+!>
+!> The change of a quantity is that by leaving the ingredient out, relative to its value with it.
+!> Changes of ingredients come from coarse runs (module ablation_runs), those of numerical choices
+!> are the error estimates of the result.
+module adequacy
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use kinds, only: wp
+   use line_summary, only: line_summary_t
+   use missing_value, only: not_known, quotient
+   use quantities, only: h_min, quantity_count, quantity_rows
+   use verdicts, only: judged_t, usual_accuracy, verdict_irrelevant, &
+      verdict_needed, verdict_of, verdict_small, verdict_unknown
+   implicit none (type, external)
+   private
+
+   public :: accuracy_for, adequacy_t, compared, influence_t, is_plainly_needed, judge, &
+      new_influence, tell_at_rest
+
+   !> A change of the smooth steady contact that is so many times the accuracy, and so large, is no
+   !> less than the accuracy in a passage.
+   real(wp), parameter :: plain_factor = 5.0_wp, plain_change = 0.05_wp
+   !> Without an ingredient roughness changes at most so many times as much as with it; it says
+   !> nothing where that is more than half of a quantity.
+   real(wp), parameter :: other_roughness = 2.0_wp, largest_roughness = 0.5_wp
+
+   !> One ingredient or numerical choice.
+   type, extends(judged_t) :: influence_t
+      !> Relative change of each quantity and the error of that; NaN: not known.
+      real(wp) :: change(quantity_count), error(quantity_count)
+      !> How much of it was left out.
+      real(wp) :: left_out = 1.0_wp
+      !> Of a transient: measured on the smooth steady contact that it starts from, and what
+      !> roughness may do to it added to the error.
+      logical :: is_at_rest = .false., has_roughness = .false.
+   end type influence_t
+
+   !> What is known of the adequacy of a model.
+   type :: adequacy_t
+      !> Not allocated: nothing was measured.
+      type(influence_t), allocatable :: rows(:)
+      !> The relative error that counts.
+      real(wp) :: accuracy = usual_accuracy
+      !> Intervals of the two grids on which changes were measured: at rest, and over a passage; 0:
+      !> none were.
+      integer :: at_rest(2) = 0, in_time(2) = 0
+   end type adequacy_t
+
+contains
+
+   !> A row of which nothing is known yet.
+   pure function new_influence(name, text) result(row)
+      character(*), intent(in) :: name, text
+      type(influence_t) :: row
+
+      row%name = name
+      row%text = text
+      row%change = not_known()
+      row%error = not_known()
+   end function new_influence
+
+   !> Whether row `i` of the quantities is compared: those of the closing table.
+   pure elemental function compared(i)
+      integer, intent(in) :: i
+      logical :: compared
+
+      compared = len_trim(quantity_rows(i)%short) > 0
+   end function compared
+
+   !> The relative error that counts: `target` if there is one (> 0), else 1 %, or the estimate of
+   !> h_min in `summary` where that is larger.
+   pure function accuracy_for(target, summary) result(accuracy)
+      real(wp), intent(in) :: target
+      type(line_summary_t), intent(in) :: summary
+      real(wp) :: accuracy
+
+      accuracy = usual_accuracy
+      associate (film => summary%of(h_min))
+         if (ieee_is_finite(film%error_estimate)) accuracy = max(usual_accuracy, &
+            film%error_estimate/abs(film%value))
+      end associate
+      if (target > 0.0_wp) accuracy = target
+   end function accuracy_for
+
+   !> Completes the rows by the numerical choices, whose changes are the estimates in `summary`, and
+   !> gives all their verdict.
+   pure subroutine judge(self, summary)
+      type(adequacy_t), intent(inout) :: self
+      type(line_summary_t), intent(in) :: summary
+      integer :: i
+
+      if (.not. allocated(self%rows)) return
+      self%rows = [self%rows, numerical('grid', 'limit of fine grids and time steps', &
+         summary%of%error_grid, summary), numerical('domain', 'domain without end', &
+         summary%of%error_domain, summary), numerical('iteration', 'exact discrete solution', &
+         summary%of%error_iteration, summary)]
+      do i = 1, size(self%rows)
+         self%rows(i)%verdict = verdict_on(self%rows(i), self%accuracy)
+      end do
+   end subroutine judge
+
+   !> A numerical choice whose estimated errors are `errors` (quantity_count).
+   pure function numerical(name, text, errors, summary) result(row)
+      character(*), intent(in) :: name, text
+      real(wp), intent(in) :: errors(:)
+      type(line_summary_t), intent(in) :: summary
+      type(influence_t) :: row
+
+      row = new_influence(name, text)
+      row%is_numerical = .true.
+      row%change = quotient(errors, abs(summary%of%value))
+      where (ieee_is_finite(row%change)) row%error = 0.0_wp
+   end function numerical
+
+   !> The verdict on a row by the quantities whose changes are known.
+   pure function verdict_on(row, accuracy) result(verdict)
+      type(influence_t), intent(in) :: row
+      real(wp), intent(in) :: accuracy
+      integer :: verdict
+      logical :: is_known(quantity_count)
+      integer :: i
+
+      verdict = verdict_unknown
+      is_known = ieee_is_finite(row%change) .and. [(compared(i), i=1, quantity_count)]
+      if (.not. any(is_known)) return
+      if (row%is_at_rest) then
+         if (is_plainly_needed(row, accuracy)) verdict = verdict_needed
+      else
+         ! of a part of an ingredient what all of it would change at that rate
+         verdict = verdict_of(pack(row%change, is_known)/row%left_out, &
+            pack(row%error, is_known)/row%left_out, accuracy)
+      end if
+      ! and all of it may matter more
+      if (row%left_out < 1.0_wp .and. verdict /= verdict_needed) verdict = verdict_unknown
+   end function verdict_on
+
+   !> Whether a `row` of the smooth steady contact leaves open what holds for the passage: not if it
+   !> is too large to be small there, or if the influence of `roughness` cannot alter the verdict.
+   !> Changes c and r by both give (1 + c)(1 + r)/(1 + r') - 1 in the passage, r' that of roughness
+   !> without the ingredient; the error is then widened by that.
+   pure subroutine tell_at_rest(row, roughness, accuracy, is_open)
+      type(influence_t), intent(inout) :: row
+      type(influence_t), intent(in) :: roughness
+      real(wp), intent(in) :: accuracy
+      logical, intent(out) :: is_open
+      type(influence_t) :: wider
+      real(wp) :: rough
+      integer :: i
+
+      is_open = .not. is_plainly_needed(row, accuracy)
+      if (.not. is_open .or. roughness%is_at_rest .or. row%left_out < 1.0_wp) return
+      wider = row
+      wider%is_at_rest = .false.
+      wider%has_roughness = .true.
+      wider%error = not_known()
+      do i = 1, quantity_count
+         if (.not. all(ieee_is_finite([row%error(i), roughness%error(i)]))) cycle
+         rough = abs(roughness%change(i)) + roughness%error(i)
+         if (other_roughness*rough > largest_roughness) cycle
+         wider%error(i) = row%error(i) + (1 + abs(row%change(i)))*(1 + other_roughness)*rough &
+            /(1 - other_roughness*rough)
+      end do
+      if (verdict_on(wider, accuracy) == verdict_unknown) return
+      ! it may be irrelevant there, too
+      if (verdict_on(wider, accuracy) == verdict_small .and. verdict_of_rest(row) &
+         == verdict_irrelevant) return
+      is_open = .false.
+      row = wider
+
+   contains
+
+      !> What the row says of the contact at rest.
+      pure function verdict_of_rest(row) result(verdict)
+         type(influence_t), intent(in) :: row
+         integer :: verdict
+         type(influence_t) :: at_rest
+
+         at_rest = row
+         at_rest%is_at_rest = .false.
+         verdict = verdict_on(at_rest, accuracy)
+      end function verdict_of_rest
+
+   end subroutine tell_at_rest
+
+   !> Whether a change of the smooth steady contact is too large for it to be small in a passage.
+   pure function is_plainly_needed(row, accuracy) result(is_needed)
+      type(influence_t), intent(in) :: row
+      real(wp), intent(in) :: accuracy
+      logical :: is_needed
+      integer :: i
+
+      is_needed = .false.
+      do i = 1, quantity_count
+         if (.not. (compared(i) .and. ieee_is_finite(row%change(i)))) cycle
+         is_needed = is_needed .or. abs(row%change(i)) - row%error(i) &
+            > row%left_out*max(plain_factor*accuracy, plain_change)
+      end do
+   end function is_plainly_needed
+
+end module adequacy

@@ -1,0 +1,260 @@
+!> A steady contact on one coarse grid by Newton's method, from the pressure of a contact that
+!> differs from it by one ingredient.
+module lean_solution
+   use, intrinsic :: ieee_exceptions, only: ieee_get_halting_mode, ieee_set_halting_mode, &
+      ieee_usual
+   use ablations, only: contact_without, ingredient_t
+   use errors, only: error_t
+   use film_equation, only: take_film
+   use film_state, only: film_state_t
+   use kinds, only: wp
+   use line_contact, only: line_contact_t, move_profiles
+   use level_summaries, only: level_summary
+   use line_hierarchy, only: coarsest_for_film, roughness_at
+   use line_level, only: line_level_t, new_level, set_plain_problem
+   use line_state, only: line_state_t
+   use line_summary, only: line_summary_t
+   use lubricant, only: fluid_t
+   use newton_line, only: solve_newton
+   use newton_work, only: newton_t
+   use observer, only: observer_t
+   use passage_extremes, only: passage_extremes_t
+   use passage_times, only: new_passage_times
+   use pressure_errors, only: allow_for_spike
+   use pressure_spike, only: spike_law_t
+   use quantities, only: p_max
+   use reynolds_line, only: evaluate_coefficients
+   use semiseparable_jacobian, only: semiseparable_jacobian_t
+   use solver_settings, only: time_settings_t
+   implicit none (type, external)
+   private
+
+   public :: doubt_spike, follow_waves, lean_level_t, pressure_on, solve_from, solve_without
+
+   !> Accuracy of P, H0 and (ten times that) H.
+   real(wp), parameter :: lean_tolerance = 1.0e-5_wp
+   !> Newton steps at most.
+   integer, parameter :: max_newton_steps = 18
+   !> How much of an ingredient is left where it cannot be left out.
+   real(wp), parameter :: largest_rest = 0.75_wp
+
+   !> One grid, its solution and what it cost.
+   type :: lean_level_t
+      type(line_level_t) :: level
+      type(newton_t) :: newton
+      !> By the thesis's scheme and, if `has_kappa`, by the kappa scheme.
+      type(line_summary_t) :: summary, kappa
+      logical :: is_solved = .false., has_kappa = .false.
+      !> Nodes times Newton steps so far.
+      real(wp) :: work = 0.0_wp
+   end type lean_level_t
+
+contains
+
+   !> Poses `contact`, whose domain is complete, on `intervals` with its surfaces of time 0, and
+   !> solves it from `start` (0:intervals) in at most `work` nodes times Newton steps: by the scheme
+   !> of the thesis and, if that can be, from there by the kappa scheme, which errs less.
+   subroutine solve_from(self, contact, intervals, start, work, watcher, error)
+      type(lean_level_t), intent(inout) :: self
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: intervals
+      type(film_state_t), intent(in) :: start
+      real(wp), intent(in) :: work
+      class(observer_t), intent(inout) :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(film_state_t) :: thesis
+      real(wp) :: most
+
+      most = self%work + work
+      call pose(self, contact, intervals, 0.0_wp, error)
+      if (allocated(error)) return
+      self%level%state%pressure = start%pressure
+      call place_film(self%level, minval(start%film))
+      call solve_level_of(self, work, watcher)
+      if (.not. self%is_solved) return
+      thesis = self%level%state
+      self%summary = summary_with_doubt(self%level)
+      self%level%is_kappa = .true.
+      call solve_level_of(self, most - self%work, watcher)
+      self%has_kappa = self%is_solved
+      if (self%has_kappa) self%kappa = summary_with_doubt(self%level)
+      self%is_solved = .true.
+      self%level%is_kappa = .false.
+      self%level%state = thesis
+   end subroutine solve_from
+
+   !> The steady problem on one grid, with the surfaces of `time`.
+   subroutine pose(self, contact, intervals, time, error)
+      type(lean_level_t), intent(inout) :: self
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: intervals
+      real(wp), intent(in) :: time
+      type(error_t), allocatable, intent(out) :: error
+
+      allocate (semiseparable_jacobian_t :: self%newton%linear)
+      associate (level => self%level)
+         call new_level(level, contact%lambda, contact%fluid, [contact%domain%x_inlet, &
+            contact%domain%x_outlet], intervals, error, contact%elasticity)
+         if (allocated(error)) return
+         call set_plain_problem(level, roughness_at(contact, level, time))
+         level%has_tail = contact%domain%inlet == 'tail'
+         level%slide_to_roll = contact%slide_to_roll
+      end associate
+   end subroutine pose
+
+   !> H0 for which the film of the present pressure is `smallest` at its thinnest place.
+   subroutine place_film(level, smallest)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: smallest
+
+      level%state%rigid_displacement = 0.0_wp
+      call take_film(level)
+      level%state%rigid_displacement = smallest - minval(level%state%film)
+      level%state%film = level%state%film + level%state%rigid_displacement
+   end subroutine place_film
+
+   !> Solves the problem posed on the level from its present state, in at most `work` nodes times
+   !> Newton steps.
+   subroutine solve_level_of(self, work, watcher)
+      type(lean_level_t), intent(inout) :: self
+      real(wp), intent(in) :: work
+      class(observer_t), intent(inout) :: watcher
+      logical :: halts(size(ieee_usual))
+
+      ! A trial may diverge beyond all numbers, which is then no solution; checked builds go on too.
+      call ieee_get_halting_mode(ieee_usual, halts)
+      call ieee_set_halting_mode(ieee_usual, .false.)
+      call solve_newton(self%newton, self%level, lean_tolerance, &
+         int(min(real(max_newton_steps, wp), work/self%level%n)), watcher, film_is_exact=.true.)
+      call ieee_set_halting_mode(ieee_usual, halts)
+      self%work = self%work + real(self%newton%steps, wp)*self%level%n
+      self%is_solved = self%newton%is_converged
+      if (self%is_solved) call evaluate_coefficients(self%level)
+   end subroutine solve_level_of
+
+   !> The quantities of a solution; the error of the largest pressure is what a spike may add to it.
+   pure function summary_with_doubt(level) result(summary)
+      type(line_level_t), intent(in) :: level
+      type(line_summary_t) :: summary
+
+      summary = level_summary(level)
+      call doubt_spike(level%fluid, level%lambda, level%dx, summary)
+   end function summary_with_doubt
+
+   !> Makes the error of the largest pressure of a `summary` what a spike may add to it on finer
+   !> grids than that of `dx`; NaN: not known.
+   pure subroutine doubt_spike(fluid, lambda, dx, summary)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: lambda, dx
+      type(line_summary_t), intent(inout) :: summary
+
+      summary%of(p_max)%error_grid = 0.0_wp
+      call allow_for_spike(spike_law_t(fluid, lambda), dx, summary)
+   end subroutine doubt_spike
+
+   !> The contact without an ingredient, from the solution of the `full` one on the same grid; where
+   !> that has none, with three quarters of it. `rest`: how much of it to keep, or below 0 on entry,
+   !> how much was kept, 0 or 3/4. At most `work` nodes times Newton steps.
+   ! allow(too-many-arguments)  what is solved, from where, the bound, and what every run has
+   subroutine solve_without(lean, contact, ingredient, full, work, rest, watcher, error)
+      type(lean_level_t), intent(inout) :: lean
+      type(line_contact_t), intent(in) :: contact
+      type(ingredient_t), intent(in) :: ingredient
+      type(lean_level_t), intent(in) :: full
+      real(wp), intent(in) :: work
+      real(wp), intent(inout) :: rest
+      class(observer_t), intent(inout) :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(line_contact_t) :: other
+      logical :: is_open
+
+      lean%work = 0.0_wp
+      call start_anew(lean)
+      is_open = rest < 0.0_wp
+      if (is_open) rest = 0.0_wp
+      other = contact_without(contact, ingredient, rest)
+      if (full%level%n >= coarsest_for_film(other)) call solve_from(lean, other, full%level%n, &
+         full%level%state, work, watcher, error)
+      if (allocated(error) .or. lean%is_solved) return
+      if (.not. (is_open .and. ingredient%can_reduce)) return
+      rest = largest_rest
+      call start_anew(lean)
+      call solve_from(lean, contact_without(contact, ingredient, rest), full%level%n, &
+         full%level%state, work - lean%work, watcher, error)   ! error: the caller looks
+   end subroutine solve_without
+
+   !> Extremes over the times of a passage that count, of steady solutions with the surfaces of
+   !> `contact` where they are then, at every time step; each from the one before, the first from
+   !> `start`, the solution of the thesis's scheme for smooth surfaces.
+   !> `is_known` is false if one of them is not found. Nodes times Newton steps are added to `work`.
+   ! allow(too-many-arguments)  what a march has, and its outcome
+   subroutine follow_waves(contact, time, is_kappa, start, summary, is_known, work, watcher, &
+      error)
+      type(line_contact_t), intent(in) :: contact
+      type(time_settings_t), intent(in) :: time
+      logical, intent(in) :: is_kappa
+      type(film_state_t), intent(in) :: start
+      type(line_summary_t), intent(out) :: summary
+      logical, intent(out) :: is_known
+      real(wp), intent(inout) :: work
+      class(observer_t), intent(inout) :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(line_contact_t) :: own
+      type(lean_level_t) :: lean
+      type(passage_extremes_t) :: passage
+      real(wp) :: now
+      integer :: k, steps
+
+      own = contact
+      passage = passage_extremes_t(new_passage_times(contact, time))
+      steps = nint(time%end_time/time%time_step)
+      do k = 0, steps
+         now = k*time%time_step
+         if (.not. (passage%times%counts(now) .or. k == steps)) cycle
+         call move_profiles(own, now, error)
+         if (allocated(error)) return
+         if (lean%level%n == 0) then
+            call pose(lean, own, size(start%pressure) - 1, now, error)
+            if (allocated(error)) return
+            lean%level%state%pressure = start%pressure
+            lean%level%state%film = start%film
+         end if
+         lean%level%rhs_film = 0.5_wp*lean%level%x**2 - roughness_at(own, lean%level, now)
+         call place_film(lean%level, minval(lean%level%state%film))
+         call solve_level_of(lean, huge(1.0_wp), watcher)
+         if (lean%is_solved .and. (is_kappa .neqv. lean%level%is_kappa)) then
+            lean%level%is_kappa = is_kappa
+            call solve_level_of(lean, huge(1.0_wp), watcher)
+         end if
+         is_known = lean%is_solved
+         if (.not. is_known) work = work + lean%work
+         if (.not. is_known) return
+         call passage%add(level_summary(lean%level), now, k == steps)
+      end do
+      work = work + lean%work
+      summary = passage%extremes(level_summary(lean%level))
+   end subroutine follow_waves
+
+   !> Nothing is solved yet, but what it has cost so far stays.
+   subroutine start_anew(lean)
+      type(lean_level_t), intent(inout) :: lean
+      type(lean_level_t), allocatable :: fresh
+
+      allocate (fresh)
+      fresh%work = lean%work
+      lean = fresh
+   end subroutine start_anew
+
+   !> Pressure and film of a state at every (n/intervals)-th of its nodes; `intervals` divides n.
+   pure function pressure_on(state, intervals) result(coarse)
+      type(line_state_t), intent(in) :: state
+      integer, intent(in) :: intervals
+      type(film_state_t) :: coarse
+      integer :: stride
+
+      stride = (size(state%pressure) - 1)/intervals
+      coarse%pressure = state%pressure(::stride)
+      coarse%film = state%film_thickness(::stride)
+   end function pressure_on
+
+end module lean_solution

@@ -1,0 +1,440 @@
+!> The adequacy of the model of a lubricated result, measured within a bounded cost: a share of what
+!> the run itself has taken, or what a small run may take. Costs are counted in nodes times Newton
+!> steps, not in seconds, so that a repeated run measures the same.
+!>
+!> Of a passage the ingredients of oil and bodies are first left out of the smooth steady contact,
+!> which costs next to nothing. Then its run has made passages with everything itself: on its own
+!> grid, and for its error bars on half and a quarter of the intervals. Smooth surfaces take one
+!> steady solution a grid, on n and n/2 intervals. Steady solutions with the waves at their places
+!> follow each other there or on n/2 and n/4, at as many times as the budget allows. Without
+!> anything else that is open the passage is run on n/4 and n/8. Where there are no such runs, the
+!> whole passage is run on one and the same coarse grid with and without each, and on a coarser one.
+module measured_adequacy
+   use ablation_runs, only: measure_at_rest, set_change
+   use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, roughness, squeeze, &
+      without_surfaces
+   use adequacy, only: adequacy_t, influence_t, new_influence, tell_at_rest
+   use coarse_passages, only: changes_without, cost_of, known_passages, march_weight, &
+      passage_grids, passages_t, run_grid, run_passages, scene_t, schemes, sees_all, &
+      solve_steadily, steps_on, steps_to_start, widths
+   use error_bars, only: error_bars_t
+   use errors, only: error_t
+   use kinds, only: wp
+   use line_hierarchy, only: coarsest_for_film
+   use line_state, only: line_state_t
+   use line_summary, only: line_summary_t
+   use observer, only: observer_t
+   use passage_times, only: new_passage_times
+   use quantities, only: quantity_count
+   use solver_settings, only: time_settings_t
+   use wave_resolution, only: steps_in_wave
+   implicit none (type, external)
+   private
+
+   public :: measure_adequacy, own_runs_t
+
+   !> Share of the cost of the run, and what a small run may take, 20 ms (2700 instructions each).
+   real(wp), parameter :: share = 0.1_wp, small_run = 5.3e4_wp
+   !> Newton steps of a steady run on its finest grid, coarser ones and error bars counted.
+   real(wp), parameter :: steady_steps = 12.0_wp
+   !> Coarse runs of error bars over the cost of a passage: n/2 and n/4; the passage once more by
+   !> the scheme of second order, where it is of first.
+   real(wp), parameter :: coarse_share = 0.3125_wp
+
+   !> Intervals of the smooth steady contact, at most.
+   integer, parameter :: most_at_rest = 128
+
+   !> What a run has made: the extremes of its passage, the Newton steps of it, and its error bars.
+   type :: own_runs_t
+      type(line_summary_t) :: full
+      real(wp) :: newton_steps = 0.0_wp
+      type(error_bars_t) :: bars
+   end type own_runs_t
+
+   !> The error of a change: so many times its own change from the grid with twice the spacing, of
+   !> first order 1.5 times the error; a share of itself; and on n/8 a share of the largest change
+   !> of a film, for a wave passes the nodes of two coarse grids alike by chance.
+   real(wp), parameter :: own_widths(3) = [1.5_wp, 0.05_wp, 0.0_wp], &
+      coarse_widths(3) = [1.5_wp, 0.1_wp, 0.15_wp]
+   !> Newton steps from one place of the waves to the next.
+   real(wp), parameter :: steps_to_next = 4.0_wp
+   !> Times at which waves are looked at while the finest one passes its own length: for the grids
+   !> of roughness, and at least.
+   real(wp), parameter :: places_on_finest = 8.0_wp, least_places = 3.0_wp
+   !> A time step on a coarse grid takes so many times the Newton steps of one of the run.
+   real(wp), parameter :: longer_steps = 2.0_wp
+
+contains
+
+   !> Measures every ingredient of a converged `scene` whose last state is `state`, and which has
+   !> made `runs`, for the `accuracy` that counts.
+   subroutine measure_adequacy(scene, state, runs, accuracy, adequacy, watcher, error)
+      type(scene_t), intent(in) :: scene
+      type(line_state_t), intent(in) :: state
+      type(own_runs_t), intent(in) :: runs
+      real(wp), intent(in) :: accuracy
+      type(adequacy_t), intent(out) :: adequacy
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: budget
+
+      adequacy%accuracy = accuracy
+      call watcher%on_stage('measuring what each ingredient changes')
+      associate (list => ingredients_of(scene%contact, scene%time%is_transient), &
+         n => real(size(state%x) - 1, wp))
+         if (scene%time%is_transient) then
+            budget = march_weight*n*runs%newton_steps
+            if (runs%bars%has_half .and. scene%time%scheme == 'backward_euler') then
+               budget = budget*(2 + coarse_share)
+            else if (runs%bars%has_half) then
+               budget = budget*(1 + coarse_share)
+            end if
+            budget = max(share*budget, small_run)
+            call measure_passage(scene, list, runs, budget, adequacy, watcher, &
+               error)   ! error: the caller looks
+         else
+            budget = max(share*steady_steps*n, small_run)
+            call measure_at_rest(scene%contact, state, list, budget, adequacy, watcher, &
+               error)   ! error: the caller looks
+         end if
+      end associate
+   end subroutine measure_adequacy
+
+   !> Measures the ingredients of a transient: those of oil and bodies at rest, those that the
+   !> `runs` made already tell, and the others over the passage, as far as the `budget` goes (nodes
+   !> times Newton steps).
+   subroutine measure_passage(scene, list, runs, budget, adequacy, watcher, error)
+      type(scene_t), intent(in) :: scene
+      type(ingredient_t), intent(in) :: list(:)
+      type(own_runs_t), intent(in) :: runs
+      real(wp), intent(inout) :: budget
+      type(adequacy_t), intent(inout) :: adequacy
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(passages_t) :: kept(2)
+      logical, dimension(size(list)) :: is_open, takes_rest
+
+      call measure_smooth(scene, list, budget, adequacy, watcher, error)
+      if (allocated(error) .or. watcher%wants_stop) return
+      is_open = .true.
+      call ask_own(scene, runs, list, list%kind == roughness, kept, budget, adequacy, is_open, &
+         watcher, error)
+      if (allocated(error) .or. watcher%wants_stop) return
+      call look_at_rest(list, adequacy, is_open)
+      takes_rest = list%kind == squeeze .and. is_told_by_own(scene, runs, list)
+      call ask_own(scene, runs, list, is_open .and. .not. takes_rest, kept, budget, adequacy, &
+         is_open, watcher, error)
+      if (allocated(error) .or. watcher%wants_stop) return
+      associate (is_left => is_open .and. .not. takes_rest)
+         if (any(is_left)) adequacy%in_time = passage_grids(scene, count(is_left .and. list%kind &
+            /= roughness), budget)
+         if (all(adequacy%in_time > 0)) call compare_passages(scene, list, is_left, budget, &
+            adequacy, watcher, error)
+      end associate
+      if (allocated(error) .or. watcher%wants_stop) return
+      call ask_own(scene, runs, list, takes_rest, kept, budget, adequacy, is_open, watcher, &
+         error)   ! error: the caller looks
+   end subroutine measure_passage
+
+   !> Those of the chosen ingredients that the passages of the run tell.
+   ! allow(too-many-arguments)  what is measured, the bound, and what every run has
+   subroutine ask_own(scene, runs, list, is_chosen, kept, budget, adequacy, is_open, watcher, &
+      error)
+      type(scene_t), intent(in) :: scene
+      type(own_runs_t), intent(in) :: runs
+      type(ingredient_t), intent(in) :: list(:)
+      logical, intent(in) :: is_chosen(:)
+      type(passages_t), intent(inout) :: kept(2)
+      real(wp), intent(inout) :: budget
+      type(adequacy_t), intent(inout) :: adequacy
+      logical, intent(inout) :: is_open(:)
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      logical :: is_known
+      integer :: i
+
+      do i = 1, size(list)
+         if (.not. (is_chosen(i) .and. is_told_by_own(scene, runs, list(i)))) cycle
+         call compare_with_own(scene, runs, list(i), kept, budget, adequacy%rows(i), is_known, &
+            watcher, error)
+         if (allocated(error) .or. watcher%wants_stop) return
+         is_open(i) = .not. is_known
+      end do
+   end subroutine ask_own
+
+   !> Which ingredients stay open when what they change at rest is known, and what roughness does.
+   pure subroutine look_at_rest(list, adequacy, is_open)
+      type(ingredient_t), intent(in) :: list(:)
+      type(adequacy_t), intent(inout) :: adequacy
+      logical, intent(inout) :: is_open(:)
+      type(influence_t) :: rough
+      integer :: i
+
+      rough = new_influence('', '')
+      i = findloc(list%kind, roughness, 1)
+      if (i > 0) rough = adequacy%rows(i)
+      do i = 1, size(list)
+         if (.not. is_of_surfaces(list(i))) call tell_at_rest(adequacy%rows(i), rough, &
+            adequacy%accuracy, is_open(i))
+      end do
+   end subroutine look_at_rest
+
+   !> The rows, with the ingredients of oil and bodies measured on the smooth steady contact.
+   subroutine measure_smooth(scene, list, budget, adequacy, watcher, error)
+      type(scene_t), intent(in) :: scene
+      type(ingredient_t), intent(in) :: list(:)
+      real(wp), intent(inout) :: budget
+      type(adequacy_t), intent(inout) :: adequacy
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(scene_t) :: smooth
+      type(adequacy_t) :: own
+      type(line_state_t) :: state
+      logical :: is_solved
+      integer :: i, k
+
+      adequacy%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
+      smooth = scene
+      smooth%contact = without_surfaces(scene%contact)
+      smooth%time = time_settings_t()
+      associate (n => smooth%contact%domain%intervals)
+         do while (modulo(n, 2) == 0 .and. n > most_at_rest &
+            .and. n/2 >= 2*coarsest_for_film(scene%contact))
+            n = n/2
+         end do
+         call solve_steadily(smooth, watcher, state, is_solved, error)
+         if (allocated(error) .or. .not. is_solved) return
+         budget = budget - steps_to_start*n
+      end associate
+      call measure_at_rest(smooth%contact, state, pack(list, .not. is_of_surfaces(list)), budget, &
+         own, watcher, error)
+      if (allocated(error)) return
+      adequacy%at_rest = own%at_rest
+      k = 0
+      do i = 1, size(list)
+         if (is_of_surfaces(list(i))) cycle
+         k = k + 1
+         adequacy%rows(i) = own%rows(k)
+         adequacy%rows(i)%is_at_rest = .true.
+      end do
+   end subroutine measure_smooth
+
+   !> Runs the passage with every ingredient and, as long as the budget lasts, without each one that
+   !> is open.
+   subroutine compare_passages(scene, list, is_open, budget, adequacy, watcher, error)
+      type(scene_t), intent(in) :: scene
+      type(ingredient_t), intent(in) :: list(:)
+      logical, intent(in) :: is_open(:)
+      real(wp), intent(inout) :: budget
+      type(adequacy_t), intent(inout) :: adequacy
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(passages_t) :: passages(size(schemes))
+      integer :: i
+
+      do i = 1, size(list)
+         if (is_open(i)) call compare_one(scene, list(i), passages, budget, adequacy%in_time, &
+            adequacy%rows(i), watcher, error)
+         if (allocated(error) .or. watcher%wants_stop) return
+      end do
+   end subroutine compare_passages
+
+   !> The change of one ingredient: by the first scheme that finds all solutions within the budget.
+   ! allow(too-many-arguments)  what is measured, the bound, and what every run has
+   subroutine compare_one(scene, ingredient, passages, budget, grids, row, watcher, error)
+      type(scene_t), intent(in) :: scene
+      type(ingredient_t), intent(in) :: ingredient
+      type(passages_t), intent(inout) :: passages(:)
+      real(wp), intent(inout) :: budget
+      integer, intent(in) :: grids(2)
+      type(influence_t), intent(inout) :: row
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: changes(quantity_count, 2), doubt(quantity_count), cost, spent
+      logical :: is_known
+      integer :: k
+
+      cost = cost_of(scene, grids)
+      do k = 1, size(schemes)
+         if (.not. passages(k)%is_tried) then
+            if (budget < cost) return
+            call run_passages(scene, grids, schemes(k), passages(k), watcher, error)
+            if (allocated(error) .or. watcher%wants_stop) return
+            budget = budget - passages(k)%work
+         end if
+         ! smooth surfaces take one steady solution
+         if (ingredient%kind == roughness) cost = 0.0_wp
+         if (.not. passages(k)%is_known .or. budget < cost) cycle
+         spent = passages(k)%work
+         call changes_without(passages(k), ingredient, changes, doubt, is_known, watcher, &
+            error)
+         if (allocated(error)) return
+         budget = budget - (passages(k)%work - spent)
+         if (.not. is_known) cycle
+         row%is_at_rest = .false.
+         row%left_out = 1.0_wp
+         call set_change(row, changes, doubt, widths)
+         return
+      end do
+   end subroutine compare_one
+
+   !> Whether the passages of a run tell what an ingredient changes.
+   pure elemental function is_told_by_own(scene, runs, ingredient) result(is_told)
+      type(scene_t), intent(in) :: scene
+      type(own_runs_t), intent(in) :: runs
+      type(ingredient_t), intent(in) :: ingredient
+      logical :: is_told
+
+      associate (bars => runs%bars, n => scene%contact%domain%intervals)
+         is_told = bars%has_half
+         if (allocated(bars%unseen)) is_told = is_told .and. len(bars%unseen) == 0
+         if (ingredient%kind == roughness) return
+         is_told = is_told .and. bars%has_quarter
+         if (ingredient%kind == squeeze) return
+         is_told = is_told .and. modulo(n, 8) == 0 .and. sees_all(scene, n/8)
+      end associate
+   end function is_told_by_own
+
+   !> Fills the `row` of an ingredient that they tell, as far as the `budget` goes (nodes times
+   !> Newton steps at rest). `kept`: the passages on n and n/2, and on n/4 and n/8, for all
+   !> ingredients that take them. `is_known`: there is a solution.
+   ! allow(too-many-arguments)  what is measured, the bound, and what every run has
+   subroutine compare_with_own(scene, runs, ingredient, kept, budget, row, is_known, watcher, &
+      error)
+      type(scene_t), intent(in) :: scene
+      type(own_runs_t), intent(in) :: runs
+      type(ingredient_t), intent(in) :: ingredient
+      type(passages_t), intent(inout) :: kept(2)
+      real(wp), intent(inout) :: budget
+      type(influence_t), intent(inout) :: row
+      logical, intent(out) :: is_known
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(passages_t) :: passages
+      real(wp) :: changes(quantity_count, 2), doubt(quantity_count), cost, widths(3)
+
+      is_known = .false.
+      widths = own_widths
+      select case (ingredient%kind)
+      case (roughness)
+         if (.not. kept(1)%is_tried) kept(1) = finest_passages(scene, runs)
+         passages = kept(1)
+         cost = steps_to_start*sum(passages%scenes%contact%domain%intervals)
+      case (squeeze)
+         if (.not. kept(1)%is_tried) kept(1) = finest_passages(scene, runs)
+         passages = kept(1)
+         call look_at_places(scene, places_on_finest, budget, passages, cost)
+         if (budget < cost) then
+            associate (n => scene%contact%domain%intervals)
+               passages = known_passages(scene, [n/2, n/4], scheme_of(runs), [runs%bars%half, &
+                  runs%bars%quarter])
+            end associate
+            call look_at_places(scene, least_places, budget, passages, cost)
+         end if
+      case default
+         widths = coarse_widths
+         cost = cost_of_coarse(scene, runs, kept(2)%is_tried)
+         if (budget < cost) return
+         if (.not. kept(2)%is_tried) then
+            call run_coarsest(scene, runs, kept(2), watcher, error)
+            if (allocated(error) .or. watcher%wants_stop) return
+            budget = budget - kept(2)%work
+         end if
+         if (.not. kept(2)%is_known) return
+         passages = kept(2)
+      end select
+      passages%work = 0.0_wp
+      if (budget < cost) return
+      call changes_without(passages, ingredient, changes, doubt, is_known, watcher, error)
+      if (allocated(error)) return
+      budget = budget - passages%work
+      if (ingredient%kind == roughness) kept(1)%smooth = passages%smooth
+      if (.not. is_known) return
+      row%is_at_rest = .false.
+      row%left_out = 1.0_wp
+      call set_change(row, changes, doubt, widths)
+   end subroutine compare_with_own
+
+   !> The passages on n and n/2 intervals, of second order in time.
+   pure function finest_passages(scene, runs) result(passages)
+      type(scene_t), intent(in) :: scene
+      type(own_runs_t), intent(in) :: runs
+      type(passages_t) :: passages
+      type(line_summary_t) :: full
+
+      full = runs%full
+      if (runs%bars%is_first_order) full = runs%bars%second_order
+      associate (n => scene%contact%domain%intervals)
+         passages = known_passages(scene, [n, n/2], scheme_of(runs), [full, runs%bars%half])
+      end associate
+   end function finest_passages
+
+   !> Gives passages as many times at which their waves are looked at, the same on both grids, as
+   !> the budget allows, and tells what steady solutions there cost; huge: fewer than `least` times
+   !> while the finest wave passes its own length. One period is enough where all repeats itself.
+   pure subroutine look_at_places(scene, least, budget, passages, cost)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: least, budget
+      type(passages_t), intent(inout) :: passages
+      real(wp), intent(out) :: cost
+      real(wp) :: from, share
+      integer :: g, steps
+
+      associate (times => new_passage_times(scene%contact, scene%time), &
+         grids => passages%scenes%contact%domain%intervals, end_time => scene%time%end_time)
+         from = times%counts_from
+         if (times%period > 0.0_wp) from = max(from, end_time - times%period)
+         ! only times that count are solved
+         share = max(1 - from/end_time, epsilon(1.0_wp))
+         cost = 0.0_wp
+         do g = 1, 2
+            if (.not. allocated(passages%smooth(g)%pressure)) cost = cost + steps_to_start*grids(g)
+         end do
+         steps = int(max(1.0_wp, min((budget - cost)/(steps_to_next*share*sum(grids)), &
+            real(steps_on(scene, grids(1)), wp))))
+         cost = cost + steps_to_next*share*steps*sum(grids)
+         passages%scenes%time%time_step = end_time/steps
+         passages%scenes%time%statistics_from = from
+         if (steps_in_wave(scene%contact, passages%scenes(1)%time) < least) cost = huge(1.0_wp)
+      end associate
+   end subroutine look_at_places
+
+   !> The passages on n/4 and n/8 intervals, of which the run has made the first.
+   subroutine run_coarsest(scene, runs, coarse, watcher, error)
+      type(scene_t), intent(in) :: scene
+      type(own_runs_t), intent(in) :: runs
+      type(passages_t), intent(out) :: coarse
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+
+      associate (n => scene%contact%domain%intervals, quarter => runs%bars%quarter)
+         coarse = known_passages(scene, [n/4, n/8], scheme_of(runs), [quarter, quarter])
+         call run_grid(coarse, 2, watcher, error)   ! error: the caller looks
+      end associate
+   end subroutine run_coarsest
+
+   !> What passages without one ingredient on n/4 and n/8 intervals cost, about, and if that on n/8
+   !> with all of them has not been run, that too.
+   pure function cost_of_coarse(scene, runs, is_run) result(cost)
+      type(scene_t), intent(in) :: scene
+      type(own_runs_t), intent(in) :: runs
+      logical, intent(in) :: is_run
+      real(wp) :: cost
+
+      associate (n => scene%contact%domain%intervals, time => scene%time)
+         cost = real(n/4, wp)*steps_on(scene, n/4) + real(merge(1, 2, is_run), wp)*(n/8) &
+            *steps_on(scene, n/8)
+         cost = march_weight*longer_steps*runs%newton_steps*time%time_step/time%end_time*cost
+      end associate
+   end function cost_of_coarse
+
+   !> The space scheme of a run.
+   pure function scheme_of(runs) result(scheme)
+      type(own_runs_t), intent(in) :: runs
+      character(:), allocatable :: scheme
+
+      scheme = 'upwind2'
+      if (runs%bars%is_kappa) scheme = 'kappa'
+   end function scheme_of
+
+end module measured_adequacy

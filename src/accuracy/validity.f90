@@ -1,0 +1,307 @@
+!> Whether a solution of the lubricated contact lies within the limits of its model: each row of
+!> `validity_table` with its value and whether it is passed.
+!>
+!> This is about the model, not about the numbers, which the error estimates judge. Of a transient
+!> the extremes over the times that count are used where there are any (films, pressure), else the
+!> last time.
+module validity
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use bodies, only: bodies_t
+   use features, only: feature_sinusoid, rough_surface_t
+   use shear_stresses, only: film_stresses
+   use kinds, only: wp
+   use line_contact, only: finest_wave, line_contact_t
+   use line_state, only: line_state_t
+   use line_summary, only: line_summary_t
+   use lubricant, only: fluid_viscosity, lubricant_t, rheology_eyring, viscosity_barus, &
+      viscosity_constant
+   use missing_value, only: not_known
+   use model_limits, only: film_reynolds_number, film_temperatures, flash_temperatures, &
+      inlet_heating_loss, pressure_derivative_of_stress, side_flow_loss
+   use quantities, only: h_central, h_min, p_max
+   use scaling, only: scaling_t
+   use validity_table, only: film_over_wave, hardness, inlet_heating, limit_count, limit_rows, &
+      limiting_stress, mixed_lubrication, shakedown, shear_heating, side_flow, starvation, &
+      stokes_number, surface_slope, turbulence, viscosity_data
+   implicit none (type, external)
+   private
+
+   public :: limits_of
+
+   !> What is known of bodies and oil beyond what the solution needs; 0: not given.
+   type, public :: materials_t
+      !> H [Pa], `length` of the contact across the flow [m].
+      real(wp) :: hardness = 0.0_wp, length = 0.0_wp
+      !> sqrt(k rho c) of both bodies [W s^0.5/(m^2 K)].
+      real(wp) :: effusivity = 0.0_wp
+      !> Of the oil: ambient density [kg/m^3], conductivity [W/(m K)], -d ln mu/dT [1/K].
+      real(wp) :: density = 0.0_wp, conductivity = 0.0_wp, thermal_viscosity = 0.0_wp
+   end type materials_t
+
+   !> A limit as it stands for one solution.
+   type, public :: limit_t
+      !> NaN: not known, `missing` says why (else it is not allocated).
+      real(wp) :: value
+      real(wp) :: threshold
+      logical :: is_passed = .false.
+      character(:), allocatable :: missing
+   end type limit_t
+
+   !> Everything that the rows are evaluated from.
+   type, public :: circumstances_t
+      type(scaling_t) :: scaling
+      type(bodies_t) :: bodies
+      type(lubricant_t) :: lubricant
+      type(materials_t) :: materials
+      type(line_contact_t) :: contact
+      !> Extremes over the times that count.
+      type(line_summary_t) :: summary
+      !> Share by which the inlet starves the film.
+      real(wp) :: inlet_error = 0.0_wp
+      !> The full momentum equations of the film are solved too.
+      logical :: has_momentum = .false.
+   end type circumstances_t
+
+   !> Largest pressure at which Barus' law is realistic [Pa], see module viscosity.
+   real(wp), parameter :: barus_data = 0.3e9_wp
+   !> Yield stress in shear of a perfectly plastic body over its hardness, and the shakedown limit
+   !> of a line contact over that stress.
+   real(wp), parameter :: shear_strength = 1.0_wp/6.0_wp, shakedown_factor = 4.0_wp
+   !> Slopes of the film, and stresses over pressures, count where the pressure is above this share
+   !> of its largest.
+   real(wp), parameter :: loaded_share = 0.01_wp, stressed_share = 0.1_wp
+   !> Share of its viscosity that an oil may lose to heat.
+   real(wp), parameter :: tolerable_thinning = 0.1_wp
+
+contains
+
+   !> The limits in the order of the table, for the solution `state`.
+   pure function limits_of(of, state) result(limits)
+      type(circumstances_t), intent(in) :: of
+      type(line_state_t), intent(in) :: state
+      type(limit_t) :: limits(limit_count)
+      integer :: i
+
+      do i = 1, limit_count
+         limits(i)%threshold = limit_rows(i)%threshold
+         limits(i)%value = not_known()
+         limits(i)%is_passed = .false.
+         call evaluate(i, of, state, limits(i))
+         if (.not. ieee_is_finite(limits(i)%value)) cycle
+         if (limit_rows(i)%is_least) then
+            limits(i)%is_passed = limits(i)%value < limits(i)%threshold
+         else
+            limits(i)%is_passed = limits(i)%value > limits(i)%threshold
+         end if
+      end do
+   end function limits_of
+
+   !> Value of row `i`, or why it is missing, and the threshold where that depends on the case.
+   pure subroutine evaluate(i, of, state, limit)
+      integer, intent(in) :: i
+      type(circumstances_t), intent(in) :: of
+      type(line_state_t), intent(in) :: state
+      type(limit_t), intent(inout) :: limit
+
+      select case (i)
+      case (starvation)
+         limit%value = of%inlet_error
+      case (viscosity_data)
+         call compare_viscosity_data(of, limit)
+      case default
+         if (of%has_momentum .and. any(i == [stokes_number, surface_slope, film_over_wave])) then
+            limit%missing = 'the full momentum equations are solved'
+         else if (of%scaling%is_dimensional) then
+            call evaluate_in_si(i, of, state, limit)
+         else
+            limit%missing = 'no SI units'
+         end if
+      end select
+   end subroutine evaluate
+
+   !> The rows that need SI units.
+   pure subroutine evaluate_in_si(i, of, state, limit)
+      integer, intent(in) :: i
+      type(circumstances_t), intent(in) :: of
+      type(line_state_t), intent(in) :: state
+      type(limit_t), intent(inout) :: limit
+      real(wp) :: length, mean_speed
+
+      mean_speed = 0.5_wp*of%scaling%speed_sum
+      associate (scaling => of%scaling, summary => of%summary, oil => of%lubricant, &
+         given => of%materials)
+         select case (i)
+         case (mixed_lubrication)
+            length = composite_rms(of%contact)
+            if (length > 0.0_wp) limit%value = summary%of(h_min)%value/length
+            if (.not. length > 0.0_wp) limit%missing = 'no sinusoid and no profile'
+         case (hardness, shakedown)
+            call compare_strength(i, of, limit)
+         case (limiting_stress)
+            limit%value = maxval(abs(mean_stresses(of, state))/(state%pressure &
+               *scaling%hertz_pressure), &
+               state%pressure > stressed_share*maxval(state%pressure))
+         case (shear_heating)
+            if (given%thermal_viscosity > 0.0_wp) then
+               limit%value = maxval(temperatures(of, state))
+               limit%threshold = -log(1.0_wp - tolerable_thinning)/given%thermal_viscosity
+            else
+               limit%missing = 'thermal_viscosity = 0'
+            end if
+         case (inlet_heating)
+            limit%value = inlet_heating_loss(given%thermal_viscosity*oil%viscosity &
+               *mean_speed**2/given%conductivity, abs(of%bodies%speed_2 - of%bodies%speed_1) &
+               /mean_speed, scaling%hertz_pressure/scaling%reduced_modulus)
+         case (side_flow)
+            if (.not. given%length > 0.0_wp) then
+               limit%missing = '&bodies contact_length is not given'
+            else
+               ! where pressure builds up: the Hertzian contact, or the wedge of rigid bodies
+               length = 2.0_wp*max(scaling%half_width, sqrt(2.0_wp*scaling%reduced_radius &
+                  *scaling%film*summary%of(h_central)%value))
+               limit%value = side_flow_loss(given%length, length)
+            end if
+         case (stokes_number)
+            limit%value = maxval(stokes_numbers(of, state))
+         case (surface_slope)
+            limit%value = steepest_slope(state)*scaling%film/scaling%half_width
+         case (film_over_wave)
+            if (finest_wave(of%contact) < huge(1.0_wp)) then
+               limit%value = summary%of(h_central)%value/finest_wave(of%contact)*scaling%film &
+                  /scaling%half_width
+            else
+               limit%missing = 'no waves on the surfaces'
+            end if
+         case (turbulence)
+            limit%value = film_reynolds_number(given%density, mean_speed, &
+               summary%of(h_central)%value*scaling%film, oil%viscosity)
+         case default
+            limit%missing = 'not evaluated'
+         end select
+      end associate
+   end subroutine evaluate_in_si
+
+   !> Largest pressure against the data behind the law of viscosity.
+   pure subroutine compare_viscosity_data(of, limit)
+      type(circumstances_t), intent(in) :: of
+      type(limit_t), intent(inout) :: limit
+
+      if (of%lubricant%viscosity_law == viscosity_barus) limit%threshold = barus_data
+      if (of%lubricant%viscosity_law == viscosity_constant) then
+         limit%missing = 'constant viscosity'
+      else if (.not. of%scaling%hertz_pressure > 0.0_wp) then
+         limit%missing = 'no SI units'
+      else
+         limit%value = of%summary%of(p_max)%value*of%scaling%hertz_pressure
+      end if
+   end subroutine compare_viscosity_data
+
+   !> Pressures against the strength of the bodies.
+   pure subroutine compare_strength(i, of, limit)
+      integer, intent(in) :: i
+      type(circumstances_t), intent(in) :: of
+      type(limit_t), intent(inout) :: limit
+
+      if (.not. of%materials%hardness > 0.0_wp) then
+         limit%missing = '&bodies hardness is not given'
+         limit%threshold = not_known()
+      else if (i == hardness) then
+         limit%value = of%summary%of(p_max)%value*of%scaling%hertz_pressure
+         limit%threshold = of%materials%hardness
+      else
+         limit%value = of%scaling%hertz_pressure
+         limit%threshold = shakedown_factor*shear_strength*of%materials%hardness
+      end if
+   end subroutine compare_strength
+
+   !> Composite rms height [b^2/R] of what is rough over the whole of both surfaces: sinusoids and
+   !> profiles (of these the window that is held); 0 if there is none.
+   pure function composite_rms(contact) result(rms)
+      type(line_contact_t), intent(in) :: contact
+      real(wp) :: rms
+
+      rms = sqrt(mean_square(contact%surface_1) + mean_square(contact%surface_2))
+
+   contains
+
+      !> Of one surface.
+      pure function mean_square(surface)
+         type(rough_surface_t), intent(in) :: surface
+         real(wp) :: mean_square
+
+         mean_square = 0.0_wp
+         if (allocated(surface%features)) mean_square = 0.5_wp*sum(surface%features%amplitude**2, &
+            surface%features%kind == feature_sinusoid)
+         if (.not. allocated(surface%profile)) return
+         if (.not. allocated(surface%profile%heights)) return
+         associate (z => surface%profile%heights)
+            mean_square = mean_square + sum((z - sum(z)/size(z))**2)/size(z)
+         end associate
+      end function mean_square
+
+   end function composite_rms
+
+   !> Mean shear stress across the film at every node [Pa].
+   pure function mean_stresses(of, state) result(stresses)
+      type(circumstances_t), intent(in) :: of
+      type(line_state_t), intent(in) :: state
+      real(wp) :: stresses(size(state%x))
+      real(wp), allocatable :: all_stresses(:, :)
+
+      associate (contact => of%contact, scaling => of%scaling)
+         all_stresses = film_stresses(contact%fluid, contact%lambda, contact%slide_to_roll, &
+            state%x, state%pressure, state%film_thickness)
+         stresses = all_stresses(:, 2)*scaling%hertz_pressure*scaling%film/scaling%half_width
+      end associate
+   end function mean_stresses
+
+   !> Temperature rise [K] in the middle of the film at every node: of the surfaces, and of the film
+   !> above them, by the heat that the sliding makes.
+   pure function temperatures(of, state) result(rise)
+      type(circumstances_t), intent(in) :: of
+      type(line_state_t), intent(in) :: state
+      real(wp) :: rise(size(state%x))
+      real(wp), allocatable :: heat(:)
+
+      associate (scaling => of%scaling, bodies => of%bodies)
+         heat = abs(mean_stresses(of, state)*(bodies%speed_2 - bodies%speed_1))
+         rise = flash_temperatures(heat, (state%x(2) - state%x(1))*scaling%half_width, &
+            of%materials%effusivity, [bodies%speed_1, bodies%speed_2]) + film_temperatures(heat, &
+            state%film_thickness*scaling%film, of%materials%conductivity)
+      end associate
+   end function temperatures
+
+   !> d tau/dp of the sliding at every node.
+   pure function stokes_numbers(of, state) result(numbers)
+      type(circumstances_t), intent(in) :: of
+      type(line_state_t), intent(in) :: state
+      real(wp) :: numbers(size(state%x))
+      real(wp), allocatable :: ln_mu(:), slopes(:)
+      real(wp) :: eyring, sliding_stress
+
+      allocate (ln_mu(size(state%x)), slopes(size(state%x)))
+      call fluid_viscosity(of%contact%fluid, state%pressure, ln_mu, slopes)
+      eyring = 0.0_wp
+      if (of%lubricant%rheology == rheology_eyring) eyring = of%lubricant%eyring_stress
+      associate (scaling => of%scaling)
+         sliding_stress = scaling%viscosity*abs(of%bodies%speed_2 - of%bodies%speed_1)/scaling%film
+         numbers = pressure_derivative_of_stress(sliding_stress*state%viscosity &
+            /state%film_thickness, eyring, slopes/scaling%hertz_pressure)
+      end associate
+   end function stokes_numbers
+
+   !> Largest |dH/dX| between neighbouring nodes under pressure.
+   pure function steepest_slope(state) result(slope)
+      type(line_state_t), intent(in) :: state
+      real(wp) :: slope
+      integer :: n
+
+      n = size(state%x)
+      associate (x => state%x, h => state%film_thickness, p => state%pressure)
+         slope = maxval(abs((h(2:) - h(:n - 1))/(x(2:) - x(:n - 1))), &
+            min(p(2:), p(:n - 1)) > loaded_share*maxval(p))
+      end associate
+      slope = max(slope, 0.0_wp)
+   end function steepest_slope
+
+end module validity

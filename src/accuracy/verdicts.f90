@@ -1,0 +1,71 @@
+!> What follows from how much a quantity changes where something is left out: needed, of little
+!> weight, or irrelevant at the accuracy that counts.
+module verdicts
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: judged_t, verdict_of, verdict_text
+
+   integer, parameter, public :: verdict_unknown = 0, verdict_needed = 1, verdict_small = 2, &
+      verdict_irrelevant = 3
+
+   !> Relative error that counts where no target is given, and the share of it below which a change
+   !> is irrelevant.
+   real(wp), parameter, public :: usual_accuracy = 0.01_wp
+   real(wp), parameter :: irrelevant_share = 0.1_wp
+
+   !> An ingredient or a numerical choice, and the verdict on it.
+   type :: judged_t
+      character(len=20) :: name = ''
+      !> What was in its place.
+      character(len=64) :: text = ''
+      !> A numerical choice, whose change is the error estimate of the result.
+      logical :: is_numerical = .false.
+      integer :: verdict = verdict_unknown
+   end type judged_t
+
+contains
+
+   !> The verdict on relative changes with their errors: needed where one is surely larger than the
+   !> `accuracy`, irrelevant where all surely are less than a tenth of it, not known where one
+   !> perhaps is larger, or is not known.
+   pure function verdict_of(change, error, accuracy) result(verdict)
+      real(wp), intent(in) :: change(:), error(:), accuracy
+      integer :: verdict
+      logical :: is_known(size(change))
+      real(wp), allocatable :: known(:), doubt(:)
+
+      verdict = verdict_unknown
+      is_known = ieee_is_finite(change) .and. ieee_is_finite(error)
+      known = abs(pack(change, is_known))
+      doubt = pack(error, is_known)
+      if (any(known - doubt > accuracy)) then
+         verdict = verdict_needed
+      else if (all(is_known)) then
+         if (all(known + doubt <= accuracy)) verdict = verdict_small
+         if (all(known + doubt < irrelevant_share*accuracy)) verdict = verdict_irrelevant
+      end if
+   end function verdict_of
+
+   !> A verdict in words; of a numerical choice that is needed, a finer one is.
+   pure function verdict_text(verdict, is_numerical) result(text)
+      integer, intent(in) :: verdict
+      logical, intent(in) :: is_numerical
+      character(:), allocatable :: text
+
+      select case (verdict)
+      case (verdict_needed)
+         text = 'needed'
+         if (is_numerical) text = 'too coarse'
+      case (verdict_small)
+         text = 'matters below the accuracy'
+      case (verdict_irrelevant)
+         text = 'irrelevant'
+      case default
+         text = 'not known'
+      end select
+   end function verdict_text
+
+end module verdicts

@@ -1,0 +1,132 @@
+!> What the shear stress in the film of a line contact adds up to: friction and power.
+!>
+!> With the stress tau of module shear_stresses, what flow turns into heat is at every place
+!>
+!>     Int tau du/dz dz = tau_m (u2 - u1) + S h^3/(12 mu) (dp/dx)^2 ,
+!>
+!> the sliding and the rolling power. Stresses are in units of p_h b/R, forces per length in p_h
+!> b^2/R, powers per length in that times u1 + u2. Where the film cavitates (P = 0) nothing counts:
+!> how much of the width oil fills there is not known.
+module film_shear
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use friction_sums, only: friction_t
+   use kinds, only: wp
+   use line_level, only: line_level_t
+   use quantities, only: exit_between_nodes
+   use reynolds_line, only: mass_flux
+   use rheology, only: block_size => slip_block, evaluate_slip, evaluate_stress, &
+      largest_exponent, slip_t
+   use shear_stresses, only: evaluate_nodes, stress_block_t
+   implicit none (type, external)
+   private
+
+   public :: friction_of
+
+   !> Points of the midpoint rule in X_a/X for the oil in front of the domain, where the integrands
+   !> change little (a test compares with a domain that is longer).
+   integer, parameter :: points = 8
+   !> Part of a spacing by which the exit between two nodes is taken to be off: half of its error in
+   !> the mean square, for what changes from grid to grid comes on top of it.
+   real(wp), parameter :: exit_jitter = 0.1_wp
+   !> Bound of alpha_bar Q in front of the domain: no solution comes near it.
+   real(wp), parameter :: largest_reduced = 0.9_wp
+
+contains
+
+   !> What the stresses add up to, with the oil in front of the domain; mobility and density of the
+   !> level are those of its pressure and film. Integrals over nodes end at the exit between them,
+   !> so that they do not change with the place of the nodes. In the rolling power S H^3/mu dP/dX is
+   !> what the mass flux of the discrete equations leaves of H: that keeps the balance of energy
+   !> where viscosity changes by orders of magnitude between two nodes.
+   pure function friction_of(level) result(friction)
+      type(line_level_t), intent(in) :: level
+      type(friction_t) :: friction
+      type(stress_block_t) :: block
+      real(wp) :: weights(block_size), rise, flux(level%n)
+      integer :: i, first, last, m, exit_node
+
+      associate (p => level%state%pressure, h => level%state%film, rho => level%density)
+         friction = oil_in_front(level, h(maxloc(p, 1) - 1))
+         exit_node = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1
+         do first = 0, exit_node, block_size
+            last = min(first + block_size - 1, exit_node)
+            m = last - first + 1
+            call evaluate_nodes(level%fluid, couette_of(level), level%dx, p(:min(last + 1, &
+               level%n)), h, first + 1, block)
+            weights(:m) = merge(level%dx, 0.0_wp, p(first:last) > 0.0_wp)
+            if (first == 0) weights(1) = 0.5_wp*level%dx
+            if (last == exit_node) then
+               weights(m) = last_weight(level, exit_node)
+               friction%exit_doubt = exit_jitter*level%dx*block%stress(m)
+            end if
+            friction%sliding = friction%sliding + sum(weights(:m)*block%stress(:m))
+         end do
+         flux = mass_flux(level)
+         do i = 1, min(exit_node + 1, level%n)
+            rise = p(i) - p(i - 1)
+            friction%rolling = friction%rolling + 0.25_wp*(h(i - 1) + h(i))*rise
+            friction%rolling_power = friction%rolling_power + 0.5_wp*rise*(0.5_wp*(h(i - 1) &
+               + h(i)) - 2*flux(i)/(rho(i - 1) + rho(i)))
+         end do
+      end associate
+      friction%sliding_speed = 0.5_wp*level%slide_to_roll
+   end function friction_of
+
+   !> Weight of the last node with P > 0: half of the interval in front of it, and as far as the
+   !> exit behind it.
+   pure function last_weight(level, node) result(weight)
+      type(line_level_t), intent(in) :: level
+      integer, intent(in) :: node
+      real(wp) :: weight, position
+
+      weight = 0.5_wp*level%dx
+      position = exit_between_nodes(level%x, level%state%pressure)
+      if (ieee_is_finite(position)) weight = weight + position - level%x(node)
+   end function last_weight
+
+   !> lambda/6 (u2 - u1)/(u1 + u2).
+   pure function couette_of(level) result(couette)
+      type(line_level_t), intent(in) :: level
+      real(wp) :: couette
+
+      couette = level%lambda*level%slide_to_roll/12
+   end function couette_of
+
+   !> What the oil in front of the domain adds; `flow` is about the mass flux.
+   !>
+   !> The gap is that of the bodies with the far field of the load, as in module inlet_tail, the
+   !> pressure low: H S dP/dX = lambda mu (H - flow)/H^2, mu = 1/(1 - alpha_bar Q) with the reduced
+   !> pressure Q. It falls with 1/X_a only: forces need a longer inlet than films (N. Biboulet and
+   !> L. Houpert, Proc. IMechE J 224, 2010, 765).
+   pure function oil_in_front(level, flow) result(friction)
+      type(line_level_t), intent(in) :: level
+      real(wp), intent(in) :: flow
+      type(friction_t) :: friction
+      real(wp), dimension(points) :: share, weights, h, flow_drive, drive, stress, ln_mu
+      type(slip_t) :: slip
+      real(wp) :: reduced
+      integer :: i, pass
+
+      share = [((i - 0.5_wp)/points, i=1, points)]
+      weights = abs(level%x(0))/(points*share**2)
+      h = level%state%film(0) + 0.5_wp*level%x(0)**2*(1/share**2 - 1) &
+         + 0.5_wp*level%elasticity*log(share)
+      flow_drive = level%lambda*max(h - flow, 0.0_wp)/h**2
+      reduced = 0.0_wp
+      do i = 1, points
+         reduced = reduced + level%fluid%alpha_bar*weights(i)*flow_drive(i)/h(i)
+         ln_mu(i) = -log(1 - min(reduced, largest_reduced))
+      end do
+      flow_drive = exp(ln_mu)*flow_drive
+      drive = flow_drive
+      do pass = 1, 2   ! S of a drive that S has not made less is too large
+         call evaluate_slip(level%fluid, drive, 1/h, ln_mu, slip)
+         drive = flow_drive/(slip%factor(:points)*exp(min(slip%growth(:points), largest_exponent)))
+      end do
+      call evaluate_stress(level%fluid, couette_of(level), drive, 1/h, ln_mu, stress)
+      friction%sliding = sum(weights*stress)
+      friction%rolling = 0.5_wp*sum(weights*drive)
+      friction%rolling_power = 0.5_wp/level%lambda*sum(weights*h*drive*flow_drive*exp(-ln_mu))
+   end function oil_in_front
+
+end module film_shear

@@ -1,0 +1,75 @@
+!> Shear stress in the film of a line contact, on both walls and between them.
+!>
+!> Across the film the stress is linear, tau = tau_m + (z - h/2) dp/dx with z from surface 1 to
+!> surface 2, (2.6): tau_m is the mean, which the law of flow gives from u2 - u1, and the walls have
+!> tau_m -+ (h/2) dp/dx. The film pulls surface 1 with tau in +x and surface 2 with -tau. In units
+!> of p_h b/R.
+module shear_stresses
+   use kinds, only: wp
+   use lubricant, only: fluid_t, fluid_viscosity
+   use rheology, only: block_size => slip_block, evaluate_stress
+   implicit none (type, external)
+   private
+
+   public :: evaluate_nodes, film_stresses, stress_block_t
+
+   !> Up to `block_size` nodes: H dP/dX and mean stress.
+   type :: stress_block_t
+      real(wp), dimension(block_size) :: drive, stress
+   end type stress_block_t
+
+contains
+
+   !> Stress at the wall of surface 1, mean stress, and stress at the wall of surface 2, (nx, 3), on
+   !> the nodes `x` of a uniform grid, from pressure `p` and film `h`, each (nx): 0 where the film
+   !> cavitates, for how much of the width oil fills there is not known; the oil begins at the first
+   !> node.
+   pure function film_stresses(fluid, lambda, slide_to_roll, x, p, h) result(stresses)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: lambda, slide_to_roll
+      real(wp), intent(in), contiguous :: x(:), p(:), h(:)
+      real(wp) :: stresses(size(x), 3)
+      type(stress_block_t) :: block
+      integer :: first, last, m
+
+      do first = 1, size(x), block_size
+         last = min(first + block_size - 1, size(x))
+         m = last - first + 1
+         call evaluate_nodes(fluid, lambda*slide_to_roll/12, x(2) - x(1), p, h, first, block)
+         stresses(first:last, 1) = block%stress(:m) - 0.5_wp*block%drive(:m)
+         stresses(first:last, 2) = block%stress(:m)
+         stresses(first:last, 3) = block%stress(:m) + 0.5_wp*block%drive(:m)
+      end do
+      do last = 2, size(x)
+         if (p(last) <= 0.0_wp) stresses(last, :) = 0.0_wp
+      end do
+   end function film_stresses
+
+   !> Drive H dP/dX and mean stress of up to `block_size` nodes from `first` on, the first being 1.
+   !> The slope of P is the central difference, that of the first interval at the first node, and 0
+   !> at the last. `couette` is lambda/6 (u2 - u1)/(u1 + u2).
+   pure subroutine evaluate_nodes(fluid, couette, dx, p, h, first, block)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: couette, dx
+      real(wp), intent(in), contiguous :: p(:), h(:)
+      integer, intent(in) :: first
+      type(stress_block_t), intent(inout) :: block
+      real(wp), dimension(block_size) :: ln_mu, inverse_film
+      real(wp) :: factor
+      integer :: i, last, m
+
+      last = min(first + block_size - 1, size(p))
+      m = last - first + 1
+      factor = 0.5_wp/dx
+      do i = max(first, 2), min(last, size(p) - 1)
+         block%drive(i - first + 1) = factor*h(i)*(p(i + 1) - p(i - 1))
+      end do
+      if (first == 1) block%drive(1) = 2*factor*h(1)*(p(2) - p(1))
+      if (last == size(p)) block%drive(m) = 0.0_wp
+      inverse_film(:m) = 1/h(first:last)
+      call fluid_viscosity(fluid, p(first:last), ln_mu(:m))
+      call evaluate_stress(fluid, couette, block%drive(:m), inverse_film(:m), ln_mu(:m), &
+         block%stress(:m))
+   end subroutine evaluate_nodes
+
+end module shear_stresses

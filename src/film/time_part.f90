@@ -1,0 +1,57 @@
+!> A time step as it was solved, whole or in parts, for somebody who repeats it with other
+!> equations.
+module time_part
+   use film_state, only: film_state_t
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_state, only: line_state_t
+   implicit none (type, external)
+   private
+
+   public :: follower_t, time_part_t
+
+   !> A step, or one part of it, with its solution on the nodes 0:n of the finest grid.
+   type :: time_part_t
+      !> dy/dT at its end is weights(1) y + weights(2) y_old + weights(3) y_older.
+      real(wp) :: weights(3) = 0.0_wp
+      !> Its length dT.
+      real(wp) :: length = 0.0_wp
+      !> Psi_1 and Psi_2 at its end (0:n, 2).
+      real(wp), allocatable :: heights(:, :)
+      type(film_state_t) :: state
+   end type time_part_t
+
+   !> Repeats the steps.
+   type, abstract :: follower_t
+      !> Its pressure, film and H0 at the end of the last step.
+      type(film_state_t) :: state
+      !> Its largest difference of pressures across the film then [p_h].
+      real(wp) :: pressure_variation = 0.0_wp
+   contains
+      !> From the smooth steady pressure of a contact, whose film the surfaces have entered, at
+      !> T = 0; `reason` why it cannot.
+      procedure(begin_interface), deferred :: begin
+      !> Goes on by one part; `reason` why it cannot.
+      procedure(advance_interface), deferred :: advance
+   end type follower_t
+
+   abstract interface
+      subroutine begin_interface(self, contact, state, reason)
+         import :: follower_t, line_contact_t, line_state_t
+         implicit none (type, external)
+         class(follower_t), intent(inout) :: self
+         type(line_contact_t), intent(in) :: contact
+         type(line_state_t), intent(in) :: state
+         character(:), allocatable, intent(out) :: reason
+      end subroutine begin_interface
+
+      subroutine advance_interface(self, part, reason)
+         import :: follower_t, time_part_t
+         implicit none (type, external)
+         class(follower_t), intent(inout) :: self
+         type(time_part_t), intent(in) :: part
+         character(:), allocatable, intent(out) :: reason
+      end subroutine advance_interface
+   end interface
+
+end module time_part

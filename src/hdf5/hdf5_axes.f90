@@ -1,0 +1,215 @@
+!> Axes of datasets: dimension scales of HDF5, as netCDF-4 has them, so that readers know the
+!> coordinates of every array.
+!>
+!> The attributes are those of the HDF5 Dimension Scale Specification 1.0: CLASS and NAME of a
+!> scale, DIMENSION_LIST of a dataset with axes, REFERENCE_LIST of a scale in use. NetCDF looks for
+!> a scale in the group of the dataset, so a coordinate that is stored once is linked where else it
+!> is used.
+module hdf5_axes
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_null_char, &
+      c_sizeof
+   use, intrinsic :: iso_fortran_env, only: int64
+   use hdf5, only: h5lcreate_soft_f, h5offsetof, h5rcreate_f, h5t_c_s1, h5t_compound_f, &
+      h5t_native_integer, h5t_std_ref_obj, h5t_str_nullterm_f, h5tclose_f, h5tcopy_f, &
+      h5tcreate_f, h5tinsert_f, h5tset_size_f, h5tset_strpad_f, h5tvlen_create_f, hid_t, &
+      hobj_ref_t_f, hvl_t, size_t
+   use hdf5_attribute, only: attach_values
+   use hdf5_dataset, only: new_label, write_dataset
+   use hdf5_file, only: axis_t, hdf5_file_t
+   implicit none (type, external)
+   private
+
+   public :: link_object, make_axis, make_counter, name_axes, write_users
+
+   !> An element of REFERENCE_LIST.
+   type, bind(c) :: use_t
+      integer(c_int64_t) :: user
+      integer(c_int) :: dimension
+      !> Fills the 16 bytes, so that equal contents make equal files.
+      integer(c_int) :: nothing = 0_c_int
+   end type use_t
+
+contains
+
+   !> The dataset at `path` with one dimension becomes a coordinate, of which its name is the name.
+   subroutine make_axis(file, path)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      type(axis_t) :: axis
+
+      call attach_name(file, path, 'CLASS', 'DIMENSION_SCALE')
+      call attach_name(file, path, 'NAME', path(index(path, '/', back=.true.) + 1:))
+      axis%path = path
+      axis%place = place_of(file, path)
+      allocate (axis%users(0), axis%dimensions(0))
+      if (.not. allocated(file%axes)) allocate (file%axes(0))
+      file%axes = [file%axes, axis]
+   end subroutine make_axis
+
+   !> A string with a null character at its end, as the specification has them.
+   subroutine attach_name(file, path, attribute, name)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path, attribute, name
+      character(kind=c_char, len=:), allocatable, target :: copy
+      integer(hid_t) :: name_type
+      integer :: status
+
+      if (allocated(file%failure)) return
+      copy = name//c_null_char
+      call h5tcopy_f(h5t_c_s1, name_type, status)
+      if (status >= 0) call h5tset_size_f(name_type, len(copy, kind=size_t), status)
+      if (status >= 0) call h5tset_strpad_f(name_type, h5t_str_nullterm_f, status)
+      call file%check(status, attribute)
+      call attach_values(file, path, attribute, name_type, [integer ::], c_loc(copy))
+      call h5tclose_f(name_type, status)
+   end subroutine attach_name
+
+   !> A new coordinate 1, 2, ... `length`.
+   subroutine make_counter(file, path, length, long_name)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path, long_name
+      integer, intent(in) :: length
+      integer :: i
+
+      call write_dataset(file, path, [(int(i, int64), i=1, length)], new_label(long_name, '1'))
+      call make_axis(file, path)
+   end subroutine make_counter
+
+   !> Names the coordinates of a dataset by their paths: of its only dimension, or of the faster and
+   !> the slower one.
+   subroutine name_axes(file, path, fast, slow)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path, fast
+      character(*), intent(in), optional :: slow
+      integer(int64), target :: places(2)
+      type(hvl_t), target :: lists(2)
+      integer(int64) :: user
+      integer(hid_t) :: list_type
+      integer :: i, rank, status
+
+      if (allocated(file%failure)) return
+      user = place_of(file, path)
+      rank = merge(2, 1, present(slow))
+      if (present(slow)) call use_axis(file, slow, user, 0, places(1))
+      call use_axis(file, fast, user, rank - 1, places(rank))
+      do i = 1, rank
+         lists(i)%len = 1_size_t
+         lists(i)%p = c_loc(places(i))
+      end do
+      call h5tvlen_create_f(h5t_std_ref_obj, list_type, status)
+      call file%check(status, path)
+      call attach_values(file, path, 'DIMENSION_LIST', list_type, [rank], c_loc(lists))
+      call h5tclose_f(list_type, status)
+   end subroutine name_axes
+
+   !> Adds a user, of which it is the dimension of this number, to the coordinate at `path`, whose
+   !> place is `place`.
+   subroutine use_axis(file, path, user, dimension, place)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      integer(int64), intent(in) :: user
+      integer, intent(in) :: dimension
+      integer(int64), intent(out) :: place
+      integer :: k
+
+      place = 0_int64
+      k = axis_at(file, path)
+      if (k == 0) call file%check(-1, path//': no coordinate')
+      if (allocated(file%failure)) return
+      associate (axis => file%axes(k))
+         place = axis%place
+         axis%users = [axis%users, user]
+         axis%dimensions = [axis%dimensions, dimension]
+      end associate
+   end subroutine use_axis
+
+   !> The dataset or group at `path`, a coordinate or not, under a second name: a soft link, so that
+   !> who walks through the file meets it once.
+   subroutine link_object(file, path, second)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path, second
+      type(axis_t) :: axis
+      integer :: k, status
+
+      if (allocated(file%failure)) return
+      call h5lcreate_soft_f(path, file%id, second, status, lcpl_id=file%link_creation)
+      call file%check(status, second)
+      k = axis_at(file, path)
+      if (k == 0 .or. allocated(file%failure)) return
+      axis = file%axes(k)
+      axis%path = second
+      axis%users = axis%users(:0)
+      axis%dimensions = axis%dimensions(:0)
+      file%axes = [file%axes, axis]
+   end subroutine link_object
+
+   !> Tells every coordinate by which datasets it is used: once, before the file is closed.
+   subroutine write_users(file)
+      class(hdf5_file_t), intent(inout) :: file
+      type(use_t), allocatable, target :: uses(:)
+      type(use_t), target :: one
+      integer(hid_t) :: use_type
+      integer(int64), allocatable :: users(:)
+      integer, allocatable :: dimensions(:)
+      integer :: i, k, status
+
+      if (allocated(file%failure) .or. .not. allocated(file%axes)) return
+      call h5tcreate_f(h5t_compound_f, c_sizeof(one), use_type, status)
+      if (status >= 0) call h5tinsert_f(use_type, 'dataset', h5offsetof(c_loc(one), &
+         c_loc(one%user)), h5t_std_ref_obj, status)
+      if (status >= 0) call h5tinsert_f(use_type, 'dimension', h5offsetof(c_loc(one), &
+         c_loc(one%dimension)), h5t_native_integer, status)
+      call file%check(status, 'type of the users of an axis')
+      do i = 1, size(file%axes)
+         if (any(file%axes(:i - 1)%place == file%axes(i)%place)) cycle   ! another name
+         allocate (users(0), dimensions(0))
+         do k = i, size(file%axes)
+            if (file%axes(k)%place == file%axes(i)%place) then
+               users = [users, file%axes(k)%users]
+               dimensions = [dimensions, file%axes(k)%dimensions]
+            end if
+         end do
+         allocate (uses(size(users)))
+         uses%user = users
+         uses%dimension = int(dimensions, c_int)
+         if (size(uses) > 0) call attach_values(file, file%axes(i)%path, 'REFERENCE_LIST', &
+            use_type, shape(uses), c_loc(uses))
+         deallocate (users, dimensions, uses)
+      end do
+      call h5tclose_f(use_type, status)
+      deallocate (file%axes)
+   end subroutine write_users
+
+   !> Number of the coordinate at `path`; 0: there is none.
+   pure function axis_at(file, path) result(k)
+      class(hdf5_file_t), intent(in) :: file
+      character(*), intent(in) :: path
+      integer :: k
+
+      if (allocated(file%axes)) then
+         do k = 1, size(file%axes)
+            if (file%axes(k)%path == path) return
+         end do
+      end if
+      k = 0
+   end function axis_at
+
+   !> The place in the file that stands for a dataset in references.
+   function place_of(file, path) result(place)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      integer(int64) :: place
+      type(hobj_ref_t_f) :: reference
+      integer(hid_t) :: object
+      integer :: status
+
+      place = 0_int64
+      if (allocated(file%failure)) return
+      object = file%object_at(path)
+      if (allocated(file%failure)) return
+      call h5rcreate_f(object, '.', reference, status)
+      call file%check(status, path)
+      place = int(reference%ref, int64)
+   end function place_of
+
+end module hdf5_axes

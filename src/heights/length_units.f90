@@ -1,0 +1,161 @@
+!> Units of length in files of heights: their spellings, and what names such as `x_mm`, `z [um]`,
+!> `z (nm)` and `x/mm` say.
+module length_units
+   use findings, only: quoted
+   use kinds, only: wp
+   use text, only: to_lower
+   implicit none (type, external)
+   private
+
+   public :: find_unit, height_units_t, known_units, settle_unit, units_per_metre
+
+   !> The units that the keys say; empty: they say none.
+   type :: height_units_t
+      character(:), allocatable :: x, z
+   end type height_units_t
+
+   !> A unit: one of its spellings, its word, its size.
+   type :: unit_t
+      character(len=10) :: spelling
+      !> The word for it in keys and messages.
+      character(len=8) :: word
+      real(wp) :: per_metre
+   end type unit_t
+
+   real(wp), parameter :: inches = 1.0_wp/0.0254_wp
+   !> In ASCII and lower case, a micro sign as u.
+   type(unit_t), parameter :: units(*) = [ &
+      unit_t('m', 'm', 1.0_wp), unit_t('metre', 'm', 1.0_wp), unit_t('meter', 'm', 1.0_wp), &
+      unit_t('cm', 'cm', 1.0e2_wp), unit_t('centimetre', 'cm', 1.0e2_wp), &
+      unit_t('centimeter', 'cm', 1.0e2_wp), &
+      unit_t('mm', 'mm', 1.0e3_wp), unit_t('millimetre', 'mm', 1.0e3_wp), &
+      unit_t('millimeter', 'mm', 1.0e3_wp), &
+      unit_t('um', 'um', 1.0e6_wp), unit_t('micron', 'um', 1.0e6_wp), &
+      unit_t('micrometre', 'um', 1.0e6_wp), unit_t('micrometer', 'um', 1.0e6_wp), &
+      unit_t('nm', 'nm', 1.0e9_wp), unit_t('nanometre', 'nm', 1.0e9_wp), &
+      unit_t('nanometer', 'nm', 1.0e9_wp), &
+      unit_t('angstrom', 'angstrom', 1.0e10_wp), &
+      unit_t('pm', 'pm', 1.0e12_wp), unit_t('picometre', 'pm', 1.0e12_wp), &
+      unit_t('picometer', 'pm', 1.0e12_wp), &
+      unit_t('inch', 'in', inches), unit_t('in', 'in', inches), &
+      unit_t('mil', 'mil', 1.0e3_wp*inches), unit_t('thou', 'mil', 1.0e3_wp*inches), &
+      unit_t('uin', 'uin', 1.0e6_wp*inches), unit_t('microinch', 'uin', 1.0e6_wp*inches)]
+   !> The words, for the key table and messages.
+   character(*), parameter :: known_units = 'm cm mm um nm angstrom pm in mil uin'
+   !> Behind an underscore, a blank, a hyphen or a point these are no units, but parts of names.
+   character(len=4), parameter :: names_too(*) = ['in  ', 'mil ', 'thou']
+   !> There these are units, though not of a length.
+   character(len=6), parameter :: other_units(*) = [character(len=6) :: 'px', 'pixel', 'pixels', &
+      'mv', 'deg', 'ms', 'km', 'ft', 'counts']
+   !> Micro signs and the Angstrom in UTF-8, two ways each, and in Latin-1.
+   character(len=3), parameter :: signs(*) = [character(len=3) :: char(194)//char(181), &
+      char(206)//char(188), char(181), char(195)//char(133), char(226)//char(132)//char(171), &
+      char(195)//char(165), char(197)]
+   character(len=8), parameter :: ascii(*) = [character(len=8) :: 'u', 'u', 'u', 'angstrom', &
+      'angstrom', 'angstrom', 'angstrom']
+
+contains
+
+   !> Units in a metre of the unit that `spelling` means; 0: it means none. `word` is the usual
+   !> word.
+   pure subroutine units_per_metre(spelling, per_metre, word)
+      character(*), intent(in) :: spelling
+      real(wp), intent(out) :: per_metre
+      character(:), allocatable, intent(out) :: word
+      character(:), allocatable :: plain
+      integer :: i
+
+      plain = in_ascii(spelling)
+      if (len(plain) > 3 .and. index(plain, 's', back=.true.) == len(plain)) plain = &
+         plain(:len(plain) - 1)
+      per_metre = 0.0_wp
+      word = ''
+      do i = 1, size(units)
+         if (units(i)%spelling /= plain .or. plain == '') cycle
+         per_metre = units(i)%per_metre
+         word = trim(units(i)%word)
+      end do
+   end subroutine units_per_metre
+
+   !> Lower case without surrounding blanks, micro sign and Angstrom in letters.
+   pure function in_ascii(string) result(plain)
+      character(*), intent(in) :: string
+      character(:), allocatable :: plain
+      integer :: bytes, i, place
+
+      plain = trim(adjustl(string))
+      do i = 1, size(signs)
+         bytes = len_trim(signs(i))
+         place = index(plain, signs(i)(:bytes))
+         if (place > 0) plain = plain(:place - 1)//trim(ascii(i))//plain(place + bytes:)
+      end do
+      plain = to_lower(plain)
+   end function in_ascii
+
+   !> What the name of a column says: its `stated` unit as it is written, empty if it says none,
+   !> and where the name without it ends.
+   pure subroutine find_unit(name, stated, last)
+      character(*), intent(in) :: name
+      character(:), allocatable, intent(out) :: stated
+      integer, intent(out) :: last
+      character(*), parameter :: opening = '[({<', closing = '])}>'
+      integer :: first, kind
+
+      stated = ''
+      last = len_trim(name)
+      if (last == 0) return
+      kind = index(closing, name(last:last))
+      if (kind > 0) then
+         first = index(name(:last), opening(kind:kind), back=.true.)
+         if (first == 0) return
+         stated = trim(adjustl(name(first + 1:last - 1)))
+         if (stated == '') stated = name(first:last)
+      else if (index(name(:last), '/', back=.true.) > 1) then
+         first = index(name(:last), '/', back=.true.)
+         stated = trim(adjustl(name(first + 1:last)))
+      else
+         first = scan(name(:last), '_ -.,', back=.true.)
+         if (is_unit_behind_mark(name(first + 1:last))) stated = name(first + 1:last)
+         if (stated == '') return
+      end if
+      last = len_trim(name(:first - 1))
+   end subroutine find_unit
+
+   !> Whether the last part of a name is a unit.
+   pure function is_unit_behind_mark(part) result(is_unit)
+      character(*), intent(in) :: part
+      logical :: is_unit
+      character(:), allocatable :: plain, word
+      real(wp) :: per_metre
+
+      plain = in_ascii(part)
+      call units_per_metre(part, per_metre, word)
+      is_unit = word /= '' .and. all(names_too /= plain) .or. any(other_units == plain)
+   end function is_unit_behind_mark
+
+   !> The unit that a file (`stated`, empty: none) and a key (`wanted`, empty: none) say together;
+   !> metres if neither does. `fault`: they contradict each other, or the file says something else
+   !> and the key nothing. `place` says where in the file, `key` is the name of the key.
+   pure subroutine settle_unit(stated, wanted, place, key, per_metre, fault)
+      character(*), intent(in) :: stated, wanted, place, key
+      real(wp), intent(out) :: per_metre
+      character(:), allocatable, intent(out) :: fault
+      character(:), allocatable :: in_file, in_key
+      real(wp) :: other
+
+      fault = ''
+      call units_per_metre(stated, per_metre, in_file)
+      call units_per_metre(wanted, other, in_key)
+      if (in_file == '' .and. in_key == '' .and. stated /= '') then
+         fault = 'found the unit '//quoted(stated)//' in '//place//', expected one of '// &
+            known_units//', or the key '//key
+      else if (in_file /= '' .and. in_key /= '' .and. in_file /= in_key) then
+         fault = 'found the unit '//quoted(stated)//' in '//place//', but '//key//" = '"//in_key// &
+            "', expected the same of both"
+      else if (in_file == '') then
+         per_metre = other
+         if (in_key == '') per_metre = 1.0_wp
+      end if
+   end subroutine settle_unit
+
+end module length_units

@@ -1,0 +1,194 @@
+!> What is done with the heights of a file before they become a surface, in oil and dry: their tilt
+!> and form are taken off, and they must be those of a surface at all. Wrong units are found here.
+module file_heights
+   use, intrinsic :: iso_fortran_env, only: int64
+   use measured_heights, only: heights_t
+   use errors, only: error_t
+   use gauss_filter, only: least_nodes, take_mean_line
+   use height_form, only: closes, curvature_of, extent_of, form_of, new_sums, rms_height, &
+      rms_slope, tilt_of, trend_t
+   use input_values, only: input_values_t
+   use kinds, only: wp
+   use text, only: add_sentence, to_text
+   implicit none (type, external)
+   private
+
+   public :: check_heights, filter_heights, find_trend, is_filtered, units_hint
+
+   !> Rms slope [-] above which a note is given, and above which it is refused.
+   real(wp), parameter :: steep = 1.0_wp, steepest = 10.0_wp
+   !> Length of a profile or area above which a note is given [m].
+   real(wp), parameter :: long = 1.0_wp
+   !> Height of a tilt over its length, or of a form, over the rms height that is left, above which
+   !> it is told.
+   real(wp), parameter :: told = 0.01_wp
+   !> What a message about heights that cannot be says.
+   character(*), parameter :: units_hint = ' (are the units right: x_unit, z_unit?)'
+
+contains
+
+   !> Findings about the heights of the surface `group` on nodes `spacing` [m] apart: they are
+   !> higher than the file is long, or steeper than a half-space can be, and their units are not
+   !> stated by keys. A note on heights that are steep or metres long.
+   subroutine check_heights(values, group, heights, spacing, note)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group
+      type(heights_t), intent(in) :: heights
+      real(wp), intent(in) :: spacing(2)
+      character(:), allocatable, intent(inout) :: note
+      real(wp) :: length, slope
+      logical :: is_stated
+
+      is_stated = values%word_value(group, 'x_unit') /= 'auto' &
+         .and. values%word_value(group, 'z_unit') /= 'auto'
+      associate (sums => heights%sums)
+         length = maxval((sums%grid - 1)*spacing)
+         slope = maxval(rms_slope(sums, spacing))
+         if (slope > steepest .and. .not. is_stated) then
+            call values%refuse(group, 'file', heights%file// &
+               ': found heights with an rms slope of '//to_text(slope, 3)//', expected at most ' &
+               //to_text(nint(steepest))//units_hint)
+         else if (sums%highest - sums%lowest > length .and. .not. is_stated) then
+            call values%refuse(group, 'file', heights%file//': found heights that differ by ' &
+               //to_text(sums%highest - sums%lowest, 3)//' m over a length of ' &
+               //to_text(length, 3)//' m, expected less'//units_hint)
+         else if (slope > steep) then
+            call add_sentence(note, 'the heights of '//group//' have an rms slope of ' &
+               //to_text(slope, 3)//units_hint)
+         else if (length > long) then
+            call add_sentence(note, 'the heights of '//group//' are '//to_text(length, 3) &
+               //' m long'//units_hint)
+         end if
+      end associate
+   end subroutine check_heights
+
+   !> What is to be taken off the heights of the surface `group` on nodes `spacing` [m] apart, which
+   !> will be repeated if `is_periodic`. A note says how large it is.
+   subroutine find_trend(values, group, heights, spacing, is_periodic, trend, note)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      type(heights_t), intent(in) :: heights
+      real(wp), intent(in) :: spacing(2)
+      logical, intent(in) :: is_periodic
+      type(trend_t), intent(out) :: trend
+      character(:), allocatable, intent(inout) :: note
+      character(len=8), parameter :: words(-1:2) = [character(len=8) :: 'none', 'mean', 'line', &
+         'parabola']
+      integer :: degree
+
+      degree = findloc(words == values%word_value(group, 'detrend'), .true., dim=1) - 2
+      if (degree < -1) degree = 1   ! auto
+      if (values%word_value(group, 'detrend') == 'auto' .and. is_periodic) then
+         if (closes(heights%sums)) degree = -1
+      end if
+      trend%word = words(degree)
+      trend%form = form_of(heights%sums, degree)
+      trend%spacing = spacing
+      call add_sentence(note, trend_words(group, trend, rms_height(heights%sums, trend%form)))
+   end subroutine find_trend
+
+   !> What was taken off a surface, if it is more than a little beside the rms height [m] that is
+   !> left; else empty.
+   pure function trend_words(group, trend, rms) result(words)
+      character(*), intent(in) :: group
+      type(trend_t), intent(in) :: trend
+      real(wp), intent(in) :: rms
+      character(:), allocatable :: words
+      real(wp) :: curvature(2), extent(2), tilt(2)
+
+      words = ''
+      extent = extent_of(trend)
+      tilt = tilt_of(trend)
+      curvature = curvature_of(trend)
+      if (any(abs(tilt)*extent > told*rms)) then
+         words = 'tilt '//to_text(abs(tilt(1)), 3)//', '//to_text(abs(tilt(1))*extent(1), 3) &
+            //' m over '//to_text(extent(1), 3)//' m'
+         if (extent(2) > 0.0_wp) words = words//' in x, '//to_text(abs(tilt(2)), 3)//', ' &
+            //to_text(abs(tilt(2))*extent(2), 3)//' m over '//to_text(extent(2), 3)//' m in y'
+      end if
+      if (any(abs(curvature)*extent**2/8.0_wp > told*rms)) then
+         if (words /= '') words = words//' and '
+         words = words//'curvature '//to_text(curvature(1), 3)//' 1/m, ' &
+            //to_text(abs(curvature(1))*extent(1)**2/8.0_wp, 3)//' m high'
+         if (extent(2) > 0.0_wp) words = words//' in x, '//to_text(curvature(2), 3)//' 1/m, ' &
+            //to_text(abs(curvature(2))*extent(2)**2/8.0_wp, 3)//' m high in y'
+      end if
+      if (words /= '') words = words//' taken off the heights of '//group//" (detrend = '" &
+         //trim(trend%word)//"')"
+   end function trend_words
+
+   !> Whether the surface `group` has a cut-off.
+   pure function is_filtered(values, group)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      logical :: is_filtered
+
+      is_filtered = values%is_given(group, 'cutoff_short') .or. values%is_given(group, &
+         'cutoff_long')
+   end function is_filtered
+
+   !> Takes the waves beyond the cut-offs of the surface `group` off its heights, which must be held
+   !> and without their form, and makes their sums anew. Heights that are repeated (`is_periodic`)
+   !> and close on themselves are filtered so. Findings: cut-offs that the nodes do not carry, or
+   !> out of order.
+   subroutine filter_heights(values, group, is_periodic, spacing, heights)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group
+      logical, intent(in) :: is_periodic
+      real(wp), intent(in) :: spacing(2)
+      type(heights_t), intent(inout) :: heights
+      character(*), parameter :: keys(2) = [character(len=12) :: 'cutoff_short', 'cutoff_long']
+      type(error_t), allocatable :: error
+      real(wp), allocatable :: whole(:)
+      real(wp) :: cutoff(2)
+      logical :: repeats
+      integer :: before, grid(2), i
+
+      before = values%findings%count
+      do i = 1, 2
+         call check_cutoff(values, group, trim(keys(i)), spacing, heights)
+      end do
+      cutoff = [values%real_value(group, keys(1)), values%real_value(group, trim(keys(2)), &
+         huge(1.0_wp))]
+      if (values%findings%count == before .and. cutoff(1) >= cutoff(2)) call values%refuse(group, &
+         keys(1), 'found '//to_text(cutoff(1))//' m, expected less than cutoff_long, ' &
+         //to_text(cutoff(2))//' m')
+      if (values%findings%count > before) return
+      repeats = is_periodic
+      if (repeats) repeats = closes(heights%sums)
+      grid = int(heights%sums%grid)
+      do i = 1, 2
+         if (.not. values%is_given(group, trim(keys(i)))) cycle
+         whole = heights%z
+         call take_mean_line(grid, cutoff(i)/max(spacing, tiny(1.0_wp)*cutoff(i)), repeats, &
+            heights%z, error)
+         if (allocated(error)) then
+            call values%refuse(group, trim(keys(i)), error%message)
+            return
+         end if
+         if (i == 2) heights%z = whole - heights%z
+      end do
+      heights%sums = new_sums(int(grid, int64))
+      call heights%sums%add(heights%z)
+   end subroutine filter_heights
+
+   !> Finding: a cut-off of fewer than `least_nodes` spacings, or longer than the file.
+   subroutine check_cutoff(values, group, key, spacing, heights)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group, key
+      real(wp), intent(in) :: spacing(2)
+      type(heights_t), intent(in) :: heights
+      real(wp) :: cutoff, least, most
+
+      if (.not. values%is_given(group, key)) return
+      cutoff = values%real_value(group, key)
+      associate (grid => heights%sums%grid)
+         least = least_nodes*maxval(spacing, mask=grid > 1)
+         most = minval(spacing*grid, mask=grid > 1)
+      end associate
+      if (cutoff < least .or. cutoff > most) call values%refuse(group, key, 'found ' &
+         //to_text(cutoff)//' m, expected '//to_text(least, 3)//' to '//to_text(most, 3) &
+         //' m, '//to_text(nint(least_nodes))//' spacings to the length of the file')
+   end subroutine check_cutoff
+
+end module file_heights

@@ -1,0 +1,177 @@
+!> Entries of the command line, `--set group.key=value`, put into the text of a namelist: the text
+!> is then that of a file which gives the same case.
+module set_entries
+   use errors, only: error_t, fail, input_error
+   use findings, only: findings_t
+   use input_keys, only: key_rows
+   use key_row, only: text_kind, word_kind, words_kind
+   use namelist_source, only: source_t, new_source
+   use namelist_text, only: namelist_text_t, split_namelist
+   use text, only: to_lower
+   implicit none (type, external)
+   private
+
+   public :: new_set_entry, put_entries, set_entry_t, tell_apart
+
+   !> One entry; `value` is namelist text.
+   type :: set_entry_t
+      character(:), allocatable :: group, key, value
+   end type set_entry_t
+
+contains
+
+   !> The entry that `word`, "group.key=value", means; words and texts get the quotes that a shell
+   !> takes away. Error (input_error): another form, or a value that would end its entry.
+   subroutine new_set_entry(entry, word, error)
+      type(set_entry_t), intent(out) :: entry
+      character(*), intent(in) :: word
+      type(error_t), allocatable, intent(out) :: error
+      integer :: point, sign
+
+      sign = index(word, '=')
+      point = index(word(:max(sign - 1, 0)), '.')
+      if (point < 2 .or. sign < point + 2 .or. sign == len(word)) then
+         call fail(error, input_error, 'found --set '//word//', expected --set GROUP.KEY=VALUE')
+         return
+      end if
+      entry%group = to_lower(trim(adjustl(word(:point - 1))))
+      entry%key = to_lower(trim(adjustl(word(point + 1:sign - 1))))
+      entry%value = with_quotes(entry, trim(adjustl(word(sign + 1:))))
+      if (.not. is_one_value(entry%value)) call fail(error, input_error, 'found --set '//word &
+         //', expected numbers, words or a text: one line, with closed quotes')
+   end subroutine new_set_entry
+
+   !> `value` with the quotes that its key needs.
+   pure function with_quotes(entry, value) result(quoted)
+      type(set_entry_t), intent(in) :: entry
+      character(*), intent(in) :: value
+      character(:), allocatable :: quoted
+      integer :: i, kind
+
+      quoted = value
+      if (scan(value(1:1), '''"') > 0) return
+      kind = 0
+      do i = 1, size(key_rows)
+         if (key_rows(i)%group == entry%group .and. key_rows(i)%key == entry%key) kind = &
+            key_rows(i)%kind
+      end do
+      if (all(kind /= [text_kind, word_kind, words_kind])) return
+      quoted = "'"
+      do i = 1, len(value)
+         if (value(i:i) == ',' .and. kind == words_kind) then
+            quoted = quoted//"', '"
+         else if (value(i:i) /= ' ' .or. kind /= words_kind) then
+            quoted = quoted//value(i:i)
+            if (value(i:i) == "'") quoted = quoted//"'"
+         end if
+      end do
+      quoted = quoted//"'"
+   end function with_quotes
+
+   !> Whether a value has nothing that would end it, a comment or a group in it.
+   pure function is_one_value(value)
+      character(*), intent(in) :: value
+      logical :: is_one_value
+      character(len=1) :: mark
+      integer :: i
+
+      mark = ' '
+      is_one_value = .true.
+      do i = 1, len(value)
+         associate (byte => value(i:i))
+            if (mark /= ' ') then
+               if (byte == mark) mark = ' '
+            else if (scan(byte, '''"') > 0) then
+               mark = byte
+            else
+               is_one_value = is_one_value .and. scan(byte, '!/&=') == 0
+            end if
+            is_one_value = is_one_value .and. iachar(byte) >= 32
+         end associate
+      end do
+      is_one_value = is_one_value .and. mark == ' '
+   end function is_one_value
+
+   !> `content` with `entries` (n): in the place of the same key, else behind the name of their
+   !> group, else in a group at the end. No line of `content` gets another number.
+   subroutine put_entries(content, entries)
+      character(:), allocatable, intent(inout) :: content
+      type(set_entry_t), intent(in) :: entries(:)
+      integer :: i
+
+      do i = 1, size(entries)
+         call put_entry(content, entries(i))
+      end do
+   end subroutine put_entries
+
+   !> Makes `findings` about `entries` (n) name --set, and those about a group that has nothing else
+   !> in `pieces`.
+   subroutine tell_apart(entries, pieces, findings)
+      type(set_entry_t), intent(in) :: entries(:)
+      type(namelist_text_t), intent(in) :: pieces
+      type(findings_t), intent(inout) :: findings
+      integer :: i, k
+      logical :: is_own
+
+      do i = 1, size(entries)
+         call findings%set_apart(entries(i)%group, entries(i)%key)
+         is_own = .true.
+         do k = 1, pieces%entry_count
+            associate (entry => pieces%entries(k))
+               if (entry%group == entries(i)%group) is_own = is_own .and. is_among(entry%key, &
+                  entries)
+            end associate
+         end do
+         if (is_own) call findings%set_apart(entries(i)%group, '')
+      end do
+   end subroutine tell_apart
+
+   !> Whether `key` is one of `entries` (n).
+   pure function is_among(key, entries)
+      character(*), intent(in) :: key
+      type(set_entry_t), intent(in) :: entries(:)
+      logical :: is_among
+      integer :: i
+
+      is_among = .false.
+      do i = 1, size(entries)
+         is_among = is_among .or. entries(i)%key == key
+      end do
+   end function is_among
+
+   !> One of them.
+   subroutine put_entry(content, entry)
+      character(:), allocatable, intent(inout) :: content
+      type(set_entry_t), intent(in) :: entry
+      type(namelist_text_t) :: pieces
+      type(source_t) :: source
+      type(findings_t) :: unheard
+      character(:), allocatable :: words
+      integer :: i, k, place
+
+      call split_namelist(content, pieces, unheard)
+      call new_source(source, content, unheard)
+      place = 0
+      do i = pieces%entry_count, 1, -1
+         associate (old => pieces%entries(i))
+            if (old%group /= entry%group .or. old%key /= entry%key) cycle
+            place = old%span(1)
+            do k = old%span(1), old%span(2)   ! comments are blanks in the source, and stay
+               if (source%text(k:k) /= ' ') content(k:k) = ' '
+            end do
+         end associate
+      end do
+      words = ' '//entry%key//' = '//entry%value//' '
+      if (place == 0) then
+         do i = 1, pieces%group_count
+            if (pieces%groups(i)%name == entry%group) place = pieces%groups(i)%name_end + 1
+         end do
+      end if
+      if (place > 0) then
+         content = content(:place - 1)//words//content(place:)
+      else
+         content = content//new_line('a')//'&'//entry%group//words//'/'//new_line('a')
+      end if
+   end subroutine put_entry
+
+end module set_entries

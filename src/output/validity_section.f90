@@ -1,0 +1,109 @@
+!> /adequacy/validity of a result, and what the user is told of a limit that is passed.
+module validity_section
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use hdf5_attribute, only: write_attribute
+   use hdf5_dataset, only: new_label, write_dataset
+   use hdf5_file, only: hdf5_file_t
+   use kinds, only: wp
+   use quantity_text, only: number_text, prefixed_text
+   use validity, only: limit_t
+   use validity_table, only: film_over_wave, hardness, inlet_heating, limit_count, limit_rows, &
+      limiting_stress, mixed_lubrication, shakedown, shear_heating, side_flow, starvation, &
+      stokes_number, surface_slope, turbulence, viscosity_data
+   implicit none (type, external)
+   private
+
+   public :: limit_sentence, write_validity
+
+   !> Share of the viscosity that is left at the threshold of the heating.
+   real(wp), parameter :: least_viscosity = 0.9_wp
+
+contains
+
+   !> One dataset for each limit that could be evaluated; the others are named with the reason.
+   subroutine write_validity(file, limits)
+      class(hdf5_file_t), intent(inout) :: file
+      type(limit_t), intent(in) :: limits(limit_count)
+      character(:), allocatable :: missing, path
+      integer :: i
+
+      call file%create_group('/adequacy/validity')
+      call write_attribute(file, '/adequacy/validity', 'about', 'limits of the model; '// &
+         'exceeded = 1: the contact lies beyond threshold, whatever its error bars say')
+      missing = ''
+      do i = 1, limit_count
+         associate (row => limit_rows(i), limit => limits(i))
+            if (.not. ieee_is_finite(limit%value)) then
+               if (allocated(limit%missing)) missing = missing//trim(row%name)//': ' &
+                  //limit%missing//'; '
+               cycle
+            end if
+            path = '/adequacy/validity/'//trim(row%name)
+            call write_dataset(file, path, limit%value, new_label(trim(row%meaning), &
+               trim(row%units)))
+            call write_attribute(file, path, 'threshold', limit%threshold)
+            call write_attribute(file, path, 'beyond', trim(merge('below', 'above', row%is_least)))
+            call write_attribute(file, path, 'source', trim(row%source))
+            call write_attribute(file, path, 'exceeded', merge(1, 0, limit%is_passed))
+         end associate
+      end do
+      if (missing /= '') call write_attribute(file, '/adequacy/validity', 'not_evaluated', &
+         missing(:len(missing) - 2))
+   end subroutine write_validity
+
+   !> What passing limit `i` means.
+   pure function limit_sentence(i, limit) result(words)
+      integer, intent(in) :: i
+      type(limit_t), intent(in) :: limit
+      character(:), allocatable :: number, percent, words
+
+      number = number_text(limit%value, 2)
+      percent = number_text(100.0_wp*limit%value, 2)//' %'
+      select case (i)
+      case (mixed_lubrication)
+         words = 'the film is '//number//' times the composite roughness; below 3 lubrication '// &
+            'is mixed'
+      case (viscosity_data)
+         words = 'pressures to '//pressure(limit%value)//', viscosities are measured to ' &
+            //pressure(limit%threshold)
+      case (limiting_stress)
+         words = 'the shear stress is '//number//' of the pressure: oils give way near 0.1'
+      case (hardness)
+         words = 'pressures to '//pressure(limit%value)//' pass the hardness, ' &
+            //pressure(limit%threshold)
+      case (shakedown)
+         words = 'the Hertzian pressure, '//pressure(limit%value)//', passes the shakedown '// &
+            'limit, '//pressure(limit%threshold)
+      case (shear_heating)
+         words = 'sliding would heat the film by '//number//' K and take ' &
+            //number_text(100*(1 - least_viscosity**(limit%value/limit%threshold)), 2) &
+            //' % of its viscosity'
+      case (inlet_heating)
+         words = 'heat of the inlet, not in the model, would thin the film by '//percent
+      case (starvation)
+         words = 'starves the film by '//percent//' (x_inlet further out cures it)'
+      case (side_flow)
+         words = 'flow to the sides takes '//percent//' of the film: the contact is short'
+      case (stokes_number)
+         words = 'shear stress rises with pressure by '//number//" (T_max): Reynolds' "// &
+            'equation is doubtful above 0.25'
+      case (surface_slope)
+         words = 'surfaces are as steep as '//number//": too much for Reynolds' equation"
+      case (film_over_wave)
+         words = 'the film is '//number//" of the finest wave: too thick for Reynolds' equation"
+      case (turbulence)
+         words = 'the Reynolds number of the film is '//number//': not laminar'
+      case default
+         words = ''
+      end select
+   end function limit_sentence
+
+   !> A pressure as people read it.
+   pure function pressure(value) result(words)
+      real(wp), intent(in) :: value
+      character(:), allocatable :: words
+
+      words = prefixed_text(value, 'Pa')
+   end function pressure
+
+end module validity_section

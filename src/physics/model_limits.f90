@@ -1,0 +1,111 @@
+!> Estimates of what the model of an isothermal, infinitely long, thin film of laminar flow leaves
+!> out: temperature, side flow, what Reynolds' equation neglects. In SI; nothing here enters a
+!> solution.
+module model_limits
+   use constants, only: pi
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: film_reynolds_number, film_temperatures, flash_temperatures, inlet_heating_loss, &
+      pressure_derivative_of_stress, side_flow_loss
+
+   !> Cells over which the heat of a contact is averaged at most: enough for 1 % of its largest
+   !> temperature.
+   integer, parameter :: max_cells = 256
+
+contains
+
+   !> Temperature rise [K] of both surfaces from the `heat` [W/m^2] at nodes (n) at the distance
+   !> `spacing` [m], the flow to the right. On more than `max_cells` nodes the heat of neighbours is
+   !> averaged, and they get the temperature behind the last of them.
+   !>
+   !> Both bodies pass a band source faster than heat spreads (J. C. Jaeger, J. Proc. R. Soc. New
+   !> South Wales 76, 1942, 203; J. F. Archard, Wear 2, 1959, 438) and share the heat so that their
+   !> surfaces are equally warm:
+   !>
+   !>     T(x) = Int_{x' < x} q(x')/sqrt(x - x') dx' / ( sqrt(pi) e (sqrt|u1| + sqrt|u2|) )
+   !>
+   !> `effusivity` e = sqrt(k rho c) [W s^0.5/(m^2 K)] of both, `speeds` [m/s] of the surfaces, not
+   !> both zero. A body at rest takes no heat, so a contact of simple sliding comes out too warm.
+   pure function flash_temperatures(heat, spacing, effusivity, speeds) result(rise)
+      real(wp), intent(in), contiguous :: heat(:)
+      real(wp), intent(in) :: spacing, effusivity, speeds(2)
+      real(wp) :: rise(size(heat))
+      real(wp), allocatable :: means(:), weights(:)
+      integer :: cells, i, nodes
+
+      nodes = (size(heat) - 1)/max_cells + 1
+      cells = (size(heat) - 1)/nodes + 1
+      means = [(sum(heat((i - 1)*nodes + 1:min(i*nodes, size(heat))))/nodes, i=1, cells)]
+      weights = [(sqrt(real(i, wp)) - sqrt(real(i - 1, wp)), i=1, cells)]
+      do i = 1, cells
+         rise((i - 1)*nodes + 1:min(i*nodes, size(heat))) = dot_product(weights(:i), means(i:1:-1))
+      end do
+      rise = rise*2.0_wp*sqrt(nodes*spacing/pi)/(effusivity*sum(sqrt(abs(speeds))))
+   end function flash_temperatures
+
+   !> Temperature rise [K] of the middle of a film above its walls, in which the `heat` [W/m^2] is
+   !> set free evenly across the `film` [m]:  q h/(8 k), `conductivity` k [W/(m K)] of the oil.
+   pure elemental function film_temperatures(heat, film, conductivity) result(rise)
+      real(wp), intent(in) :: heat, film, conductivity
+      real(wp) :: rise
+
+      rise = heat*film/(8.0_wp*conductivity)
+   end function film_temperatures
+
+   !> Share by which the heat of the flow in the inlet thins the film of an EHL contact [-].
+   !>
+   !> P. K. Gupta, H. S. Cheng, D. Zhu, N. H. Forster and J. B. Schrand, Tribol. Trans. 35, 1992,
+   !> 269:
+   !>
+   !>     1 - (1 - 13.2 (p_h/E') L^0.42)/(1 + 0.213 (1 + 2.23 S^0.83) L^0.64) ,  L = beta mu_0 u^2/k
+   !>
+   !> `loading` L >= 0, u the mean speed, beta = -d ln mu/dT; `slide_to_roll` S = |u2 - u1|/u >= 0;
+   !> `strain` p_h/E' >= 0. At most 1.
+   pure elemental function inlet_heating_loss(loading, slide_to_roll, strain) result(loss)
+      real(wp), intent(in) :: loading, slide_to_roll, strain
+      real(wp) :: loss
+
+      loss = 1.0_wp - max(1.0_wp - 13.2_wp*strain*loading**0.42_wp, 0.0_wp) &
+         /(1.0_wp + 0.213_wp*(1.0_wp + 2.23_wp*slide_to_roll**0.83_wp)*loading**0.64_wp)
+   end function inlet_heating_loss
+
+   !> Share of the smallest film that a contact of finite length loses to its sides [-].
+   !>
+   !> exp(-0.68 k) of elliptical contacts with the axes' ratio k (B. J. Hamrock and D. Dowson, J.
+   !> Lubr. Technol. 99, 1977, 264), taken for `length`/`width`, both [m] > 0.
+   pure elemental function side_flow_loss(length, width) result(loss)
+      real(wp), intent(in) :: length, width
+      real(wp) :: loss
+
+      loss = exp(-0.68_wp*length/width)
+   end function side_flow_loss
+
+   !> d tau/dp [-] of the flow between two walls at a given shear rate: what the derivation of
+   !> Reynolds' equation takes for small. It is d tau/d ln mu times `slope` = d ln mu/dp [1/Pa].
+   !>
+   !> `newtonian` stress mu |u2 - u1|/h [Pa] >= 0. With Eyring's tau = tau_0 asinh B, B =
+   !> mu |u2 - u1|/(tau_0 h), it is tau_0 B/sqrt(1 + B^2) d ln mu/dp; `eyring` tau_0 [Pa] > 0, or
+   !> <= 0 for an oil that does not thin, where it is the Newtonian stress times the slope. S. Bair,
+   !> M. Khonsari and W. O. Winer, Tribol. Int. 31, 1998, 573.
+   pure elemental function pressure_derivative_of_stress(newtonian, eyring, &
+      slope) result(derivative)
+      real(wp), intent(in) :: newtonian, eyring, slope
+      real(wp) :: derivative
+
+      derivative = newtonian*slope
+      if (eyring > 0.0_wp) derivative = eyring*slope*(newtonian/hypot(newtonian, eyring))
+   end function pressure_derivative_of_stress
+
+   !> Reynolds number rho u h/mu_0 [-] of the flow through a contact, u = `speed` the mean of the
+   !> surfaces [m/s], h = `film` [m] at its centre, all at ambient `density` [kg/m^3] and
+   !> `viscosity` [Pa s]. By conservation of mass it is about the same all along the inlet.
+   pure elemental function film_reynolds_number(density, speed, film, viscosity) result(number)
+      real(wp), intent(in) :: density, speed, film, viscosity
+      real(wp) :: number
+
+      number = density*abs(speed)*film/viscosity
+   end function film_reynolds_number
+
+end module model_limits

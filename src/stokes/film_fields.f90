@@ -1,0 +1,99 @@
+!> What a solution of the momentum equations hands out: fields over X and zeta, and how far the
+!> Reynolds equation on the same grid is from it.
+module film_fields
+   use film_geometry, only: layer_centres
+   use film_passage, only: film_passage_t
+   use kinds, only: wp
+   use momentum_problem, only: film_flow_t, momentum_problem_t
+   use momentum_rows, only: momentum_terms_t
+   implicit none (type, external)
+   private
+
+   public :: compare_passage, film_fields_t, stress_rise, take_fields
+
+   !> Fields (layers, nx) in the middle of the layers at the nodes.
+   type :: film_fields_t
+      !> zeta of the layers (layers): 0 at surface 1, 1 at surface 2.
+      real(wp), allocatable :: zeta(:)
+      !> u and w over u_s, P = p/p_h, tau_xz/p_h, viscosity under shear over mu_0.
+      real(wp), allocatable :: u(:, :), w(:, :), pressure(:, :), shear_stress(:, :), &
+         viscosity(:, :)
+      !> Pressure and film of the Reynolds equation on the same nodes (nx).
+      real(wp), allocatable :: reynolds_pressure(:), reynolds_film(:)
+      !> Relative differences of h_min, h_central and p_max from the Reynolds equation; largest
+      !> |difference| of the mean pressure and largest difference of P across the film [p_h].
+      real(wp) :: h_min = 0.0_wp, h_central = 0.0_wp, p_max = 0.0_wp, pressure_change = 0.0_wp, &
+         pressure_variation = 0.0_wp
+      !> T_max, see `stress_rise`, of the Reynolds film.
+      real(wp) :: stress_rise = 0.0_wp
+      !> Newton steps, factorisations of the matrix, steps of GMRES.
+      integer :: steps = 0, factorisations = 0, linear_iterations = 0
+   end type film_fields_t
+
+contains
+
+   !> The largest d tau_xz/dp at a given shear rate, T_max. Where it comes to 1 a film has no
+   !> solution, for the momentum across it then changes the pressure by as much as along it.
+   pure function stress_rise(problem, terms) result(largest)
+      type(momentum_problem_t), intent(in) :: problem
+      type(momentum_terms_t), intent(in) :: terms
+      real(wp) :: largest
+      integer :: f
+
+      largest = 0.0_wp
+      associate (s => terms%stresses)
+         do f = 1, problem%n
+            largest = max(largest, maxval(abs(s%xz_by_ln_mu(:, f))) &
+               *maxval(0.5_wp*(s%ln_mu_p(:, f - 1) + s%ln_mu_p(:, f))))
+         end do
+      end associate
+      largest = problem%kappa*sqrt(problem%delta2)*largest
+   end function stress_rise
+
+   !> The fields of a flow with its terms: means of the values around each point.
+   pure subroutine take_fields(problem, flow, terms, fields)
+      type(momentum_problem_t), intent(in) :: problem
+      type(film_flow_t), intent(in) :: flow
+      type(momentum_terms_t), intent(in) :: terms
+      type(film_fields_t), intent(inout) :: fields
+      real(wp) :: delta, stress(0:problem%layers)
+      integer :: i, left, right
+
+      delta = sqrt(problem%delta2)
+      associate (m => problem%layers, n => problem%n, s => terms%stresses, &
+         w => terms%kinematics%w)
+         fields%zeta = layer_centres(m)
+         fields%pressure = flow%p
+         allocate (fields%u(m, n + 1), fields%w(m, n + 1), fields%shear_stress(m, n + 1), &
+            fields%viscosity(m, n + 1))
+         do i = 0, n
+            left = max(i, 1)
+            right = min(i + 1, n)
+            fields%u(:, i + 1) = 0.5_wp*(flow%u(:, left) + flow%u(:, right))
+            fields%w(:, i + 1) = 0.5_wp*delta*(w(:m - 1, i) + w(1:, i))
+            stress = 0.5_wp*problem%kappa*delta*(s%xz(:, left) + s%xz(:, right))
+            fields%shear_stress(:, i + 1) = 0.5_wp*(stress(:m - 1) + stress(1:))
+            fields%viscosity(:, i + 1) = 0.25_wp*(s%corner_eta(:m - 1, left) &
+               + s%corner_eta(1:, left) + s%corner_eta(:m - 1, right) + s%corner_eta(1:, right))
+         end do
+         fields%viscosity(:, 2:n) = s%eta(:, 1:n - 1)
+      end associate
+      fields%pressure_variation = maxval(maxval(flow%p, 1) - minval(flow%p, 1))
+   end subroutine take_fields
+
+   !> Differences of a whole passage: of films the smallest over all times count, of pressures and
+   !> differences the largest.
+   pure subroutine compare_passage(passage, fields)
+      type(film_passage_t), intent(in) :: passage
+      type(film_fields_t), intent(inout) :: fields
+
+      associate (s => passage%series(:, :passage%last))
+         fields%h_min = minval(s(1, :))/minval(s(4, :)) - 1
+         fields%h_central = minval(s(2, :))/minval(s(5, :)) - 1
+         fields%p_max = maxval(s(3, :))/maxval(s(6, :)) - 1
+         fields%pressure_change = maxval(s(7, :))
+         fields%pressure_variation = maxval(s(9, :))
+      end associate
+   end subroutine compare_passage
+
+end module film_fields

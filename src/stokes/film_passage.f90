@@ -1,0 +1,72 @@
+!> What the full momentum equations change over a transient, time by time, beside the Reynolds
+!> equation on the same grid.
+module film_passage
+   use kinds, only: wp
+   use line_state, only: line_state_t
+   use quantities, only: central_value, parabola_minimum
+   use time_part, only: follower_t
+   implicit none (type, external)
+   private
+
+   public :: film_passage_t, new_passage
+
+   !> Series over the time steps, T = 0 first (0:steps), and profiles of every `stride`-th one.
+   type :: film_passage_t
+      integer :: stride = 1
+      !> Steps that are done.
+      integer :: last = -1
+      !> T; smallest film, film at X = 0 and largest pressure by the full equations (series 1 to 3)
+      !> and by the Reynolds equation (4 to 6); largest differences of the mean pressure [p_h] and
+      !> of the film [b^2/R], largest difference of pressures across the film [p_h] (7 to 9).
+      real(wp), allocatable :: time(:), series(:, :)
+      !> Mean pressure and film of the profiles (nx, 0:steps/stride).
+      real(wp), allocatable :: pressure(:, :), film(:, :)
+   contains
+      !> Takes the end of a time step.
+      procedure :: add
+   end type film_passage_t
+
+contains
+
+   !> Room for so many steps on nx nodes.
+   pure function new_passage(steps, stride, nx) result(passage)
+      integer, intent(in) :: steps, stride, nx
+      type(film_passage_t) :: passage
+
+      passage%stride = stride
+      allocate (passage%time(0:steps), passage%series(9, 0:steps), &
+         passage%pressure(nx, 0:steps/stride), passage%film(nx, 0:steps/stride), source=0.0_wp)
+   end function new_passage
+
+   !> `state` is that of the Reynolds equation.
+   subroutine add(self, step, state, follower)
+      class(film_passage_t), intent(inout) :: self
+      integer, intent(in) :: step
+      type(line_state_t), intent(in) :: state
+      class(follower_t), intent(in) :: follower
+
+      self%last = step
+      self%time(step) = state%time
+      associate (full => follower%state)
+         self%series(:, step) = [extremes(full%pressure, full%film), &
+            extremes(state%pressure, state%film_thickness), &
+            maxval(abs(full%pressure - state%pressure)), &
+            maxval(abs(full%film - state%film_thickness)), follower%pressure_variation]
+         if (mod(step, self%stride) /= 0) return
+         self%pressure(:, step/self%stride) = full%pressure
+         self%film(:, step/self%stride) = full%film
+      end associate
+
+   contains
+
+      !> Smallest and central film, largest pressure.
+      function extremes(pressure, film)
+         real(wp), intent(in) :: pressure(:), film(:)
+         real(wp) :: extremes(3)
+
+         extremes = [parabola_minimum(film), central_value(state%x, film), maxval(pressure)]
+      end function extremes
+
+   end subroutine add
+
+end module film_passage

@@ -1,0 +1,269 @@
+!> Newton's method for the elastic film with its full momentum equations.
+!>
+!> It starts from a solution of the Reynolds equation on the same level, and leaves there the mean
+!> pressure across the film, the film and H0. The velocities go with a step as those of the thin
+!> film do, plus the linear change of what they are beside these: their profiles are exponential in
+!> pressure. Cavitation: columns whose mean pressure would become negative hold P = 0.
+module momentum_newton
+   use errors, only: error_t
+   use film_equation, only: take_film
+   use force_balance, only: load_defect
+   use gmres, only: gmres_t, solve_gmres
+   use kinds, only: wp
+   use line_level, only: line_level_t
+   use momentum_matrix, only: factor_momentum, momentum_matrix_t, solve_momentum
+   use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t, new_flow
+   use momentum_rows, only: column_mass, evaluate_rows, momentum_rows_t, momentum_terms_t
+   use momentum_system, only: film_change, flow_change, momentum_system_t
+   use newton_work, only: new_jacobian, reynolds_jacobian_t
+   use reynolds_jacobian, only: evaluate_jacobian
+   use reynolds_part, only: change_of_profile
+   use semiseparable_jacobian, only: semiseparable_jacobian_t
+   implicit none (type, external)
+   private
+
+   public :: momentum_newton_t, solve_momentum_contact, start_flow
+
+   !> Bounds of a step: of the mean pressure as a share of max(1, P), of U beside the thin film's,
+   !> and of the film.
+   real(wp), parameter :: largest_step = 0.3_wp, largest_speed_step = 0.5_wp, &
+      smallest_film_share = 0.5_wp
+   !> What GMRES leaves of the right side, and what one Reynolds solution in its preconditioner may.
+   real(wp), parameter :: linear_share = 1.0e-4_wp, inner_share = 1.0e3_wp
+   !> A full step below `settled` that is no longer ten times smaller than the one before has
+   !> reached the round-off.
+   real(wp), parameter :: settled = 1.0e-8_wp, slow_share = 0.1_wp
+   !> What a step leaves of the step before it, with new factors.
+   real(wp), parameter :: new_rate = 1.0e-2_wp
+   integer, parameter :: max_halvings = 20
+   !> The last full column may have no place: full its pressure would be negative, cavitated its
+   !> balance of mass would ask for some. Once cavitated it stays so while that is below this share
+   !> of the pressure upstream of it, and in any case after so many changes.
+   real(wp), parameter :: smallest_rise = 1.0e-2_wp
+   integer, parameter :: most_changes = 3
+
+   !> Outcome of one solution, and what its steps work with.
+   type :: momentum_newton_t
+      logical :: is_converged = .false.
+      integer :: steps = 0, factorisations = 0, linear_iterations = 0
+      !> Share of delta^2 that module momentum_continuation has come to.
+      real(wp) :: reached = 0.0_wp
+      !> The factors are kept while so many more steps with them are expected to do. (To factor
+      !> costs as much as six steps.)
+      integer :: most_further_steps = 5
+      !> Largest change of P, U and H0 in the last full step.
+      real(wp) :: last_step = huge(1.0_wp)
+      type(momentum_terms_t) :: terms
+      type(momentum_rows_t), private :: rows
+      type(momentum_matrix_t), private :: matrix
+      !> The cavitated columns of the factors, allocated while there are factors; what a step with
+      !> them leaves of the one before.
+      logical, allocatable, private :: factored_set(:)
+      real(wp), private :: rate = new_rate
+   end type momentum_newton_t
+
+contains
+
+   !> The flow of the level's pressure and film by the Reynolds equation.
+   pure subroutine start_flow(problem, level, flow, terms)
+      type(momentum_problem_t), intent(in) :: problem
+      type(line_level_t), intent(in) :: level
+      type(film_flow_t), intent(out) :: flow
+      type(momentum_terms_t), intent(out) :: terms
+      type(momentum_rows_t) :: rows
+
+      call new_flow(flow, problem)
+      flow%film(:) = level%state%film
+      flow%p(:, :) = spread(level%state%pressure, 1, problem%layers)
+      call evaluate_rows(problem, flow, terms, rows)
+      flow%u(:, :) = terms%reynolds%u
+   end subroutine start_flow
+
+   !> Solves from a first approximation in `flow`, whose mean pressure is that of the level. Ends
+   !> when a full step is below `tolerance`, or at round-off, or after `max_steps`, or without
+   !> convergence where the matrix is singular.
+   subroutine solve_momentum_contact(newton, problem, level, flow, tolerance, max_steps)
+      type(momentum_newton_t), intent(inout), target :: newton
+      type(momentum_problem_t), intent(inout), target :: problem
+      type(line_level_t), intent(inout), target :: level
+      type(film_flow_t), intent(inout), target :: flow
+      real(wp), intent(in) :: tolerance
+      integer, intent(in) :: max_steps
+      type(error_t), allocatable :: error
+      type(reynolds_jacobian_t), target :: reynolds
+      type(semiseparable_jacobian_t), target :: linear
+      type(momentum_system_t) :: system
+      type(gmres_t) :: krylov
+      type(film_flow_t) :: step, plain
+      real(wp), allocatable :: x(:)
+      real(wp) :: mean(0:problem%n), previous, share
+      integer :: changes(0:problem%n)
+      logical :: has_new_set, is_new, is_solved
+
+      newton%is_converged = .false.
+      newton%steps = 0
+      if (allocated(newton%rows%x)) deallocate (newton%rows%x, newton%rows%z, newton%rows%mass)
+      previous = huge(1.0_wp)
+      changes = 0
+      if (allocated(newton%factored_set)) deallocate (newton%factored_set)
+      call new_jacobian(reynolds, level%n)
+      call new_flow(step, problem)
+      call new_flow(plain, problem)
+      call new_flow(system%change, problem)
+      linear%tolerance = inner_share
+      system%level => level
+      system%problem => problem
+      system%flow => flow
+      system%terms => newton%terms
+      system%matrix => newton%matrix
+      system%reynolds => reynolds
+      system%linear => linear
+      allocate (x(level%n))
+      do while (newton%steps < max_steps)
+         level%state%pressure(:) = mean_pressure(flow)
+         call take_film(level)
+         flow%film(:) = level%state%film
+         call evaluate_jacobian(level, reynolds)
+         call evaluate_rows(problem, flow, newton%terms, newton%rows)
+         call choose_held(problem, level, column_mass(problem, flow, newton%terms), reynolds, &
+            changes, has_new_set)
+         if (has_new_set) call evaluate_rows(problem, flow, newton%terms, newton%rows)
+         call renew_factors(newton, problem, flow, is_new, error)
+         if (allocated(error)) return
+         call solve_momentum(newton%matrix, problem, newton%rows, plain)
+         mean = mean_pressure(plain)
+         x(:level%n - 1) = -mean(1:level%n - 1)
+         x(level%n) = load_defect(level)
+         call solve_gmres(krylov, system, linear_share, x, is_solved)
+         newton%linear_iterations = newton%linear_iterations + krylov%iterations
+         if (.not. is_solved .and. krylov%iterations == 0) return
+         call flow_change(system, x, step)
+         step%u = -plain%u - step%u
+         step%v = -plain%v - step%v
+         step%p = -plain%p - step%p
+         call take_step(newton, problem, level, flow, step, x(level%n), share)
+         if (share <= 0.0_wp) return
+         newton%steps = newton%steps + 1
+         if (.not. is_new) newton%rate = newton%last_step/previous
+         if (newton%last_step*newton%rate**newton%most_further_steps > tolerance &
+            .or. share < 1.0_wp) deallocate (newton%factored_set)
+         newton%is_converged = share >= 1.0_wp .and. .not. has_new_set &
+            .and. (newton%last_step < tolerance .or. (newton%last_step < settled &
+            .and. newton%last_step > slow_share*previous))
+         if (newton%is_converged) exit
+         previous = newton%last_step
+      end do
+      level%state%pressure(:) = mean_pressure(flow)
+      call take_film(level)
+      flow%film(:) = level%state%film
+      call evaluate_rows(problem, flow, newton%terms, newton%rows)
+   end subroutine solve_momentum_contact
+
+   !> Factors for the flow where there are none, or for other cavitated columns.
+   subroutine renew_factors(newton, problem, flow, is_new, error)
+      type(momentum_newton_t), intent(inout) :: newton
+      type(momentum_problem_t), intent(in) :: problem
+      type(film_flow_t), intent(in) :: flow
+      logical, intent(out) :: is_new
+      type(error_t), allocatable, intent(out) :: error
+
+      if (allocated(newton%factored_set)) then
+         if (any(newton%factored_set .neqv. problem%is_held)) deallocate (newton%factored_set)
+      end if
+      is_new = .not. allocated(newton%factored_set)
+      if (.not. is_new) return
+      call factor_momentum(newton%matrix, problem, flow, newton%terms, error)
+      if (allocated(error)) return
+      newton%factorisations = newton%factorisations + 1
+      newton%factored_set = problem%is_held
+      newton%rate = new_rate
+   end subroutine renew_factors
+
+   !> Which columns hold P = 0: where P + r/D <= 0, with r the mass balance of the column as the
+   !> residual of the Reynolds equation and D < 0 its elastic diagonal. Rows of `reynolds` are
+   !> divided by that. `changes` counts those of the columns (0:n).
+   subroutine choose_held(problem, level, mass, reynolds, changes, has_new_set)
+      type(momentum_problem_t), intent(inout) :: problem
+      type(line_level_t), intent(in) :: level
+      real(wp), intent(in) :: mass(0:)
+      type(reynolds_jacobian_t), intent(inout) :: reynolds
+      integer, intent(inout) :: changes(0:)
+      logical, intent(out) :: has_new_set
+      logical :: is_held
+      real(wp) :: asked
+      integer :: i
+
+      has_new_set = .false.
+      do i = 1, level%n - 1
+         associate (d => reynolds%diagonal(i))
+            asked = level%state%pressure(i) + 2*problem%lambda*mass(i)/d
+            is_held = asked <= 0.0_wp
+            if (problem%is_held(i) .and. changes(i) > 0) is_held = changes(i) >= most_changes .or. &
+               asked <= smallest_rise*level%state%pressure(i - 1)
+            if (is_held .neqv. problem%is_held(i)) changes(i) = changes(i) + 1
+            has_new_set = has_new_set .or. (is_held .neqv. problem%is_held(i))
+            problem%is_held(i) = is_held
+            reynolds%by_film(:, i) = reynolds%by_film(:, i)/d
+            reynolds%by_pressure(:, i) = reynolds%by_pressure(:, i)/d
+         end associate
+      end do
+   end subroutine choose_held
+
+   !> Takes the step, shortened until no pressure, velocity or film changes too much; share = 0 if
+   !> that fails. `film_shift`: that of H0.
+   subroutine take_step(newton, problem, level, flow, step, film_shift, share)
+      type(momentum_newton_t), intent(inout) :: newton
+      type(momentum_problem_t), intent(in) :: problem
+      type(line_level_t), intent(inout) :: level
+      type(film_flow_t), intent(inout) :: flow
+      type(film_flow_t), intent(inout) :: step
+      real(wp), intent(in) :: film_shift
+      real(wp), intent(out) :: share
+      type(film_flow_t) :: old
+      real(wp) :: mean(0:problem%n), d_mean(0:problem%n), d_film(0:problem%n), x(problem%n), &
+         thin(problem%layers, problem%n), before(0:problem%n), h0
+      type(momentum_rows_t) :: rows
+      integer :: halving, i
+
+      d_mean = mean_pressure(step)
+      mean = mean_pressure(flow)
+      x = [d_mean(1:problem%n - 1), film_shift]
+      call film_change(level, x, d_film)
+      call change_of_profile(newton%terms%reynolds%u_by, d_mean, d_film, thin)
+      step%u = step%u - thin
+      share = maxval(abs(d_mean)/max(1.0_wp, mean))
+      if (.not. share + maxval(abs(step%u)) < huge(1.0_wp)) then
+         share = 0.0_wp
+         return
+      end if
+      share = min(1.0_wp, largest_step/max(share, largest_step), &
+         largest_speed_step/max(maxval(abs(step%u)), largest_speed_step))
+      old = flow
+      before = level%state%film
+      h0 = level%state%rigid_displacement
+      do halving = 1, max_halvings
+         flow%p = old%p + share*step%p
+         mean = mean_pressure(flow)
+         do i = 0, problem%n
+            if (mean(i) < 0.0_wp .or. problem%is_held(i)) flow%p(:, i) = problem%held_pressure(i)
+         end do
+         level%state%pressure(:) = mean_pressure(flow)
+         level%state%rigid_displacement = h0 + share*film_shift
+         call take_film(level)
+         if (all(level%state%film > smallest_film_share*before)) exit
+         share = 0.5_wp*share
+      end do
+      if (halving > max_halvings) then
+         share = 0.0_wp
+         return
+      end if
+      flow%film(:) = level%state%film
+      flow%v = old%v + share*step%v
+      flow%u = old%u - newton%terms%reynolds%u + share*step%u
+      call evaluate_rows(problem, flow, newton%terms, rows)
+      flow%u = flow%u + newton%terms%reynolds%u
+      newton%last_step = max(maxval(abs(flow%p - old%p)), maxval(abs(flow%u - old%u)), &
+         abs(share*film_shift))
+   end subroutine take_step
+
+end module momentum_newton

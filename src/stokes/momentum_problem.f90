@@ -1,0 +1,83 @@
+!> The flow between two given surfaces with its full momentum equations: data, grid and unknowns.
+!>
+!> Scaled as the line contact, with the film's own scales across it: x by b, z by h_ref = b^2/R, u
+!> by u_s = u1 + u2, w by u_s h_ref/b, p by p_h, mu by mu_0; delta = h_ref/b = b/R. The film lies
+!> between Z = z1(X) and z1(X) + H(X), and is cut into `layers` by zeta, Z = z1 + zeta H.
+!>
+!> Staggered grid: pressures in the layers at the nodes of the Reynolds equation, velocities U in
+!> the layers at the faces between nodes (face f lies left of node f), fluxes V across the film
+!> at the nodes on the edges between layers. V = W - U dZ/dX (per u_s h_ref/b) is what crosses a
+!> line of constant zeta; no oil crosses the walls, V = 0 there.
+module momentum_problem
+   use kinds, only: wp
+   use lubricant, only: fluid_t
+   implicit none (type, external)
+   private
+
+   public :: film_flow_t, mean_pressure, momentum_problem_t, new_flow
+
+   !> Data of one problem. Arrays (0:n) unless stated.
+   type :: momentum_problem_t
+      !> Intervals in X, layers across the film.
+      integer :: n = 0, layers = 0
+      !> dX and dzeta.
+      real(wp) :: dx = 0.0_wp, dz = 0.0_wp
+      !> Speed parameter of the Reynolds equation, and kappa = lambda/6 of the momentum equations.
+      real(wp) :: lambda = 0.0_wp, kappa = 0.0_wp
+      !> delta^2; 0: the Reynolds equation.
+      real(wp) :: delta2 = 0.0_wp
+      !> rho_0 u_s^2/p_h; 0: no inertia.
+      real(wp) :: inertia = 0.0_wp
+      !> Speeds u1/u_s of the lower and u2/u_s of the upper wall, along the wall.
+      real(wp) :: speed(2) = 0.0_wp
+      type(fluid_t) :: fluid
+      !> mu_0 u_s/(tau_0 h_ref) of an oil by Eyring's law, 0 of a Newtonian one.
+      real(wp) :: shear_scale = 0.0_wp
+      !> Lower wall z1 = lower_share H + lower_shape.
+      real(wp) :: lower_share = 0.0_wp
+      real(wp), allocatable :: lower_shape(:)
+      !> Slopes at the faces (n, 2) of the roughness that the walls carry along, upwards; not
+      !> allocated: smooth walls.
+      real(wp), allocatable :: wave_slope(:, :)
+      !> 1/2 dy/dT = half_rate y - past: half the weight of the new value, and what the old ones of
+      !> H, z1 and of rho H in the layers (layers, 0:n) make of it. half_rate = 0: steady.
+      real(wp) :: half_rate = 0.0_wp
+      real(wp), allocatable :: past_film(:), past_lower(:), past_mass(:, :)
+      !> Columns whose pressure is given (both ends, and where the oil is cavitated), and which.
+      logical, allocatable :: is_held(:)
+      real(wp), allocatable :: held_pressure(:)
+      !> Shares of the layers (layers) in the pressure that loads the bodies; not allocated: that is
+      !> the mean.
+      real(wp), allocatable :: loading_shares(:)
+   end type momentum_problem_t
+
+   !> Unknowns U (layers, n), V (0:layers, 0:n), P (layers, 0:n), and the film H (0:n).
+   type :: film_flow_t
+      real(wp), allocatable :: u(:, :), v(:, :), p(:, :), film(:)
+      !> Shares of the layers in the mean of P (layers).
+      real(wp), allocatable, private :: shares(:)
+   end type film_flow_t
+
+contains
+
+   !> Storage for the flow of a problem, zero.
+   pure subroutine new_flow(flow, problem)
+      type(film_flow_t), intent(out) :: flow
+      type(momentum_problem_t), intent(in) :: problem
+
+      associate (m => problem%layers, n => problem%n)
+         allocate (flow%u(m, n), flow%v(0:m, 0:n), flow%p(m, 0:n), flow%film(0:n), source=0.0_wp)
+         allocate (flow%shares(m), source=1.0_wp/m)
+      end associate
+      if (allocated(problem%loading_shares)) flow%shares(:) = problem%loading_shares
+   end subroutine new_flow
+
+   !> Mean of the pressure across the film (0:n), as it loads the bodies.
+   pure function mean_pressure(flow) result(mean)
+      type(film_flow_t), intent(in) :: flow
+      real(wp) :: mean(0:ubound(flow%p, 2))
+
+      mean = matmul(flow%shares, flow%p)
+   end function mean_pressure
+
+end module momentum_problem

@@ -1,0 +1,95 @@
+!> The momentum equations of the film of a line contact, posed on a level of its solution.
+module momentum_setup
+   use errors, only: error_t
+   use features, only: surface_height
+   use film_equation, only: take_film
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_level, only: line_level_t, new_level, set_plain_problem
+   use line_state, only: line_state_t
+   use momentum_problem, only: momentum_problem_t
+   implicit none (type, external)
+   private
+
+   public :: pose_momentum, set_walls, take_level, walls_t
+
+   !> What a contact in dimensionless form does not know: delta = b/R, the share R/R1 of surface 1,
+   !> the lower one, in the curvature, and rho_0 u_s^2/p_h (0: without inertia).
+   type :: walls_t
+      real(wp) :: delta = 0.0_wp
+      real(wp) :: curvature_share = 0.5_wp
+      real(wp) :: inertia = 0.0_wp
+   end type walls_t
+
+contains
+
+   !> The level of a state: its pressure, film and H0, and the load that its pressure carries.
+   subroutine take_level(contact, state, level, error)
+      type(line_contact_t), intent(in) :: contact
+      type(line_state_t), intent(in) :: state
+      type(line_level_t), intent(inout) :: level
+      type(error_t), allocatable, intent(out) :: error
+
+      call new_level(level, contact%lambda, contact%fluid, [contact%domain%x_inlet, &
+         contact%domain%x_outlet], size(state%x) - 1, error, contact%elasticity)
+      if (allocated(error)) return
+      call set_plain_problem(level, state%roughness_1 + state%roughness_2)
+      level%is_kappa = .true.
+      level%state%pressure(:) = state%pressure
+      level%state%rigid_displacement = state%rigid_displacement
+      ! what a tail in front of the inlet carries stays with it
+      level%rhs_load = level%dx*sum(state%pressure)
+      call take_film(level)
+   end subroutine take_level
+
+   !> The problem on `layers` layers for the steady contact posed on `level`, whose pressure is the
+   !> first approximation: it says which columns are cavitated.
+   !>
+   !> Each body takes its own curvature and roughness, and half of the deformation:
+   !> z1 = -H/2 + (1/2 - R/R1) X^2/2 + (Psi_1 - Psi_2)/2.
+   pure subroutine pose_momentum(problem, contact, walls, level, layers)
+      type(momentum_problem_t), intent(out) :: problem
+      type(line_contact_t), intent(in) :: contact
+      type(walls_t), intent(in) :: walls
+      type(line_level_t), intent(in) :: level
+      integer, intent(in) :: layers
+
+      problem%n = level%n
+      problem%layers = layers
+      problem%dx = level%dx
+      problem%dz = 1.0_wp/layers
+      problem%lambda = level%lambda
+      problem%kappa = level%lambda/6
+      problem%delta2 = walls%delta**2
+      problem%inertia = walls%inertia
+      problem%speed = 0.5_wp*[contact%surface_1%speed, contact%surface_2%speed]
+      problem%fluid = level%fluid
+      ! Sigma = sigma_scale H dP/dX is the wall stress over tau_0
+      problem%shear_scale = level%fluid%sigma_scale*level%lambda/3
+      problem%lower_share = -0.5_wp
+      allocate (problem%lower_shape(0:level%n), problem%wave_slope(level%n, 2))
+      call set_walls(problem, walls, level, reshape([ &
+         surface_height(contact%surface_1, level%x, 0.0_wp), &
+         surface_height(contact%surface_2, level%x, 0.0_wp)], [level%n + 1, 2]))
+      allocate (problem%held_pressure(0:level%n), source=0.0_wp)
+      allocate (problem%is_held(0:level%n), source=level%state%pressure <= 0.0_wp)
+      problem%is_held([0, level%n]) = .true.
+      problem%held_pressure(0) = level%state%pressure(0)
+   end subroutine pose_momentum
+
+   !> The walls with `heights` Psi_1 at all nodes, then Psi_2.
+   pure subroutine set_walls(problem, walls, level, heights)
+      type(momentum_problem_t), intent(inout) :: problem
+      type(walls_t), intent(in) :: walls
+      type(line_level_t), intent(in) :: level
+      real(wp), intent(in) :: heights(0:level%n, 2)
+      integer :: n
+
+      n = level%n
+      problem%lower_shape(:) = (0.5_wp - walls%curvature_share)*0.5_wp*level%x**2 &
+         + 0.5_wp*(heights(:, 1) - heights(:, 2))
+      problem%wave_slope(:, 1) = (heights(1:, 1) - heights(:n - 1, 1))/level%dx
+      problem%wave_slope(:, 2) = (heights(:n - 1, 2) - heights(1:, 2))/level%dx
+   end subroutine set_walls
+
+end module momentum_setup

@@ -1,0 +1,105 @@
+!> The Gaussian filter of ISO 16610-21 (profiles) and, direction by direction, ISO 16610-61 (areas).
+!>
+!> The mean line is the convolution of the heights with the weighting function
+!>
+!>     s(x) = exp(-pi (x/(alpha Lambda))^2)/(alpha Lambda),  alpha = sqrt(ln 2/pi),
+!>
+!> whose transmission exp(-pi (alpha Lambda f)^2) = 2^(-(Lambda f)^2) is one half at the cut-off
+!> wavelength Lambda. It is applied to the Fourier series, of heights with ends to one that is
+!> continued by zeros; there the weights that lie on the heights are scaled to a sum of one, so that
+!> a constant stays one. This changes the mean line over about half a cut-off at each end.
+module gauss_filter
+   use errors, only: error_t
+   use grid_transform, only: transform_back, transform_field
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: take_mean_line
+
+   !> Nodes in the cut-off wavelength, at least: then sampling changes the transmission at the
+   !> cut-off by less than 2e-5.
+   real(wp), parameter, public :: least_nodes = 4.0_wp
+   !> Zeros behind heights with ends, in cut-offs: there the weights are below 1e-13 of the first.
+   real(wp), parameter :: zeros = 1.5_wp
+
+contains
+
+   !> Replaces heights on `grid` = nx, ny nodes (ny = 1: a profile), x fastest, by their mean line
+   !> or surface. `cutoff` is the cut-off wavelength in spacings in x and y, at least `least_nodes`.
+   !> If `is_periodic` the heights repeat themselves. Fails (internal_error) if FFTW does.
+   subroutine take_mean_line(grid, cutoff, is_periodic, z, error)
+      integer, intent(in) :: grid(2)
+      real(wp), intent(in) :: cutoff(2)
+      logical, intent(in) :: is_periodic
+      real(wp), intent(inout) :: z(:)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: line(:), weights(:)
+      integer :: i
+
+      call find_weights(grid(1), cutoff(1), is_periodic, weights, error)
+      if (allocated(error)) return
+      do i = 1, grid(2)
+         line = z((i - 1)*grid(1) + 1:i*grid(1))
+         call convolve(cutoff(1), is_periodic, line, error)
+         if (allocated(error)) return
+         z((i - 1)*grid(1) + 1:i*grid(1)) = line/weights
+      end do
+      if (grid(2) == 1) return
+      call find_weights(grid(2), cutoff(2), is_periodic, weights, error)
+      if (allocated(error)) return
+      do i = 1, grid(1)
+         line = z(i::grid(1))
+         call convolve(cutoff(2), is_periodic, line, error)
+         if (allocated(error)) return
+         z(i::grid(1)) = line/weights
+      end do
+   end subroutine take_mean_line
+
+   !> Sums of the weights that lie on the heights, at each of `n` nodes.
+   subroutine find_weights(n, cutoff, is_periodic, weights, error)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: cutoff
+      logical, intent(in) :: is_periodic
+      real(wp), allocatable, intent(out) :: weights(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      allocate (weights(n), source=1.0_wp)
+      if (.not. is_periodic) call convolve(cutoff, is_periodic, weights, error)   ! error: handed up
+   end subroutine find_weights
+
+   !> Convolution of a line with the weights.
+   subroutine convolve(cutoff, is_periodic, line, error)
+      real(wp), intent(in) :: cutoff
+      logical, intent(in) :: is_periodic
+      real(wp), intent(inout) :: line(:)
+      type(error_t), allocatable, intent(out) :: error
+      complex(wp), allocatable :: spectrum(:, :)
+      real(wp), allocatable :: padded(:)
+      integer :: k, n
+
+      n = size(line)
+      if (.not. is_periodic) n = n + ceiling(zeros*cutoff)
+      allocate (padded(n), source=0.0_wp)
+      padded(:size(line)) = line
+      call transform_field([n, 1], padded, spectrum, error)
+      if (allocated(error)) return
+      do k = 0, n/2
+         spectrum(k, 0) = spectrum(k, 0)*(transmission(cutoff*k/n)/n)
+      end do
+      call transform_back([n, 1], spectrum, padded, error)
+      if (allocated(error)) return
+      line = padded(:size(line))
+   end subroutine convolve
+
+   !> Transmission of a wave; `ratio` is the cut-off over its length.
+   pure elemental function transmission(ratio) result(share)
+      real(wp), intent(in) :: ratio
+      real(wp) :: share
+      real(wp), parameter :: largest_ratio = 30.0_wp
+
+      share = 0.0_wp
+      if (ratio < largest_ratio) share = exp(-log(2.0_wp)*ratio**2)
+   end function transmission
+
+end module gauss_filter

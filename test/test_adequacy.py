@@ -1,0 +1,81 @@
+"""/adequacy of lubricated results: what each ingredient changes, in the file, in the closing table and switched off."""
+
+import h5py
+import numpy as np
+import pytest
+from cases import STEADY, TRANSIENT, contents, same_bits, write
+
+OFF = "&output adequacy = .false. /\n"
+INGREDIENTS = {"compressibility", "elasticity", "piezoviscosity", "roelands", "shear_thinning"}
+NUMERICAL = {"grid", "domain", "iteration"}
+CASE_1 = STEADY.replace("256", "1024")
+
+
+def verdict(group):
+    return group.attrs["verdict"].decode()
+
+
+def test_every_ingredient_has_changes_and_a_verdict(asperity, tmp_path):
+    write(tmp_path, "case.nml", CASE_1)
+    done = asperity("case.nml")
+    assert "model     needed at" in done.stdout
+    assert "elasticity" in done.stdout
+    with h5py.File(tmp_path / "case.h5") as file:
+        group = file["adequacy"]
+        assert set(group) - {"validity"} == INGREDIENTS | NUMERICAL
+        assert group.attrs["accuracy"] >= 0.01
+        for name in INGREDIENTS:
+            for quantity in ("h_min", "h_central"):
+                change = group[name][quantity]
+                assert 0 < change.attrs["error_estimate"] < 0.1
+                assert abs(change[()]) < 1
+        # films of constant density are thicker, of constant viscosity thinner, of Newtonian oil thicker
+        assert group["compressibility/h_central"][()] > 0.1
+        assert group["piezoviscosity/h_min"][()] < -0.5
+        assert group["shear_thinning/h_min"][()] > 0.05
+        assert {verdict(group[name]) for name in ("piezoviscosity", "compressibility", "elasticity")} == {"needed"}
+        film = file["summary/h_min"]
+        for name in NUMERICAL:
+            share = film.attrs[f"error_{name}"] / film[()]
+            assert group[name]["h_min"][()] == pytest.approx(share, rel=1e-12)
+
+
+def test_nothing_else_changes(asperity, tmp_path):
+    write(tmp_path, "on.nml", STEADY)
+    write(tmp_path, "off.nml", STEADY + OFF)
+    assert "model  " not in asperity("on.nml", "off.nml").stdout.split("off.nml: converged")[1]
+    on, off = contents(tmp_path / "on.h5"), contents(tmp_path / "off.h5")
+    assert not any(name.split("/")[1] in INGREDIENTS for name in off if name.startswith("adequacy/"))
+    solved = [name for name in off if not name.startswith(("adequacy", "input")) and "seconds" not in name]
+    assert len(solved) > 50
+    assert [name for name in solved if not same_bits(on[name], off[name])] == []
+
+
+def test_passage_tells_of_roughness_and_squeeze(asperity, tmp_path):
+    write(tmp_path, "case.nml", TRANSIENT)
+    assert asperity("case.nml").returncode == 0
+    with h5py.File(tmp_path / "case.h5") as file:
+        group = file["adequacy"]
+        assert {"roughness", "squeeze"} <= set(group)
+        # without its ridge the passage is the smooth steady contact that it starts from
+        smooth = file["transient/h_min"][0] / np.min(file["transient/h_min"]) - 1
+        change = group["roughness/h_min"]
+        assert smooth > 0.01
+        assert abs(change[()] - smooth) <= change.attrs["error_estimate"]
+        for name in ("piezoviscosity", "elasticity"):
+            assert group[name].attrs["measured_on"].decode().startswith("the smooth steady contact")
+
+
+def test_no_solution_has_no_adequacy(asperity, tmp_path):
+    write(tmp_path, "case.nml", STEADY + "&solver max_cycles = 1 /\n")
+    assert asperity("case.nml").returncode == 2
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert "adequacy" not in file
+
+
+def test_accuracy_that_counts_is_the_target(asperity, tmp_path):
+    write(tmp_path, "case.nml", STEADY.replace(", intervals = 256", "") + "&accuracy target = 2e-3 /\n")
+    assert asperity("case.nml").returncode == 0
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert file["adequacy"].attrs["accuracy"] == 2e-3
+        assert verdict(file["adequacy/roelands"]) == "needed"

@@ -1,0 +1,126 @@
+"""model = 'auto': what is left out, what is kept, and that the result says so."""
+
+import pathlib
+import subprocess
+import sys
+
+import h5py
+import pytest
+from cases import STEADY, TRANSIENT, contents, same_bits, write
+
+TARGET = "&accuracy target = 0.01 /\n"
+
+
+def without_numbers(text):
+    """The same case with grid and step left to the program."""
+    return text.replace(", intervals = 256", "").replace(", time_step = 0.05", "") + TARGET
+
+
+def auto(text):
+    """The same case with the model left to the program."""
+    return text.replace("problem = 'ehl_line'", "problem = 'ehl_line', model = 'auto'")
+
+
+def solve(asperity, folder, name, text):
+    """Log and contents of a case."""
+    write(folder, f"{name}.nml", text)
+    done = asperity(f"{name}.nml")
+    assert done.returncode == 0, done.stderr
+    return done.stderr + done.stdout, contents(folder / f"{name}.h5")
+
+
+PASSAGE = without_numbers(TRANSIENT.replace("position = -2.1", "position = -2.5").replace("end_time = 1.0", "end_time = 2.2"))
+LOW = PASSAGE.replace("0.2e-6", "2e-10")
+# the ridge on a surface at rest, inside the contact
+RESTING = (
+    PASSAGE.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 1.2, speed_2 = 0.0")
+    .replace("position = -2.5", "position = 0.2")
+    .replace("end_time = 2.2", "end_time = 8.0")
+)
+
+
+def test_figure_over_time_says_why_there_are_no_times(asperity, tmp_path):
+    solve(asperity, tmp_path, "lean", auto(LOW))
+    script = pathlib.Path(__file__).resolve().parent.parent / "postproc" / "transient.py"
+    done = subprocess.run([sys.executable, script, "lean.h5"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    assert "has no /transient: model = 'auto' solved the steady contact with smooth surfaces, in place of" in done.stderr
+    assert "model = 'full' has it" in done.stderr
+
+
+def test_low_ridge_is_left_out_and_the_result_says_so(asperity, tmp_path):
+    log, lean = solve(asperity, tmp_path, "lean", auto(LOW))
+    _, full = solve(asperity, tmp_path, "full", LOW)
+    assert "solves the steady contact with smooth surfaces, in place of the passage" in log
+    table = log[log.index("  auto  ") :].splitlines()
+    assert table[0].split()[:2] == ["auto", "roughness"]
+    assert table[0].endswith("left out")
+    assert any(line.split()[0] == "squeeze" and line.endswith("left out: with roughness") for line in table)
+    assert max(map(len, table)) <= 80
+    assert lean["adequacy/decision@solved"].startswith(b"the steady contact with smooth surfaces")
+    assert lean["adequacy/decision/roughness@decision"] == b"left out"
+    assert lean["adequacy/decision/elasticity@decision"] == b"kept"
+    assert lean["input/effective/time/transient"] == b".false."
+    assert "transient/time" in full
+    assert not any(name.startswith("transient") for name in lean)
+    for name in ("h_min", "h_central"):
+        change = lean[f"adequacy/decision/roughness/{name}"]
+        influence = abs(change) + lean[f"adequacy/decision/roughness/{name}@error_estimate"]
+        assert 0 < influence <= 0.0025
+        value = lean[f"summary/{name}"]
+        assert lean[f"summary/{name}@error_model"] == pytest.approx(influence * value, rel=1e-9)
+        parts = ("grid", "domain", "iteration", "start", "model")
+        assert lean[f"summary/{name}@error_estimate"] == pytest.approx(
+            sum(lean[f"summary/{name}@error_{part}"] for part in parts), rel=1e-9
+        )
+        bars = lean[f"summary/{name}@error_estimate"] + full[f"summary/{name}@error_estimate"]
+        assert abs(value - full[f"summary/{name}"]) <= bars
+    assert lean["summary/h_min"] == pytest.approx(full["summary/h_min"], rel=0.01)
+
+
+def test_high_ridge_is_solved_as_by_the_full_model(asperity, tmp_path):
+    log, lean = solve(asperity, tmp_path, "auto", auto(PASSAGE))
+    _, full = solve(asperity, tmp_path, "full", PASSAGE)
+    assert "kept: too high" in log
+    assert lean["adequacy/decision@solved"] == b"the case with every ingredient"
+    solved = [name for name in full if not name.startswith("input") and "seconds" not in name]
+    assert len(solved) > 50
+    assert [name for name in solved if not same_bits(lean[name], full[name])] == []
+
+
+def test_roughness_at_rest_is_solved_as_a_steady_contact(asperity, tmp_path):
+    _, lean = solve(asperity, tmp_path, "lean", auto(RESTING))
+    _, full = solve(asperity, tmp_path, "full", RESTING)
+    assert lean["adequacy/decision@solved"] == b"the steady contact with its roughness, in place of the passage"
+    assert lean["adequacy/decision/squeeze@decision"] == b"left out"
+    assert lean["adequacy/decision/roughness@decision"] == b"kept"
+    assert lean["summary/h_min"] == pytest.approx(full["summary/h_min"], rel=0.01)
+    early = RESTING.replace("end_time = 8.0", "end_time = 8.0, statistics_from = 1.0")
+    log, _ = solve(asperity, tmp_path, "early", auto(early))
+    assert "kept: the start counts" in log
+
+
+def test_steady_contact_keeps_everything(asperity, tmp_path):
+    log, lean = solve(asperity, tmp_path, "auto", auto(without_numbers(STEADY)))
+    _, full = solve(asperity, tmp_path, "full", without_numbers(STEADY))
+    # what is measured afterwards stands in the table
+    line = next(line for line in log.splitlines() if line.split()[:1] == ["elasticity"])
+    assert line.endswith("kept: cheap at rest")
+    assert "%" in line
+    solved = [name for name in full if not name.startswith("input") and "seconds" not in name]
+    assert [name for name in solved if not same_bits(lean[name], full[name])] == []
+
+
+def test_statistics_over_time_keep_the_passage(asperity, tmp_path):
+    log, lean = solve(asperity, tmp_path, "case", auto(LOW) + "&output film_thresholds = 1e-7 /\n")
+    assert "kept: passage is wanted" in log
+    assert "transient/time" in lean
+
+
+def test_later_run_finds_its_lean_result_complete(asperity, tmp_path):
+    write(tmp_path, "case.nml", auto(LOW))
+    assert asperity("case.nml").returncode == 0
+    again = asperity("--resume", "case.nml")
+    assert "complete: nothing to do" in again.stderr
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert file.attrs["converged"] == 1

@@ -1,0 +1,169 @@
+"""batch/plot.py and batch/all.py: figures of gathered tables, with error bars and with what failed."""
+
+import shutil
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+from batch_runs import ROOT, call
+from gathered import read_gathered
+from plot import wish_of
+from plot_curves import Wish, draw_curves, draw_series, style
+from plot_map import REGIMES, draw_map, on_grid, read_films
+from sweep_file import SweepError
+
+TEXT = h5py.string_dtype()
+SPEEDS, LOADS = np.geomspace(0.01, 1, 6), np.linspace(1e5, 3e5, 4)
+
+
+@pytest.fixture
+def table(tmp_path):
+    """A made table: 6 speeds times 4 loads; one case not converged, one failed, one not run."""
+    speed, load = (values.ravel() for values in np.meshgrid(SPEEDS, LOADS, indexing="ij"))
+    film = 1e-6 * speed**0.7 * (load / 1e5) ** -0.1
+    status = np.full(24, "done", dtype=object)
+    status[[3, 10, 20]] = "not converged", "failed", "not run"
+    film[[10, 20]] = np.nan
+    columns = {"u": speed, "load.w": load, "status": status, "reason": status, "h_min": film, "h_min_error": 0.1 * film}
+    columns |= {"h_central": 1.2 * film, "words": status, "scaling_moes_m_sum": 1 / speed, "scaling_moes_l_sum": load / 3e4}
+    with h5py.File(tmp_path / "gathered.h5", "w", track_order=True) as file:
+        file["case"] = np.array([f"case_{i:04d}" for i in range(24)], dtype=object)
+        for name, values in columns.items():
+            file.create_dataset(name, data=values, dtype=TEXT if values.dtype == object else float)
+        file["h_min"].attrs["units"] = file["h_central"].attrs["units"] = "m"
+        file.attrs["sweep"] = 'title = "A $made table"\n[plot]\nx = "u"\ny = ["h_min", "h_central"]\nlog = ["x", "y"]\n'
+    return tmp_path / "gathered.h5"
+
+
+def draw(table, **wish):
+    found = read_gathered(table)
+    chosen = Wish(**wish)
+    return (draw_map if chosen.kind == "map" else draw_curves)(found, chosen)
+
+
+def labels(figure):
+    return [text.get_text() for text in figure.legends[0].get_texts()] if figure.legends else []
+
+
+def test_a_series_shows_its_values_with_their_error_bars():
+    figure, axes = style.new_figure(3, 60)
+    bars = draw_series(axes, np.array([2.0, 1.0]), np.array([5.0, 4.0]), np.array([0.5, np.nan]), "film", style.SERIES[0], False)
+    np.testing.assert_array_equal(bars[0].get_xydata(), [[1, 4], [2, 5]])
+    segments = bars[2][0].get_segments()
+    np.testing.assert_array_equal(segments, [[[1, 4], [1, 4]], [[2, 4.5], [2, 5.5]]])  # not known: no bar
+    style.plt.close(figure)
+
+
+def test_several_cases_at_one_place_are_drawn_as_their_median():
+    figure, axes = style.new_figure(3, 60)
+    line = draw_series(axes, np.repeat([1.0, 2.0], 5), np.arange(10.0), None, "film", style.SERIES[0], False)
+    np.testing.assert_array_equal(line.get_xydata(), [[1, 2], [2, 7]])
+    style.plt.close(figure)
+
+
+def test_failed_cases_are_marked_and_counted(table):
+    figure = draw(table, x="u", y=("h_min",), colour="load.w", log=("x", "y"))
+    assert labels(figure)[-2:] == ["not converged (1)", "no result (2)"]
+    panel = figure.axes[0]
+    crosses = [line for line in panel.lines if line.get_marker() == "x"]
+    np.testing.assert_allclose(crosses[0].get_xdata(), SPEEDS[[10 // 4, 20 // 4]])
+    circles = [line.get_xdata() for line in panel.lines if line.get_markerfacecolor() == "none" and len(line.get_xdata())]
+    np.testing.assert_allclose(np.concatenate(circles), SPEEDS[[3 // 4]])
+    # the values of the case that did not converge are in no curve
+    assert sum(len(container[0].get_xdata()) for container in panel.containers) == 21
+    style.plt.close(figure)
+
+
+def test_facets_units_and_labels(table):
+    figure = draw(table, x="u", y=("h_min", "h_central"), facet="load.w")
+    assert len(figure.axes) == 4
+    assert figure.axes[0].get_title() == "load.w = 1e+05"
+    assert figure.axes[0].get_ylabel() == "h_min, h_central [µm]"
+    style.plt.close(figure)
+
+
+def test_a_map_has_cells_where_the_grid_is_full_and_none_where_cases_failed(table):
+    figure = draw(table, kind="map", x="u", colour="load.w", y=("h_min",), log=("x", "z"), regimes=True)
+    values = np.ma.filled(figure.axes[0].collections[0].get_array(), np.nan)
+    assert values.shape == (4, 6)
+    assert np.isnan(values).sum() == 3
+    np.testing.assert_allclose(values[1, 5], 1e3 * (LOADS[1] / 1e5) ** -0.1)  # nm, at 1 m/s
+    assert labels(figure) == ["not converged (1)", "no result (2)"]
+    # the regimes that the chart of Moes has between M = 1 and 100, L = 3.3 and 10
+    moes_m, moes_l = np.meshgrid(np.geomspace(1, 100, 50), np.linspace(1e5, 3e5, 50) / 3e4)
+    expected = {REGIMES[i] for i in np.unique(read_films().regime(moes_m, moes_l))}
+    assert {text.get_text() for text in figure.axes[0].texts} & set(REGIMES) == expected
+    assert len(expected) > 1
+    style.plt.close(figure)
+
+
+def test_grids_are_recognised():
+    x, y = np.array([1.0, 2, 1, 2]), np.array([5.0, 5, 6, 6])
+    columns, rows, values = on_grid(x, y, np.array([1.0, 2, 3, 4]))
+    assert (list(columns), list(rows), values.tolist()) == ([1, 2], [5, 6], [[1, 2], [3, 4]])
+    assert on_grid(x, np.array([5.0, 6, 7, 8]), x) is None
+    assert on_grid(np.array([1.0, 1, 2, 2]), np.array([5.0, 5, 6, 6]), x) is None
+
+
+def test_the_sweep_says_what_to_draw_and_the_command_line_may_say_otherwise(table):
+    nothing = dict.fromkeys(("x", "y", "colour", "facet", "log", "points", "kind", "regimes"))
+    found = read_gathered(table)
+    assert wish_of(found, SimpleNamespace(**nothing)) == Wish("u", ("h_min", "h_central"), log=("x", "y"))
+    other = SimpleNamespace(**(nothing | {"y": ["h_min"], "colour": "load.w"}))
+    assert wish_of(found, other) == Wish("u", ("h_min",), colour="load.w", log=("x", "y"))
+    found.sweep["sample"] = {}
+    assert wish_of(found, SimpleNamespace(**nothing)).points
+    found.sweep["plot"]["hue"] = "red"
+    with pytest.raises(SweepError, match="found hue = 'red'"):
+        wish_of(found, SimpleNamespace(**nothing))
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--x", "speed", "--y", "h_min"], "found no column speed"),
+        (["--x", "u", "--y", "words"], "words holds words, expected numbers"),
+        (["--x", "u", "--y", "h_min", "--kind", "map"], "a map needs --colour"),
+        (["--x", "u", "--y", "h_min", "--facet", "h_central"], "expected at most 12 panels"),
+    ],
+)
+def test_bad_wishes(table, program, options, words):
+    done = call("plot.py", table, *options, folder=table.parent, program=program)
+    assert (done.returncode, "Traceback" in done.stderr) == (1, False)
+    assert words in done.stderr
+
+
+def test_files_that_are_no_tables(tmp_path, program):
+    (tmp_path / "text.h5").write_text("no table", encoding="utf-8")
+    for name, words in (("none.h5", "is not there"), ("text.h5", "is no gathered table")):
+        done = call("plot.py", name, "--x", "u", "--y", "h_min", folder=tmp_path, program=program)
+        assert (done.returncode, words in done.stderr) == (1, True)
+
+
+def test_one_command_from_the_sweep_to_its_picture(tmp_path, program):
+    shutil.copy(ROOT / "input" / "minimal.nml", tmp_path)
+    text = (ROOT / "input" / "sweeps" / "film_over_speed.toml").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 11
+    (tmp_path / "film.toml").write_text(text.replace("../", ""), encoding="utf-8")
+    done = call("all.py", "film.toml", folder=tmp_path, program=program)
+    assert (done.returncode, done.stderr.splitlines()) == (0, ["30 of 30 cases"]), done.stderr
+    words = ["film: 30 cases, checked", "  done               30", "film/gathered.h5: 30 done", "film/plot.png", "film/plot.pdf"]
+    assert done.stdout.splitlines() == words
+    assert (tmp_path / "film" / "plot.png").stat().st_size > 10_000
+    with h5py.File(tmp_path / "film" / "gathered.h5") as file:
+        speed, film = file["bodies.speed_1"][()], file["h_central"][()]
+        # between the corners of Moes, h ~ u^(2/3) (rigid) and u^(3/4) (elastic), piezoviscous both
+        power = np.diff(np.log(film[speed < 1])) / np.diff(np.log(speed[speed < 1]))
+    assert power.min() > 2 / 3
+    assert power.max() < 3 / 4
+
+
+def test_nothing_is_done_yet(tmp_path, program):
+    shutil.copy(ROOT / "input" / "minimal.nml", tmp_path)
+    text = (ROOT / "input" / "sweeps" / "film_over_speed.toml").read_text(encoding="utf-8").replace("../", "")
+    (tmp_path / "film.toml").write_text(text, encoding="utf-8")
+    assert call("sweep.py", "film.toml", folder=tmp_path, program=program).returncode == 0
+    assert call("gather.py", "film", folder=tmp_path, program=program).returncode == 0
+    done = call("plot.py", "film", folder=tmp_path, program=program)
+    assert (done.returncode, "found no column h_min" in done.stderr) == (1, True)

@@ -1,0 +1,57 @@
+"""What the figure scripts compute before they draw."""
+
+import sys
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+sys.path.insert(0, str(ROOT / "postproc"))
+import compare
+import dry
+
+
+def dry_result(nodes, power=(), hardness=None):
+    x = np.arange(nodes) * 1e-6
+    heights = 1e-6 * np.sin(x / 3e-5)
+    solution = dict.fromkeys(("height_undeformed", "height_loaded", "height_unloaded"), heights)
+    solution |= {"x": x, "pressure": np.where(np.arange(nodes) == nodes // 3, 5e8, 0.0), "gap": 2e-6 - heights}
+    sweep = {"mean_pressure": np.array([1e6, 2e7]), "contact_area_fraction": np.array([0.01, 0.0345])}
+    surface = {"power_loaded": np.array(power)}
+    return dry.DryResult("a.h5", True, "", solution, sweep, surface, np.ones(3), 1e-8, hardness)
+
+
+@pytest.mark.parametrize("nodes", [64, 512, 4096])
+def test_the_bands_of_a_spectrum_hold_all_of_it(nodes):
+    power = np.random.default_rng(3).random(nodes // 2) ** 4
+    wavelengths, sums = dry.spectrum(dry_result(nodes, power), "loaded")
+    assert sums.sum() == pytest.approx(power.sum(), rel=1e-12)
+    assert np.all(np.diff(wavelengths) > 0)
+    # the longest wave is the length, the shortest two nodes, each to half a band
+    assert wavelengths[-1] == pytest.approx(nodes * 1e-6, rel=0.13)
+    assert wavelengths[0] == pytest.approx(2e-6, rel=1e-12)
+    # one wave alone is in the band of its wavelength
+    lone = np.zeros(nodes // 2)
+    lone[9] = 1.0
+    wavelengths, sums = dry.spectrum(dry_result(nodes, lone), "loaded")
+    assert wavelengths[sums.argmax()] == pytest.approx(nodes * 1e-7, rel=0.13)
+
+
+@pytest.mark.parametrize(("nodes", "columns"), [(1200, 1), (1201, 2), (100_000, 2)])
+def test_a_long_profile_has_a_detail_round_its_largest_pressure(nodes, columns):
+    figure = dry.draw_profile(dry_result(nodes, hardness=5e8))
+    assert len(figure.axes) == 2 * columns
+    assert "20 MPa, contact 3.45 %" in figure.get_suptitle()
+    detail = figure.axes[columns - 1].lines[0].get_ydata()
+    assert detail.max() == pytest.approx(500)  # MPa
+    assert sum(len(line.get_xdata()) for panel in figure.axes for line in panel.lines) < 6000
+    dry.style.plt.close(figure)
+
+
+@pytest.mark.parametrize("count", [2, 6, 7, 8, 9, 40])
+def test_a_family_of_results_has_a_short_legend(count):
+    named = compare.labelled(count)
+    assert len(named) == min(count, 8)
+    assert (named[0], named[-1]) == (0, count - 1)
+    looks = {str(compare.look_of(i, count)["color"]) for i in range(count)}
+    assert len(looks) == count

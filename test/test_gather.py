@@ -1,0 +1,271 @@
+"""batch/gather.py: a row for each case, whatever became of it, in files that other programs open without a word."""
+
+import csv
+import shutil
+import subprocess
+import sys
+import warnings
+
+import cases
+import h5py
+import numpy as np
+import pytest
+from batch_runs import ROOT, call, swept
+from case_folder import header, read_folder, split_header
+
+
+@pytest.fixture(scope="module", name="finished")
+def _finished(tmp_path_factory, program):
+    """Four cases that have run; the second one has not converged."""
+    folder = swept(tmp_path_factory.mktemp("finished"), program)
+    assert call("run.py", "small", folder=folder.parent, program=program).returncode == 2
+    return folder
+
+
+@pytest.fixture
+def folder(finished, tmp_path):
+    """A copy of them."""
+    return shutil.copytree(finished, tmp_path / "small")
+
+
+def gather(folder, program):
+    done = call("gather.py", folder.name, folder=folder.parent, program=program)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def rows_of(folder):
+    with (folder / "gathered.csv").open(newline="", encoding="utf-8") as file:
+        return {row["case"]: row for row in csv.DictReader(file)}
+
+
+def test_rows_hold_parameters_and_every_number_of_the_summary_with_its_error(folder, program):
+    said = gather(folder, program)
+    assert said == "small/gathered.h5: 3 done, 1 not converged\n"
+    with h5py.File(folder / "gathered.h5") as file:
+        assert list(file["status"].asstr()) == ["done", "not converged", "done", "done"]
+        assert list(file["load.hertz_pressure"]) == [0.4e9, 0.6e9, 0.5e9, 0.3e9]
+        for i, name in enumerate(file["case"].asstr()):
+            found = cases.contents(folder / "cases" / f"{name}.h5")
+            summary = [key for key in found if key.startswith("summary/") and "@" not in key]
+            assert len(summary) > 4
+            for key in summary:
+                column = file[key.removeprefix("summary/")]
+                assert column[i] == found[key]
+                assert column.attrs["units"] == cases.text(found[f"{key}@units"])
+                error = file[key.removeprefix("summary/") + "_error"]
+                np.testing.assert_equal(error[i], found[f"{key}@error_estimate"])
+                assert error.attrs["units"] == column.attrs["units"]
+            passed = [key.split("/")[2].removesuffix("@exceeded") for key, value in found.items() if "@exceeded" in key and value]
+            assert sorted(file["limits_passed"].asstr()[i].split()) == sorted(passed)
+            assert file["report_cycles"][i] == found["report/cycles"]
+            assert file["scaling_moes_m"][i] == found["scaling@moes_m"]
+            assert file["report_method"].asstr()[i] == cases.text(found["report/method"])
+        assert file["reason"].asstr()[1].startswith("fas block_jacobi")
+        assert file["reason"].asstr()[0] == ""
+        assert file.attrs["done"] == 3
+        assert file.attrs["sweep"] == (folder / "sweep.toml").read_text(encoding="utf-8")
+    rows = rows_of(folder)
+    with h5py.File(folder / "cases" / "case_0003.h5") as file:
+        assert float(rows["case_0003"]["h_min [m]"]) == file["summary/h_min"][()]
+
+
+def test_error_estimates_and_loads_of_dry_contacts(tmp_path, program):
+    base = (ROOT / "input" / "dry_sphere.nml").read_text(encoding="utf-8")
+    text = 'base = "base.nml"\n[vary]\nload.hertz_pressure = [0.8e9, 1e9]\n[set]\n'
+    text += "domain.intervals_x = 32\ndomain.intervals_y = 32\n"
+    folder = swept(tmp_path, program, text, base)
+    done = call("run.py", "small", folder=tmp_path, program=program)
+    assert done.returncode == 0, done.stdout + done.stderr
+    gather(folder, program)
+    with h5py.File(folder / "gathered.h5") as file, h5py.File(folder / "cases" / "case_0002.h5") as result:
+        for name in ("p_max", "contact_area_fraction"):
+            assert file[name][1] == result[f"summary/{name}"][()]
+            assert file[f"{name}_error"][1] == result[f"summary/{name}"].attrs["error_estimate"] > 0
+        assert file["elastic_energy"][1] == result["sweep/elastic_energy"][0]
+        assert file["elastic_energy"].attrs["units"] == "J"
+
+
+def test_missing_and_broken_results_are_rows_with_their_reason(folder, program):
+    results = folder / "cases"
+    (results / "case_0001.h5").unlink()
+    content = (results / "case_0002.h5").read_bytes()
+    (results / "case_0002.h5").write_bytes(content[: len(content) // 2])
+    namelist = results / "case_0003.nml"
+    namelist.write_text(namelist.read_text(encoding="utf-8") + "! edited\n", encoding="utf-8")
+    damaged = bytearray((results / "case_0004.h5").read_bytes())
+    damaged[8:200] = bytes(192)
+    (results / "case_0004.h5").write_bytes(damaged)
+    assert gather(folder, program) == "small/gathered.h5: 3 failed, 1 not run\n"
+    rows = rows_of(folder)
+    reasons = ["no result", "not complete, or was changed", "an earlier form of this case", "the result cannot be read"]
+    for row, words in zip(rows.values(), reasons, strict=True):
+        assert words in row["reason"]
+    assert [row["status"] for row in rows.values()] == ["not run", "failed", "failed", "failed"]
+    assert [row["load.hertz_pressure [Pa]"] for row in rows.values()] == [
+        "400000000.0",
+        "600000000.0",
+        "500000000.0",
+        "300000000.0",
+    ]
+
+
+def test_the_reason_of_a_failure_is_that_of_its_run(folder, program):
+    (folder / "cases" / "case_0001.h5").unlink()
+    bad = folder / "cases" / "case_0001.nml"
+    bad.write_text(bad.read_text(encoding="utf-8").replace("viscosity", "viscosty"), encoding="utf-8")
+    assert call("run.py", "small", folder=folder.parent, program=program).returncode == 3
+    gather(folder, program)
+    row = rows_of(folder)["case_0001"]
+    assert row["status"] == "failed"
+    assert "viscosty: found an unknown key" in row["reason"]
+    assert row["h_min [m]"] == ""
+
+
+def test_nothing_has_run_yet(tmp_path, program):
+    folder = swept(tmp_path, program)
+    assert gather(folder, program) == "small/gathered.h5: 4 not run\n"
+
+
+def test_pandas_and_xarray_open_it_without_a_word(folder, program):
+    pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
+    (folder / "cases" / "case_0004.h5").unlink()
+    gather(folder, program)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with xarray.open_dataset(folder / "gathered.h5", engine="h5netcdf") as data:
+            assert data.sizes == {"case": 4}
+            assert data["h_min"].attrs["units"] == "m"
+            assert list(data["status"].values) == ["done", "not converged", "done", "not run"]
+            assert np.isnan(data["h_min"].sel(case="case_0004"))
+            chosen = data.where(data["status"] == "done", drop=True)
+            assert chosen.sizes == {"case": 2}
+            frame = data.to_dataframe()
+        table = pandas.read_csv(folder / "gathered.csv")
+    assert list(table.columns[:4]) == ["case", "load.hertz_pressure [Pa]", "solver.max_cycles [1]", "status"]
+    assert list(table.columns) == ["case", *(header(name, column.attrs.get("units", "")) for name, column in data.items())]
+    np.testing.assert_array_equal(table["h_min [m]"], frame["h_min"])
+
+
+def test_a_parameter_with_the_name_of_a_result(tmp_path, program):
+    text = 'base = "base.nml"\n[vary]\nh_min = [1.0, 2.0]\n[formula]\nload.hertz_pressure = "h_min*4e8"\n'
+    folder = swept(tmp_path, program, text)
+    assert call("run.py", "small", folder=tmp_path, program=program).returncode == 0
+    gather(folder, program)
+    with h5py.File(folder / "gathered.h5") as file:
+        assert list(file["h_min"]) == [1.0, 2.0]
+        assert 0 < file["summary_h_min"][0] < 1e-5
+
+
+def many_of(folder, target, count):
+    """A folder of `count` cases that are those of `folder` again and again."""
+    index = read_folder(folder)
+    (target / "cases").mkdir(parents=True)
+    names = [f"case_{i:04d}" for i in range(1, count + 1)]
+    for i, name in enumerate(names):
+        for ending in ("nml", "h5"):
+            (target / "cases" / f"{name}.{ending}").hardlink_to(folder / "cases" / f"{index.names[i % 4]}.{ending}")
+    (target / "index.csv").write_text("case,x\n" + "".join(f"{name},{i}\n" for i, name in enumerate(names)), encoding="utf-8")
+    return target
+
+
+def measured_gather(folder, *arguments):
+    """Processor seconds and peak memory [kB] of one process that gathers."""
+    script = (
+        "import resource, sys, time; sys.path.insert(0, sys.argv[1]); import pathlib, gather; start = time.process_time();"
+        "gather.gather_folder(pathlib.Path(sys.argv[2]), *map(int, sys.argv[3:]));"
+        "print(time.process_time() - start, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+    )
+    command = [sys.executable, "-c", script, str(ROOT / "batch"), str(folder), *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return map(float, done.stdout.splitlines()[-1].split())
+
+
+def test_time_and_memory_do_not_grow_with_the_number_of_files(folder, tmp_path):
+    """Processor time of a result among 2000 and among 500, and memory of both: the bench times 10 000 (docs/batch.md)."""
+    seconds, kilobytes = {}, {}
+    for count in (500, 2000):
+        many = many_of(folder, tmp_path / f"many{count}", count)
+        seconds[count], kilobytes[count] = measured_gather(many, 1)
+    assert seconds[2000] / 2000 < 2 * seconds[500] / 500  # a search through all that was read would give 4
+    assert kilobytes[2000] < kilobytes[500] + 4000
+
+
+def test_any_number_of_processes_writes_the_same_files(folder, tmp_path):
+    """Blocks with different columns, in their order; the reading is done by the others."""
+    many = many_of(folder, tmp_path / "many", 1700)
+    for i in (3, 600, 601, 1200):
+        (many / "cases" / f"case_{i:04d}.h5").unlink()
+    with_words(many / "cases" / "case_1100.h5", "cycles", "seven")
+    (many / "log").mkdir()
+    (many / "log" / "a.csv").write_text("case_0601,3,no room\n", encoding="utf-8")
+    written, seconds = {}, {}
+    for jobs in (1, 2, 3):
+        seconds[jobs], _ = measured_gather(many, jobs)
+        written[jobs] = [(many / f"gathered.{ending}").read_bytes() for ending in ("h5", "csv")]
+    assert written[1] == written[2] == written[3]
+    assert seconds[2] < 0.7 * seconds[1]
+    status = [row["status"] for row in rows_of(many).values()]
+    assert [i + 1 for i, word in enumerate(status) if word == "not run"] == [3, 600, 1200]
+    assert rows_of(many)["case_0601"]["reason"] == "no room"
+
+
+def test_a_process_that_is_killed_leaves_the_older_table(folder, tmp_path):
+    many = many_of(folder, tmp_path / "many", 1200)
+    (many / "gathered.h5").write_text("older", encoding="utf-8")
+    script = (
+        "import os, sys; sys.path.insert(0, sys.argv[1]); import pathlib, gather;"
+        "pool = gather.ProcessPoolExecutor;"
+        "gather.ProcessPoolExecutor = lambda jobs, context, start: pool(jobs, context, os._exit, (1,));"
+        "sys.exit(gather.main([sys.argv[2]]))"
+    )
+    command = [sys.executable, "-c", script, str(ROOT / "batch"), str(many)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (
+        3,
+        f"gather.py: {many / 'cases'}: a process that reads results was ended, by somebody or for lack of memory\n",
+    )
+    assert (many / "gathered.h5").read_text(encoding="utf-8") == "older"
+
+
+def with_words(path, name, words):
+    """Another file at `path`, whose /report/NAME is a text, complete by its last line."""
+    content = path.read_bytes()
+    path.unlink()  # it may have other names
+    path.write_bytes(content)
+    with h5py.File(path, "r+") as file:
+        del file[f"report/{name}"]
+        file["report"].create_dataset(name, data=np.bytes_(words))
+    with path.open("ab") as file:
+        file.write(f"asperity checksum {0:016X} of the {path.stat().st_size} bytes before".encode().ljust(79) + b"\n")
+
+
+@pytest.mark.parametrize("words", ["seven", "eight888"])
+def test_words_in_a_column_of_numbers_are_kept(folder, program, words):
+    """Of any length, also that of a number."""
+    with_words(folder / "cases" / "case_0003.h5", "cycles", words)
+    gather(folder, program)
+    with h5py.File(folder / "gathered.h5") as file, h5py.File(folder / "cases" / "case_0001.h5") as result:
+        assert file["report_cycles"].asstr()[2] == words
+        assert float(file["report_cycles"].asstr()[0]) == result["report/cycles"][()]
+        assert list(file["status"].asstr()) == ["done", "not converged", "done", "done"]
+    assert rows_of(folder)["case_0003"]["report_cycles [1]"] == words
+
+
+def test_words_behind_blocks_of_numbers(folder, tmp_path, program):
+    many = many_of(folder, tmp_path / "many", 600)
+    (many / "cases" / "case_0002.h5").unlink()
+    before = gather(many, program), rows_of(many)
+    with_words(many / "cases" / "case_0590.h5", "cycles", "seven")
+    assert gather(many, program) == before[0]
+    rows = rows_of(many)
+    assert list(rows["case_0001"])[-1] == "report_cycles [1]"
+    assert rows["case_0590"].pop("report_cycles [1]") == "seven"
+    assert before[1]["case_0590"].pop("report_cycles [1]") != ""
+    assert rows["case_0002"]["report_cycles [1]"] == ""
+    assert rows == before[1]
+
+
+def test_heads_of_columns():
+    for name, unit in (("h_min", "m"), ("load.hertz_pressure", "Pa"), ("slip", ""), ("x", "N/m")):
+        assert split_header(header(name, unit)) == (name, unit)

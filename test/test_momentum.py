@@ -1,0 +1,226 @@
+"""The full momentum equations of the film: fields, balance of mass, errors, and where there is no solution."""
+
+import re
+import signal
+import subprocess
+
+import cases
+import h5py
+import numpy as np
+import pytest
+
+STOKES = cases.STEADY.replace("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'")
+
+
+def solved(asperity, folder, text, status=0):
+    """The contents of the result of a case, and what was printed."""
+    done = asperity(cases.write(folder, "case.nml", text), "--output", folder)
+    assert done.returncode == status, done.stderr
+    return cases.contents(folder / "case.h5"), done.stderr + done.stdout
+
+
+def test_fields_and_differences(asperity, tmp_path):
+    """The film of Case 1: its flux, the speeds of its walls, its mean pressure, and what the closing table says."""
+    found, printed = solved(asperity, tmp_path, STOKES + "&film layers = 10 /")
+    assert found["@converged"] == 1
+    pressure, film = found["solution/pressure"], found["solution/film_thickness"]
+    for name in ("u", "w", "layer_pressure", "shear_stress", "viscosity"):
+        assert found[f"momentum/{name}"].shape == (257, 10)
+    assert np.allclose(found["momentum/layer_pressure"].mean(axis=1), pressure, rtol=0, atol=1e-14)
+    u = found["momentum/u"]
+    # u1 = 0.1, u2 = 1.1 m/s: continued linearly to the walls, in the middle of the contact
+    inner = np.abs(found["solution/x"]) < 0.5
+    assert np.allclose(1.5 * u[inner, 0] - 0.5 * u[inner, 1], 0.1 / 1.2, atol=5e-3)
+    assert np.allclose(1.5 * u[inner, -1] - 0.5 * u[inner, -2], 1.1 / 1.2, atol=5e-3)
+    # one flux at all nodes with pressure, as far as means of fields on the nodes tell (second order)
+    flux = found["solution/density"] * film * u.mean(axis=1)
+    assert np.ptp(flux[inner]) < 2e-3 * flux[128]
+    # stress below tau_0 times the asinh of a shear rate that cannot be larger
+    assert np.abs(found["momentum/shear_stress"]).max() * found["momentum/shear_stress@si_scale"] < 3e7
+    # differences are those of the stored fields
+    before = found["momentum/reynolds_film_thickness"]
+    x = found["solution/x"]
+    change = np.interp(0, x, film) / np.interp(0, x, before) - 1
+    assert found["momentum/difference_h_min"] == pytest.approx(5.8e-4, rel=0.03)
+    assert found["momentum/difference_h_central"] == pytest.approx(change, abs=1e-9)
+    gap = np.abs(pressure - found["momentum/reynolds_pressure"]).max()
+    assert found["momentum/difference_pressure"] == pytest.approx(gap, rel=1e-12)
+    assert 0.04 < found["momentum/stress_rise"] < 0.08
+    assert "full momentum equations on 10 layers" in " ".join(printed.split())
+
+
+def test_error_bars_are_those_of_reynolds(asperity, tmp_path):
+    """Quantities are those of the full equations, their errors those of the Reynolds equation by the same scheme."""
+    full, _ = solved(asperity, tmp_path, STOKES)
+    plain, _ = solved(asperity, tmp_path, cases.STEADY + "&solver space_scheme = 'kappa' /")
+    for name in ("h_min", "h_central", "p_max"):
+        key = f"summary/{name}"
+        assert full[key] / plain[key] - 1 == pytest.approx(full[f"momentum/difference_{name}"], abs=1e-9)
+        assert full[f"{key}@error_grid"] == pytest.approx(plain[f"{key}@error_grid"], rel=1e-6)
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert "momentum" not in file
+
+
+def test_inertia_is_small(asperity, tmp_path):
+    """The convective terms change the film by millionths, in proportion to the density."""
+    found = {}
+    for density in (0, 870, 8700):
+        inertia = f"&film inertia = {'.true.' if density else '.false.'} /"
+        text = STOKES.replace("viscosity = 0.14", f"viscosity = 0.14, density = {max(density, 870)}") + inertia
+        found[density] = solved(asperity, tmp_path, text)[0]["momentum/difference_h_min"]
+    assert found[870] - found[0] == pytest.approx(2.1e-6, rel=0.2)
+    assert found[8700] - found[0] == pytest.approx(10 * (found[870] - found[0]), rel=0.02)
+
+
+def test_no_solution_has_its_reason(asperity, tmp_path):
+    """Where shear stress rises with pressure by more than 1 the result says so and holds no film."""
+    found, printed = solved(asperity, tmp_path, STOKES.replace("3.3e6", "100e6"), status=2)
+    assert found["@converged"] == 0
+    assert "(T_max)" in cases.text(found["@reason"])
+    assert "no solution of the full momentum equations" in " ".join(printed.split())
+    assert not any(name.startswith("momentum") for name in found)
+
+
+def test_ridge_at_rest(asperity, tmp_path):
+    """A ridge on a surface at rest adds to the difference, as steeper films do."""
+    still = STOKES.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 0.0, speed_2 = 1.2")
+    ridge = still + "&surface_1 shape = 'feature', amplitude = 0.2e-6, wavelength = 1e-4, position = 0.0 /"
+    smooth, _ = solved(asperity, tmp_path, still)
+    rough, _ = solved(asperity, tmp_path, ridge)
+    assert rough["@converged"] == 1
+    assert rough["momentum/pressure_variation"] > 2 * smooth["momentum/pressure_variation"]
+
+
+def test_random_contacts_are_solved(asperity, tmp_path):
+    """Contacts at random with T_max below one half: each has a solution, near that of the Reynolds equation."""
+    source = np.random.default_rng(20261123)
+    for _ in range(6):
+        stress, load, slip = 10 ** source.uniform(6, 7), 10 ** source.uniform(4.5, 5.3), source.uniform(-0.5, 0.5)
+        text = STOKES.replace("3.3e6", f"{stress:.3e}").replace("1e5", f"{load:.3e}")
+        text = text.replace("speed_1 = 0.1, speed_2 = 1.1", f"speed_1 = {0.6 - slip:.3f}, speed_2 = {0.6 + slip:.3f}")
+        found, _ = solved(asperity, tmp_path, text + "&film layers = 8 /&accuracy error_bars = .false. /")
+        assert found["@converged"] == 1
+        assert found["momentum/stress_rise"] < 0.5
+        # Reynolds' equation is within 1 % there
+        assert abs(found["momentum/difference_h_min"]) < 0.01
+
+
+def test_nearly_rolling_contacts_are_solved(asperity, tmp_path):
+    """Sharp pressure spikes and slides of 2 % or none, at random: from the Reynolds film, or with slopes growing from it."""
+    source = np.random.default_rng(20261124)
+    for _ in range(6):
+        stress, load, speed = 10 ** source.uniform(6.2, 6.9), 10 ** source.uniform(4.5, 5.0), 10 ** source.uniform(0.3, 1.3)
+        half_slide = source.choice([0, 1]) * 10 ** source.uniform(-4, -2)
+        speeds = f"speed_1 = {speed * (1 - half_slide):.6g}, speed_2 = {speed * (1 + half_slide):.6g}"
+        text = (
+            STOKES.replace("3.3e6", f"{stress:.4g}").replace("1e5", f"{load:.4g}").replace("speed_1 = 0.1, speed_2 = 1.1", speeds)
+        )
+        found, _ = solved(asperity, tmp_path, text + "&film layers = 10 /&accuracy error_bars = .false. /")
+        assert found["@converged"] == 1
+        assert 0 < found["momentum/difference_h_min"] < 0.01
+
+
+PASSAGE = (
+    "&surface_2 shape = 'feature', amplitude = 0.2e-6, wavelength = 1e-4, position = -2.5 /"
+    "&time transient = .true., end_time = 1.4, time_step = 0.02 /&film layers = 6 /&output profile_stride = 10 /"
+    "&accuracy error_bars = .false. /"
+)
+
+
+def test_passage_beside_reynolds(asperity, tmp_path):
+    """A ridge on the fast surface: the same steps by both equations, small differences, few Newton steps."""
+    found, printed = solved(asperity, tmp_path, STOKES + PASSAGE)
+    text = STOKES.replace(", equations = 'stokes'", "") + PASSAGE.replace("&film layers = 6 /", "&solver space_scheme = 'kappa' /")
+    plain, _ = solved(asperity, tmp_path, text)
+    assert found["@converged"] == 1
+    # the result is that of Reynolds' equation
+    assert np.array_equal(found["transient/pressure"], plain["transient/pressure"])
+    assert np.array_equal(found["summary/h_min"], plain["summary/h_min"])
+    assert np.allclose(found["momentum/transient/time"], found["transient/time"], rtol=0, atol=1e-12)
+    assert np.allclose(found["momentum/transient/profile_time"], found["transient/profile_time"], rtol=0, atol=1e-12)
+    # the profiles are those that the differences are of
+    pressure, film = (found[f"momentum/transient/{name}"] for name in ("pressure", "film_thickness"))
+    gap = np.abs(pressure - found["transient/pressure"]).max(axis=1)
+    assert np.allclose(gap, found["momentum/transient/difference_pressure"][::10], rtol=1e-12)
+    gap = np.abs(film - found["transient/film_thickness"]).max(axis=1)
+    assert np.allclose(gap, found["momentum/transient/difference_film"][::10], rtol=1e-12)
+    # larger than in the smooth contact at T = 0, and still small
+    differences = found["momentum/transient/difference_pressure"]
+    assert 1.2 * differences[0] < differences.max() < 5e-3
+    assert found["momentum/difference_pressure"] == differences.max()
+    smallest = found["momentum/transient/h_min"].min() / plain["transient/h_min"].min() - 1
+    assert found["momentum/difference_h_min"] == pytest.approx(smallest, abs=2e-4)
+    assert np.abs(found["momentum/transient/difference_h_central"]).max() < 0.01
+    assert most_steps(printed) <= 3
+    assert found["momentum/layer_pressure"].shape == (257, 6)
+    assert np.allclose(found["momentum/reynolds_pressure"], found["solution/pressure"], rtol=0, atol=0)
+
+
+def ridge_at_random(source, slides, steepest, longest_step):
+    """Case 1 with a ridge or sinusoid on one surface, for 24 time steps; `longest_step` in spacings that it moves."""
+    stress, load, slide = 10 ** source.uniform(6, 6.8), 10 ** source.uniform(4.7, 5.1), source.uniform(*slides)
+    speeds = [0.6 - slide, 0.6 + slide][:: source.choice([-1, 1])]
+    surface, length = source.integers(1, 3), 10 ** source.uniform(-4.2, -3.7)
+    step = source.uniform(0.3, longest_step) * 5.5 / 256 / max(speeds[surface - 1] / 0.6, 0.2)
+    shape = source.choice(["'feature'", "'sinusoid'"])
+    place = f", position = {source.uniform(-1.5, 0.7):.3f}" if "feature" in shape else ""
+    size = f"amplitude = {length * source.uniform(0.0005, steepest):.4g}, wavelength = {length:.4g}{place}"
+    text = STOKES.replace("3.3e6", f"{stress:.4g}").replace("1e5", f"{load:.4g}")
+    return text.replace("speed_1 = 0.1, speed_2 = 1.1", f"speed_1 = {speeds[0]:.5g}, speed_2 = {speeds[1]:.5g}") + (
+        f"&surface_{surface} shape = {shape}, {size} /"
+        f"&time transient = .true., end_time = {24 * step:.6g}, time_step = {step:.6g} /&film layers = 4 /"
+        "&accuracy error_bars = .false. /"
+    )
+
+
+def most_steps(printed):
+    """Of Newton's method for one time step, as the note says."""
+    return int(re.search(r"at most (\d+) of Newton for one", " ".join(printed.split()))[1])
+
+
+def test_three_newton_steps_do(asperity, tmp_path):
+    """Cases 2 and 3, and ridges at random of their steepness on sliding surfaces: no time step takes more."""
+    source = np.random.default_rng(20261125)
+    texts = [STOKES + PASSAGE.replace("&surface_2", surface) for surface in ("&surface_1", "&surface_2")]
+    texts[0] = texts[0].replace("end_time = 1.4, time_step = 0.02", "end_time = 12.0, time_step = 0.12")
+    texts += [ridge_at_random(source, (0.1, 0.5), 0.002, 1.0) for _ in range(6)]
+    for text in texts:
+        found, printed = solved(asperity, tmp_path, text)
+        assert found["@converged"] == 1
+        assert most_steps(printed) <= 3
+
+
+def test_steep_ridges_are_followed(asperity, tmp_path):
+    """Ridges at random up to three times as steep, rolling or sliding: every passage that Reynolds' equation has is solved."""
+    source = np.random.default_rng(20261126)
+    endings = []
+    for _ in range(10):
+        done = asperity(cases.write(tmp_path, "case.nml", ridge_at_random(source, (0.0, 0.5), 0.006, 2.0)), "--output", tmp_path)
+        assert done.returncode == 0 or "film breakdown" in done.stderr, done.stderr
+        endings.append(done.returncode)
+    assert endings.count(0) >= 7
+
+
+def test_passage_keeps_no_checkpoint(asperity, tmp_path):
+    """A passage by both equations is not interrupted and resumed: it keeps nothing to go on with."""
+    text = STOKES + PASSAGE.replace("profile_stride = 10", "checkpoint_interval = 0.0") + ""
+    found, _ = solved(asperity, tmp_path, text.replace("end_time = 1.4", "end_time = 0.1"))
+    assert found["@converged"] == 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.h5", "case.nml"]
+
+
+def test_an_interrupted_passage_keeps_nothing(program, tmp_path):
+    """SIGTERM during a passage by both equations: told, and no file that looks like a result or can be resumed."""
+    text = STOKES + PASSAGE.replace("time_step = 0.02", "time_step = 0.002").replace(
+        "profile_stride = 10", "checkpoint_interval = 0.0"
+    )
+    command = [program, cases.write(tmp_path, "case.nml", text), "--output", tmp_path]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as running:
+        for line in running.stderr:
+            if "step " in line:
+                break
+        running.send_signal(signal.SIGTERM)
+        printed = running.stderr.read()
+    assert running.returncode == 4
+    assert "interrupted without a checkpoint" in printed
+    assert [path.name for path in tmp_path.iterdir()] == ["case.nml"]

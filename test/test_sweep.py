@@ -1,0 +1,259 @@
+"""batch/sweep.py: from a TOML file to checked namelists and an index."""
+
+import csv
+import fcntl
+import os
+
+import batch_runs
+import f90nml
+import numpy as np
+import pytest
+from batch_runs import BASE, call, swept, write_sweep
+from formulas import FormulaError, evaluate
+
+HEAD = 'base = "base.nml"\n[vary]\n'
+
+
+@pytest.fixture
+def sweep(tmp_path, program):
+    """Calls sweep.py with the text of a sweep file."""
+
+    def run(text, *options, base=BASE):
+        write_sweep(tmp_path, text, base)
+        return call("sweep.py", "small.toml", *options, folder=tmp_path, program=program)
+
+    return run
+
+
+def rows_of(folder):
+    with (folder / "index.csv").open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def column(folder, head):
+    return [float(row[head]) for row in rows_of(folder)]
+
+
+def namelist(folder, number):
+    return f90nml.read(folder / "cases" / f"case_{number:04d}.nml")
+
+
+def test_product_of_a_list_and_two_ranges(sweep, tmp_path):
+    text = HEAD + (
+        "load.hertz_pressure = [0.5e9, 0.7e9]\n"
+        'bodies.speed_1 = { from = 0.01, to = 1.0, count = 3, spacing = "log" }\n'
+        "lubricant.viscosity = { from = 0.1, to = 0.3, count = 3 }\n"
+        '[formula]\nbodies.speed_2 = "2*bodies.speed_1"\nratio = "bodies.speed_2/bodies.speed_1"\n'
+    )
+    done = sweep(text)
+    assert (done.returncode, done.stdout) == (0, "small: 18 cases, checked\n"), done.stderr
+    folder = tmp_path / "small"
+    assert column(folder, "load.hertz_pressure [Pa]") == [0.5e9] * 9 + [0.7e9] * 9
+    assert column(folder, "bodies.speed_1 [m/s]")[:9] == [0.01] * 3 + [0.1] * 3 + [1.0] * 3
+    assert column(folder, "lubricant.viscosity [Pa s]")[:3] == [0.1, 0.2, 0.3]
+    assert column(folder, "ratio") == [2.0] * 18
+    for number, row in enumerate(rows_of(folder), start=1):
+        groups = namelist(folder, number)
+        assert row["case"] == f"case_{number:04d}"
+        assert groups["bodies"]["speed_2"] == 2 * groups["bodies"]["speed_1"] == 2 * float(row["bodies.speed_1 [m/s]"])
+        assert groups["lubricant"]["viscosity"] == float(row["lubricant.viscosity [Pa s]"])
+        assert groups["bodies"]["reduced_radius"] == 0.01  # of the base case: the namelist is complete
+
+
+def test_values_of_ranges_are_where_numpy_puts_them(sweep, tmp_path):
+    text = HEAD + 'load.hertz_pressure = { from = 0.3e9, to = 0.9e9, count = 7, spacing = "log" }\n'
+    assert sweep(text).returncode == 0
+    # values are written with 12 digits, so that 0.3 stays 0.3
+    np.testing.assert_allclose(column(tmp_path / "small", "load.hertz_pressure [Pa]"), np.geomspace(0.3e9, 0.9e9, 7), rtol=1e-11)
+
+
+def test_together_goes_step_by_step_and_integers_stay_integers(sweep, tmp_path):
+    text = 'base = "base.nml"\ntogether = ["domain.intervals", "lubricant.viscosity"]\n[vary]\n'
+    text += "domain.intervals = [64, 128]\nload.hertz_pressure = [4e8, 5e8]\nlubricant.viscosity = [0.1, 0.2]\n"
+    assert sweep(text).returncode == 0
+    folder = tmp_path / "small"
+    assert [(int(r["domain.intervals [1]"]), float(r["lubricant.viscosity [Pa s]"])) for r in rows_of(folder)] == [
+        (64, 0.1),
+        (64, 0.1),
+        (128, 0.2),
+        (128, 0.2),
+    ]
+    assert namelist(folder, 3)["domain"]["intervals"] == 128
+
+
+@pytest.mark.parametrize(("method", "count"), [("sobol", 64), ("latin_hypercube", 50)])
+def test_samples_fill_their_ranges_evenly(sweep, tmp_path, method, count):
+    text = f'base = "base.nml"\n[sample]\nmethod = "{method}"\ncount = {count}\nseed = 3\n[vary]\n'
+    text += "load.hertz_pressure = { from = 3e8, to = 9e8 }\n"
+    text += 'lubricant.viscosity = { from = 0.01, to = 1.0, spacing = "log" }\n'
+    text += "domain.intervals = [64, 128]\n"
+    assert sweep(text).returncode == 0
+    folder = tmp_path / "small"
+    assert len(rows_of(folder)) == 2 * count  # the sample times the list
+    pressure = np.array(column(folder, "load.hertz_pressure [Pa]"))[::2]
+    viscosity = np.array(column(folder, "lubricant.viscosity [Pa s]"))[::2]
+    for share in ((pressure - 3e8) / 6e8, np.log10(viscosity / 0.01) / 2):
+        # both kinds have exactly one point in each of `count` slices of every range: that is what they are for
+        assert sorted(np.floor(share * count)) == list(range(count))
+    assert len(set(zip(pressure, viscosity, strict=True))) == count
+
+
+def test_a_seed_repeats_a_sample_and_integers_are_drawn_as_such(sweep, tmp_path):
+    text = 'base = "base.nml"\n[sample]\ncount = 8\nseed = 5\n[vary]\nsolver.max_cycles = { from = 1, to = 8 }\n'
+    assert sweep(text, "--output", "one").returncode == 0
+    assert sweep(text, "--output", "two").returncode == 0
+    one = [row["solver.max_cycles [1]"] for row in rows_of(tmp_path / "one")]
+    assert one == [row["solver.max_cycles [1]"] for row in rows_of(tmp_path / "two")]
+    assert sorted(map(int, one)) == list(range(1, 9))
+
+
+def test_heights_are_found_from_the_new_place(sweep, tmp_path):
+    base = (batch_runs.ROOT / "input" / "dry_profile.nml").read_text(encoding="utf-8")
+    name = f90nml.reads(base)["surface_1"]["file"]
+    base = base.replace(name, os.path.relpath(batch_runs.ROOT / "input" / name, tmp_path))
+    done = sweep(HEAD + "load.mean_pressure = [1e7, 2e7]\n", base=base)
+    assert done.returncode == 0, done.stderr  # --check reads the heights
+
+
+# What is wrong, and what must be said; line 3 is the first one of [vary].
+BAD = {
+    "an unknown key": (HEAD + "load.hertz_presure = [4e8, 5e8]\n", "small.toml:3: &load hertz_presure: found an unknown key"),
+    "an unknown group": (HEAD + "loads.hertz_pressure = [4e8, 5e8]\n", "found an unknown group"),
+    "a range of nothing": (
+        HEAD + "load.hertz_pressure = { from = 5e8, to = 5e8, count = 4 }\n",
+        "small.toml:3: load.hertz_pressure",
+    ),
+    "an empty list": (HEAD + "load.hertz_pressure = []\n", "small.toml:3: found no values for load.hertz_pressure"),
+    "no cases": (HEAD + "load.hertz_pressure = { from = 4e8, to = 5e8, count = 0 }\n", "found count = 0, expected an integer >= 1"),
+    "a billion cases": (
+        HEAD + "load.hertz_pressure = { from = 4e8, to = 5e8, count = 1000000000 }\n",
+        "found 1000000000 cases, expected at most 100000 (or --yes",
+    ),
+    "what the base forbids": (HEAD + "load.load_per_length = [1e5, 2e5]\n", "found together with load_per_length"),
+    "one value twice": (
+        HEAD + "load.hertz_pressure = [4e8, 5e8, 4e8]\n",
+        "small.toml:3: load.hertz_pressure: found 400000000.0 as value",
+    ),
+    "a value out of range": (HEAD + "lubricant.viscosity = [0.1, 1e9]\n", "small.toml:3: &lubricant viscosity: found 1000000000.0"),
+    "one name for all results": (HEAD + 'case.output = ["a.h5", "b.h5"]\n', "small.toml:3: found case.output: results are named"),
+    "a formula without value": (
+        HEAD + 'u = [0.0, 1.0]\n[formula]\nbodies.speed_1 = "1/u"\n',
+        "small.toml:5: bodies.speed_1: '1/u' has no",
+    ),
+    "an unknown name": (HEAD + 'u = [0.5, 1.0]\n[formula]\nbodies.speed_1 = "2*v"\n', "found v, expected a parameter"),
+    "no TOML": (HEAD + "load.hertz_pressure = [4e8\n", "small.toml:3: is not TOML"),
+    "nothing to vary": ('base = "base.nml"\n', "small.toml:1: found nothing to vary"),
+    "no base": ('base = "none.nml"\n[vary]\nload.hertz_pressure = [4e8]\n', "small.toml:1: there is no base case"),
+    "an unknown entry": (
+        'base = "base.nml"\nlimit = 3\n[vary]\nload.hertz_pressure = [4e8]\n',
+        "small.toml:2: found the unknown entry limit",
+    ),
+    "a range without count": (
+        HEAD + "load.hertz_pressure = { from = 4e8, to = 5e8 }\n",
+        "small.toml:3: load.hertz_pressure: found a range",
+    ),
+    "a negative logarithm": (
+        HEAD + 'bodies.speed_1 = { from = -1, to = 1, count = 3, spacing = "log" }\n',
+        "expected both ends above zero",
+    ),
+    "set twice": (
+        HEAD + "load.hertz_pressure = [4e8]\n[set]\nload.hertz_pressure = 5e8\n",
+        "small.toml:5: found load.hertz_pressure in",
+    ),
+    "unequal lengths": (
+        'base = "base.nml"\ntogether = ["lubricant.viscosity", "load.hertz_pressure"]\n[vary]\nlubricant.viscosity = [0.1]\n'
+        "load.hertz_pressure = [4e8, 5e8]\n",
+        "small.toml:2: found different numbers of values",
+    ),
+    "left out twice": (
+        'base = "base.nml"\nleave_out = ["load.load_per_length"]\n[vary]\nload.hertz_pressure = [4e8]\n',
+        "small.toml:2: found load.load_per_length in leave_out",
+    ),
+    "an odd Sobol sample": (
+        'base = "base.nml"\n[sample]\nmethod = "sobol"\ncount = 50\n[vary]\nload.hertz_pressure = { from = 4e8, to = 5e8 }\n',
+        "small.toml:2: found 50 points of a Sobol sample",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", BAD)
+def test_bad_sweeps_are_refused_with_their_line_and_leave_nothing(fault, sweep, tmp_path):
+    text, words = BAD[fault]
+    done = sweep(text)
+    assert done.returncode == 1
+    assert words in done.stderr
+    assert "Traceback" not in done.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["base.nml", "small.toml"]
+
+
+def test_a_base_that_is_no_namelist(sweep):
+    done = sweep(HEAD + "load.hertz_pressure = [4e8]\n", base="&case problem = \n")
+    assert done.returncode == 1
+    assert "small.toml:1:" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_the_same_sweep_again_changes_nothing_and_another_one_needs_a_word(sweep, tmp_path):
+    first = HEAD + "load.hertz_pressure = [4e8, 5e8, 6e8]\n"
+    other = HEAD + "load.hertz_pressure = [4e8, 7e8]\n"
+    assert sweep(first).returncode == 0
+    result = tmp_path / "small" / "cases" / "case_0001.h5"
+    result.write_text("kept", encoding="utf-8")
+    stamp = (tmp_path / "small" / "cases" / "case_0001.nml").stat().st_mtime_ns
+    assert sweep(first).returncode == 0
+    refused = sweep(other)
+    assert refused.returncode == 1
+    assert "holds another sweep (1 cases differ)" in refused.stderr
+    assert len(rows_of(tmp_path / "small")) == 3
+    assert sweep(other, "--replace").returncode == 0
+    assert column(tmp_path / "small", "load.hertz_pressure [Pa]") == [4e8, 7e8]
+    assert sorted(path.name for path in (tmp_path / "small" / "cases").glob("*.nml")) == ["case_0001.nml", "case_0002.nml"]
+    assert (tmp_path / "small" / "cases" / "case_0001.nml").stat().st_mtime_ns == stamp
+    assert result.read_text(encoding="utf-8") == "kept"
+    assert list(tmp_path.glob("*.part")) == []
+
+
+def test_a_folder_that_another_process_is_writing(sweep, tmp_path):
+    part = tmp_path / "small.part"
+    part.mkdir()
+    descriptor = os.open(part, os.O_RDONLY)
+    fcntl.flock(descriptor, fcntl.LOCK_EX)
+    done = sweep(HEAD + "load.hertz_pressure = [4e8]\n")
+    os.close(descriptor)
+    assert (done.returncode, "another process is writing this sweep" in done.stderr) == (1, True)
+    assert sweep(HEAD + "load.hertz_pressure = [4e8]\n").returncode == 0  # the one that was killed has left its folder
+
+
+def test_a_folder_of_the_user_is_left_alone(sweep, tmp_path):
+    (tmp_path / "small").mkdir()
+    (tmp_path / "small" / "thesis.txt").write_text("mine", encoding="utf-8")
+    done = sweep(HEAD + "load.hertz_pressure = [4e8]\n")
+    assert (done.returncode, "is there and no sweep" in done.stderr) == (1, True)
+    assert [path.name for path in (tmp_path / "small").iterdir()] == ["thesis.txt"]
+
+
+@pytest.mark.parametrize("path", sorted((batch_runs.ROOT / "input" / "sweeps").glob("*.toml")), ids=lambda path: path.stem)
+def test_shipped_sweeps_pass_their_checks(path, tmp_path, program):
+    done = call("sweep.py", path, folder=tmp_path, program=program)
+    assert done.returncode == 0, done.stderr
+    assert len(rows_of(tmp_path / path.stem)) > 10
+
+
+def test_keys_that_are_left_out(sweep, tmp_path):
+    text = 'base = "base.nml"\nleave_out = ["load.hertz_pressure"]\n[vary]\nload.load_per_length = [1e5, 2e5]\n'
+    assert sweep(text).returncode == 0
+    assert dict(namelist(tmp_path / "small", 2)["load"]) == {"load_per_length": 2e5}
+
+
+def test_formulas():
+    known = {"u": 3.0, "bodies.speed_1": 2.0, "n": 5}
+    assert evaluate("u**2 + 2*bodies.speed_1/4 - (n % 3)", known.get) == 8.0
+    assert evaluate("round(sqrt(u*3)) + min(n, 7) + abs(-1)", known.get) == 9
+    assert evaluate("cos(pi)", known.get) == -1.0
+    for bad in ("__import__('os')", "u.real.imag", "[1]", "9**9**9", "1/0", "sqrt(-1)", "(-1)**0.5", "unknown", "u +", "'text'"):
+        with pytest.raises(FormulaError):
+            evaluate(bad, known.get)
+
+
+def test_small_sweep_of_the_other_tests(tmp_path, program):
+    assert len(rows_of(swept(tmp_path, program))) == 4

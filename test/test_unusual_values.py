@@ -1,0 +1,133 @@
+"""Values that no usual contact has are told: what is shipped is silent, slips of a unit are not."""
+
+import pathlib
+import random
+import re
+
+import h5py
+import pytest
+from cases import text, write
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SHIPPED = sorted((ROOT / "input").glob("*.nml")) + sorted((ROOT / "input" / "scenes").glob("*.nml"))
+SLIPS = 1e3, 1e-3, 1e6
+WORDS = "is unusual, typical is"
+MINIMAL = (ROOT / "input" / "minimal.nml").read_text()
+NUMBER = r"[-+]?[0-9.]+(?:e[-+]?[0-9]+)?"
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_shipped_inputs_are_silent(asperity, path):
+    assert asperity("--check", path).stdout == f"{path}: no findings\n"
+
+
+@pytest.mark.parametrize("problem", ["ehl_line", "dry_line", "dry_area"])
+def test_templates_are_silent(asperity, tmp_path, problem):
+    """Their comments too: every example of a key is a typical value of it."""
+    template = asperity("--template", problem).stdout
+    write(tmp_path, "case.nml", template)
+    assert asperity("--check", "case.nml").stdout == "case.nml: no findings\n"
+    group = ""
+    for line in template.splitlines():
+        group = (re.findall(r"^(?:! )?&(\w+)$", line) or [group])[0]
+        entry = re.match(rf"!?  +(\w+) = ({NUMBER}(?:, {NUMBER})*)(?: |$)", line)
+        lowest, largest = typical_ranges(asperity).get((group, entry[1]) if entry else None, (0.0, 1e99))
+        for value in re.findall(NUMBER, entry[2]) if entry else []:
+            assert float(value) == 0 or lowest <= abs(float(value)) <= largest, line
+
+
+def typical_ranges(asperity, kept={}):  # noqa: B006
+    """{(group, key): (lowest, largest)} of the page of keys."""
+    if kept:
+        return kept
+    group = ""
+    for line in asperity("--keys-markdown").stdout.splitlines():
+        group = (re.findall(r"^## &(\w+)", line) or [group])[0]
+        row = re.match(r"\| `(\w+)`.*, typical ([0-9.e+-]+) to ([0-9.e+-]+) \|", line)
+        if row:
+            kept[group, row[1]] = float(row[2]), float(row[3])
+    return kept
+
+
+def slips(asperity):
+    """Every physical key of every shipped input, with each slip: (file, text, group, key, values)."""
+    ranges = typical_ranges(asperity)
+    for path in SHIPPED:
+        group = ""
+        lines = path.read_text().splitlines(keepends=True)
+        for i, line in enumerate(lines):
+            group = (re.findall(r"^ *&(\w+)", line) or [group])[0]
+            entry = re.match(rf" *(\w+) = ({NUMBER}(?:, {NUMBER})*)", line)
+            if not entry or (group, entry[1]) not in ranges:
+                continue
+            for factor in SLIPS:
+                values = [factor * float(value) for value in entry[2].split(",")]
+                changed = f"   {entry[1]} = {', '.join(map(repr, values))}\n"
+                whole = "".join([*lines[:i], changed, *lines[i + 1 :]])
+                yield path, re.sub(r"file = '", f"file = '{path.parent}/", whole), group, entry[1], values
+
+
+def told(asperity, folder, slip):
+    """'told', 'refused' or 'silent': what the program says of a slip; it must be told if it leaves the typical range."""
+    path, content, group, key, values = slip
+    write(folder, "slip.nml", content)
+    done = asperity("--check", "slip.nml")
+    if done.returncode == 1:
+        return "refused"
+    lowest, largest = typical_ranges(asperity)[group, key]
+    is_typical = all(value == 0 or lowest <= abs(value) <= largest for value in values)
+    is_told = f"&{group} {key}: " in done.stdout and WORDS in done.stdout
+    assert is_told != is_typical, (path.name, group, key, values, done.stdout)
+    return "told" if is_told else "silent"
+
+
+def test_slips_of_a_unit_are_told(asperity, tmp_path):
+    """Random ones; all of them: python test_unusual_values.py."""
+    sample = random.Random(17).sample(list(slips(asperity)), 100)
+    outcomes = [told(asperity, tmp_path, slip) for slip in sample]
+    print({outcome: outcomes.count(outcome) for outcome in set(outcomes)})
+    assert outcomes.count("told") > 10
+    assert outcomes.count("told") + outcomes.count("refused") > 0.6 * len(sample)
+
+
+def test_unusual_values_stand_in_log_and_result(asperity, tmp_path):
+    write(tmp_path, "case.nml", MINIMAL.replace("= 0.01 ", "= 12.0 ").replace("viscosity = 0.14", "viscosity = 30"))
+    line = "case.nml:7: &bodies reduced_radius: 12 m is unusual, typical is 1e-4 to 5 m; is the unit right?\n"
+    done = asperity("case.nml")
+    assert done.returncode == 0
+    assert line in done.stderr
+    assert asperity("case.nml", "--quiet").stderr == ""
+    with h5py.File(tmp_path / "case.h5") as file:
+        note = text(file["report/note"][()])
+    assert note.startswith("&bodies reduced_radius: 12 m is unusual, typical is 1e-4 to 5 m; &lubricant viscosity: 30 Pa s is")
+
+
+def test_unusual_values_of_a_dry_case(asperity, tmp_path):
+    content = (ROOT / "input" / "dry_sphere.nml").read_text().replace("hertz_pressure = 1e9", "hertz_pressure = 3e4")
+    write(tmp_path, "case.nml", content.replace("reduced_radius = 0.005", "reduced_radius = 8"))
+    done = asperity("case.nml")
+    assert "&bodies reduced_radius: 8 m is unusual, typical is 1e-4 to 5 m; is the unit right?" in done.stderr
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert "&load hertz_pressure: 30000 Pa is unusual" in text(file["report/note"][()])
+
+
+@pytest.mark.parametrize("signed", ["speed_1 = 0.0", "speed_1 = -0.3"])
+def test_sign_and_nothing_are_usual(asperity, tmp_path, signed):
+    write(tmp_path, "case.nml", MINIMAL.replace("speed_1 = 0.6", signed))
+    assert asperity("--check", "case.nml").stdout == "case.nml: no findings\n"
+
+
+if __name__ == "__main__":
+    import collections
+    import subprocess
+    import tempfile
+
+    def call(*arguments):
+        command = [str(ROOT / "build" / "bin" / "asperity"), *map(str, arguments)]
+        return subprocess.run(command, cwd=FOLDER, capture_output=True, text=True, check=False)
+
+    with tempfile.TemporaryDirectory() as FOLDER:
+        counts = collections.Counter((s[3], told(call, pathlib.Path(FOLDER), s)) for s in slips(call))
+    for key in sorted({key for key, _ in counts}):
+        print(key, {outcome: counts[key, outcome] for outcome in ("told", "refused", "silent")})
+    print("all", {outcome: sum(n for (_, o), n in counts.items() if o == outcome) for outcome in ("told", "refused", "silent")})

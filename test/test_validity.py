@@ -1,0 +1,124 @@
+"""Limits of the model: every row of /adequacy/validity is passed by one scene and kept by a milder one, and told in one line."""
+
+import h5py
+import pytest
+from cases import MOES, STEADY, TRANSIENT, write
+
+AUTO = STEADY.replace("&domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /\n", "")
+ROLLING = STEADY.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 0.6, speed_2 = 0.6")
+LOAD = "load_per_length = 1e5"
+
+
+def changed(case, *pairs):
+    for old, new in pairs:
+        assert old in case, old
+        case = case.replace(old, new)
+    return case
+
+
+def with_bodies(words):
+    return changed(STEADY, ("speed_2 = 1.1", f"speed_2 = 1.1, {words}"))
+
+
+def soft(modulus):
+    return f"""&case problem = 'ehl_line' /
+&bodies reduced_radius = 0.01, reduced_modulus = {modulus}, speed_1 = 0.5, speed_2 = 0.5 /
+&load load_per_length = 1000.0 /
+&lubricant viscosity = 0.1, viscosity_law = 'constant', density_law = 'constant' /
+"""
+
+
+def water(speed):
+    return f"""&case problem = 'ehl_line' /
+&bodies reduced_radius = 0.1, reduced_modulus = 226e9, speed_1 = {speed}, speed_2 = {speed} /
+&load load_per_length = 500.0 /
+&lubricant viscosity = 1e-3, viscosity_law = 'constant', density_law = 'constant', density = 1000.0 /
+"""
+
+
+def wavy(amplitude, wavelength):
+    still = STEADY.replace("256", "4096").replace("speed_1 = 0.1", "speed_1 = 0.0")
+    return still + f"&surface_1 shape = 'sinusoid', amplitude = {amplitude}, wavelength = {wavelength} /\n"
+
+
+# row: scene beyond the limit, milder scene, what is told
+SCENES = {
+    "starvation": (STEADY, AUTO, "starves the film by 2.2 %"),
+    "mixed_lubrication": (wavy(0.2e-6, 1e-4), wavy(0.1e-6, 1e-4), "times the composite roughness"),
+    "viscosity_data": (changed(AUTO, (LOAD, "hertz_pressure = 1.3e9")), AUTO, "viscosities are measured to 1.030 GPa"),
+    "limiting_stress": (changed(AUTO, ("'eyring', eyring_stress = 3.3e6", "'newtonian'")), STEADY, "oils give way near 0.1"),
+    "shear_heating": (STEADY, ROLLING, "sliding would heat the film by"),
+    "hardness": (with_bodies("hardness = 0.5e9"), with_bodies("hardness = 0.7e9"), "pass the hardness, 500.0 MPa"),
+    "shakedown": (with_bodies("hardness = 0.85e9"), with_bodies("hardness = 0.95e9"), "shakedown limit, 566.7 MPa"),
+    "inlet_heating": (STEADY, ROLLING, "heat of the inlet, not in the model"),
+    "side_flow": (with_bodies("contact_length = 1e-3"), with_bodies("contact_length = 2e-3"), "of the film: the contact is short"),
+    "stokes_number": (changed(STEADY, ("3.3e6", "40e6")), STEADY, "(T_max)"),
+    "surface_slope": (soft(1e7), soft(1e9), "surfaces are as steep as"),
+    "film_over_wave": (wavy(1e-9, 3e-6), wavy(1e-9, 2e-5), "of the finest wave"),
+    "turbulence": (water(60.0), water(10.0), "not laminar"),
+}
+
+
+def limit_of(asperity, folder, name, row, case):
+    write(folder, f"{name}.nml", case)
+    done = asperity(f"{name}.nml")
+    assert done.returncode == 0, done.stderr
+    with h5py.File(folder / f"{name}.h5") as file:
+        group = file["adequacy/validity"]
+        value, label = group[row][()], dict(group[row].attrs)
+        # what is told is what is stored, each in one sentence behind its own mark
+        exceeded = sum(group[other].attrs["exceeded"] for other in group)
+    told = [line for line in done.stdout.splitlines() if line.startswith(("  limit ", "  inlet "))]
+    assert len(told) == exceeded
+    return value, label, " ".join((done.stderr + done.stdout).split())
+
+
+@pytest.mark.parametrize("row", SCENES)
+def test_each_limit_on_either_side(asperity, tmp_path, row):
+    beyond, milder, words = SCENES[row]
+    value, label, log = limit_of(asperity, tmp_path, "beyond", row, beyond)
+    below = label["beyond"] == b"below"
+    assert label["exceeded"] == 1
+    assert (value < label["threshold"]) == below
+    assert words in log
+    assert len(label["source"]) > 20
+    value, label, log = limit_of(asperity, tmp_path, "milder", row, milder)
+    assert label["exceeded"] == 0
+    assert (value > label["threshold"]) == below
+    assert words not in log
+
+
+def test_what_is_not_known_is_named(asperity, tmp_path):
+    write(tmp_path, "a.nml", STEADY)
+    write(tmp_path, "b.nml", MOES)
+    assert asperity("a.nml", "b.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "b.h5") as moes:
+        group = file["adequacy/validity"]
+        missing = group.attrs["not_evaluated"].decode()
+        for name in ("hardness: &bodies hardness is not given", "side_flow: &bodies contact_length is not given"):
+            assert name in missing
+        assert {part.split(":")[0] for part in missing.split("; ")} | set(group) == set(SCENES)
+        assert list(moes["adequacy/validity"]) == ["starvation"]
+        # the two numbers of Stokes against Reynolds are those of the design: Case 1, T_max 0.057 on a fine grid
+        assert group["stokes_number"][()] == pytest.approx(0.0575, abs=1e-3)
+
+
+def test_a_transient_takes_the_extremes_and_a_failure_nothing(asperity, tmp_path):
+    write(tmp_path, "a.nml", TRANSIENT)
+    write(tmp_path, "b.nml", STEADY + "&solver max_cycles = 1 /\n")
+    assert asperity("a.nml", "b.nml", "--quiet").returncode == 2
+    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "b.h5") as failed:
+        assert file["adequacy/validity/viscosity_data"][()] == pytest.approx(file["summary/p_max"][()], rel=1e-12)
+        assert "adequacy" not in failed
+
+
+def test_what_is_solved_is_not_doubted(asperity, tmp_path):
+    """With the full momentum equations no limit of Reynolds' equation is left."""
+    write(
+        tmp_path, "a.nml", changed(STEADY, ("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'"), ("256", "128"))
+    )
+    assert asperity("a.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file:
+        group = file["adequacy/validity"]
+        assert not {"stokes_number", "surface_slope", "film_over_wave"} & set(group)
+        assert "stokes_number: the full momentum equations are solved" in group.attrs["not_evaluated"].decode()

@@ -1,0 +1,60 @@
+"""The velocity of the oil across the film, /velocity: walls, flow, who may ask for it."""
+
+import cases
+import numpy as np
+import pytest
+
+LAYERS = "&output velocity_layers = 40 /\n"
+
+
+def solved(asperity, folder, text):
+    """The contents of the result of a case."""
+    done = asperity(cases.write(folder, "case.nml", text), "--output", folder, "--quiet")
+    assert done.returncode == 0, done.stderr
+    return cases.contents(folder / "case.h5")
+
+
+@pytest.mark.parametrize("text", [cases.STEADY, cases.TRANSIENT])
+def test_velocity_in_the_result(asperity, tmp_path, text):
+    """Speeds of the walls in SI; of a steady film one mass flux at all nodes, of a transient the film of the last time."""
+    found = solved(asperity, tmp_path, text + LAYERS)
+    u, zeta = found["velocity/u"], found["velocity/zeta"]
+    assert u.shape == (257, 41)
+    assert np.array_equal(zeta, np.arange(41) / 40)
+    assert cases.text(found["velocity/u@si_units"]) == "m/s"
+    speeds = u * found["velocity/u@si_scale"]
+    assert np.allclose(speeds[:, 0], 0.1, rtol=1e-12)
+    assert np.allclose(speeds[:, -1], 1.1, rtol=1e-12)
+    mean = (u[:, 0] + u[:, -1] + 4 * u[:, 1:-1:2].sum(axis=1) + 2 * u[:, 2:-2:2].sum(axis=1)) / 120
+    x, p, h = (found[f"solution/{name}"] for name in ("x", "pressure", "film_thickness"))
+    inner = np.abs(x) < 0.7
+    slope = np.gradient(p, x)
+    by_pressure = found["solution/slip_factor"] * h**2 / found["solution/viscosity"] * slope / (2 * found["scaling@lambda"])
+    assert np.allclose(mean[inner], (0.5 - by_pressure)[inner], rtol=0, atol=1e-6)
+    if "transient/time" not in found:
+        flux = found["solution/density"] * h * mean
+        assert np.ptp(flux[inner]) < 6e-3 * flux[128]
+    # nothing but a straight line where it cavitates
+    empty = np.flatnonzero(p == 0)[1:]
+    assert empty.size > 0
+    assert np.allclose(u[empty], (0.1 + zeta) / 1.2, rtol=1e-12)
+
+
+def test_no_velocity_unless_asked(asperity, tmp_path):
+    """Without the key there is no group, and the numbers are the same to the bit."""
+    plain = solved(asperity, tmp_path, cases.STEADY)
+    asked = solved(asperity, tmp_path, cases.STEADY + LAYERS)
+    assert not any(name.startswith("velocity/") for name in plain)
+    for name in ("solution/pressure", "solution/film_thickness", "summary/friction_coefficient"):
+        assert cases.same_bits(plain[name], asked[name])
+
+
+def test_velocity_needs_speeds_and_reynolds(asperity, tmp_path):
+    """By Moes' numbers speeds are not known; the full momentum equations have velocities of their own."""
+    done = asperity(cases.write(tmp_path, "moes.nml", cases.MOES + LAYERS), "--check")
+    assert done.returncode == 1
+    assert "&output velocity_layers" in done.stderr
+    stokes = cases.STEADY.replace("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'")
+    done = asperity(cases.write(tmp_path, "stokes.nml", stokes + LAYERS), "--check")
+    assert done.returncode == 1
+    assert "&output velocity_layers" in done.stderr
