@@ -6,7 +6,6 @@ module bench_recorder
    use line_state, only: line_state_t
    use line_summary, only: keep_extremes, line_summary_t, summary_of
    use observer, only: observer_t
-   use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
@@ -14,7 +13,7 @@ module bench_recorder
 
    !> What is kept of one run.
    type, extends(observer_t) :: recorder_t
-      !> Seconds after which the run is stopped, counted from `start`.
+      !> Seconds of processor time after which the run is stopped, counted from `start`.
       real(wp) :: limit = huge(1.0_wp)
       real(wp) :: start = 0.0_wp
       !> True: keep pressure and extremes; false: only watch the clock.
@@ -42,7 +41,7 @@ contains
 
       self%is_recording = is_recording
       self%limit = limit
-      self%start = wall_seconds()
+      call cpu_time(self%start)
    end subroutine start_recorder
 
    !> Takes the fields of a steady solution.
@@ -87,8 +86,18 @@ contains
       associate (unused_cycle => cycle, unused_residual => residual, &
          unused_load_error => load_error)
       end associate
-      self%wants_stop = self%wants_stop .or. wall_seconds() - self%start > self%limit
+      self%wants_stop = self%wants_stop .or. is_over(self)
    end subroutine watch_clock
+
+   !> Whether the run has had its time.
+   function is_over(self)
+      class(recorder_t), intent(in) :: self
+      logical :: is_over
+      real(wp) :: now
+
+      call cpu_time(now)
+      is_over = now - self%start > self%limit
+   end function is_over
 
    !> Keeps the quantities of coarser grids.
    subroutine keep_coarser(self, coarser)
@@ -106,7 +115,7 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
 
-      self%wants_stop = self%wants_stop .or. wall_seconds() - self%start > self%limit
+      self%wants_stop = self%wants_stop .or. is_over(self)
       if (step > 0) self%residual = max(self%residual, report%residual)
       if (.not. self%is_recording) return
       if (step == 0) then

@@ -2,7 +2,7 @@
 """Maps where each method converges, converges late or does not; iterations as colour; one frame for all methods.
 
 A cell is converged (at most 30 iterations on the finest grid, in time: per step), late (more), not converged (ended by the
-limit of iterations or of 40 s, stalled, or failed), or has a grid that is too coarse for a discrete film, which is the right
+limit of iterations or of 40 s of processor time, stalled, or failed), or has a grid that is too coarse for a discrete film, which is the right
 answer. One rule for all methods. Results for each map: stability_NAME.png, .pdf, .csv; conclusion.txt counts cells and lists
 those where `auto` does not converge, whose namelists go to not_converged/.
 """
@@ -52,7 +52,7 @@ def solve_map(each: StabilityMap, processes: int) -> dict[tuple[str, int, int], 
     for cell in each.cells():
         name = f"{len(jobs)}"
         jobs[name] = (cell, job(name, cell.namelist, limit=LIMIT))
-    answers = bench_program.run_parallel([one for _, one in jobs.values()], processes, patience=3 * LIMIT)
+    answers = bench_program.run_parallel([one for _, one in jobs.values()], processes, patience=20 * LIMIT)
     return {(cell.method, cell.column, cell.row): answers[name] for name, (cell, _) in jobs.items()}
 
 
