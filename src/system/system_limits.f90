@@ -86,7 +86,7 @@ contains
       fault = ''
       call compare(need%used, real(c_sysconf(pages), wp)*real(c_sysconf(page_size), wp), &
          'the memory of this machine')
-      call compare(need%used, group_memory(''), 'the limit of its control group')
+      call compare(need%used, own_group_memory(), 'the limit of its control group')
       call compare(need%reserved, limit_of(limit_data), 'the limit of data (ulimit -d)')
       call compare(need%reserved, limit_of(limit_memory) - library_memory(), &
          'what the limit of the address space (ulimit -v) leaves beside the libraries')
@@ -104,6 +104,15 @@ contains
       end subroutine compare
 
    end function memory_fault
+
+   !> `group_memory` of this process as it was when first asked for: some ten files [bytes].
+   function own_group_memory() result(bytes)
+      real(wp) :: bytes
+      real(wp), save :: kept = -1.0_wp
+
+      if (kept < 0.0_wp) kept = group_memory('')
+      bytes = kept
+   end function own_group_memory
 
    !> The value of a limit [bytes]; huge: none.
    function limit_of(resource) result(bytes)
