@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import csv
 import re
+import shutil
 import subprocess
 import sys
 import textwrap
 from pathlib import Path
 
 from bench_program import ENVIRONMENT, ROOT
-from PIL import Image
 
 PROGRAM = ROOT / "build" / "bin" / "asperity"
 PAGE = ROOT / "docs" / "scenes.md"
@@ -28,7 +28,6 @@ FIGURES = {
     "09_dry_machined": (("dry.py",), "profile", "the profile, undeformed, under load and unloaded"),
     "10_run_in": (("dry.py",), "profile", "the profile, undeformed, under load and unloaded"),
 }
-COLOURS = 48
 TARGET = 0.03
 WIDTH = 128
 
@@ -106,14 +105,13 @@ def regime(path: Path, folder: Path) -> str:
 
 
 def draw(name: str, folder: Path) -> str:
-    """The figure of a scene, with few colours to keep it small; returns the words below it."""
+    """The figure of a scene; returns the words below it."""
     command, kind, words = FIGURES[name]
     script, *options = command
     result = folder / f"{name}.h5"
     text_of(sys.executable, ROOT / "postproc" / script, result, *options, "--output", folder, "--format", "png", folder=folder)
     IMAGES.mkdir(parents=True, exist_ok=True)
-    with Image.open(folder / f"{name}_{kind}.png") as image:
-        image.convert("RGB").quantize(COLOURS).save(IMAGES / f"{name}.png", optimize=True)
+    shutil.copy(folder / f"{name}_{kind}.png", IMAGES / f"{name}.png")
     return words
 
 

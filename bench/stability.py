@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Maps where each method converges, converges late or does not; iterations as colour; one frame for all methods.
 
-A cell is converged (at most 30 iterations on the finest grid, in time: per step), late (more), not converged (ended by the
-limit of iterations or of 40 s of processor time, stalled, or failed), or has a grid that is too coarse for a discrete film, which is the right
-answer. One rule for all methods. Results for each map: stability_NAME.png, .pdf, .csv; conclusion.txt counts cells and lists
-those where `auto` does not converge, whose namelists go to not_converged/.
+A cell is converged (at most 30 iterations on the finest grid, in time: per step), late (more), not converged (ended by the limit
+of iterations or of 40 s of processor time, stalled, or failed), or has a grid that is too coarse for a discrete film, which is
+the right answer. One rule for all methods. Results for each map: stability_NAME.png, .pdf, .csv; conclusion.txt counts cells and
+lists those where `auto` does not converge, whose namelists go to not_converged/.
 """
 
 from __future__ import annotations

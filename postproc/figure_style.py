@@ -12,8 +12,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from result_file import Result
 
 MILLIMETRE = 1 / 25.4
@@ -22,6 +23,9 @@ TWO_COLUMNS = 170 * MILLIMETRE
 
 PNG_DPI = 200
 COLOUR_MAP = "cividis"
+# Numbers that read well without powers of ten, and up to how many decades show 2 and 5 between these.
+PLAIN = (1e-3, 2e4)
+SHORT = 2.2
 REFERENCE = {"color": "0.55", "linewidth": 0.9, "linestyle": (0, (1, 1.2))}
 
 PRESSURE = {"color": "#9c3a00", "linestyle": "-"}
@@ -116,6 +120,18 @@ def few_ticks(axes: Axes, most: int = 5) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10]))
 
 
+def label_logarithmic(axis: Axis) -> None:
+    """Ticks of a logarithmic axis: plain numbers where these are short, and 2 and 5 between the powers of ten if there are few."""
+    least, largest = sorted(axis.get_view_interval())
+    if least < PLAIN[0] or largest > PLAIN[1]:
+        return
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
+    if np.log10(largest / least) < SHORT:
+        axis.set_minor_locator(LogLocator(subs=range(2, 10)))
+        axis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}" if f"{value:e}"[0] in "25" else ""))
+
+
 def legend_below(figure: Figure, handles: list, columns: int) -> None:
     """A legend below the axes, where it covers nothing."""
     figure.legend(
@@ -130,6 +146,10 @@ def legend_below(figure: Figure, handles: list, columns: int) -> None:
 
 def save_figure(figure: Figure, targets: list[Path]) -> list[Path]:
     """Saves under every name and closes the figure."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if axis.get_scale() == "log":
+                label_logarithmic(axis)
     for target in targets:
         metadata = {"CreationDate": None} if target.suffix == ".pdf" else None
         figure.savefig(target, dpi=PNG_DPI, metadata=metadata)

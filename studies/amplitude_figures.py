@@ -63,9 +63,13 @@ def draw_sliding(folder: Path, sliding: Table, curve: Curve) -> None:
     left.set(xlabel=slip_label, ylabel="$|A_\\mathrm{d}/A_\\mathrm{i}|$ [-]", yscale="log", ylim=(5e-4, 1.2))
     middle.set(xlabel=slip_label, ylabel="Lag at $X$ = −1 [degrees]")
     right.set(
-        xlabel="$(\\Lambda/b)\\, M^{3/4} L^{-1/2} v^{-1/2}$ [-]", xscale="log", yscale="log", xlim=(1, 60), ylim=(1.5e-2, 1.2)
+        xlabel="$(\\Lambda/b)\\, M^{3/4} L^{-1/2} v^{-1/2}$ [-]",
+        ylabel="$|A_\\mathrm{d}/A_\\mathrm{i}|$ [-]",
+        xscale="log",
+        yscale="log",
+        xlim=(1, 60),
+        ylim=(1.5e-2, 1.2),
     )
-    right.xaxis.set_minor_formatter(style.plt.NullFormatter())
     hollow_mark = style.plt.Line2D(
         [], [], color="0.3", marker="o", markerfacecolor="none", linestyle="none", label="part that moves with the surface"
     )

@@ -12,6 +12,11 @@ from study import save, style
 HALF_WIDTH = 1.05797e-4  # m
 LINES = {"film": style.FILM, "reference": style.REFERENCE, "pressure": style.PRESSURE}
 THINNING = "Film thinning $\\xi$ [-]"
+# The axes of the dents; the thesis has l_2 in units of 0.2 um and m_2 in units of 0.1 mm.
+UM, MM = 1e6 * AMPLITUDE, 1e3 * WAVELENGTH
+DEPTH, WIDTH = f"Dent amplitude {UM:g} $l_2$ [µm]", f"Dent wavelength {MM:g} $m_2$ [mm]"
+DEPTHS_UM, WIDTHS_MM = [UM * depth for depth in DEPTHS], [MM * width for width in WIDTHS]
+DEPTH_LIMITS = (UM * -0.9, UM * -6.1)
 COARSE = {"linestyle": "none", "markerfacecolor": "none", "markersize": 3.0, "alpha": 0.8}
 
 
@@ -120,13 +125,12 @@ def draw_contours(folder: Path, found: Found) -> None:
     xi = np.array([[found["b"][Situation(5, l2=depth, m2=width)].xi for width in WIDTHS] for depth in DEPTHS])
     figure, axes = style.new_figure(style.ONE_COLUMN, 75)
     levels = np.arange(0.1, 0.51, 0.05)
-    image = axes.contourf(WIDTHS, DEPTHS, xi, levels=levels, cmap=style.COLOUR_MAP, extend="both")
-    lines = axes.contour(WIDTHS, DEPTHS, xi, levels=levels, colors="black", linewidths=0.6)
-    for text in axes.clabel(
-        lines, fmt="%.2f", fontsize=8, inline=True, manual=[(3.0, depth) for depth in (-1.3, -1.8, -2.3, -3, -3.8, -4.7, -5.7)]
-    ):
+    image = axes.contourf(WIDTHS_MM, DEPTHS_UM, xi, levels=levels, cmap=style.COLOUR_MAP, extend="both")
+    lines = axes.contour(WIDTHS_MM, DEPTHS_UM, xi, levels=levels, colors="black", linewidths=0.6)
+    places = [(3 * MM, UM * depth) for depth in (-1.3, -1.8, -2.3, -3, -3.8, -4.7, -5.7)]
+    for text in axes.clabel(lines, fmt="%.2f", fontsize=8, inline=True, manual=places):
         text.set_bbox({"facecolor": "white", "alpha": 0.6, "pad": 0.4, "linewidth": 0})
-    edge = [(w, d) for d in DEPTHS for w in WIDTHS if found["b"][Situation(5, l2=d, m2=w)].edge == "inlet"]
+    edge = [(MM * w, UM * d) for d in DEPTHS for w in WIDTHS if found["b"][Situation(5, l2=d, m2=w)].edge == "inlet"]
     axes.plot(
         *np.array(edge).T,
         "s",
@@ -138,8 +142,7 @@ def draw_contours(folder: Path, found: Found) -> None:
         label="maximum at the inlet end, $X$ = −1.3",
     )
     figure.colorbar(image, ax=axes, label=THINNING)
-    axes.set(xlabel="Dent wavelength $m_2$ [0.1 mm]", ylabel="Dent amplitude $l_2$ [0.2 µm]", xlim=(0.9, 7.1), ylim=(-6.1, -0.9))
-    axes.set_xticks(WIDTHS)
+    axes.set(xlabel=WIDTH, ylabel=DEPTH, xlim=(0.9 * MM, 7.1 * MM), ylim=DEPTH_LIMITS[::-1])
     style.legend_below(figure, axes.get_legend_handles_labels()[0], 1)
     save(figure, folder, "figure_6_7_depth_and_width")
 
@@ -173,8 +176,8 @@ def draw_slips(folder: Path, found: Found) -> None:
     figure, axes = style.new_figure(style.ONE_COLUMN, 78)
     names = {5: "5/3", 4: "4/3", 3: "1", 2: "2/3", 1: "1/3"}
     for slip, look in zip(reversed(SLIPS), style.SERIES, strict=False):
-        draw_series(axes, DEPTHS, found, [Situation(slip, l2=depth) for depth in DEPTHS], look, f"$s$ = {names[slip]}")
-    axes.set(xlabel="Dent amplitude $l_2$ [0.2 µm]", ylabel=THINNING, ylim=(0, 0.5), xlim=(-0.9, -6.1))
+        draw_series(axes, DEPTHS_UM, found, [Situation(slip, l2=depth) for depth in DEPTHS], look, f"$s$ = {names[slip]}")
+    axes.set(xlabel=DEPTH, ylabel=THINNING, ylim=(0, 0.5), xlim=DEPTH_LIMITS)
     finish_series(figure, axes, 3)
     save(figure, folder, "figure_6_8_slide_to_roll")
 
@@ -183,8 +186,9 @@ def draw_ridges(folder: Path, found: Found) -> None:
     """Figure 6.9: xi over the dent width for two ridge heights, l2 = -2."""
     figure, axes = style.new_figure(style.ONE_COLUMN, 72)
     for height, look in zip((1, 2), style.SERIES, strict=False):
-        draw_series(axes, WIDTHS, found, [Situation(5, l1=height, l2=-2, m2=width) for width in WIDTHS], look, f"$l_1$ = {height}")
-    axes.set(xlabel="Dent wavelength $m_2$ [0.1 mm]", ylabel=THINNING, ylim=(0.18, 0.3))
+        items = [Situation(5, l1=height, l2=-2, m2=width) for width in WIDTHS]
+        draw_series(axes, WIDTHS_MM, found, items, look, f"ridge {UM * height:.1f} µm")
+    axes.set(xlabel=WIDTH, ylabel=THINNING, ylim=(0.18, 0.3))
     finish_series(figure, axes, 3)
     save(figure, folder, "figure_6_9_ridge_amplitude")
 
@@ -194,7 +198,7 @@ def draw_load(folder: Path, found: Found) -> None:
     figure, axes = style.new_figure(style.ONE_COLUMN, 72)
     for load, look in zip((1e5, 2e5), style.SERIES, strict=False):
         label = f"$w$ = {load / 1e3:.0f} kN/m"
-        draw_series(axes, DEPTHS, found, [Situation(5, load=load, l2=depth) for depth in DEPTHS], look, label)
-    axes.set(xlabel="Dent amplitude $l_2$ [0.2 µm]", ylabel=THINNING, ylim=(0.1, 0.5), xlim=(-0.9, -6.1))
+        draw_series(axes, DEPTHS_UM, found, [Situation(5, load=load, l2=depth) for depth in DEPTHS], look, label)
+    axes.set(xlabel=DEPTH, ylabel=THINNING, ylim=(0.1, 0.5), xlim=DEPTH_LIMITS)
     finish_series(figure, axes, 2)
     save(figure, folder, "figure_6_10_load")

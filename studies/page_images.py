@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Copies the figures of the studies that docs/thesis.md and docs/dry.md show to docs/images/, with few colours to keep them small.
+"""Copies the figures of the studies that docs/thesis.md and docs/dry.md show to docs/images/.
 
 page_images.py chapter5 chapter6 ...: the studies whose figures are copied.
 """
 
 from __future__ import annotations
 
+import shutil
 import sys
 
-from PIL import Image
 from study import ROOT
 
 FIGURES = {
@@ -39,8 +39,6 @@ FIGURES = {
     ),
     "amplitude": ("amplitude_master", "amplitude_sliding", "amplitude_linearity"),
 }
-COLOURS = 160
-SCALE = 0.75
 
 
 def main() -> None:
@@ -52,12 +50,7 @@ def main() -> None:
             source = ROOT / "results" / folder / f"{name}.png"
             if not source.exists():
                 sys.exit(f"page_images.py: {source} is missing: make {folder}")
-            image = Image.open(source).convert("RGB")
-            size = (round(image.width * SCALE), round(image.height * SCALE))
-            small = image.resize(size, Image.Resampling.LANCZOS).quantize(
-                COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
-            )
-            small.save(target / f"{name}.png", optimize=True)
+            shutil.copy(source, target)
 
 
 if __name__ == "__main__":
