@@ -118,9 +118,8 @@ The rows as CSV: [errors](images/performance/accuracy.csv), [cost](images/perfor
 ## Where the methods converge
 
 Iterations on the finest grid as colour, one frame for all methods. A cell counts as right if it converges, or if its given grid is
-too coarse for a discrete film and the program says so. Orange: converged after more than 30
-iterations; red: not converged, the sign says why. Maps with few cells are those of the short
-form of the command.
+too coarse for a discrete film, or its time step too long for a feature, and the program says so. Orange: converged after more than
+30 iterations; red: not converged, the sign says why. Maps with few cells are those of the short form of the command.
 """
 
 CAPTIONS = {
@@ -193,7 +192,7 @@ def rows(path: Path) -> list[dict[str, str]]:
 
 
 def is_right(row: dict[str, str]) -> bool:
-    """Whether a cell has converged, however slowly, or its grid is too coarse and was called so."""
+    """Whether a cell has converged, however slowly, or its grid or time step is too coarse and was called so."""
     return row["reason"] == "converged" or row["status"] == "too coarse"
 
 

@@ -2,9 +2,10 @@
 """Maps where each method converges, converges late or does not; iterations as colour; one frame for all methods.
 
 A cell is converged (at most 30 iterations on the finest grid, in time: per step), late (more), not converged (ended by the limit
-of iterations or of 40 s of processor time, stalled, or failed), or has a grid that is too coarse for a discrete film, which is
-the right answer. One rule for all methods. Results for each map: stability_NAME.png, .pdf, .csv; conclusion.txt counts cells and
-lists those where `auto` does not converge, whose namelists go to not_converged/.
+of iterations or of 40 s of processor time, stalled, or failed), or has a grid that is too coarse for a discrete film or steps
+that are too long for a feature, and is called so, which is the right answer. One rule for all methods. Results for each map:
+stability_NAME.png, .pdf, .csv; conclusion.txt counts cells and lists those where `auto` does not converge, whose namelists go to
+not_converged/.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ def status(answer: Answer | None) -> str:
         return "converged" if iterations(answer) <= MANY else "late"
     words = {
         "grid too coarse": "too coarse",
+        "of its wavelength, expected at most": "too coarse",  # what a feature moves in a time step
         "refused": "refused",
         "stopped from outside": "limit",
         "stagnation": "stalled",

@@ -28,7 +28,7 @@ CLASSES = {
     "limit": (NOT_CONVERGED, "…", "not converged: limit of iterations or time"),
     "stalled": (NOT_CONVERGED, "–", "not converged: stalled"),
     "failed": (NOT_CONVERGED, "×", "not converged: failed"),
-    "too coarse": ("#a9cbe8", "o", "grid too coarse for the film"),
+    "too coarse": ("#a9cbe8", "o", "grid or time step too coarse, told so"),
     "refused": ("#ffffff", "?", "input refused"),
 }
 MOST_PANELS_IN_A_ROW = 4
@@ -60,7 +60,7 @@ def draw_map(each: StabilityMap, classes: dict[tuple[str, int, int], tuple[str, 
     for word, (colour, sign, label) in CLASSES.items():
         if word in seen:
             handles.append(Patch(facecolor=colour, edgecolor="0.4", linewidth=0.4, label=f"{label} ({sign})"))
-    style.legend_below(figure, handles, 3)
+    style.legend_below(figure, handles, 3 if len(handles) < 5 else 2)
     style.save_figure(figure, [folder / f"stability_{each.key}.png", folder / f"stability_{each.key}.pdf"])
 
 

@@ -148,7 +148,7 @@ def save_figure(figure: Figure, targets: list[Path]) -> list[Path]:
     """Saves under every name and closes the figure."""
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
-            if axis.get_scale() == "log":
+            if axis.get_scale() == "log" and isinstance(axis.get_major_locator(), LogLocator):
                 label_logarithmic(axis)
     for target in targets:
         metadata = {"CreationDate": None} if target.suffix == ".pdf" else None
