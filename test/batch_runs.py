@@ -5,6 +5,8 @@ import pathlib
 import subprocess
 import sys
 
+from time_limits import HANGING
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BATCH = ROOT / "batch"
 if str(BATCH) not in sys.path:
@@ -24,12 +26,12 @@ accuracy.error_bars = false
 BASE = (ROOT / "input" / "minimal.nml").read_text(encoding="utf-8")
 
 
-def call(script, *arguments, folder, program, timeout=120, **options):
+def call(script, *arguments, folder, program, **options):
     """Runs batch/SCRIPT in `folder`."""
     environment = {**os.environ, "ASPERITY": str(program), "PYTHONDONTWRITEBYTECODE": "1", "MPLBACKEND": "agg"}
     command = [sys.executable, "-W", "error", str(BATCH / script), *map(str, arguments)]
     return subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=timeout, check=False, **options
+        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=HANGING, check=False, **options
     )
 
 

@@ -6,6 +6,7 @@ import signal
 import subprocess
 
 import pytest
+import time_limits
 
 # Shells ignore SIGINT for what runs in the background, nohup SIGHUP, and programs inherit that: the runs that these tests interrupt
 # must not. A handler of our own is not inherited.
@@ -41,10 +42,16 @@ def diverging(program, asperity):
 
 @pytest.fixture
 def asperity(program, tmp_path):
-    """Calls the program in an empty folder: asperity('case.nml', '--quiet') gives returncode, stdout and stderr."""
+    """Calls the program in an empty folder: asperity('case.nml', '--quiet') gives returncode, stdout and stderr.
 
-    def call(*arguments, cwd=tmp_path, timeout=120):
+    It is killed, so that its status is -9, after so many `seconds` of processor time.
+    """
+
+    def call(*arguments, cwd=tmp_path, seconds=120):
         command = [str(program), *map(str, arguments)]
-        return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=timeout, check=False)
+        limit = time_limits.processor(seconds)
+        return subprocess.run(
+            command, cwd=cwd, capture_output=True, text=True, timeout=time_limits.HANGING, preexec_fn=limit, check=False
+        )
 
     return call

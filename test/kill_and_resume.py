@@ -20,6 +20,7 @@ import time
 import h5py
 import numpy as np
 from cases import STEADY, contents, same_bits, write
+from time_limits import HANGING
 
 # A second or less: waviness on both surfaces, so that no step is like another.
 BUSY = (
@@ -81,7 +82,7 @@ def undisturbed(program, folder, text):
     write(folder, "case.nml", text)
     begin = time.monotonic()
     with start(program, folder) as running:
-        assert running.wait(300) == 0, running.stderr.read()
+        assert running.wait(HANGING) == 0, running.stderr.read()
     (folder / "case.h5").rename(folder / "reference.h5")
     return folder / "reference.h5", time.monotonic() - begin
 

@@ -12,12 +12,12 @@ from cases import STEADY, TRANSIENT
 
 CORPUS = sorted((pathlib.Path(__file__).parent / "bad_input").glob("*.nml"))
 MARK = "! expect: "
-SECONDS = 10
+SECONDS = 10  # of processor time
 
 
-def run(asperity, *arguments, timeout=SECONDS):
+def run(asperity, *arguments, seconds=SECONDS):
     """Findings, one a list item; the program must end in time, with status 1, without a backtrace."""
-    done = asperity("--check", *arguments, timeout=timeout)
+    done = asperity("--check", *arguments, seconds=seconds)
     assert done.returncode == 1, done.stderr[-2000:]
     assert "Backtrace" not in done.stderr
     assert done.stdout == ""
@@ -186,6 +186,6 @@ def test_random_damage_never_crashes(asperity, tmp_path):
     for i in range(400):
         (tmp_path / f"{i}.nml").write_text(mutated(source.choice([STEADY, TRANSIENT]), source), encoding="utf-8")
     files = [tmp_path / f"{i}.nml" for i in range(400)]
-    lines = run(asperity, *files, timeout=60)
+    lines = run(asperity, *files, seconds=60)
     assert len(lines) > 300
     assert all(line.startswith(f"{tmp_path}/") for line in lines)

@@ -13,6 +13,7 @@ import subprocess
 import sys
 
 import pytest
+from time_limits import HANGING
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGES = ["README.md", "CONTRIBUTING.md", "docs/guide.md", "docs/batch.md", "docs/theory.md", "docs/developer.md", "docs/scenes.md"]
@@ -66,7 +67,14 @@ def run_block(language, code, folder):
     environment = {**os.environ, "MPLBACKEND": "agg", "PYTHONDONTWRITEBYTECODE": "1", "PYTHONPATH": str(ROOT / "python")}
     environment["ASPERITY"] = str(folder / "build" / "bin" / "asperity")
     result = subprocess.run(
-        command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120, check=False
+        command,
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=HANGING,
+        check=False,
     )
     assert result.returncode == 0, f"{code}\n{result.stdout}"
     return result.stdout

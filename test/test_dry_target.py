@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from cases import text, write
 from dry_cases import HARD, case_text, profile
+from time_limits import HANGING
 
 MODULUS, LENGTH = 230e9, 1e-3
 SYNTHETIC = "shape = 'synthetic', seed = 3, rms_height = 1e-6, wavelength_rolloff = 3e-4, wavelength_short = 1e-4"
@@ -137,7 +138,7 @@ def test_a_target_beyond_the_memory_is_told(program, tmp_path):
     surface = f"shape = 'sinusoid', amplitude = 1e-6, wavelength = {LENGTH!r}"
     write(tmp_path, "case.nml", case_text(surface, [1e8], "", domain, modulus=MODULUS).replace("1e-12", "1e-8"))
     command = f"ulimit -v 300000; OPENBLAS_NUM_THREADS=1 '{program}' case.nml"
-    done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True, timeout=HANGING, check=False)
     assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "case.h5") as file:
         note, nodes = text(file["report/note"][()]), file["solution/x"].size

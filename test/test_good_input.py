@@ -14,7 +14,7 @@ INPUTS = sorted((ROOT / "input").glob("*.nml"))
 def check(asperity, folder, content):
     path = folder / "case.nml"
     path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
-    done = asperity("--check", path, timeout=10)
+    done = asperity("--check", path, seconds=10)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == f"{path}: no findings\n"
 

@@ -9,6 +9,7 @@ import pytest
 from cases import LONG, STEADY, write
 from kill_and_resume import start
 from test_resume import wait_for, wait_for_times
+from time_limits import HANGING
 
 DRY = """&case problem = 'dry_line' /
 &bodies youngs_modulus_1 = 206e9, poisson_ratio_1 = 0.3 /
@@ -166,7 +167,7 @@ def test_resume_leaves_a_running_job_alone(program, asperity, tmp_path):
         assert (tmp_path / "case.h5.ckpt").exists()
         assert (tmp_path / "case.h5.part").exists()
         running.send_signal(signal.SIGTERM)
-        assert running.wait(60) == 4
+        assert running.wait(HANGING) == 4
     assert (tmp_path / "case.h5").read_bytes() == complete
     assert asperity("case.nml", "--resume").stderr == "case.nml: case.h5 is complete: nothing to do\n"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.h5", "case.nml", "long.nml"]

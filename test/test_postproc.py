@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 import result_maker
 from cases import STEADY, write
+from time_limits import HANGING
 
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics", "regime", "friction")
@@ -481,7 +482,7 @@ def test_output_is_a_file(steady: Path) -> None:
 @pytest.mark.parametrize("script", SCRIPTS)
 def test_help_has_an_example(script: str) -> None:
     command = [sys.executable, str(ROOT / "postproc" / f"{script}.py"), "--help"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=HANGING, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert f"python postproc/{script}.py" in done.stdout
 

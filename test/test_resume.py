@@ -13,9 +13,10 @@ import pytest
 from cases import LONG, STEADY, TRANSIENT, seal, text, write
 from conftest import ROOT
 from kill_and_resume import busy, check_part, different, kill_until_complete, killed_at_last, start, undisturbed
+from time_limits import HANGING
 
 
-def wait_for(path, running, seconds=60):
+def wait_for(path, running, seconds=HANGING):
     """Waits until a run has made a file."""
     deadline = time.monotonic() + seconds
     while not path.exists():
@@ -26,7 +27,7 @@ def wait_for(path, running, seconds=60):
 
 def wait_for_times(part, times):
     """Waits until a run has stored some times."""
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + HANGING
     while time.monotonic() < deadline:
         try:
             with h5py.File(part) as file:
@@ -318,7 +319,7 @@ def test_a_new_run_removes_the_old_checkpoint(program, interrupted, tmp_path):
     interrupted()
     write(tmp_path, "case.nml", LONG)
     with killed_at_last(program, tmp_path):
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + HANGING
         while (tmp_path / "case.h5.ckpt").exists():
             assert time.monotonic() < deadline
 

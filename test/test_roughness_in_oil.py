@@ -9,6 +9,7 @@ import pytest
 from cases import STEADY, text, write
 from kill_and_resume import different, killed_at_last, undisturbed
 from long_run import peak_memory, stored_times
+from time_limits import HANGING
 
 PASSAGE = "&time transient = .true., end_time = {end}, time_step = 0.02 /\n&accuracy error_bars = .false. /\n"
 SPACING = 1e-6
@@ -113,7 +114,7 @@ def test_long_profile_goes_on_after_a_signal(program, asperity, tmp_path):
 
 def follow_times(running, part, times):
     """Waits until a run has stored some times."""
-    deadline = time.monotonic() + 120
+    deadline = time.monotonic() + HANGING
     while stored_times(part) < times:
         assert running.poll() is None, "ended too early"
         assert time.monotonic() < deadline

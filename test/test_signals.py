@@ -10,6 +10,7 @@ import h5py
 import pytest
 from cases import LONG, STEADY, write
 from test_resume import names, wait_for, wait_for_times
+from time_limits import HANGING
 
 # Seconds of solving, without a look at the outside.
 DRY = """&case problem = 'dry_area' /
@@ -19,8 +20,6 @@ DRY = """&case problem = 'dry_area' /
 &domain length_x = 1e-3, length_y = 1e-3, intervals_x = 1024, intervals_y = 1024 /
 """
 SIGNALS = [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU]
-# The program takes 0.5 s at most; the rest is for a busy machine.
-SECONDS = 10
 
 
 def begin(program, folder, *arguments):
@@ -63,7 +62,7 @@ def test_a_reader_that_no_longer_reads_does_not_hold_up_the_end(program, tmp_pat
         wait_for(tmp_path / "dry.h5.part", running)
         running.send_signal(signal.SIGTERM)
         try:
-            assert running.wait(20) == 4
+            assert running.wait(HANGING) == 4
         finally:
             running.kill()
             os.close(reader)

@@ -17,7 +17,7 @@ from run import call
 
 TITLE = "damaged checkpoints and `.part` files (bytes flipped, zeroed, cut, swapped), `--resume`"
 CASES = 1000
-SECONDS = 60
+SECONDS = 900
 
 
 @functools.cache

@@ -35,7 +35,7 @@ PAGE = ROOT / "docs" / "testing.md"
 BEGIN, END = "<!-- fuzz: written by make fuzz -->", "<!-- fuzz: end -->"
 NOT_KINDS = {"run", "test_fuzz"}
 # Processor time that a run may take, and wall time on a busy machine [s].
-PROCESSOR, PATIENCE = 30, 300
+PROCESSOR, PATIENCE = 30, 900
 STATUSES = {0, 1, 2, 3, 4}
 CRASH_WORDS = ("Backtrace for this error", "Program received signal", "Fortran runtime error", "AddressSanitizer", "runtime error:")
 
