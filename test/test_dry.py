@@ -186,7 +186,7 @@ BAD_FILES = {
     "empty": ("x,z\n0,1e-6\n1,\n2,0\n", "bad.csv:3:3: found nothing, expected a number"),
     "word": ("x,z\n0,1e-6\n1,one\n2,0\n", "bad.csv:3:3: found 'one', expected a number"),
     "uneven": ("x,z\n0,1e-6\n1,0\n2.5,0\n", "bad.csv:3: found uneven positions"),
-    "falling": ("x,z\n2,1e-6\n1,0\n0,0\n", "found positions that do not rise"),
+    "back_again": ("x,z\n0,1e-6\n1,0\n0,0\n", "found positions that neither rise nor fall"),
     "one_node": ("x,z\n0,1e-6\n", "bad.csv: found 1 nodes"),
     "unit": ("x,z\n0,1e-6\n1,0.1 um\n2,0\n", "bad.csv:3:3: found '0.1 um', expected a number"),
     "quotient": ("x,z\n0,1e-7/3\n1,0\n2,0\n", "bad.csv:2:3: found '1e-7/3', expected a number"),

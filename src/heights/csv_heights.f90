@@ -9,10 +9,11 @@ module csv_heights
    use csv_layout, only: csv_layout_t, find_layout
    use csv_sample, only: next_row, refuse, shown
    use errors, only: error_t, fail, input_error
-   use height_limits, only: height_fault, is_height, is_position, position_fault, spacing_fault
+   use height_limits, only: height_fault, is_height, is_position, position_fault
    use height_source, only: height_source_t
    use kinds, only: wp
    use length_units, only: height_units_t, settle_unit
+   use position_range, only: position_range_t
    use text, only: to_text
    use text_lines, only: open_lines, text_lines_t
    implicit none (type, external)
@@ -20,8 +21,6 @@ module csv_heights
 
    public :: csv_heights_t, open_csv_heights
 
-   !> Largest error of a position, in spacings, that still counts as uniform.
-   real(wp), parameter :: max_uneven = 1.0e-3_wp
    !> Rows from one noted place to the next.
    integer(int64), parameter :: block_rows = 4096_int64
 
@@ -34,17 +33,11 @@ module csv_heights
       !> First byte and line number of rows 0, block_rows, 2 block_rows, ... (2, n); the array may
       !> be longer.
       integer(int64), allocatable, private :: places(:, :)
+      !> The positions fall from row to row.
+      logical, private :: falls = .false.
    contains
       procedure :: get
    end type csv_heights_t
-
-   !> The spacings that positions allow, row by row: within `max_uneven` of uniform.
-   type :: spacing_range_t
-      real(wp) :: first = 0.0_wp, last = 0.0_wp
-      real(wp) :: low = 0.0_wp, high = huge(1.0_wp)
-      !> Lines of the file that set the bounds.
-      integer(int64) :: low_line = 0_int64, high_line = 0_int64
-   end type spacing_range_t
 
 contains
 
@@ -115,7 +108,7 @@ contains
       type(text_lines_t), intent(inout) :: lines
       real(wp), intent(out) :: spacing
       type(error_t), allocatable, intent(out) :: error
-      type(spacing_range_t) :: range
+      type(position_range_t) :: range
       real(wp) :: x
       logical :: is_there
 
@@ -129,20 +122,17 @@ contains
             [lines%place, lines%number])
          call read_number(source, lines, 1, x, error)
          if (allocated(error)) return
-         call narrow(range, source%nodes, lines%number, x)
+         call range%add(x, lines%number)
          source%nodes = source%nodes + 1
       end do
       if (allocated(error) .or. source%nodes < 2) return
-      spacing = (range%last - range%first)/(source%nodes - 1)
-      if (.not. spacing > 0.0_wp) then
-         call fail(error, input_error, source%file//': found positions that do not rise, '// &
-            'expected those of a uniform grid')
-      else if (spacing < range%low .or. spacing > range%high) then
-         call fail(error, input_error, source%file//':'//to_text(merge(range%low_line, &
-            range%high_line, spacing < range%low))// &
-            ': found uneven positions, expected a uniform grid')
-      else if (spacing_fault(spacing) /= '') then
-         call fail(error, input_error, source%file//': '//spacing_fault(spacing))
+      spacing = range%spacing()
+      source%falls = range%falls
+      if (range%mark_of_fault() > 0) then
+         call fail(error, input_error, source%file//':'//to_text(range%mark_of_fault())//': ' &
+            //range%fault())
+      else if (range%fault() /= '') then
+         call fail(error, input_error, source%file//': '//range%fault())
       end if
    end subroutine find_rows
 
@@ -162,32 +152,24 @@ contains
       source%places(:, block) = place
    end subroutine note_place
 
-   !> The spacings for which `x` of `row` (0 = the first) in `line` is no more than `max_uneven` of
-   !> them from its place.
-   pure subroutine narrow(range, row, line, x)
-      type(spacing_range_t), intent(inout) :: range
-      integer(int64), intent(in) :: row, line
-      real(wp), intent(in) :: x
-      real(wp) :: high, low
-
-      if (row == 0) range%first = x
-      range%last = x
-      if (row == 0) return
-      low = (x - range%first)/(row + max_uneven)
-      high = (x - range%first)/(row - max_uneven)
-      if (low > range%low) then
-         range%low = low
-         range%low_line = line
-      end if
-      if (high < range%high) then
-         range%high = high
-         range%high_line = line
-      end if
-   end subroutine narrow
-
-   !> Heights from row `first` on. Errors: a gap, a text that is not a number; fewer rows than
-   !> before.
+   !> Heights in the order of rising positions, from number `first` on. Errors: a gap, a text that
+   !> is not a number; fewer rows than before.
    subroutine get(self, first, z, error)
+      class(csv_heights_t), intent(in) :: self
+      integer(int64), intent(in) :: first
+      real(wp), intent(out) :: z(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      if (self%falls) then
+         call read_rows(self, self%nodes - first - size(z), z, error)   ! error: handed up
+         z = z(size(z):1:-1)
+      else
+         call read_rows(self, first, z, error)   ! error: handed up
+      end if
+   end subroutine get
+
+   !> Heights from row `first` of the file on.
+   subroutine read_rows(self, first, z, error)
       class(csv_heights_t), intent(in) :: self
       integer(int64), intent(in) :: first
       real(wp), intent(out) :: z(:)
@@ -210,7 +192,7 @@ contains
          if (allocated(error)) exit
       end do
       call lines%close()
-   end subroutine get
+   end subroutine read_rows
 
    !> The number in a column of the present line. Errors, with line and column: there is none; it
    !> cannot be a position or a height; the line has not as many fields as the first row.

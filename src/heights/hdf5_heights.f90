@@ -1,5 +1,5 @@
-!> Heights in an HDF5 file: a dataset of one or two dimensions and the spacing of its nodes, read a
-!> stretch at a time.
+!> Heights in an HDF5 file: a dataset of one or two dimensions and the spacing or the positions of
+!> its nodes, read a stretch at a time.
 module hdf5_heights
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
@@ -10,10 +10,11 @@ module hdf5_heights
       h5sselect_hyperslab_f, h5t_native_double, hid_t, hsize_t
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use hdf5_source, only: hdf5_source_t, number_class
-   use height_limits, only: scale_fault, spacing_fault
+   use height_limits, only: is_position, position_fault, scale_fault, spacing_fault
    use height_source, only: height_source_t
    use kinds, only: wp
    use length_units, only: height_units_t, settle_unit, units_per_metre
+   use position_range, only: position_range_t
    use text, only: to_text
    implicit none (type, external)
    private
@@ -25,6 +26,12 @@ module hdf5_heights
    integer(int64), parameter :: any_count = -1_int64
    !> Relative difference of two scales that are the same.
    real(wp), parameter :: same_scale = 1.0e-6_wp
+   !> Datasets beside that of the heights that hold the positions of its nodes.
+   character(*), parameter :: position_names(2) = ['x', 'y']
+   !> A dimension without positions in files of netCDF: its dataset says so in the attribute NAME.
+   character(*), parameter :: no_positions = 'This is a netCDF dimension but not a netCDF variable'
+   !> Positions that are read together.
+   integer(int64), parameter :: block_nodes = 65536_int64
    !> Most nodes.
    real(wp), parameter :: max_nodes = 1.0e18_wp
 
@@ -37,6 +44,8 @@ module hdf5_heights
       real(wp), private :: si_scale = 1.0_wp
       !> Units of the dataset in a metre, beside si_scale = 1.
       real(wp), private :: per_metre = 1.0_wp
+      !> Whether the positions along x and y fall.
+      logical, private :: falls(2) = .false.
    contains
       procedure :: get
    end type hdf5_heights_t
@@ -45,9 +54,10 @@ contains
 
    !> Heights of `dataset` in `file`, in the unit of its attribute `units` or `unit`, or times its
    !> attribute `si_scale`. `spacing` (2) [m] from its attributes `spacing_x`, `spacing_y` or
-   !> `spacing`, in the unit of `spacing_units` or `spacing_unit`; 0 where there is none. `units`
-   !> are those that the keys say. Errors (input_error): no such file or dataset, another number of
-   !> dimensions; units that are unknown or contradict each other.
+   !> `spacing`, in the unit of `spacing_units` or `spacing_unit`, or else from the positions in the
+   !> datasets x and y beside it, in theirs; 0 where there are none. `units` are those that the keys
+   !> say. Errors (input_error): no such file or dataset, another number of dimensions; units that
+   !> are unknown, contradict each other or are said of one only; positions that are uneven.
    subroutine open_hdf5_heights(source, file, dataset, units, spacing, error)
       type(hdf5_heights_t), intent(out) :: source
       character(*), intent(in) :: file, dataset
@@ -69,6 +79,7 @@ contains
          if (.not. allocated(reader%failure)) then
             call look_at_dataset(reader, source, values, units, spacing)
             call values%close()
+            call look_for_positions(reader, source, values%extents, units, spacing)
          end if
       end if
       call reader%close(error)
@@ -119,40 +130,152 @@ contains
             spacing(i - 1) = stated
          end if
       end do
-      call find_scale(reader, source, units%z)
+      call find_scale(reader, source%dataset, units%z, 'z_unit', source%si_scale, &
+         source%per_metre)
    end subroutine look_at_dataset
 
-   !> Metres in one unit of the dataset: from `si_scale`, from its units or from `wanted`, the unit
-   !> of the key. Failures: two of them contradict each other.
-   subroutine find_scale(reader, source, wanted)
+   !> Metres in one unit of `dataset`, as `si_scale/per_metre`: from its attribute si_scale, its
+   !> units or `wanted`, the unit of the `key`. Failures: two of them contradict each other.
+   subroutine find_scale(reader, dataset, wanted, key, si_scale, per_metre)
       type(hdf5_input_t), intent(inout) :: reader
-      type(hdf5_heights_t), intent(inout) :: source
-      character(*), intent(in) :: wanted
+      character(*), intent(in) :: dataset, wanted, key
+      real(wp), intent(out) :: si_scale, per_metre
       character(:), allocatable :: fault, unit, word
-      real(wp) :: per_metre
+      real(wp) :: stated
 
-      source%si_scale = reader%number_of(source%dataset, 'si_scale', no_spacing)
-      unit = unit_in(reader, source%dataset, '')
-      if (ieee_is_finite(source%si_scale)) then
-         if (source%si_scale <= no_spacing) then
-            call settle_unit(unit, wanted, 'the attributes of '//source%dataset, 'z_unit', &
-               per_metre, fault)
-            call reader%refuse(source%dataset, fault)
-            source%si_scale = 1.0_wp
-            source%per_metre = per_metre
+      per_metre = 1.0_wp
+      si_scale = reader%number_of(dataset, 'si_scale', no_spacing)
+      unit = unit_in(reader, dataset, '')
+      if (ieee_is_finite(si_scale)) then
+         if (si_scale <= no_spacing) then
+            call settle_unit(unit, wanted, 'the attributes of '//dataset, key, per_metre, fault)
+            call reader%refuse(dataset, fault)
+            si_scale = 1.0_wp
             return
          end if
       end if
-      call reader%refuse('si_scale', scale_fault(source%si_scale))
+      call reader%refuse('si_scale', scale_fault(si_scale))
       if (allocated(reader%failure)) return
       if (wanted /= '') unit = wanted
-      call units_per_metre(unit, per_metre, word)
+      call units_per_metre(unit, stated, word)
       if (word == '') return
-      if (abs(abs(source%si_scale)*per_metre - 1.0_wp) > same_scale) call &
-         reader%refuse(source%dataset, 'found si_scale = '//to_text(source%si_scale, 4)// &
-         ' [m] beside the unit '//word//trim(merge(' of the key z_unit', '                  ', &
-         wanted /= ''))//', expected the same of both')
+      fault = ''
+      if (wanted /= '') fault = ' of the key '//key
+      if (abs(abs(si_scale)*stated - 1.0_wp) > same_scale) call &
+         reader%refuse(dataset, 'found si_scale = '//to_text(si_scale, 4)// &
+         ' [m] beside the unit '//word//fault//', expected the same of both')
    end subroutine find_scale
+
+   !> Spacings of the dimensions that have none yet, from the datasets x and y beside the heights,
+   !> if they hold a number for each node. Failures: the positions are uneven or no positions; only
+   !> they or only the heights have a unit.
+   subroutine look_for_positions(reader, source, extents, units, spacing)
+      type(hdf5_input_t), intent(inout) :: reader
+      type(hdf5_heights_t), intent(inout) :: source
+      integer(hsize_t), intent(in) :: extents(:)
+      type(height_units_t), intent(in) :: units
+      real(wp), intent(inout) :: spacing(2)
+      type(hdf5_source_t) :: values
+      type(position_range_t) :: range
+      character(:), allocatable :: path
+      logical :: is_one
+      integer :: i
+
+      do i = 1, min(size(extents), 2)
+         path = source%dataset(:index(source%dataset, '/', back=.true.))//position_names(i)
+         if (spacing(i) > 0.0_wp .or. extents(i) < 2 .or. path == source%dataset) cycle
+         if (.not. reader%has(path)) cycle
+         if (index(reader%text_of(path, 'NAME'), no_positions) == 1) cycle
+         call reader%open(values, path)
+         if (allocated(reader%failure)) return
+         is_one = size(values%extents) == 1 .and. values%values == extents(i)
+         if (is_one) then
+            call reader%refuse(path, values%fault(number_class, any_count))
+            call reader%refuse(path, values%fault_of_size())
+         end if
+         call values%close()
+         if (.not. is_one) cycle
+         call read_positions(reader, path, extents(i), units%x, range)
+         call refuse_silence(reader, source, path, units)
+         if (allocated(reader%failure)) return
+         spacing(i) = range%spacing()
+         source%falls(i) = range%falls
+      end do
+   end subroutine look_for_positions
+
+   !> Reads `count` positions [m] in blocks. Failures: one of them cannot be one, or they are
+   !> uneven.
+   subroutine read_positions(reader, path, count, wanted, range)
+      type(hdf5_input_t), intent(inout) :: reader
+      character(*), intent(in) :: path, wanted
+      integer(hsize_t), intent(in) :: count
+      type(position_range_t), intent(out) :: range
+      real(wp), allocatable :: x(:)
+      real(wp) :: per_metre, si_scale
+      integer(int64) :: first
+      integer :: bad, i
+
+      call find_scale(reader, path, wanted, 'x_unit', si_scale, per_metre)
+      do first = 0, count - 1, block_nodes
+         allocate (x(min(block_nodes, count - first)))
+         call read_stretch(reader, path, [first, 0_int64], [size(x, kind=hsize_t), 1_hsize_t], x)
+         if (allocated(reader%failure)) return
+         bad = findloc(is_position(x), .false., dim=1)
+         if (bad == 0) then
+            x = x*si_scale/per_metre
+            bad = findloc(is_position(x), .false., dim=1)
+         end if
+         if (bad > 0) then
+            call reader%refuse(path, 'node '//to_text(first + bad)//': ' &
+               //position_fault(x(bad)))
+            return
+         end if
+         do i = 1, size(x)
+            call range%add(x(i), first + i)
+         end do
+         deallocate (x)
+      end do
+      if (range%mark_of_fault() > 0) then
+         call reader%refuse(path, 'node '//to_text(range%mark_of_fault())//': '//range%fault())
+      else
+         call reader%refuse(path, range%fault())
+      end if
+   end subroutine read_positions
+
+   !> Refuses a unit that is said of positions or heights only, and is not the metre.
+   subroutine refuse_silence(reader, source, path, units)
+      type(hdf5_input_t), intent(inout) :: reader
+      type(hdf5_heights_t), intent(in) :: source
+      character(*), intent(in) :: path
+      type(height_units_t), intent(in) :: units
+      real(wp) :: per_metre, si_scale
+      logical :: is_silent(2)
+
+      is_silent = [is_unknown(path, units%x), is_unknown(source%dataset, units%z)]
+      if (all(is_silent) .or. .not. any(is_silent)) return
+      if (is_silent(1)) then
+         call find_scale(reader, source%dataset, units%z, 'z_unit', si_scale, per_metre)
+      else
+         call find_scale(reader, path, units%x, 'x_unit', si_scale, per_metre)
+      end if
+      if (abs(abs(si_scale)/per_metre - 1.0_wp) <= same_scale) return
+      call reader%refuse(path, 'found a unit of '//trim(merge('heights  ', 'positions', &
+         is_silent(1)))//' only, expected both, or the key '//merge('x_unit', 'z_unit', &
+         is_silent(1)))
+
+   contains
+
+      !> Whether nothing says the unit of a dataset.
+      logical function is_unknown(dataset, wanted)
+         character(*), intent(in) :: dataset, wanted
+         real(wp) :: scale
+
+         scale = reader%number_of(dataset, 'si_scale', no_spacing)
+         is_unknown = wanted == '' .and. unit_in(reader, dataset, '') == ''
+         if (ieee_is_finite(scale)) is_unknown = is_unknown .and. scale <= no_spacing
+      end function is_unknown
+
+   end subroutine refuse_silence
 
    !> The unit that an attribute of a dataset says: `units` or `unit`, behind `front`.
    function unit_in(reader, dataset, front) result(unit)
@@ -164,46 +287,75 @@ contains
       if (unit == '') unit = reader%text_of(dataset, front//'unit')
    end function unit_in
 
-   !> Heights from number `first` on; of an area all of them. Error: they cannot be read.
+   !> Heights in the order of rising positions, from number `first` on; of an area all of them.
+   !> Error: they cannot be read.
    subroutine get(self, first, z, error)
       class(hdf5_heights_t), intent(in) :: self
       integer(int64), intent(in) :: first
       real(wp), intent(out) :: z(:)
       type(error_t), allocatable, intent(out) :: error
       type(hdf5_input_t) :: reader
-      real(wp), allocatable, target :: values(:)
-      type(hdf5_source_t) :: source
-      integer(hid_t) :: file_space, memory_space
-      integer(hsize_t) :: extents(2), offset(2)
-      type(c_ptr) :: place
-      integer :: status
+      integer(int64) :: offset
+      integer(hsize_t) :: extents(2)
 
       z = 0.0_wp
       call open_hdf5_input(reader, self%file, error)
       if (allocated(error)) return
-      offset = [int(first, hsize_t), 0_hsize_t]
+      offset = first
+      if (self%falls(1) .and. self%grid(2) == 1) offset = self%nodes - first - size(z)
       extents = [size(z, kind=hsize_t), 1_hsize_t]
       if (self%grid(2) > 1) extents = self%grid
-      allocate (values(size(z)))
-      place = c_loc(values)
-      call reader%open(source, self%dataset)
-      if (.not. allocated(reader%failure)) then
-         call h5dget_space_f(source%id, file_space, status)
-         call reader%check(status, self%dataset)
-         call h5sselect_hyperslab_f(file_space, h5s_select_set_f, offset, extents, status)
-         call reader%check(status, self%dataset//': fewer nodes than before')
-         call h5screate_simple_f(1, [size(z, kind=hsize_t)], memory_space, status)
-         call reader%check(status, self%dataset)
-         if (.not. allocated(reader%failure)) then
-            call h5dread_f(source%id, h5t_native_double, place, status, memory_space, file_space)
-            call reader%check(status, self%dataset//' as real numbers')
-            z = values*self%si_scale/self%per_metre
-         end if
-         call h5sclose_f(memory_space, status)
-         call h5sclose_f(file_space, status)
-         call source%close()
-      end if
+      call read_stretch(reader, self%dataset, [offset, 0_int64], extents, z)
+      z = z*self%si_scale/self%per_metre
+      if (any(self%falls)) call turn(int(extents), self%falls, z)
       call reader%close(error)   ! error: handed up
    end subroutine get
+
+   !> Turns heights `z` on a grid of `extents`, x the fastest, round along the directions that fall.
+   pure subroutine turn(extents, falls, z)
+      integer, intent(in) :: extents(2)
+      logical, intent(in) :: falls(2)
+      real(wp), intent(inout) :: z(extents(1), extents(2))
+
+      if (falls(1)) z = z(extents(1):1:-1, :)
+      if (falls(2)) z = z(:, extents(2):1:-1)
+   end subroutine turn
+
+   !> Numbers of `dataset` from `offset` on, `extents` of them along each of its dimensions. What
+   !> cannot be read stays in the reader.
+   subroutine read_stretch(reader, dataset, offset, extents, z)
+      type(hdf5_input_t), intent(inout) :: reader
+      character(*), intent(in) :: dataset
+      integer(int64), intent(in) :: offset(2)
+      integer(hsize_t), intent(in) :: extents(2)
+      real(wp), intent(out) :: z(:)
+      real(wp), allocatable, target :: values(:)
+      type(hdf5_source_t) :: source
+      integer(hid_t) :: file_space, memory_space
+      integer(hsize_t) :: start(2)
+      type(c_ptr) :: place
+      integer :: status
+
+      z = 0.0_wp
+      start = offset
+      allocate (values(size(z)))
+      place = c_loc(values)
+      call reader%open(source, dataset)
+      if (allocated(reader%failure)) return
+      call h5dget_space_f(source%id, file_space, status)
+      call reader%check(status, dataset)
+      call h5sselect_hyperslab_f(file_space, h5s_select_set_f, start, extents, status)
+      call reader%check(status, dataset//': fewer nodes than before')
+      call h5screate_simple_f(1, [size(z, kind=hsize_t)], memory_space, status)
+      call reader%check(status, dataset)
+      if (.not. allocated(reader%failure)) then
+         call h5dread_f(source%id, h5t_native_double, place, status, memory_space, file_space)
+         call reader%check(status, dataset//' as real numbers')
+         z = values
+      end if
+      call h5sclose_f(memory_space, status)
+      call h5sclose_f(file_space, status)
+      call source%close()
+   end subroutine read_stretch
 
 end module hdf5_heights

@@ -1,0 +1,180 @@
+"""Positions of heights: datasets x and y of HDF5 files are read like the columns of tables; both may fall."""
+
+import h5py
+import numpy as np
+import pytest
+from cases import STEADY, write
+from dry_cases import case_text
+from test_height_tables import FILE, SPACING, heights, read_back
+
+NODES = 96
+Z = heights(NODES)
+X = SPACING * np.arange(NODES)
+
+
+def store(path, z=Z, attributes=None, **positions):
+    """Heights `z`, with attributes {name: {attribute: value}}, beside datasets of positions."""
+    with h5py.File(path, "w") as file:
+        for name, values in {"z": z, **positions}.items():
+            file[name] = values
+            file[name].attrs.update((attributes or {}).get(name, {}))
+
+
+def profile(asperity, folder, keys="", refused=None):
+    return read_back(asperity, folder, "z.h5", ", dataset = 'z', detrend = 'none'" + keys, refused)
+
+
+def assert_profile(found, z=Z, spacing=SPACING):
+    assert found[0] == pytest.approx(z, rel=1e-12, abs=1e-20)
+    assert np.diff(found[1]) == pytest.approx(np.full(len(z) - 1, spacing), rel=1e-9)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e-3, -5e-5])
+def test_positions_give_the_spacing(asperity, tmp_path, offset):
+    store(tmp_path / "z.h5", x=X + offset)
+    assert_profile(profile(asperity, tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("attributes", "keys", "factors"),
+    [
+        ({"x": {"units": "mm"}, "z": {"units": "um"}}, "", (1e3, 1e6)),
+        ({"x": {"unit": "\u00b5m"}, "z": {"si_scale": 1e-9}}, "", (1e6, 1e9)),
+        ({"x": {"si_scale": 1e-2}, "z": {"unit": "nm"}}, "", (1e2, 1e9)),
+        ({}, ", x_unit = 'mm', z_unit = 'nm'", (1e3, 1e9)),
+        ({"z": {"units": "um"}}, ", x_unit = 'mm'", (1e3, 1e6)),
+        ({"x": {"units": "m"}}, "", (1.0, 1.0)),
+    ],
+)
+def test_units_of_positions(asperity, tmp_path, attributes, keys, factors):
+    store(tmp_path / "z.h5", factors[1] * Z, attributes, x=factors[0] * X)
+    assert_profile(profile(asperity, tmp_path, keys))
+
+
+@pytest.mark.parametrize(
+    ("attributes", "keys", "message"),
+    [
+        ({"x": {"units": "mm"}}, "", "(x): found a unit of positions only, expected both, or the key z_unit"),
+        ({"z": {"units": "um"}}, "", "(x): found a unit of heights only, expected both, or the key x_unit"),
+        ({"x": {"units": "furlong"}, "z": {"units": "um"}}, "", "found the unit furlong in the attributes of x"),
+        ({"x": {"units": "mm"}, "z": {"units": "um"}}, ", x_unit = 'um'", "but x_unit = 'um', expected the same of both"),
+    ],
+)
+def test_units_that_say_too_little(asperity, tmp_path, attributes, keys, message):
+    store(tmp_path / "z.h5", Z, attributes, x=X)
+    assert message in profile(asperity, tmp_path, keys, refused=True)
+
+
+def bent(x):
+    """Positions of which one is off by a tenth of a spacing."""
+    x = x.copy()
+    x[40] += 0.1 * SPACING
+    return x
+
+
+def with_value(value):
+    """Positions of which one is something else."""
+    x = X.copy()
+    x[7] = value
+    return x
+
+
+@pytest.mark.parametrize(
+    ("x", "message"),
+    [
+        (bent(X), "(x): node 41: found uneven positions, expected a uniform grid"),
+        (bent(X[::-1]), "(x): node 41: found uneven positions, expected a uniform grid"),
+        (np.zeros(NODES), "(x): found positions that neither rise nor fall, expected those of a uniform grid"),
+        (np.concatenate([X[:-1], [0.0]]), "found positions that neither rise nor fall"),
+        (with_value(np.nan), "(x): node 8: found a position of NaN m"),
+        (with_value(np.inf), "(x): node 8: found a position of Infinity m"),
+        (np.full(NODES, b"1"), "(x): found text, expected numbers"),
+    ],
+)
+def test_positions_that_are_none(asperity, tmp_path, x, message):
+    store(tmp_path / "z.h5", x=x)
+    assert message in profile(asperity, tmp_path, refused=True)
+
+
+def test_falling_positions_of_a_dataset(asperity, tmp_path):
+    store(tmp_path / "z.h5", x=X[::-1] + 1e-4)
+    assert_profile(profile(asperity, tmp_path), Z[::-1])
+
+
+def test_falling_positions_of_a_table(asperity, tmp_path):
+    rows = np.column_stack([X[::-1], Z])
+    np.savetxt(tmp_path / "z.csv", rows, delimiter=",", header="x,z", comments="", fmt="%.17g")
+    assert_profile(read_back(asperity, tmp_path, "z.csv", ", detrend = 'none'"), Z[::-1])
+
+
+@pytest.mark.parametrize("falls", [(False, False), (True, False), (False, True), (True, True)])
+def test_positions_of_an_area(asperity, tmp_path, falls):
+    ny, nx = 24, 36
+    z = 1e-7 * np.random.default_rng(5).standard_normal((ny, nx))
+    x, y = 2e-6 * np.arange(nx), 3e-6 * np.arange(ny)
+    steps = [-1 if fall else 1 for fall in falls]
+    store(tmp_path / "z.h5", z, x=x[:: steps[0]], y=y[:: steps[1]])
+    surface = FILE.format("z.h5") + ", dataset = 'z', detrend = 'none'"
+    more = "&output adequacy = .false. /\n&accuracy error_bars = .false. /"
+    write(tmp_path, "case.nml", case_text(surface, [1e6], "", more, problem="dry_area"))
+    done = asperity("case.nml", "--quiet")
+    assert (done.returncode, done.stderr) == (0, "")
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert file["solution/height_undeformed"][()] == pytest.approx(z[:: steps[1], :: steps[0]], rel=1e-12, abs=1e-20)
+        assert np.diff(file["solution/x"][()]) == pytest.approx(np.full(nx - 1, 2e-6), rel=1e-9)
+        assert np.diff(file["solution/y"][()]) == pytest.approx(np.full(ny - 1, 3e-6), rel=1e-9)
+
+
+def test_an_attribute_goes_before_positions(asperity, tmp_path):
+    store(tmp_path / "z.h5", Z, {"z": {"spacing": 2 * SPACING}}, x=X)
+    assert_profile(profile(asperity, tmp_path), spacing=2 * SPACING)
+
+
+def test_what_is_no_position_of_the_nodes_is_left_alone(asperity, tmp_path):
+    for x in (X[:-1], np.zeros((NODES, 2)), 3.0):
+        store(tmp_path / "z.h5", x=x)
+        assert "expected the attribute spacing" in profile(asperity, tmp_path, refused=True) or "spacing" in profile(
+            asperity, tmp_path, refused=True
+        )
+    with h5py.File(tmp_path / "z.h5", "w") as file:
+        file["z"] = Z
+        file["x"] = np.zeros(NODES)
+        file["x"].make_scale("This is a netCDF dimension but not a netCDF variable.        96")
+    assert "spacing" in profile(asperity, tmp_path, refused=True)
+
+
+def test_a_file_of_xarray(asperity, tmp_path):
+    xarray = pytest.importorskip("xarray", reason="not applicable: xarray is not installed")
+    data = xarray.DataArray(1e9 * Z, dims="x", coords={"x": ("x", 1e6 * X, {"units": "um"})}, attrs={"units": "nm"})
+    data.to_dataset(name="z").to_netcdf(tmp_path / "z.h5", engine="h5netcdf")
+    assert_profile(profile(asperity, tmp_path))
+
+
+def test_heights_of_a_result_need_nothing_more(asperity, tmp_path):
+    store(tmp_path / "z.h5", x=X)
+    first = profile(asperity, tmp_path)
+    (tmp_path / "case.h5").rename(tmp_path / "before.h5")
+    again = read_back(asperity, tmp_path, "before.h5", ", dataset = 'solution/height_undeformed', detrend = 'none'")
+    assert_profile(again, first[0])
+
+
+@pytest.mark.parametrize("ending", ["csv", "h5"])
+def test_a_long_profile_that_falls(asperity, tmp_path, ending):
+    """In pieces, in oil: the same film as of the profile the other way round."""
+    nodes = 200_000
+    x = 1e-6 * np.arange(nodes)
+    z = 1e-9 * np.sin(2 * np.pi * x / 97e-6) * (1 + x / x[-1])
+    films = []
+    for way in (1, -1):
+        if ending == "h5":
+            store(tmp_path / "z.h5", z[::way], x=x[::way])
+        else:
+            np.savetxt(tmp_path / "z.csv", np.column_stack([x, z])[::way], delimiter=",", header="x,z", comments="", fmt="%.17g")
+        surface = f"&surface_2 shape = 'file', file = 'z.{ending}'" + ", dataset = 'z'" * (ending == "h5") + " /\n"
+        time = "&time transient = .true., end_time = 2.0, time_step = 0.05 /\n&accuracy error_bars = .false. /\n"
+        write(tmp_path, "case.nml", STEADY + surface + time + "&output adequacy = .false. /\n")
+        assert asperity("case.nml", "--quiet").returncode == 0
+        with h5py.File(tmp_path / "case.h5") as file:
+            films.append(file["transient/h_min"][()])
+            assert np.ptp(films[-1]) > 0
+    assert np.array_equal(*films)
