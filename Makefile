@@ -94,7 +94,7 @@ figures: ## the figures of the demo again, from its result files
 	$(PYTHON) postproc/dry.py $(DEMO)/dry_profile.h5 $(DEMO)/dry_area.h5 --output $(DEMO)
 	@echo "figures in $(DEMO):" && ls $(DEMO)
 
-.PHONY: regime scenes chapter3 chapter4 chapter5 chapter6 chapter7 area bench-dry amplitude thesis dry
+.PHONY: formulas regime scenes chapter3 chapter4 chapter5 chapter6 chapter7 area bench-dry amplitude thesis dry
 chapter5: build ## thesis, chapter 5: Cases 1 to 3, error tables, figures, statements (ARGS=--quick)
 	$(PYTHON) studies/chapter5.py $(ARGS)
 
@@ -109,6 +109,9 @@ thesis: chapter5 chapter6 amplitude ## the lubricated half of the thesis: the th
 
 regime: build ## films over Moes' numbers, for the chart of postproc/regime.py, into postproc/data/ (ARGS=--quick)
 	$(PYTHON) studies/moes_films.py $(ARGS)
+
+formulas: build ## film formulas of handbooks beside computed films: how far they are off (ARGS=--quick)
+	$(PYTHON) studies/film_formulas.py $(ARGS)
 
 scenes: build ## the ten scenes of input/scenes/: verdicts beside fine grids, docs/scenes.md and its figures
 	-$(PYTHON) bench/scenes.py --page

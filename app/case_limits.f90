@@ -1,6 +1,8 @@
-!> The limits of the model for one lubricated case that is solved.
+!> The limits of the model for one lubricated case that is solved, and what film formulas need to
+!> know of it.
 module case_limits
    use case_record, only: case_t
+   use formulas_section, only: formulas_of
    use iteration_report, only: report_t
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
@@ -13,7 +15,8 @@ module case_limits
 
 contains
 
-   !> Hands the limits of a converged solution to the writer of its result.
+   !> Hands the limits of a converged solution to the writer of its result, and of a steady one what
+   !> formulas need.
    subroutine judge_limits(case, contact, state, report, watcher)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
@@ -32,6 +35,7 @@ contains
       of%inlet_error = report%inlet_error
       of%has_momentum = case%equations == 'stokes'
       watcher%writer%limits = limits_of(of, state)
+      if (.not. case%time%is_transient) watcher%writer%formulas = formulas_of(contact)
    end subroutine judge_limits
 
 end module case_limits

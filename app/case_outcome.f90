@@ -3,11 +3,12 @@ module case_outcome
    use errors, only: error_t, output_error
    use iteration_report, only: report_t
    use progress_log, only: progress_log_t
+   use standard_output, only: write_text
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: case_outcome_t, give_up, outcome_line, outcome_of
+   public :: case_outcome_t, count_outcome, give_up, outcome_line, outcome_of
 
    !> Exit status of one case: converged and written; failed inside; not converged, but written; not
    !> written; interrupted.
@@ -44,6 +45,19 @@ contains
       outcome%status = status_not_converged
       if (allocated(report%reason)) outcome%reason = trim(report%reason)
    end function outcome_of
+
+   !> Takes the outcome of `file` into the `status` of the call, the largest of all, and writes its
+   !> line if `is_told`. Error: standard output is lost.
+   subroutine count_outcome(file, outcome, is_told, status, error)
+      character(*), intent(in) :: file
+      type(case_outcome_t), intent(in) :: outcome
+      logical, intent(in) :: is_told
+      integer, intent(inout) :: status
+      type(error_t), allocatable, intent(out) :: error
+
+      status = max(status, outcome%status)
+      if (is_told) call write_text(outcome_line(file, outcome), error)   ! error: handed up
+   end subroutine count_outcome
 
    !> The line of `--outcomes`: status, `file` and reason, with tabs between and a line end.
    pure function outcome_line(file, outcome) result(line)

@@ -1,7 +1,7 @@
 !> asperity: reads the command line and the namelists, runs the cases, ends with the exit status.
 program asperity
    use build_info, only: git_commit, program_name, program_version
-   use case_outcome, only: case_outcome_t, outcome_line, status_interrupted, status_not_written
+   use case_outcome, only: case_outcome_t, count_outcome, status_interrupted, status_not_written
    use case_record, only: case_t
    use command_line, only: command_t, help_text, read_command_line
    use errors, only: error_t, output_error
@@ -15,7 +15,7 @@ program asperity
    use result_table, only: print_results
    use run_case, only: run_one_case
    use signal_calls, only: standard_error
-   use standard_output, only: print_text, settle_standard_streams, write_text
+   use standard_output, only: print_text, settle_standard_streams
    use system_limits, only: check_stack, settle_memory
    implicit none (type, external)
 
@@ -109,8 +109,7 @@ contains
             return
          end if
          call run_one_case(cases(i), command, outcome)
-         status = max(status, outcome%status)
-         if (command%has_outcomes) call write_text(outcome_line(cases(i)%file, outcome), error)
+         call count_outcome(cases(i)%file, outcome, command%has_outcomes, status, error)
          if (allocated(error)) return
       end do
    end subroutine run_cases

@@ -2,7 +2,7 @@
 module read_cases
    use case_input, only: read_case
    use case_notes, only: unusual_lines
-   use case_outcome, only: case_outcome_t, outcome_line
+   use case_outcome, only: case_outcome_t, count_outcome
    use case_record, only: case_t
    use command_line, only: command_t
    use errors, only: error_t, fail, input_error
@@ -11,7 +11,6 @@ module read_cases
    use output_names, only: output_findings
    use progress_log, only: new_progress_log, progress_log_t
    use set_entries, only: put_entries
-   use standard_output, only: write_text
    use text_file, only: read_text_file
    implicit none (type, external)
    private
@@ -114,10 +113,9 @@ contains
       log = new_progress_log(is_quiet=.false.)
       do i = 1, size(refused)
          call log%say(refused(i)%findings)
-         status = status_bad_input
          outcome%status = status_bad_input
          outcome%reason = refused(i)%findings
-         if (command%has_outcomes) call write_text(outcome_line(refused(i)%file, outcome), error)
+         call count_outcome(refused(i)%file, outcome, command%has_outcomes, status, error)
          if (allocated(error)) return
       end do
    end subroutine tell_refused

@@ -1,12 +1,11 @@
 !> One case from its record to its result file and its exit status.
 module run_case
    use adequacy, only: accuracy_for
-   use adequacy_section, only: adequacy_line
    use breakdown_text, only: breakdown_sentence
    use case_limits, only: judge_limits
    use case_memory, only: lubricated_memory
-   use case_outcome, only: case_outcome_t, give_up, outcome_of, status_interrupted, &
-      status_not_converged, status_not_written
+   use case_outcome, only: case_outcome_t, give_up, outcome_of, status_converged, &
+      status_interrupted, status_not_converged, status_not_written
    use case_notes, only: tell, tell_coarse_waves, tell_measured_error, tell_missed_target, &
       tell_unusual, note_unusual
    use case_record, only: case_t, result_path, set_effective
@@ -20,6 +19,8 @@ module run_case
    use errors, only: error_t, fail, input_error
    use film_momentum, only: follow_momentum, prepare_momentum
    use film_velocity, only: velocity_profile
+   use formulas_section, only: formula_lines
+   use influence_section, only: model_line
    use interruption, only: take_last_words
    use iteration_report, only: phase_adequacy, phase_error_bars, phase_output, phase_transient, &
       report_t
@@ -35,7 +36,7 @@ module run_case
    use model_decision, only: take_model
    use outlet_check, only: check_ends
    use passage_times, only: new_passage_times, passage_note
-   use progress_log, only: new_progress_log, progress_log_t
+   use progress_log, only: closing_words_t, new_progress_log, progress_log_t
    use resolution_choice, only: choose_resolution, settle_tolerance
    use result_start, only: find_complete_result, start_result
    use run_dry_case, only: solve_and_write
@@ -46,6 +47,7 @@ module run_case
    use text, only: to_text
    use wall_clock, only: wall_seconds
    use wave_resolution, only: choose_time_step, nodes_in_wave, steps_in_wave
+   use xdmf_file, only: write_xdmf
    implicit none (type, external)
    private
 
@@ -90,6 +92,10 @@ contains
          call run_lubricated_case(case, path, command%is_resume, log, outcome)
       else
          call solve_and_write(case, path, log, command%threads, outcome)
+      end if
+      if (case%has_xdmf .and. any(outcome%status == [status_converged, status_not_converged])) then
+         call write_xdmf(path, error)
+         if (allocated(error)) call give_up(error, log, outcome)
       end if
    end subroutine run_one_case
 
@@ -335,6 +341,7 @@ contains
       type(report_t), intent(inout) :: report
       type(case_outcome_t), intent(out) :: outcome
       type(error_t), allocatable :: error
+      type(closing_words_t) :: words
 
       watcher%writer%inputs = case%effective
       call watcher%writer%finish(state, report, error)
@@ -345,10 +352,14 @@ contains
          call give_up(error, watcher%log, outcome)
          return
       end if
-      call watcher%log%close_case(watcher%writer%summary, report, watcher%writer%name%path, &
-         watcher%writer%passage%times, watcher%writer%limits, &
-         adequacy_line(watcher%writer%adequacy), decision_lines(watcher%writer%choice, &
-         watcher%writer%adequacy))
+      associate (writer => watcher%writer)
+         words%formulas = formula_lines(writer%formulas, writer%summary, watcher%scaling)
+         if (allocated(writer%adequacy%rows)) words%model = &
+            model_line(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)
+         words%decision = decision_lines(writer%choice, writer%adequacy)
+         call watcher%log%close_case(writer%summary, report, writer%name%path, &
+            writer%passage%times, writer%limits, words)
+      end associate
       outcome = outcome_of(report)
    end subroutine store
 

@@ -7,7 +7,7 @@ module run_dry_case
    use case_outcome, only: case_outcome_t, give_up, outcome_of
    use case_record, only: case_t
    use dry_adequacy, only: measure_dry_adequacy
-   use dry_adequacy_section, only: dry_adequacy_line, write_dry_adequacy
+   use dry_adequacy_section, only: write_dry_adequacy
    use dry_case, only: dry_case_t
    use dry_influences, only: dry_adequacy_t
    use dry_resampling, only: dry_sweep_t
@@ -21,6 +21,7 @@ module run_dry_case
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
    use key_row, only: dry_area
+   use influence_section, only: model_line
    use interruption, only: set_patience
    use kinds, only: wp
    use life_sign, only: begin_activity
@@ -55,7 +56,7 @@ contains
       type(dry_row_t), allocatable :: errors(:)
       type(dry_adequacy_t) :: adequacy
       type(error_t), allocatable :: error
-      character(:), allocatable :: name, words
+      character(:), allocatable :: model, name, words
 
       if (case%problem == dry_area) case%dry%grid%threads = min(threads, processors())
       call check_memory(case, error)
@@ -97,8 +98,9 @@ contains
       if (case%dry%target > 0.0_wp) call log%say(name // ': solved on ' // nodes_text(case%dry) &
          // ' nodes for an error of ' &
          // number_text(100.0_wp*case%dry%target, 2) // ' % of the contact area')
-      call tell(log, name, outcome%rows, errors, outcome%solution, writer%name%path, &
-         dry_adequacy_line(adequacy))
+      model = ''
+      if (allocated(adequacy%rows)) model = model_line(adequacy%rows%judged_t, adequacy%accuracy)
+      call tell(log, name, outcome%rows, errors, outcome%solution, writer%name%path, model)
       ending = outcome_of(outcome%solution%report)
    end subroutine solve_and_write
 

@@ -9,8 +9,8 @@ module adequacy
    use kinds, only: wp
    use line_summary, only: line_summary_t
    use missing_value, only: not_known, quotient
-   use quantities, only: h_min, quantity_count, quantity_rows
-   use verdicts, only: judged_t, usual_accuracy, verdict_irrelevant, &
+   use quantities, only: h_min, p_central, quantity_count, quantity_rows
+   use verdicts, only: begin_row, judged_t, usual_accuracy, verdict_irrelevant, &
       verdict_needed, verdict_of, verdict_small, verdict_unknown
    implicit none (type, external)
    private
@@ -54,18 +54,16 @@ contains
       character(*), intent(in) :: name, text
       type(influence_t) :: row
 
-      row%name = name
-      row%text = text
-      row%change = not_known()
-      row%error = not_known()
+      call begin_row(name, text, row%judged_t, row%change, row%error)
    end function new_influence
 
-   !> Whether row `i` of the quantities is compared: those of the closing table.
+   !> Whether row `i` of the quantities is compared: those of the closing table, where the largest
+   !> pressure stands for that in the middle too.
    pure elemental function compared(i)
       integer, intent(in) :: i
       logical :: compared
 
-      compared = len_trim(quantity_rows(i)%short) > 0
+      compared = len_trim(quantity_rows(i)%short) > 0 .and. i /= p_central
    end function compared
 
    !> The relative error that counts: `target` if there is one (> 0), else 1 %, or the estimate of

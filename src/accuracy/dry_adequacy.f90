@@ -11,10 +11,10 @@ module dry_adequacy
    use dry_sweep, only: dry_outcome_t, dry_row_t
    use errors, only: error_t
    use kinds, only: wp
-   use missing_value, only: larger, not_known, quotient
+   use missing_value, only: larger, quotient
    use roughness, only: power_spectrum
    use text, only: to_text
-   use verdicts, only: usual_accuracy, verdict_of
+   use verdicts, only: begin_row, usual_accuracy, verdict_of
    implicit none (type, external)
    private
 
@@ -179,10 +179,7 @@ contains
       character(*), intent(in) :: name, text
       type(dry_influence_t) :: row
 
-      row%name = name
-      row%text = text
-      row%change = not_known()
-      row%error = not_known()
+      call begin_row(name, text, row%judged_t, row%change, row%error)
    end function empty_row
 
    !> The last harmonic along x that counts, in some rows of an area. Fails (internal_error) if FFTW

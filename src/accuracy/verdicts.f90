@@ -3,10 +3,11 @@
 module verdicts
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
+   use missing_value, only: not_known
    implicit none (type, external)
    private
 
-   public :: judged_t, verdict_of, verdict_text
+   public :: begin_row, judged_t, verdict_of, verdict_text
 
    integer, parameter, public :: verdict_unknown = 0, verdict_needed = 1, verdict_small = 2, &
       verdict_irrelevant = 3
@@ -27,6 +28,18 @@ module verdicts
    end type judged_t
 
 contains
+
+   !> A row of which nothing is known yet, with its changes and their errors.
+   pure subroutine begin_row(name, text, row, change, error)
+      character(*), intent(in) :: name, text
+      type(judged_t), intent(out) :: row
+      real(wp), intent(out) :: change(:), error(:)
+
+      row%name = name
+      row%text = text
+      change = not_known()
+      error = not_known()
+   end subroutine begin_row
 
    !> The verdict on relative changes with their errors: needed where one is surely larger than the
    !> `accuracy`, irrelevant where all surely are less than a tenth of it, not known where one

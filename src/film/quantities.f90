@@ -1,7 +1,7 @@
 !> The quantities of a lubricated line contact that everybody asks for first: smallest and central
-!> film, largest pressure, exit, friction. What each is stands in one table; the summary of a state,
-!> extremes over time, error estimates, forecasts, checkpoints, results and the closing table go
-!> through it.
+!> film, largest and central pressure, exit, friction. What each is stands in one table; the summary
+!> of a state, extremes over time, error estimates, forecasts, checkpoints, results and the closing
+!> table go through it.
 !>
 !> Dimensionless (H, P, X; forces and powers as in module film_shear). Where a quantity cannot be
 !> known it is NaN, never a number that looks like an answer.
@@ -19,8 +19,8 @@ module quantities
 
    !> Rows of the table.
    integer, parameter, public :: h_min = 1, h_min_node = 2, h_central = 3, p_max = 4, &
-      x_cavitation = 5, friction_coefficient = 6, rolling_coefficient = 7, sliding_power = 8, &
-      rolling_power = 9
+      p_central = 5, x_cavitation = 6, friction_coefficient = 7, rolling_coefficient = 8, &
+      sliding_power = 9, rolling_power = 10
 
    !> How the error of a quantity is estimated from other grids. `rule_value`: by its own values, in
    !> a transient by those between the nodes. `rule_node`: by both, and their distance is added.
@@ -33,7 +33,7 @@ module quantities
    type, public :: quantity_row_t
       !> Name in the result.
       character(len=28) :: name
-      !> Name in the closing table; empty: it is not there, and changes of it need no note.
+      !> Name in the closing table; empty: it is not there.
       character(len=9) :: short
       !> The field of /solution whose unit it has; that says what an inlet too near does to it, too.
       character(len=20) :: field
@@ -58,6 +58,8 @@ module quantities
          [1.0_wp, 2.5_wp], 1.0_wp, 'film thickness at X = 0, linear between nodes'), &
       quantity_row_t('p_max', 'p_max', 'pressure', 'largest', rule_crest, &
          [1.0_wp, 2.0_wp], 1.0_wp, 'largest pressure of a node'), &
+      quantity_row_t('p_central', 'p_central', 'pressure', 'largest', rule_value, &
+         [1.0_wp, 2.0_wp], 2.0_wp, 'pressure at X = 0, away from a spike; cubic between nodes'), &
       quantity_row_t('x_cavitation', '', 'x', 'largest', rule_between, &
          [1.0_wp, 2.0_wp], 1.0_wp, &
          'last node with P > 0 (extrapolated: exit between nodes)'), &
@@ -98,6 +100,8 @@ contains
          values = [central_value(x, h), central_by_cubic(x, h)]
       case (p_max)
          values = peak_value(p)
+      case (p_central)
+         values = central_by_cubic(x, p)
       case (x_cavitation)
          values = [exit_position(x, p), exit_between_nodes(x, p)]
       case (friction_coefficient)

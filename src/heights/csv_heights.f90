@@ -126,7 +126,7 @@ contains
          source%nodes = source%nodes + 1
       end do
       if (allocated(error) .or. source%nodes < 2) return
-      spacing = range%spacing()
+      spacing = range%distance()
       source%falls = range%falls
       if (range%mark_of_fault() > 0) then
          call fail(error, input_error, source%file//':'//to_text(range%mark_of_fault())//': ' &

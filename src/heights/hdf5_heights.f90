@@ -198,7 +198,7 @@ contains
          call read_positions(reader, path, extents(i), units%x, range)
          call refuse_silence(reader, source, path, units)
          if (allocated(reader%failure)) return
-         spacing(i) = range%spacing()
+         spacing(i) = range%distance()
          source%falls(i) = range%falls
       end do
    end subroutine look_for_positions

@@ -23,7 +23,7 @@ module position_range
       !> Marks of the positions that set the bounds.
       integer(int64), private :: low_mark = 0_int64, high_mark = 0_int64
    contains
-      procedure :: add, fault, mark_of_fault, spacing
+      procedure :: add, fault, mark_of_fault, distance
    end type position_range_t
 
 contains
@@ -54,13 +54,13 @@ contains
    end subroutine add
 
    !> Distance of neighbouring positions [m], of two or more; positive if they rise or fall.
-   pure function spacing(self)
+   pure function distance(self)
       class(position_range_t), intent(in) :: self
-      real(wp) :: spacing
+      real(wp) :: distance
 
-      spacing = (self%last - self%first)/(self%count - 1)
-      if (self%falls) spacing = -spacing
-   end function spacing
+      distance = (self%last - self%first)/(self%count - 1)
+      if (self%falls) distance = -distance
+   end function distance
 
    !> "found ..., expected ..." where two or more positions are not those of a uniform grid; else
    !> empty.
@@ -68,12 +68,12 @@ contains
       class(position_range_t), intent(in) :: self
       character(:), allocatable :: fault
 
-      if (.not. self%spacing() > 0.0_wp) then
+      if (.not. self%distance() > 0.0_wp) then
          fault = 'found positions that neither rise nor fall, expected those of a uniform grid'
       else if (self%mark_of_fault() > 0) then
          fault = 'found uneven positions, expected a uniform grid'
       else
-         fault = spacing_fault(self%spacing())
+         fault = spacing_fault(self%distance())
       end if
    end function fault
 
@@ -83,10 +83,10 @@ contains
       integer(int64) :: mark
 
       mark = 0_int64
-      if (.not. self%spacing() > 0.0_wp) return
-      if (self%spacing() < self%low) then
+      if (.not. self%distance() > 0.0_wp) return
+      if (self%distance() < self%low) then
          mark = self%low_mark
-      else if (self%spacing() > self%high) then
+      else if (self%distance() > self%high) then
          mark = self%high_mark
       end if
    end function mark_of_fault

@@ -89,6 +89,7 @@ contains
 
       case%title = values%text_value('case', 'title')
       case%output = trim(values%text_value('case', 'output'))
+      case%has_xdmf = values%logical_value('output', 'xdmf')
       case%problem = values%word_value('case', 'problem')
       case%model = values%word_value('case', 'model')
       if (case%problem == lubricated) then

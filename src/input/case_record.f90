@@ -74,6 +74,8 @@ module case_record
       integer :: layers = 0
       !> With the inertia of the oil.
       logical :: has_inertia = .false.
+      !> NAME.xdmf is wanted beside the result.
+      logical :: has_xdmf = .false.
       !> Result file as given, empty if not; see `result_path`.
       character(:), allocatable :: output
       !> Name of the namelist file.
@@ -155,7 +157,8 @@ contains
       do i = 1, size(case%effective)
          associate (entry => case%effective(i))
             if (entry%group == 'case' .or. entry%key == 'checkpoint_interval' &
-               .or. entry%key == 'adequacy' .or. entry%key == 'si_copies') cycle
+               .or. entry%key == 'adequacy' .or. entry%key == 'si_copies' &
+               .or. entry%key == 'xdmf') cycle
             lines = lines//new_line('a')//'&'//trim(entry%group)//' '//trim(entry%key) &
                //' = '//effective_text(entry)
          end associate

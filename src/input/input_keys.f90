@@ -420,6 +420,9 @@ module input_keys
             'of the cost, or 20 ms', problems=every), &
       key_row_t('output', 'si_copies', logical_kind, '', '.true.', &
          'stores the fields and series that are dimensionless in SI too, in /si'), &
+      key_row_t('output', 'xdmf', logical_kind, '', '.false.', &
+         'writes NAME.xdmf beside NAME.h5: what ParaView needs to show the fields', &
+         problems=every), &
       key_row_t('output', 'velocity_layers', integer_kind, '-', '0', &
          'layers across the film at whose borders /velocity has the velocity of the oil; 0: none', &
          range='>= 0, <= 200', used='case%equations = reynolds, '//in_metres), &

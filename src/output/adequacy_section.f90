@@ -4,12 +4,12 @@ module adequacy_section
    use adequacy, only: adequacy_t, compared, influence_t
    use hdf5_attribute, only: write_attribute
    use hdf5_file, only: hdf5_file_t
-   use influence_section, only: model_line, write_influence
+   use influence_section, only: write_influence
    use quantities, only: quantity_count, quantity_rows
    implicit none (type, external)
    private
 
-   public :: adequacy_line, write_adequacy
+   public :: write_adequacy
 
 contains
 
@@ -59,14 +59,5 @@ contains
          //'that roughness adds'
       if (row%is_numerical) text = 'error estimates of the result'
    end function measured_on
-
-   !> What the closing table says of it; empty: nothing.
-   pure function adequacy_line(adequacy) result(line)
-      type(adequacy_t), intent(in) :: adequacy
-      character(:), allocatable :: line
-
-      line = ''
-      if (allocated(adequacy%rows)) line = model_line(adequacy%rows%judged_t, adequacy%accuracy)
-   end function adequacy_line
 
 end module adequacy_section

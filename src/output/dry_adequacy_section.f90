@@ -5,13 +5,13 @@ module dry_adequacy_section
       dry_influence_t, judged_count
    use hdf5_attribute, only: write_attribute
    use hdf5_file, only: hdf5_file_t
-   use influence_section, only: model_line, write_influence
+   use influence_section, only: write_influence
    use quantity_text, only: number_text
    use text, only: joined
    implicit none (type, external)
    private
 
-   public :: dry_adequacy_line, write_dry_adequacy
+   public :: write_dry_adequacy
 
 contains
 
@@ -63,14 +63,5 @@ contains
             //number_text(coarsening*adequacy%ratio, 3)//' times the spacing'
       end if
    end function measured_on
-
-   !> What the closing table says of it; empty: nothing.
-   pure function dry_adequacy_line(adequacy) result(line)
-      type(dry_adequacy_t), intent(in) :: adequacy
-      character(:), allocatable :: line
-
-      line = ''
-      if (allocated(adequacy%rows)) line = model_line(adequacy%rows%judged_t, adequacy%accuracy)
-   end function dry_adequacy_line
 
 end module dry_adequacy_section

@@ -11,6 +11,7 @@ module output_names
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use operating_system, only: folder_of
    use result_name, only: working_endings
+   use xdmf_file, only: has_xdmf_mark, xdmf_path
    implicit none (type, external)
    private
 
@@ -19,7 +20,7 @@ module output_names
    !> An input or output, there or not yet.
    type :: place_t
       character(:), allocatable :: path
-      !> 'namelist' or 'height file'; of an output 'result' or 'temporary file'.
+      !> 'namelist' or 'height file'; of an output 'result', 'XDMF file' or 'temporary file'.
       character(len=16) :: what = ''
       !> Number of its case.
       integer :: owner = 0
@@ -81,6 +82,7 @@ contains
       do i = 1, size(cases)
          path = result_path(cases(i), output_dir)
          places = [places, new_place(path, 'result', i)]
+         if (cases(i)%has_xdmf) places = [places, new_place(xdmf_path(path), 'XDMF file', i)]
          do j = 1, size(working_endings)
             places = [places, new_place(path//trim(working_endings(j)), 'temporary file', i)]
          end do
@@ -138,21 +140,26 @@ contains
                cases(outputs(i)%owner)%file//', expected different names'
             return
          end do
-         if (output%what == 'result' .and. .not. is_replaceable(output)) found = 'found ' &
-            //output%path// &
-            ' as its result, which is there and no result of '//program_name &
-               //', expected another &case output (or remove it)'
+         if (output%what /= 'temporary file' .and. .not. is_replaceable(output)) found = 'found ' &
+            //output%path//' as its '//trim(output%what)//', which is there and no ' &
+            //trim(output%what)//' of '//program_name &
+            //', expected another &case output (or remove it)'
       end associate
    end function first_finding
 
-   !> Whether a result may take this place: nothing is there, or an older result. (A folder stops
-   !> its own case only, later.)
+   !> Whether a result or XDMF file may take this place: nothing is there, or an older one. (A
+   !> folder stops its own case only, later.)
    function is_replaceable(place) result(answer)
       type(place_t), intent(in) :: place
       logical :: answer
 
       answer = place%file%kind == kind_missing .or. place%file%kind == kind_folder
-      if (place%file%kind == kind_regular) answer = is_result(place%path)
+      if (place%file%kind /= kind_regular) return
+      if (place%what == 'result') then
+         answer = is_result(place%path)
+      else
+         answer = has_xdmf_mark(place%path)
+      end if
    end function is_replaceable
 
    !> Whether a file is a result of this program, of whatever version.

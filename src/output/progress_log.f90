@@ -17,8 +17,8 @@ module progress_log
    use missing_value, only: exceeds
    use operating_system, only: is_terminal
    use passage_times, only: passage_times_t
-   use quantities, only: friction_coefficient, h_min, p_max, parabola_minimum, quantity_count, &
-      quantity_rows
+   use quantities, only: friction_coefficient, h_min, p_central, p_max, parabola_minimum, &
+      quantity_count, quantity_rows
    use quantity_text, only: duration_text, number_text, prefixed_text, shortened, wrapped
    use result_labels, only: row_label
    use scaling, only: scaling_t
@@ -31,16 +31,24 @@ module progress_log
    implicit none (type, external)
    private
 
-   public :: new_progress_log, progress_log_t
+   public :: closing_words_t, new_progress_log, progress_log_t
 
    !> Columns of a terminal that are used.
    integer, parameter :: columns = 80
    !> Longest name of a case in front of a progress line [columns].
    integer, parameter :: name_columns = 20
+   !> A largest pressure with a smaller relative error needs no other beside it.
+   real(wp), parameter :: well_known = 0.01_wp
    !> Time between two updates on a terminal [s].
    real(wp), parameter :: update_seconds = 0.1_wp
    !> Longest silence in a log during cycles and time steps [s].
    real(wp), parameter :: log_seconds = 4.0_wp
+
+   !> What others say in the closing table; not allocated or empty: nothing.
+   type :: closing_words_t
+      !> Films by formulas; what the ingredients of the model change; what was left out.
+      character(:), allocatable :: formulas, model, decision
+   end type closing_words_t
 
    !> Progress of one case after another.
    type :: progress_log_t
@@ -78,7 +86,7 @@ module progress_log
       procedure :: add_to_summary, print_summary
       !> Whether what went wrong must be told beside the summary.
       procedure :: tells_apart
-      procedure, private :: update, write_line, write_table, write_model, clear
+      procedure, private :: add_words, update, write_line, write_table, clear
    end type progress_log_t
 
 contains
@@ -183,16 +191,15 @@ contains
    end function step_text
 
    !> The closing table: quantities in SI and dimensionless, residuals, seconds, limits of the model
-   !> that are passed, what its ingredients change (`model`), the table of what was left out
-   !> (`decision`), path of the result.
-   subroutine close_case(self, summary, report, path, times, limits, model, decision)
+   !> that are passed, what others say (`words`), path of the result.
+   subroutine close_case(self, summary, report, path, times, limits, words)
       class(progress_log_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
       character(*), intent(in) :: path
       type(passage_times_t), intent(in) :: times
       type(limit_t), intent(in), optional :: limits(:)
-      character(*), intent(in), optional :: model, decision
+      type(closing_words_t), intent(in), optional :: words
       character(:), allocatable :: outcome
 
       call self%clear()
@@ -215,35 +222,39 @@ contains
       if (.not. report%converged .and. self%tells_apart()) call self%write_line(outcome)
       if (self%is_quiet) return
       call self%add_to_summary(outcome)
-      call self%write_table(summary, report, path, times, limits, model, decision)
+      call self%write_table(summary, report, path, times, limits, words)
       call self%print_summary()
    end subroutine close_case
 
    !> The closing table: quantities in SI and dimensionless with their errors, residuals, limits
    !> that are passed, what the ingredients of the model change, the file.
-   subroutine write_table(self, summary, report, path, times, limits, model, decision)
+   subroutine write_table(self, summary, report, path, times, limits, words)
       class(progress_log_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
       character(*), intent(in) :: path
       type(passage_times_t), intent(in) :: times
       type(limit_t), intent(in), optional :: limits(:)
-      character(*), intent(in), optional :: model, decision
+      type(closing_words_t), intent(in), optional :: words
       integer :: i
 
       ! else no start was found: there is nothing to show
       if (exceeds(summary%of(p_max)%value, 0.0_wp)) then
          call self%add_to_summary('            SI              dimensionless')
          do i = 1, quantity_count
-            if (is_in_table(i)) call self%add_to_summary(row_of_table(i))
+            if (is_in_table(summary, i)) call self%add_to_summary(row_of_table(i))
          end do
+         if (present(words)) call self%add_words(words%formulas)
          call self%add_to_summary('  residual  '//number_text(report%residual, 2) &
             //'   load error '//number_text(report%load_error, 2)//'   bound ' &
             //number_text(report%tolerance_effective, 2))
       end if
       if (present(limits)) call write_limits(limits)
       if (times%counts_from > 0.0_wp) call self%add_to_summary('  times     '//times_text(times))
-      call self%write_model(model, decision)
+      if (present(words)) then
+         call self%add_words(words%model)
+         call self%add_words(words%decision)
+      end if
       if (allocated(report%note)) call self%add_to_summary('  '//wrapped('note      ' &
          //report%note, columns - 2))
       call self%add_to_summary('  result    '//path)
@@ -259,15 +270,6 @@ contains
                'limit     ', i == starvation)//limit_sentence(i, limits(i)), columns - 2))
          end do
       end subroutine write_limits
-
-      !> Whether a quantity has a row: all with a short name, but friction where nothing slides.
-      logical function is_in_table(i)
-         integer, intent(in) :: i
-
-         is_in_table = len_trim(quantity_rows(i)%short) > 0
-         if (i == friction_coefficient) is_in_table = exceeds(summary%of(i)%value, &
-            0.0_wp)
-      end function is_in_table
 
       !> One row of the table.
       function row_of_table(i) result(line)
@@ -301,18 +303,38 @@ contains
 
    end subroutine write_table
 
-   !> What the ingredients of the model change, and which of them were left out.
-   subroutine write_model(self, model, decision)
-      class(progress_log_t), intent(inout) :: self
-      character(*), intent(in), optional :: model, decision
+   !> Whether a quantity has a row: all with a short name, but friction where nothing slides, and
+   !> the central pressure where the largest one is well known.
+   pure function is_in_table(summary, i)
+      type(line_summary_t), intent(in) :: summary
+      integer, intent(in) :: i
+      logical :: is_in_table
 
-      if (present(model)) then
-         if (model /= '') call self%add_to_summary('  '//wrapped(model, columns - 2, 12))
+      is_in_table = len_trim(quantity_rows(i)%short) > 0
+      if (i == friction_coefficient) is_in_table = exceeds(summary%of(i)%value, &
+         0.0_wp)
+      if (i == p_central) then
+         associate (largest => summary%of(p_max))
+            is_in_table = ieee_is_finite(summary%of(i)%error_estimate)
+            if (is_in_table .and. ieee_is_finite(largest%error_estimate)) is_in_table = &
+               largest%error_estimate > well_known*largest%value
+         end associate
       end if
-      if (present(decision)) then
-         if (decision /= '') call self%add_to_summary(decision)
+   end function is_in_table
+
+   !> Adds what others say: lines that begin with a blank as they are, others wrapped.
+   subroutine add_words(self, lines)
+      class(progress_log_t), intent(inout) :: self
+      character(:), allocatable, intent(in) :: lines
+
+      if (.not. allocated(lines)) return
+      if (len_trim(lines) == 0) return
+      if (lines(1:1) == ' ') then
+         call self%add_to_summary(lines)
+      else
+         call self%add_to_summary('  '//wrapped(lines, columns - 2, 12))
       end if
-   end subroutine write_model
+   end subroutine add_words
 
    !> Which times count.
    function times_text(times) result(words)

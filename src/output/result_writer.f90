@@ -18,6 +18,7 @@ module result_writer
    use film_fields, only: film_fields_t
    use film_passage, only: film_passage_t
    use film_statistics, only: add_start, add_time, film_statistics_t
+   use formulas_section, only: formula_contact_t, write_formulas
    use hdf5_attribute, only: write_attribute
    use hdf5_axes, only: write_users
    use hdf5_dataset, only: new_label, write_dataset
@@ -72,6 +73,8 @@ module result_writer
       type(error_bars_t) :: bars
       !> How the solution stands to the limits of its model, if it is known.
       type(limit_t), allocatable :: limits(:)
+      !> What film formulas know of the contact.
+      type(formula_contact_t) :: formulas
       !> The film by its full momentum equations, and the solution of the Reynolds equation that
       !> they began with, of which the error bars are; not allocated: not asked for, or none.
       type(film_fields_t), allocatable :: momentum
@@ -338,6 +341,7 @@ contains
       call write_statistics(self%file, self%statistics, self%scaling, &
          self%passage%times%statistics_from())
       if (allocated(self%limits)) call write_validity(self%file, self%limits)
+      call write_formulas(self%file, self%formulas, self%summary, self%scaling)
       if (allocated(self%momentum)) then
          call write_momentum(self%file, self%momentum, self%scaling, self%is_transient)
          if (self%is_transient) call write_film_passage(self%file, self%film_passage, self%scaling)

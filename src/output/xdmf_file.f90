@@ -1,0 +1,225 @@
+!> NAME.xdmf beside a result NAME.h5: what its fields and their axes are, for ParaView and other
+!> readers of XDMF.
+!>
+!> XML that names datasets of the result and holds no numbers itself. Each group with fields is a
+!> grid of nodes: over x alone, over x and y (areas), x and time (passages), or zeta and x (layers
+!> of the film). It is made from the finished file, so that nothing is named that is not there.
+module xdmf_file
+   use, intrinsic :: iso_fortran_env, only: int64
+   use build_info, only: program_name
+   use errors, only: error_t, fail, output_error
+   use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   use hdf5_source, only: hdf5_source_t
+   use operating_system, only: remove_file, rename_file
+   use result_labels, only: field_names
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: has_xdmf_mark, write_xdmf, xdmf_path
+
+   !> A group of a result with the axes of its fields, the faster one first.
+   type :: grid_row_t
+      character(len=18) :: group
+      character(len=12) :: fast, slow
+   end type grid_row_t
+
+   type(grid_row_t), parameter :: grid_rows(*) = [ &
+      grid_row_t('solution', 'x', 'y'), &
+      grid_row_t('transient', 'x', 'profile_time'), &
+      grid_row_t('momentum', 'zeta', 'x'), &
+      grid_row_t('momentum/transient', 'x', 'profile_time'), &
+      grid_row_t('velocity', 'zeta', 'x')]
+
+   !> Everything that can be a field.
+   character(len=19), parameter :: names(*) = [character(len=19) :: field_names(2:), 'gap', &
+      'height_undeformed', 'height_loaded', 'height_unloaded', 'plastic_deformation', &
+      'film_breakdown', 'u', 'w', 'layer_pressure', 'shear_stress']
+
+   character(*), parameter :: nl = new_line('a')
+   !> The axis of a direction without nodes.
+   character(*), parameter :: zero = '<DataItem Dimensions="1" NumberType="Float" '// &
+      'Precision="8" Format="XML">0</DataItem>'//nl
+   !> What tells such a file from others.
+   character(*), parameter :: mark = '<!-- made by '//program_name
+
+contains
+
+   !> Name of the file beside the result `path`.
+   pure function xdmf_path(path)
+      character(*), intent(in) :: path
+      character(:), allocatable :: xdmf_path
+      integer :: last
+
+      last = len(path)
+      if (last > 3) then
+         if (path(last - 2:) == '.h5') last = last - 3
+      end if
+      xdmf_path = path(:last)//'.xdmf'
+   end function xdmf_path
+
+   !> Whether the file `path` is one that this module has made.
+   function has_xdmf_mark(path) result(answer)
+      character(*), intent(in) :: path
+      logical :: answer
+      character(len=64) :: line
+      integer :: status, unit
+
+      answer = .false.
+      open (newunit=unit, file=path, action='read', status='old', iostat=status)
+      if (status /= 0) return
+      read (unit, '(/, a)', iostat=status) line
+      answer = status == 0
+      if (answer) answer = index(line, mark) == 1
+      close (unit)
+   end function has_xdmf_mark
+
+   !> Writes the file beside the result `path`. Error (output_error): the result cannot be read, or
+   !> the file not be written.
+   subroutine write_xdmf(path, error)
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+      type(hdf5_input_t) :: reader
+      type(error_t), allocatable :: failure
+      character(:), allocatable :: name, text
+      integer :: i
+
+      name = escaped(path(index(path, '/', back=.true.) + 1:))
+      text = '<?xml version="1.0" encoding="UTF-8"?>'//nl//mark//' -->'//nl &
+         //'<Xdmf Version="2.0">'//nl//'<Domain>'//nl
+      call open_hdf5_input(reader, path, failure)   ! error: the reader keeps it
+      do i = 1, size(grid_rows)
+         call add_grid(reader, grid_rows(i), name, text)
+      end do
+      call reader%close(failure)
+      if (allocated(failure)) then
+         call fail(error, output_error, xdmf_path(path)//' cannot be written: '//failure%message)
+      else
+         call put(xdmf_path(path), text//'</Domain>'//nl//'</Xdmf>'//nl, &
+            error)   ! error: handed up
+      end if
+   end subroutine write_xdmf
+
+   !> Adds the grid of a group, if the result has it.
+   subroutine add_grid(reader, row, file, text)
+      type(hdf5_input_t), intent(inout) :: reader
+      type(grid_row_t), intent(in) :: row
+      character(*), intent(in) :: file
+      character(:), allocatable, intent(inout) :: text
+      character(:), allocatable :: fields, group
+      integer(int64), allocatable :: extents(:)
+      integer(int64) :: nodes(2)
+      logical :: is_flat
+      integer :: i
+
+      group = '/'//trim(row%group)//'/'
+      if (.not. reader%has(group//trim(row%fast))) return
+      is_flat = reader%has(group//trim(row%slow))
+      nodes = 1
+      nodes(1:1) = extents_of(group//trim(row%fast))
+      if (is_flat) nodes(2:2) = extents_of(group//trim(row%slow))
+      fields = ''
+      do i = 1, size(names)
+         if (.not. reader%has(group//trim(names(i)))) cycle
+         extents = extents_of(group//trim(names(i)))
+         if (size(extents) /= merge(2, 1, is_flat)) cycle
+         if (any(extents /= nodes(:size(extents)))) cycle
+         fields = fields//'<Attribute Name="'//trim(names(i)) &
+            //'" AttributeType="Scalar" Center="Node">'//nl//item(group//trim(names(i)), extents) &
+            //'</Attribute>'//nl
+      end do
+      if (fields == '') return
+      text = text//'<Grid Name="'//trim(row%group)//'" GridType="Uniform">'//nl// &
+         '<Topology TopologyType="3DRectMesh" Dimensions="'//'1 '//to_text(nodes(2))//' ' &
+         //to_text(nodes(1))//'"/>'//nl//'<Geometry GeometryType="VXVYVZ">'//nl &
+         //item(group//trim(row%fast), nodes(1:1))
+      if (is_flat) then
+         text = text//item(group//trim(row%slow), nodes(2:2))
+      else
+         text = text//zero
+      end if
+      text = text//zero//'</Geometry>'//nl//fields//'</Grid>'//nl
+
+   contains
+
+      !> Extents of a dataset, the fastest first; none if it cannot be read.
+      function extents_of(path) result(extents)
+         character(*), intent(in) :: path
+         integer(int64), allocatable :: extents(:)
+         type(hdf5_source_t) :: source
+
+         allocate (extents(0))
+         call reader%open(source, path)
+         if (allocated(reader%failure)) return
+         extents = int(source%extents, int64)
+         call source%close()
+      end function extents_of
+
+      !> The element that names a dataset; its extents are given the fastest first.
+      function item(path, extents)
+         character(*), intent(in) :: path
+         integer(int64), intent(in) :: extents(:)
+         character(:), allocatable :: item
+         integer :: k
+
+         item = ''
+         do k = size(extents), 1, -1
+            item = item//to_text(extents(k))
+            if (k > 1) item = item//' '
+         end do
+         item = '<DataItem Dimensions="'//item//'" NumberType="Float" Precision="8" Format="HDF">' &
+            //file//':'//path//'</DataItem>'//nl
+      end function item
+
+   end subroutine add_grid
+
+   !> `name` as XML has it.
+   pure function escaped(name)
+      character(*), intent(in) :: name
+      character(:), allocatable :: escaped
+      integer :: i
+
+      escaped = ''
+      do i = 1, len(name)
+         select case (name(i:i))
+         case ('&')
+            escaped = escaped//'&amp;'
+         case ('<')
+            escaped = escaped//'&lt;'
+         case ('>')
+            escaped = escaped//'&gt;'
+         case default
+            escaped = escaped//name(i:i)
+         end select
+      end do
+   end function escaped
+
+   !> Writes `text` to `path`, whole or not at all.
+   subroutine put(path, text, error)
+      character(*), intent(in) :: path, text
+      type(error_t), allocatable, intent(out) :: error
+      character(len=256) :: message
+      integer :: status, unit
+      logical :: is_done
+
+      open (newunit=unit, file=path//'.part', access='stream', form='unformatted', &
+         action='write', status='replace', iostat=status, iomsg=message)
+      if (status == 0) then
+         write (unit, iostat=status, iomsg=message) text
+         if (status == 0) then
+            close (unit, iostat=status, iomsg=message)
+         else
+            close (unit, status='delete')
+         end if
+      end if
+      if (status /= 0) then
+         call fail(error, output_error, 'cannot write '//path//': '//trim(message))
+         return
+      end if
+      is_done = rename_file(path//'.part', path)
+      if (is_done) return
+      is_done = remove_file(path//'.part')
+      call fail(error, output_error, 'cannot rename '//path//'.part to '//path)
+   end subroutine put
+
+end module xdmf_file

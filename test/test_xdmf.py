@@ -1,0 +1,142 @@
+"""`&output xdmf`: a file beside the result in which ParaView finds its fields. What it names is in the result, with these axes."""
+
+import subprocess
+from xml.etree import ElementTree
+
+import cases
+import h5py
+import numpy as np
+import pytest
+from cases import MOES, STEADY, TRANSIENT, write
+from dry_cases import case_text
+from time_limits import HANGING
+
+LEAN = "&accuracy error_bars = .false. /\n&output xdmf = .true., adequacy = .false. /\n"
+STOKES = (
+    STEADY.replace("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'").replace("256", "64")
+    + "&film layers = 6 /\n"
+)
+SYNTHETIC = "shape = 'synthetic', seed = 1, rms_height = 1e-6, wavelength_short = 2e-4"
+SIZE = "&domain length_x = 1e-3, length_y = 0.75e-3, intervals_x = 32, intervals_y = 24 /"
+LINE = "&domain length = 1e-3, intervals = 64 /"
+# Namelist; nodes of each grid along x, y and z; some of its fields.
+KINDS = {
+    "steady": (STEADY + LEAN, {"solution": ((257, 1, 1), {"pressure", "film_thickness", "shear_stress_1"})}),
+    "passage": (
+        TRANSIENT + LEAN,
+        {
+            "solution": ((257, 1, 1), {"pressure"}),
+            "transient": ((257, 21, 1), {"pressure", "film_thickness"}),
+        },
+    ),
+    "moes": (MOES + LEAN, {"solution": ((257, 1, 1), {"pressure", "film_thickness"})}),
+    "velocity": (
+        STEADY + LEAN.replace("xdmf", "velocity_layers = 4, xdmf"),
+        {"solution": ((257, 1, 1), {"pressure"}), "velocity": ((5, 257, 1), {"u"})},
+    ),
+    "momentum": (
+        STOKES + LEAN,
+        {
+            "solution": ((65, 1, 1), {"pressure"}),
+            "momentum": ((6, 65, 1), {"u", "w", "layer_pressure", "shear_stress", "viscosity"}),
+        },
+    ),
+    "line": (
+        case_text(SYNTHETIC, [1e8], more=LINE + LEAN),
+        {"solution": ((64, 1, 1), {"pressure", "gap", "height_undeformed"})},
+    ),
+    "area": (
+        case_text(SYNTHETIC, [1e8], more=SIZE + LEAN, problem="dry_area"),
+        {"solution": ((32, 24, 1), {"pressure", "gap", "height_loaded", "height_unloaded", "plastic_deformation"})},
+    ),
+}
+
+
+@pytest.fixture(scope="module", name="results")
+def _results(program, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("xdmf")
+    for name, (content, _) in KINDS.items():
+        write(folder, f"{name}.nml", content)
+        command = [str(program), f"{name}.nml", "--quiet"]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=HANGING, check=False)
+        assert (done.returncode, done.stderr) == (0, "")
+    return folder
+
+
+def values(item, folder):
+    """The numbers of a DataItem, which must have the shape that it says."""
+    shape = tuple(map(int, item.get("Dimensions").split()))
+    if item.get("Format") == "XML":
+        found = np.array(item.text.split(), dtype=float)
+    else:
+        name, path = item.text.strip().split(":")
+        with h5py.File(folder / name) as file:
+            found = file[path][()]
+        assert (item.get("NumberType"), item.get("Precision")) == ("Float", "8")
+        assert found.dtype == np.float64
+    assert found.shape == shape, item.text
+    return found
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_names_what_is_in_the_result(results, kind):
+    root = ElementTree.parse(results / f"{kind}.xdmf").getroot()
+    assert root.tag == "Xdmf"
+    grids = {grid.get("Name"): grid for grid in root.iter("Grid")}
+    expected = KINDS[kind][1]
+    assert grids.keys() == expected.keys()
+    for name, (nodes, fields) in expected.items():
+        grid = grids[name]
+        assert tuple(map(int, grid.find("Topology").get("Dimensions").split())) == nodes[::-1]
+        axes = [values(item, results) for item in grid.find("Geometry")]
+        assert tuple(map(len, axes)) == nodes
+        assert all((np.diff(axis) > 0).all() for axis in axes)
+        found = {field.get("Name"): values(field.find("DataItem"), results) for field in grid.iter("Attribute")}
+        assert fields <= found.keys()
+        assert all(field.get("Center") == "Node" for field in grid.iter("Attribute"))
+        assert all(field.size == np.prod(nodes) for field in found.values())
+
+
+@pytest.mark.parametrize("kind", ["steady", "area"])
+def test_the_result_is_the_same_without(results, asperity, tmp_path, kind):
+    write(tmp_path, "a.nml", KINDS[kind][0].replace("xdmf = .true., ", ""))
+    assert asperity("a.nml", "--quiet").returncode == 0
+    assert not list(tmp_path.glob("*.xdmf"))
+    one, other = (cases.contents(path) for path in (tmp_path / "a.h5", results / f"{kind}.h5"))
+    fields = [name for name in one if name.startswith(("solution/", "summary/", "sweep/")) and "@" not in name]
+    assert len(fields) > 10
+    for name in fields:
+        assert cases.same_bits(one[name], other[name]), name
+
+
+def test_takes_no_place_that_is_not_its_own(asperity, tmp_path):
+    write(tmp_path, "a.nml", STEADY + LEAN)
+    (tmp_path / "a.xdmf").write_text("<?xml version='1.0'?>\n<mine/>\n", encoding="utf-8")
+    done = asperity("a.nml")
+    assert done.returncode == 1
+    assert "a.nml: found a.xdmf as its XDMF file, which is there and no XDMF file of asperity, expected another" in done.stderr
+    (tmp_path / "a.xdmf").unlink()
+    assert asperity("a.nml", "--quiet").returncode == 0
+    first = (tmp_path / "a.xdmf").read_bytes()
+    assert asperity("a.nml", "--quiet").returncode == 0
+    assert (tmp_path / "a.xdmf").read_bytes() == first
+    write(tmp_path, "a.xdmf", STEADY)
+    write(tmp_path, "b.nml", (STEADY + LEAN).replace("&case", "&case output = 'a.h5',"))
+    assert "found the namelist a.xdmf as its XDMF file" in asperity("b.nml", "a.xdmf", "--check").stderr
+
+
+def test_names_that_xml_would_take_for_its_own(asperity, tmp_path):
+    write(tmp_path, "a.nml", (STEADY + LEAN).replace("&case", "&case output = 'oil & <steel>.h5',"))
+    assert asperity("a.nml", "--quiet").returncode == 0
+    items = list(ElementTree.parse(tmp_path / "oil & <steel>.xdmf").getroot().iter("DataItem"))
+    assert any(item.text.strip() == "oil & <steel>.h5:/solution/pressure" for item in items)
+
+
+def test_a_place_that_cannot_be_written(asperity, tmp_path):
+    write(tmp_path, "a.nml", STEADY + LEAN)
+    (tmp_path / "a.xdmf").mkdir()
+    done = asperity("a.nml", "--quiet")
+    assert done.returncode == 3
+    assert "a.xdmf" in done.stderr
+    assert (tmp_path / "a.h5").is_file()
+    assert not list(tmp_path.glob("*.part"))
