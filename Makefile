@@ -94,7 +94,7 @@ figures: ## the figures of the demo again, from its result files
 	$(PYTHON) postproc/dry.py $(DEMO)/dry_profile.h5 $(DEMO)/dry_area.h5 --output $(DEMO)
 	@echo "figures in $(DEMO):" && ls $(DEMO)
 
-.PHONY: formulas regime scenes chapter3 chapter4 chapter5 chapter6 chapter7 area bench-dry amplitude thesis dry
+.PHONY: formulas regime scenes chapter3 chapter4 chapter5 chapter6 chapter7 area bench-dry amplitude trends thesis dry
 chapter5: build ## thesis, chapter 5: Cases 1 to 3, error tables, figures, statements (ARGS=--quick)
 	$(PYTHON) studies/chapter5.py $(ARGS)
 
@@ -104,7 +104,10 @@ chapter6: build ## thesis, chapter 6: every overtaking of ridges and dents, figu
 amplitude: build ## what an oil film leaves of a waviness, rolling and sliding, beside published values (ARGS=--quick)
 	$(PYTHON) studies/amplitude.py $(ARGS)
 
-thesis: chapter5 chapter6 amplitude ## the lubricated half of the thesis: the three above, and their figures into docs/images/
+trends: build ## how film and waviness depend on each input, beside (2.3) and the fit of Moes (ARGS=--quick)
+	$(PYTHON) studies/trends.py $(ARGS)
+
+thesis: chapter5 chapter6 amplitude trends ## the lubricated half of the thesis: the four above, and their figures into docs/images/
 	$(PYTHON) studies/page_images.py chapter5 chapter6 amplitude
 
 regime: build ## films over Moes' numbers, for the chart of postproc/regime.py, into postproc/data/ (ARGS=--quick)
@@ -137,9 +140,9 @@ bench: bench-program ## speed and memory, in results/bench/ (ARGS=--quick: short
 bench-dry: build ## dry areas beside other programs (ARGS="--peers PYTHON": the python of an environment with tamaas, ContactMechanics)
 	$(PYTHON) bench/dry.py $(ARGS)
 
-chart: bench-program ## error against wall time of all methods, in results/chart/ (ARGS=--quick: shorter)
+chart: bench-program ## error against wall time of all methods, in results/chart/ (ARGS=--quick; PEERS=PYTHON: dry areas by other programs too)
 	$(PYTHON) bench/chart.py $(ARGS)
-	$(PYTHON) bench/dry_chart.py $(ARGS)
+	$(PYTHON) bench/dry_chart.py $(ARGS) $(if $(PEERS),--peers $(PEERS))
 
 orders: bench-program ## table of the observed orders in time, in results/orders/ (ARGS=--quick: coarser)
 	$(PYTHON) bench/orders.py $(ARGS)

@@ -33,7 +33,8 @@ program asperity_bench
       'name,method,inlet,converged,intervals,x_inlet,x_outlet,levels,cycles,steps,'// &
       'residual,load_error,tolerance,step_residual,fft_pairs,work_units,runs,'// &
       'setup_least,steady_least,transient_least,all_least,setup_median,steady_median,'// &
-      'transient_median,all_median,processor,h_min,h_central,p_max,x_cavitation,'// &
+      'transient_median,all_median,setup_high,steady_high,transient_high,all_high,'// &
+      'processor,h_min,h_central,p_max,x_cavitation,'// &
       'difference,product_seconds,h_min_node,h_min_error,h_min_node_error,'// &
       'h_central_error,p_max_error,x_cavitation_error,h_min_error_grid,'// &
       'h_min_node_error_grid,h_central_error_grid,p_max_error_grid,'// &
@@ -68,8 +69,8 @@ contains
                report%steps, report%residual, &
             report%load_error, report%tolerance_effective, first%residual, report%fft_pairs, &
                report%work_units, outcome%runs
-         write (output_unit, '(9(",",es11.4),4(",",es24.16e3),2(",",es12.4e3))', advance='no') &
-            outcome%least, outcome%median, outcome%processor, &
+         write (output_unit, '(13(",",es11.4),4(",",es24.16e3),2(",",es12.4e3))', advance='no') &
+            outcome%least, outcome%median, outcome%high, outcome%processor, &
             first%summary%of([h_min, h_central, p_max, x_cavitation])%value, outcome%difference, &
             outcome%product_seconds
          call print_errors(first%summary)

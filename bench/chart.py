@@ -5,8 +5,9 @@ The error is the true one, against the contact on at least four times the interv
 with the kappa space scheme, whose error is smaller still), to a tolerance far below. Steady panels: the larger one of the
 relative errors of h_min and h at X = 0. In time: the largest error in P over all nodes and times. The last panel has the error of
 leaner models beside that of the numbers (bench/chart_models.py). Times are of one core, the
-least of many runs, without planning, input and output. Each run writes chart.png, .pdf, chart.csv and conclusion.txt, which
-is made from the same numbers.
+least of many runs, without planning, input and output; a bar reaches to what nine tenths of the runs stay below. A star is the
+thesis's own setting; a dotted line the whole program, start-up, error bars and output too. Each run writes chart.png, .pdf,
+chart.csv and conclusion.txt, which is made from the same numbers.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from pathlib import Path
 
 import bench_program
 import chart_models
+import chart_program
 import namelists
 from bench_program import ROOT, Answer, Job, job, new_parser, output_folder
 
@@ -44,6 +46,13 @@ METHODS: dict[str, dict[str, object]] = {
 # The other space scheme, in the steady panels.
 KAPPA = "auto, kappa scheme"
 KAPPA_SCHEME = {"space_scheme": "kappa"}
+# The thesis: Block-Jacobi V-cycles from the pressure of Hertz on 1024 intervals; in time backward Euler. It prints neither sweeps,
+# relaxation nor tolerance: these are ours.
+THESIS = "thesis's setting"
+THESIS_SOLVER = METHODS["FAS, Block-Jacobi"] | {"pre_sweeps": 10, "post_sweeps": 10, "relaxation": 0.7, "start": "hertz"}
+THESIS_GRID = 1024
+# The default as a user calls it.
+WHOLE = "auto, whole program"
 LOOKS = {
     "auto": {"color": "#f0b000", "linestyle": "-", "linewidth": 4.0, "marker": "", "zorder": 1},
     **dict(zip(list(METHODS)[1:], style.SERIES, strict=True)),
@@ -61,6 +70,8 @@ LOOKS = {
     },
     KAPPA: {"color": "#008080", "linestyle": "-", "linewidth": 1.2, "marker": "d", "markersize": 4.5},
     "auto, backward Euler": {"color": "#d02060", "linestyle": "-", "marker": "P", "markersize": 5},
+    THESIS: {"color": "black", "linestyle": "none", "marker": "*", "markersize": 11, "markerfacecolor": "#ffd700", "zorder": 5},
+    WHOLE: {"color": "0.35", "linestyle": ":", "linewidth": 1.4, "marker": ".", "markersize": 4},
 }
 # Nothing larger is tried: their cost grows with the cube and faster.
 LARGEST = {"newton_dense": 1024, "block_jacobi": 128}
@@ -95,16 +106,19 @@ class Point:
     seconds: float
     error: float
     answer: Answer
+    # What nine tenths of the runs stay below [s].
+    high: float
 
 
 @dataclass
 class Panel:
-    """One contact: its name, the measure of error, and the points by method."""
+    """One contact: its name, the measure of error, and the points by method; `besides` are not compared with the others."""
 
     key: str
     title: str
     measure: str
     curves: dict[str, list[Point]] = field(default_factory=dict)
+    besides: dict[str, list[Point]] = field(default_factory=dict)
 
 
 def largest_grid(method: str, sizes: list[int]) -> list[int]:
@@ -124,20 +138,23 @@ def steady_panel(panel: Panel, text: object, sizes: list[int], effort: dict[str,
     jobs += [job(f"bars:{n}", text(n, {}), bars=1, **effort) for n in sizes[2:]]
     for target in WANTED:
         jobs.append(job(f"target:{target:g}", text(None, {}, {"target": target}), **effort))
+    if panel.key == "steady":  # the thesis's contact
+        jobs.append(job("thesis", text(THESIS_GRID, THESIS_SOLVER), **effort))
     answers = bench_program.run(jobs)
     reference = answers["reference"]
     for name, (method, n) in names.items():
         answer = answers[name.replace(" ", "_")]
         if answer.converged:
             error = film_error(answer, reference)
-            panel.curves.setdefault(method, []).append(Point(method, n, run_time(answer), error, answer))
+            panel.curves.setdefault(method, []).append(new_point(method, n, answer, error))
+    if "thesis" in answers and answers["thesis"].converged:
+        panel.besides[THESIS] = [new_point(THESIS, THESIS_GRID, answers["thesis"], film_error(answers["thesis"], reference))]
+    add_whole_program(panel, {n: text(n, {}) for n in sizes}, effort)
     add_extrapolated(panel, answers, reference)
     for target in WANTED:
         answer = answers[f"target:{target:g}"]
         if answer.converged and 4 * answer["intervals"] <= finest:
-            seconds = run_time(answer)
-            error = film_error(answer, reference)
-            point = Point("auto, target given", int(answer["intervals"]), seconds, error, answer)
+            point = new_point("auto, target given", int(answer["intervals"]), answer, film_error(answer, reference))
             panel.curves.setdefault(point.method, []).append(point)
     return [answer for answer in answers.values() if not answer.converged]
 
@@ -145,6 +162,23 @@ def steady_panel(panel: Panel, text: object, sizes: list[int], effort: dict[str,
 def run_time(answer: Answer) -> float:
     """Least wall time without planning; the mean processor time where other programs on the machine made that smaller."""
     return min(answer["steady_least"] + answer["transient_least"], answer["processor"])
+
+
+def high_time(answer: Answer) -> float:
+    """What nine tenths of the runs stay below, without planning."""
+    return max(answer["steady_high"] + answer["transient_high"], run_time(answer))
+
+
+def new_point(method: str, intervals: int, answer: Answer, error: float) -> Point:
+    """The point of a run."""
+    return Point(method, intervals, run_time(answer), error, answer, high_time(answer))
+
+
+def add_whole_program(panel: Panel, texts: dict[int, str], effort: dict[str, float]) -> None:
+    """The default on the same grids as a user calls it: the error of the default, the time of the process."""
+    plain = {point.intervals: point for point in panel.curves.get("auto", [])}
+    found = chart_program.times_of({n: texts[n] for n in texts if n in plain}, int(effort["runs"]), effort["seconds"])
+    panel.besides[WHOLE] = [Point(WHOLE, n, least, plain[n].error, plain[n].answer, high) for n, (least, high) in found.items()]
 
 
 def film_error(values: dict[str, float], reference: dict[str, float]) -> float:
@@ -164,8 +198,9 @@ def add_extrapolated(panel: Panel, answers: dict[str, Answer], reference: Answer
             q1, q2, q4 = (point.answer[name] for point in (full, half, quarter))
             order = min(max(math.log2(abs((q2 - q4) / (q1 - q2))), 1.0), 2.0)
             values[name] = q1 + (q1 - q2) / (2**order - 1)
-        seconds = run_time(answers[f"bars:{full.intervals}"])
-        point = Point("auto, extrapolated", full.intervals, seconds, film_error(values, reference), full.answer)
+        with_bars = answers[f"bars:{full.intervals}"]
+        times = (run_time(with_bars), film_error(values, reference), full.answer, high_time(with_bars))
+        point = Point("auto, extrapolated", full.intervals, *times)
         panel.curves.setdefault(point.method, []).append(point)
 
 
@@ -189,6 +224,10 @@ def transient_panel(panel: Panel, sizes: list[int], effort: dict[str, float]) ->
     jobs = [job("reference", text(finest, {"method": "newton_krylov", "tolerance": 1e-8}, {}), reference=1)]
     methods = time_methods()
     names = {}
+    methods[THESIS] = (THESIS_SOLVER, {"scheme": "backward_euler"})
+    thesis_grid = min(THESIS_GRID, sizes[-1])
+    names[THESIS, thesis_grid] = [THESIS.replace(" ", "_")]
+    jobs.append(job(names[THESIS, thesis_grid][0], text(thesis_grid, *methods.pop(THESIS)), compare=1, **effort))
     for n in sizes:
         own = [method for method in methods if n in largest_grid(method, sizes) and (method != "newton_dense" or n <= 256)]
         for turn, method in itertools.product(range(TURNS), own):
@@ -203,7 +242,10 @@ def transient_panel(panel: Panel, sizes: list[int], effort: dict[str, float]) ->
             failures.append(answers[turns[0]])
             continue
         answer = min(good, key=run_time)
-        panel.curves.setdefault(method, []).append(Point(method, n, run_time(answer), answer["difference"], answer))
+        point = new_point(method, n, answer, answer["difference"])
+        point.high = max(map(high_time, good))
+        (panel.besides if method == THESIS else panel.curves).setdefault(method, []).append(point)
+    add_whole_program(panel, {n: text(n, {}, {}) for n in sizes if n & (n - 1) == 0}, effort)
     return failures
 
 
@@ -260,11 +302,33 @@ def conclusions(panels: list[Panel], failures: list[Answer]) -> str:
             others.sort(key=lambda point: point.seconds)
             ratios = [f"{point.method} {point.seconds / first.seconds:.1f} x" for point in others]
             lines.append(text + (f"; {', '.join(ratios)}" if ratios else ""))
-        lines += [f"  {who_is_first(panel)}", f"  observed order in 1/intervals: {orders(panel)}"]
+        lines += [f"  {who_is_first(panel)}", f"  observed order in 1/intervals: {orders(panel)}", *besides(panel)]
     if failures:
         lines.append("Not converged, not shown:")
         lines += [f"  {answer['name']}: {answer['reason'].strip()}" for answer in failures]
     return "\n".join(lines) + "\n"
+
+
+def besides(panel: Panel) -> list[str]:
+    """The thesis's setting beside the default of at most its error, the whole program beside the solution, the spread of times."""
+    lines = []
+    for point in panel.besides.get(THESIS, []):
+        text = f"  the thesis's setting ({point.intervals} intervals): error {percent(point.error)}, {show_time(point.seconds)}"
+        default = fastest(panel, point.error).get("auto")
+        if default is not None:
+            text += f", {point.seconds / default.seconds:.3g} x the default of at most this error ({default.intervals} intervals)"
+        lines.append(text)
+    whole = panel.besides.get(WHOLE, [])
+    if whole:
+        first, last = whole[0], whole[-1]
+        lines.append(
+            f"  the whole program takes {show_time(first.seconds)} on {first.intervals} and {show_time(last.seconds)} on "
+            f"{last.intervals} intervals"
+        )
+    ratios = [point.high / point.seconds for points in panel.curves.values() for point in points]
+    spread = f"{np.median(ratios):.2f} x the least (median of the points), {max(ratios):.2f} x (worst)"
+    lines.append(f"  nine tenths of the runs stay below {spread}")
+    return lines
 
 
 def who_is_first(panel: Panel) -> str:
@@ -297,9 +361,11 @@ def orders(panel: Panel) -> str:
 
 
 def draw_panel(axes: Axes, panel: Panel) -> None:
-    """The curves of one contact."""
-    for method, points in panel.curves.items():
-        axes.loglog([p.seconds * 1e3 for p in points], [100 * p.error for p in points], label=method, **LOOKS[method])
+    """The curves of one contact; thin bars are the spread of the times."""
+    for method, points in (panel.curves | panel.besides).items():
+        times, errors = [p.seconds * 1e3 for p in points], [100 * p.error for p in points]
+        axes.loglog(times, errors, label=method, **LOOKS[method])
+        axes.hlines(errors, times, [p.high * 1e3 for p in points], color=LOOKS[method]["color"], linewidth=0.6)
     axes.set(title=panel.title, xlabel="Wall time [ms]", ylabel=f"Error of {panel.measure} [%]")
     axes.title.set_fontsize(8.5)
     decimal_ticks(axes)
@@ -372,15 +438,14 @@ def save(panels: list[Panel], path: Path) -> None:
     columns = ("cycles", "steps", "residual", "fft_pairs", "work_units", "runs", "setup_median", "h_min", "h_central", "p_max")
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(("panel", "method", "intervals", "seconds", "seconds_least", "error", "way", *columns))
+        writer.writerow(("panel", "method", "intervals", "seconds", "seconds_least", "seconds_high", "error", "way", *columns))
         for panel in panels:
-            for point in (point for points in panel.curves.values() for point in points):
+            for point in (point for points in (panel.curves | panel.besides).values() for point in points):
                 answer = point.answer
                 least = answer["steady_least"] + answer["transient_least"]
+                times = (point.seconds, least, point.high)
                 values = (answer[column] for column in columns)
-                writer.writerow(
-                    (panel.key, point.method, point.intervals, point.seconds, least, point.error, answer["method"], *values)
-                )
+                writer.writerow((panel.key, point.method, point.intervals, *times, point.error, answer["method"], *values))
 
 
 def grids(first: int, last: int) -> list[int]:

@@ -91,6 +91,11 @@ class Contact:
             abs(pressure.mean() - self.load) / self.load,
         )
 
+    def separation(self, pressure: np.ndarray) -> float:
+        """Mean gap of an elastic contact."""
+        v = self.deflection(pressure) - self.z
+        return float(v.mean() - v[pressure > 0].mean())
+
 
 def love_kernel(nodes: int) -> np.ndarray:
     """Deflection of a half-space, E* = 1, under unit pressure on one element, on the doubled periodic grid."""
@@ -242,8 +247,17 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
 """
 
 
-def theirs(peer: str, python: str, contact: Contact) -> tuple[float, float]:
-    """Seconds and error of the cheapest run that is good enough, or of the best; fast ones twice."""
+@dataclass
+class PeerRun:
+    """A run of another program: processor seconds, violation of the contact conditions, mean separation over the side."""
+
+    seconds: float
+    error: float
+    separation: float
+
+
+def peer_runs(peer: str, python: str, contact: Contact) -> list[PeerRun]:
+    """Runs from the loosest tolerance to the first that is good enough, each twice if it is fast; until it fails."""
     runs = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -261,14 +275,25 @@ def theirs(peer: str, python: str, contact: Contact) -> tuple[float, float]:
                 done = subprocess.run(command, cwd=folder, env=ONE_THREAD, check=False, capture_output=True, text=True)
                 if done.returncode != 0:
                     print(f"    {peer}: {done.stderr.strip().splitlines()[-1] if done.stderr.strip() else 'failed'}")
-                    return min(runs, key=lambda run: run[1]) if runs else (float("nan"), float("nan"))
+                    return runs
                 with np.load(folder / "out.npz") as data:
-                    runs.append((float(data["seconds"]), contact.error(data["pressure"].reshape(contact.z.shape))))
-                if runs[-1][0] > 3.0 or runs[-1][1] > WANTED:
+                    pressure = data["pressure"].reshape(contact.z.shape)
+                    runs.append(PeerRun(float(data["seconds"]), contact.error(pressure), contact.separation(pressure)))
+                if runs[-1].seconds > 3.0 or runs[-1].error > WANTED:
                     break
-            if runs[-1][1] <= WANTED:
-                return min(runs, key=lambda run: (run[1] > WANTED, run[0]))
-    return min(runs, key=lambda run: run[1])
+            if runs[-1].error <= WANTED:
+                break
+    return runs
+
+
+def theirs(peer: str, python: str, contact: Contact) -> tuple[float, float]:
+    """Seconds and error of the cheapest run that is good enough, or of the best; NaN if there is none."""
+    runs = peer_runs(peer, python, contact)
+    if not runs:
+        return float("nan"), float("nan")
+    good = [run for run in runs if run.error <= WANTED]
+    best = min(good, key=lambda run: run.seconds) if good else min(runs, key=lambda run: run.error)
+    return best.seconds, best.error
 
 
 class Table:

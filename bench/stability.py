@@ -39,6 +39,8 @@ def status(answer: Answer | None) -> str:
         "stopped from outside": "limit",
         "stagnation": "stalled",
         "cycle limit": "limit",
+        "has stopped falling": "stalled",  # of dry contacts
+        "the error is ": "limit",
     }
     return next((name for text, name in words.items() if text in answer["reason"]), "failed")
 

@@ -29,6 +29,7 @@ NAMES = (
     "relaxation",
     "coarsest",
     "time_step",
+    "rolling",
     "roughness",
     "ridge",
 )
@@ -212,6 +213,29 @@ def time_step_map(quick: bool) -> StabilityMap:
     return StabilityMap("time_step", f"A ridge passes, iterations per step, {intervals} intervals", x, y, methods, text)
 
 
+def rolling_map(quick: bool) -> StabilityMap:
+    """Without sliding: intervals against time step, ten steps of a ridge in Case 1, its oil and a Newtonian one."""
+    counts = [2**k for k in ((6, 7, 8, 9) if quick else (6, 7, 8, 9, 10, 11, 12))]
+    factors = [0.0625, 0.25, 1] if quick else [0.0625, 0.125, 0.25, 0.5, 1, 2]
+    solvers = AUTO | dict(list(CYCLES.items())[1:])
+    oils = {"Eyring": {}, "Newtonian": {"rheology": "newtonian", "eyring_stress": None}}
+    methods = {f"{name}: {oil}": solver for oil in oils for name, solver in solvers.items()}
+
+    def text(intervals: float, factor: float, solver: dict, name: str) -> str:
+        step = factor * 5.5 / intervals
+        return namelists.case_1(
+            int(intervals),
+            solver,
+            bodies={"speed_1": 0.6, "speed_2": 0.6},
+            lubricant=oils[name.split(": ")[1]],
+            surface_2=namelists.RIDGE | {"position": -1.5},
+            time={"transient": True, "end_time": 10 * step, "time_step": step},
+        )
+
+    x, y = Axis("intervals", "Intervals", counts), Axis("time_step_over_dx", r"$\Delta T/\Delta X$", factors)
+    return StabilityMap("rolling", "A ridge rolls in without sliding, iterations per step", x, y, methods, text)
+
+
 def roughness_axes(quick: bool) -> tuple[Axis, Axis]:
     """Wavelength and amplitude."""
     waves = [0.25, 0.5, 1, 2] if quick else [0.125, 0.25, 0.5, 0.75, 1, 1.5, 2, 3, 4]
@@ -258,4 +282,5 @@ def all_maps(quick: bool) -> Iterator[StabilityMap]:
     yield relaxation_map(quick)
     yield coarsest_map(quick)
     yield time_step_map(quick)
+    yield rolling_map(quick)
     yield from roughness_maps(quick)

@@ -12,6 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import chapter6_besides
 import chapter6_claims
 import chapter6_figures
 from overtaking import FINEST, FORMS, LENGTH, Situation, Thinning, film_errors, measure
@@ -173,6 +174,18 @@ def extremes_table(profiles: dict[str, Path], options: argparse.Namespace) -> Ta
     return table
 
 
+def show_besides(options: argparse.Namespace, claims: Claims, fine: dict[Situation, Thinning]) -> None:
+    """Internal cavitation, and the loads of Figure 6.10 as printed; `fine` is form (b)."""
+    folder = options.output / "besides"
+    holes = chapter6_besides.study_cavitation(Runner(folder, options.jobs, options.program), claims)
+    numbers = dict.fromkeys(("lowest", "length", "duration"), ".3f")
+    holes.show("Internal cavitation of the four overtakings, s = 4/3", situation="", amplitude="g", **numbers, outcome="")
+    holes.write(options.output / "cavitation", "Internal cavitation of the four overtakings over the height of the features")
+    light = chapter6_besides.study_printed_loads(folder, options, claims, fine)
+    light.show("Film thinning at the loads as printed", load=".0e", l2="g", xi=".4f", error=".4f", h_min=".3f")
+    light.write(options.output / "printed_loads", "Film thinning (6.1) at 10 and 20 kN/m")
+
+
 def animate(options: argparse.Namespace) -> None:
     """A film of the slow overtaking, s = 1/3, by the script for passages."""
     item, folder = Situation(1, l2=-6), options.output / "profiles"
@@ -226,6 +239,7 @@ def study(options: argparse.Namespace) -> None:
     steepest = [Situation(slip, l2=-6) for slip in SLIPS]
     runner = Runner(options.output / "errors", options.jobs, options.program)
     chapter6_claims.check_errors(claims, found, {item: film_errors(runner, item) for item in steepest})
+    show_besides(options, claims, found["b"])
     claims.show()
     claims.table.write(options.output / "statements", "Statements of chapter 6 and what was measured")
     chapter6_figures.draw(options.output, profiles, found, OVERTAKINGS)

@@ -11,7 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 from dry_profiles import PROFILES
-from study import ROOT, Case, Claims, Runner, save, style
+from study import ROOT, Case, Claims, Runner, StudyError, save, style
 
 PARAMETERS = tuple(float(value) for value in np.logspace(-1.5, 1.5, 13))  # E' s/(4 w)
 # H_s L/w; 4 GPa and 100 kN/m make 16. No whole number of nodes carries the load at the hardness: there the plane may move freely.
@@ -61,7 +61,12 @@ def study(runner: Runner, count: int, claims: Claims) -> None:
 
     def read(key: str, path: Path) -> tuple[float, np.ndarray, np.ndarray]:
         length, load, modulus = scales[key]
+        _, place, hardness, _ = key.split("_")
         with h5py.File(path) as file:
+            held = file["scaling"].attrs
+            wanted = (PARAMETERS[int(place)], float(hardness))
+            if not np.allclose((held["similarity_number"], held.get("hardness_number", ELASTIC)), wanted, rtol=1e-12):
+                raise StudyError(f"{path}: /scaling does not hold the numbers {wanted} of the contact")
             pressure, gap = file["solution/pressure"][()] * length / load, file["solution/gap"][()] * modulus / (4 * load)
             return float(file["summary/contact_area_fraction"][()]), pressure, gap
 

@@ -1,12 +1,13 @@
 """docs/dry.md has a row for all that chapters 3, 4 and 7 and Paper C number, and for every statement that the studies judge."""
 
 import math
-import pathlib
 import re
 import sys
 
 import numpy as np
 import pytest
+from conftest import ROOT
+from row_tables import Numbers, check_rows, check_tests
 from study_runs import STUDIES
 
 sys.path.append(str(STUDIES))
@@ -15,46 +16,21 @@ import chapter7_claims
 from asperities import DISTANCES, moment, summits_of
 from dry_profiles import verdict
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = (ROOT / "docs" / "dry.md").read_text(encoding="utf-8")
-# How many the thesis has: equations, figures, tables, conclusions.
-EQUATIONS = {"3": 24, "4": 3, "C": 3}
-FIGURES = {"3": 1, "4": 6, "7": 4, "C": 7}
-TABLES = {"7": 1, "C": 1}
-CONCLUSIONS = {"4.4": 4, "7.2": 3, "C.5": 4}
-VERDICTS = ("agrees", "disagrees", "partly", "not decidable", "used")
-
-
-def table_under(heading):
-    """The rows of the tables of a section, without headers, as lists of cells."""
-    section = re.split(r"^## ", PAGE.split(f"## {heading}\n")[1], flags=re.M)[0]
-    lines = [line for line in section.splitlines() if line.startswith("| ")]
-    return [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in lines]
-
-
-def numbered():
-    """Everything that has a number."""
-    yield from (f"({part}.{i})" for part, count in EQUATIONS.items() for i in range(1, count + 1))
-    yield from (f"Figure {part}.{i}" for part, count in FIGURES.items() for i in range(1, count + 1))
-    yield from (f"Table {part}.{i}" for part, count in TABLES.items() for i in range(1, count + 1))
-    yield from (f"Conclusion {part}-{i}" for part, count in CONCLUSIONS.items() for i in range(1, count + 1))
+NUMBERS = Numbers(
+    equations={"3": 24, "4": 3, "C": 3},
+    figures={"3": 1, "4": 6, "7": 4, "C": 7},
+    tables={"7": 1, "C": 1},
+    conclusions={"4.4": 4, "7.2": 3, "C.5": 4},
+)
 
 
 def test_every_number_of_the_thesis_has_a_row():
-    header, *rows = table_under("Every equation, figure, table and conclusion")
-    assert header == ["item", "what", "where we do it", "test", "verdict"]
-    assert [row[0] for row in rows] == list(numbered())
-    assert all(len(row) == len(header) and all(row) for row in rows)
-    assert [row for row in rows if not row[-1].startswith(VERDICTS)] == []
+    check_rows(PAGE, NUMBERS, ("agrees", "disagrees", "partly", "not decidable", "used"))
 
 
 def test_tests_of_the_rows_exist():
-    sources = [path.read_text(encoding="utf-8") for pattern in ("test/*.py", "test/unit/**/*.pf") for path in ROOT.glob(pattern)]
-    there = set(re.findall(r"(?:def|subroutine) (\w+)\(", "\n".join(sources)))
-    named = {
-        name for row in table_under("Every equation, figure, table and conclusion")[1:] for name in re.findall(r"`(\w+)`", row[3])
-    }
-    assert named - there == set()
+    check_tests(PAGE)
 
 
 @pytest.mark.parametrize("claims", [chapter4_claims, chapter7_claims])

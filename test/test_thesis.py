@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import pytest
+from conftest import ROOT
 from study_runs import STUDIES, rows, run_quick
 
 sys.path.append(str(STUDIES))
@@ -11,10 +12,12 @@ sys.path.append(str(STUDIES))
 import chapter5
 import chapter5_passages
 import chapter5_rule
+import chapter6_besides
 import overtaking
+import trends
 import waviness
 from linear_response import Advection
-from study import Runner, exchanged
+from study import Claims, Runner, exchanged
 
 
 @pytest.fixture
@@ -80,6 +83,39 @@ def test_film_thinning_does_not_depend_on_the_side(runner):
     assert (second.x, second.time) == (first.x, first.time)
 
 
+def test_more_load_thins_more_at_the_loads_used_not_at_those_printed(runner):
+    # "10 kN" and "20 kN" of Figure 6.10; form (a), l2 = -6. The fine form has 0.331, 0.305, 0.424, 0.476.
+    loads = (*chapter6_besides.PRINTED_LOADS, *chapter6_besides.USED_LOADS)
+    items = [overtaking.Situation(5, load, l2=-6) for load in loads]
+    found = overtaking.measure(runner, items, overtaking.FORMS["a"])
+    light, lighter, used, double = (found[item].xi for item in items)
+    assert lighter < light < used < double
+    assert (light, lighter) == pytest.approx((0.331, 0.305), abs=0.02)
+
+
+def test_internal_cavitation_is_pressure_on_both_sides_of_none():
+    x, time = np.linspace(-1, 1, 9), np.array([-1.0, -0.5, 0.0, 0.5])
+    pressure = np.ones((4, 9))
+    pressure[0, 4] = 0  # too early
+    pressure[1, 7:] = 0  # the outlet
+    pressure[2, 3:5] = 0
+    pressure[3, 4] = 0
+    assert chapter6_besides.cavitation(x, time, pressure) == chapter6_besides.Cavitation(0.0, 0.5, 1.0)
+    pressure[2:] = 0.25
+    assert chapter6_besides.cavitation(x, time, pressure) == chapter6_besides.Cavitation(0.25 if x[7] > 0.8 else 0.0, 0.0, 0.0)
+
+
+def test_dent_over_dent_cavitates_least(runner):
+    # Section 6.1 says most. Fine form: lowest P 0.139, 0.222, 0.331, 0.229 at l = 1; at l = 3 P = 0 where the slow one is a ridge.
+    claims = Claims()
+    table = chapter6_besides.study_cavitation(runner, claims, amplitudes=(1, 3), form="b_grid")
+    found = {(row["situation"], row["amplitude"]): row for row in table.rows}
+    lowest = [found[words, 1]["lowest"] for words in chapter6_besides.SIGNS]
+    assert lowest == pytest.approx([0.139, 0.222, 0.331, 0.229], abs=0.03)
+    assert [found[words, 3]["length"] > 0 for words in chapter6_besides.SIGNS] == [True, False, False, True]
+    assert claims.table.rows[0]["verdict"] == "DISAGREES"
+
+
 def test_window_ends_are_interpolated():
     x = np.array([-1.5, -1.25, 0.25])
     values = np.array([[2.0, 1.0, 4.0]])
@@ -133,3 +169,36 @@ def test_rule_of_the_differences_is_fitted():
     rule = chapter5_rule.fitted(rows, "h_min")
     assert rule == pytest.approx([3.0, 0.7, 0.4], rel=1e-9)
     assert chapter5_rule.ruled(rule, rows) == pytest.approx([row["h_min"] for row in rows], rel=1e-9)
+
+
+def trend_rows(heading):
+    """The rows of a table of docs/thesis.md by their first cell."""
+    table = (ROOT / "docs" / "thesis.md").read_text(encoding="utf-8").split(heading)[1].split("\n\n")[0]
+    lines = [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in table.splitlines()[2:]]
+    return {cells[0]: cells[2:] for cells in lines}
+
+
+def test_trends_quick_form(program, tmp_path):
+    run_quick("trends.py", program, tmp_path)
+    films = rows(tmp_path / "trends_films.csv")
+    assert {row["contact"] for row in films} == set(trends.CONTACTS)
+    at = {(row["contact"], row["input"]): row for row in films}
+    for name, limit in trends.ASYMPTOTES.items():
+        found = {key: float(at[name, key]["h_central"]) for key in trends.KEYS}
+        # where M and L are all that counts, so they are for the exponents too
+        assert found == pytest.approx(trends.by_inputs(found["w"], found["alpha"]), abs=0.01)
+        assert found == pytest.approx(trends.by_inputs(*limit), abs=0.06)
+    shown = trend_rows("| exponent of the central film in |")
+    assert set(shown) == set(trends.CONTACTS)
+    for name, cells in shown.items():
+        for key, cell in zip(trends.KEYS, cells, strict=True):
+            ours, fit = (float(word) for word in cell.split(" / "))
+            assert (ours, fit) == pytest.approx((float(at[name, key]["h_central"]), float(at[name, key]["moes"])), abs=0.006)
+    waves = rows(tmp_path / "trends_waves.csv")
+    # 512 intervals are off by up to 0.035 from those of the page
+    on_page = trend_rows("| contact, Λ/b |")
+    assert [float(row["printed"]) for row in waves[:6]] == [float(cell) for cell in on_page["(2.3)"]]
+    for wave in sorted({row["wavelength"] for row in waves}):
+        found = [float(row["exponent"]) for row in waves if row["wavelength"] == wave]
+        assert found == pytest.approx([float(cell) for cell in on_page[f"M = 100, L = 11; {float(wave):g}"]], abs=0.05)
+    assert {row["verdict"].split(":")[0] for row in rows(tmp_path / "statements.csv")} == {"agrees", "partly"}

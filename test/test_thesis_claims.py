@@ -1,4 +1,4 @@
-"""Small statements of the thesis that no study needs: exponents of (2.3), squeeze of a ridge (5.9) to (5.11), ordinary Jacobi."""
+"""Small statements of the thesis that no study needs: exponents of (2.3), squeeze of a ridge (5.9) to (5.11), section 2.7."""
 
 import copy
 import math
@@ -87,8 +87,8 @@ def test_squeeze_of_a_moving_ridge():
     np.testing.assert_allclose(printed_squeeze(x, 2e-7, 1e-4, -0.1), -printed_squeeze(x, 2e-7, 1e-4, 0.1), rtol=0, atol=1e-30)
 
 
-def iteration_matrices(result):
-    """I - D^-1 A of ordinary Jacobi and of Block-Jacobi for (2.39), frozen at a solution, H0 given, at the loaded nodes."""
+def frozen_system(result, inverse_step=0.0):
+    """A, B, C of A P + B H = f, C P + H = g (2.39), frozen at a solution, at the loaded nodes; and lambda rho there."""
     with h5py.File(result.path) as file:
         value = {name: item[()] for name, item in file["solution"].items()}
         speed = file["scaling"].attrs["lambda"]
@@ -100,6 +100,7 @@ def iteration_matrices(result):
     for i in range(2, size - 1):
         flow[i, i - 1 : i + 2] = between[i - 1], -between[i - 1] - between[i], between[i]
         wedge[i, i - 2 : i + 1] = -speed / (2 * dx) * np.array([1, -4, 3]) * density[i - 2 : i + 1]
+        wedge[i, i] -= speed * density[i] * inverse_step
 
     def integral(a):
         return a * (np.log(np.maximum(np.abs(a), 1e-300)) - 1)
@@ -107,8 +108,13 @@ def iteration_matrices(result):
     distance = x[:, None] - x[None, :]
     kernel = (integral(distance + dx / 2) - integral(distance - dx / 2)) / np.pi
     loaded = [i for i in np.flatnonzero(value["pressure"] > 0) if 2 <= i < size - 1]
-    a, b, c = (matrix[np.ix_(loaded, loaded)] for matrix in (flow, wedge, kernel))
-    one, none = np.eye(len(loaded)), np.zeros_like(a)
+    return *(matrix[np.ix_(loaded, loaded)] for matrix in (flow, wedge, kernel)), speed * density[loaded]
+
+
+def iteration_matrices(result):
+    """I - D^-1 A of ordinary Jacobi and of Block-Jacobi for (2.39), frozen at a solution, H0 given, at the loaded nodes."""
+    a, b, c, _ = frozen_system(result)
+    one, none = np.eye(len(a)), np.zeros_like(a)
 
     def only_diagonal(matrix):
         return np.diag(np.diag(matrix))
@@ -116,7 +122,7 @@ def iteration_matrices(result):
     whole = np.block([[a, b], [c, one]])
     ordinary = np.block([[only_diagonal(a), none], [none, one]])
     block = np.block([[only_diagonal(a), only_diagonal(b)], [only_diagonal(c), one]])
-    return [np.eye(2 * len(loaded)) - np.linalg.solve(part, whole) for part in (ordinary, block)]
+    return [np.eye(2 * len(a)) - np.linalg.solve(part, whole) for part in (ordinary, block)]
 
 
 @pytest.mark.parametrize(("intervals", "is_newtonian", "diverges"), [(64, False, False), (64, True, True), (256, True, True)])
@@ -133,3 +139,39 @@ def test_ordinary_jacobi(intervals, is_newtonian, diverges):
     assert np.abs(block).max() > 1
     relaxed = np.abs(1 - 0.1 + 0.1 * block).max()
     assert 0.99 < relaxed < 1
+
+
+def test_small_steps_magnify_errors_of_h0():
+    # Section 2.7, below (2.73). Case 1, 256 intervals, frozen at its solution: dT over dX, and what an error of 1 in H0 does.
+    result = package.run(changed(domain__intervals=256))
+    dx, steps = 5.5 / 256, (1e9, 16, 4, 1, 0.5)
+    squeeze, load, left = [], [], []
+    for step in steps:
+        a, b, c, mass = frozen_system(result, 1 / (step * dx))
+        one = np.ones(len(a))
+        squeeze.append(mass.max() / (step * dx))
+        # P of the step at this H0, the film of the step before right: by how much the load is then wrong
+        load.append(dx * np.linalg.solve(a - b @ c, -b @ one).sum())
+        # the error is in the film of the step before, H0 of this one balances the load
+        whole = np.block([[a - b @ c, (b @ one)[:, None]], [dx * one[None, :], np.zeros((1, 1))]])
+        left.append(np.linalg.solve(whole, np.append(-mass / (step * dx), 0)))
+    assert squeeze[4] == pytest.approx(2 * squeeze[3], rel=1e-12)
+    assert squeeze[3:] == pytest.approx([7.62, 15.2], rel=0.01)
+    assert load == pytest.approx([-0.189, -3.45, -5.05, -7.82, -10.4], rel=0.01)
+    # such an error goes on, but it is not magnified: P is changed the less the smaller the step
+    assert [np.abs(one[:-1]).max() for one in left[1:]] == pytest.approx([0.122, 0.0640, 0.0298, 0.0199], rel=0.01)
+    assert [one[-1] for one in left[1:]] == pytest.approx([1] * 4, abs=0.006)
+
+
+@pytest.mark.parametrize(("stress", "factor"), [(3.3e6, 1.00236), (1e6, 1.0478)])
+def test_slip_factor_where_the_film_cavitates(stress, factor):
+    # Section 2.7: S "will drop to zero" there and is set to 1. By (A.5) it tends to sqrt(1 + B^2), B = mu_0 (u2 - u1)/(tau_0 h).
+    result = package.run(changed(lubricant__eyring_stress=stress))
+    with h5py.File(result.path) as file:
+        slip, pressure, film = (file["solution"][name][()] for name in ("slip_factor", "pressure", "film_thickness"))
+        height = film * file["scaling"].attrs["film_thickness"]
+    rest = np.flatnonzero(pressure == 0)
+    rest = rest[rest > pressure.size // 2]
+    np.testing.assert_allclose(slip[rest[1:]], np.sqrt(1 + (0.14 * 1.0 / (stress * height[rest[1:]])) ** 2), rtol=1e-12)
+    assert slip.min() >= 1
+    assert slip[rest[1]] == pytest.approx(factor, abs=1e-4)

@@ -3,48 +3,27 @@
 import re
 
 from conftest import ROOT
+from row_tables import Numbers, check_rows, check_tests, table_under
 
 PAGE = (ROOT / "docs" / "thesis.md").read_text(encoding="utf-8")
-# How many the thesis has: equations, figures, tables, conclusions.
-EQUATIONS = {"2": 73, "5": 11, "6": 1, "A": 27, "B": 22}
-FIGURES = {"2": 2, "5": 3, "6": 10, "A": 3, "B": 5}
-TABLES = {"5": 3, "6": 1, "A": 3, "B": 1}
-CONCLUSIONS = {"6.3": 9, "A.6": 3, "B.4": 9}
-VERDICTS = ("agrees", "disagrees", "partly", "used")
-
-
-def rows():
-    """The table as lists of cells."""
-    section = PAGE.split("## Every equation, figure, table and conclusion\n")[1]
-    lines = [line for line in section.splitlines() if line.startswith("| ")]
-    return [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in lines]
-
-
-def numbered():
-    """Everything that has a number."""
-    yield from (f"({part}.{i})" for part, count in EQUATIONS.items() for i in range(1, count + 1))
-    yield from (f"Figure {part}.{i}" for part, count in FIGURES.items() for i in range(1, count + 1))
-    yield from (f"Table {part}.{i}" for part, count in TABLES.items() for i in range(1, count + 1))
-    yield from (f"Conclusion {part}-{i}" for part, count in CONCLUSIONS.items() for i in range(1, count + 1))
+NUMBERS = Numbers(
+    equations={"2": 73, "5": 11, "6": 1, "A": 27, "B": 22},
+    figures={"2": 2, "5": 3, "6": 10, "A": 3, "B": 5},
+    tables={"5": 3, "6": 1, "A": 3, "B": 1},
+    conclusions={"6.3": 9, "A.6": 3, "B.4": 9},
+)
 
 
 def test_every_number_of_the_thesis_has_a_row():
-    header, *items = rows()
-    assert header == ["item", "what", "where we do it", "test", "verdict"]
-    assert [row[0] for row in items] == list(numbered())
-    assert [row for row in items if len(row) != len(header) or not all(row)] == []
-    assert [row for row in items if not row[-1].startswith(VERDICTS)] == []
+    check_rows(PAGE, NUMBERS, ("agrees", "disagrees", "partly", "used"))
 
 
 def test_tests_of_the_rows_exist():
-    patterns = ("test/*.py", "test/unit/**/*.pf", "test/verification/*.pf")
-    sources = [path.read_text(encoding="utf-8") for pattern in patterns for path in ROOT.glob(pattern)]
-    there = set(re.findall(r"(?:def|subroutine) (\w+)\(", "\n".join(sources)))
-    assert {name for row in rows()[1:] for name in re.findall(r"`(\w+)`", row[3])} - there == set()
+    check_tests(PAGE)
 
 
 def test_what_papers_repeat_has_the_verdict_of_the_chapter():
-    found = {row[0]: row for row in rows()[1:]}
+    found = {row[0]: row for row in table_under(PAGE)[1:]}
     for row in found.values():
         same = re.search(r"as (\(\d\.\d+\)|(?:\d\.\d+)(?:-\d)?)$", row[1])
         if same is None:

@@ -4,6 +4,8 @@ module dry_result
    use, intrinsic :: iso_fortran_env, only: int64
    use analytic_heights, only: node_positions
    use dry_case, only: dry_case_t
+   use dry_problem, only: no_hardness
+   use dry_scaling, only: dry_scaling_t, load_number, new_dry_scaling
    use dry_sweep, only: dry_fields_t, dry_row_t
    use errors, only: error_t
    use hdf5_attribute, only: write_attribute
@@ -45,9 +47,7 @@ contains
       type(dry_fields_t), intent(in) :: fields
       type(error_t), allocatable, intent(out) :: error
 
-      call file%create_group('/scaling')
-      call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus)
-      call write_attribute(file, '/scaling', 'reduced_modulus_units', 'Pa')
+      call write_scaling(file, dry, rows(size(rows))%mean_pressure)
       call write_fields(file, dry, fields)
       call write_sweep(file, dry, rows, errors)
       call write_roughness(file, 'undeformed', 'before loading', rows%undeformed, dry%grid%ny == 1)
@@ -55,6 +55,37 @@ contains
       call write_roughness(file, 'unloaded', 'after unloading', rows%unloaded, dry%grid%ny == 1)
       call write_surface(file, dry, fields, error)
    end subroutine write_dry_result
+
+   !> /scaling: E', and of a periodic rough surface the numbers of the last load on which a contact
+   !> of its shape depends, by (3.19) of the thesis E' s/(4 w), with a hardness H_s L/w too; w is
+   !> the mean pressure times L. Without load there are none.
+   subroutine write_scaling(file, dry, mean_pressure)
+      class(hdf5_file_t), intent(inout) :: file
+      type(dry_case_t), intent(in) :: dry
+      real(wp), intent(in) :: mean_pressure
+      type(dry_scaling_t) :: scaling
+
+      call file%create_group('/scaling')
+      call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus)
+      call write_attribute(file, '/scaling', 'reduced_modulus_units', 'Pa')
+      scaling = new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus)
+      if (.not. dry%is_periodic .or. scaling%is_flat .or. .not. mean_pressure > 0.0_wp) return
+      call write_number('similarity_number', load_number(scaling%pressure, mean_pressure))
+      if (dry%loads%hardness < no_hardness) call write_number('hardness_number', &
+         load_number(dry%loads%hardness, mean_pressure))
+
+   contains
+
+      !> A number without unit.
+      subroutine write_number(name, value)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: value
+
+         call write_attribute(file, '/scaling', name, value)
+         call write_attribute(file, '/scaling', name//'_units', '1')
+      end subroutine write_number
+
+   end subroutine write_scaling
 
    !> /solution.
    subroutine write_fields(file, dry, fields)

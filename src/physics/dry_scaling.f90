@@ -5,7 +5,7 @@ module dry_scaling
    implicit none (type, external)
    private
 
-   public :: dry_scaling_t, new_dry_scaling, contact_modulus
+   public :: contact_modulus, dry_scaling_t, load_number, new_dry_scaling
 
    !> Lengths x L, heights x s, pressures x E' s/(4 L): then 1/q is the transfer function of the
    !> half-space.
@@ -18,6 +18,8 @@ module dry_scaling
       real(wp) :: pressure
       !> E' [Pa].
       real(wp) :: reduced_modulus
+      !> The heights are all the same, but for rounding.
+      logical :: is_flat = .false.
    contains
       procedure :: height_in_si
       procedure :: pressure_in_si
@@ -36,7 +38,8 @@ contains
 
       scaling%length = length
       scaling%height = norm2(z - sum(z)/size(z))/sqrt(real(size(z), wp))
-      if (scaling%height <= length*epsilon(1.0_wp)) scaling%height = length
+      scaling%is_flat = scaling%height <= length*epsilon(1.0_wp)
+      if (scaling%is_flat) scaling%height = length
       scaling%reduced_modulus = reduced_modulus
       scaling%pressure = reduced_modulus*scaling%height/(4.0_wp*length)
    end function new_dry_scaling
@@ -96,6 +99,15 @@ contains
       area = self%length
       if (.not. is_line) area = area*self%length*aspect
    end function domain_area
+
+   !> A `pressure` over the mean pressure w/L of a load. Of E' s/(4 L) this is E' s/(4 w), the number
+   !> that is left of an elastic contact in (3.19) of the thesis; of the hardness it is H_s L/w.
+   pure elemental function load_number(pressure, mean_pressure) result(number)
+      real(wp), intent(in) :: pressure, mean_pressure
+      real(wp) :: number
+
+      number = pressure/mean_pressure
+   end function load_number
 
    !> E' against a rigid plane: 2/E' = (1 - nu^2)/E.
    pure elemental function contact_modulus(youngs_modulus, poisson_ratio) result(reduced_modulus)

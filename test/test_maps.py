@@ -1,0 +1,81 @@
+"""The maps of `make stability`: one rule for the classes of all methods, and namelists that the program takes."""
+
+import sys
+
+import pytest
+from conftest import ROOT
+
+sys.path.append(str(ROOT / "bench"))
+
+import dry_runs
+import dry_stability
+import stability
+import stability_cells
+import stability_figure
+from bench_program import Answer
+
+
+def answer(cycles, reason="converged", steps=0):
+    return Answer({"converged": int(reason == "converged"), "cycles": cycles, "steps": steps, "reason": reason})
+
+
+@pytest.mark.parametrize(
+    ("found", "word"),
+    [
+        (answer(30), "converged"),
+        (answer(31), "late"),
+        (answer(300, steps=10), "converged"),
+        (answer(301, steps=10), "late"),
+        # whatever it took, a cell that did not converge is never late: 97 of 279 time steps
+        (answer(3000, "FAS: stagnation at residual 1e-3, time step 97 of 279", steps=97), "stalled"),
+        (answer(264, "newton_krylov: cycle limit, time step 264 of 279", steps=264), "limit"),
+        (answer(5, "stopped from outside"), "limit"),
+        (answer(5, "the residual is not a number"), "failed"),
+        (answer(1, "grid too coarse for the film, needs 1024 intervals (has 256)"), "too coarse"),
+        (answer(0, "refused: 1 finding"), "refused"),
+        (answer(6000, "the error is 1.2E-05 after 6000 iterations"), "limit"),
+        (answer(40, "the error has stopped falling at 1.2E-05"), "stalled"),
+        (None, "blank"),
+    ],
+)
+def test_class_of_a_cell(found, word):
+    assert stability.status(found) == word
+
+
+def test_every_class_has_a_look_and_what_failed_one_colour():
+    looks = stability_figure.CLASSES
+    assert {looks[word][0] for word in ("limit", "stalled", "failed")} == {stability_figure.NOT_CONVERGED}
+    assert looks["late"][0] != stability_figure.NOT_CONVERGED
+    assert len({sign for _, sign, _ in looks.values()}) == len(looks)
+
+
+def test_dry_cells_have_the_same_classes(program, tmp_path, monkeypatch):
+    monkeypatch.setattr(dry_runs, "PROGRAM", program)
+
+    def word_of(method, **keys):
+        case = dry_stability.cell(**keys)
+        case["solver"] |= {"method": method, "max_cycles": 100}
+        return dry_stability.class_of(dry_runs.run(case, tmp_path, "cell"))
+
+    few, many = dry_runs.METHODS
+    line = {"load": 0.03, "nodes": 512, "is_area": False}
+    assert word_of(few, **line) == "converged"
+    assert word_of(many, **line) == "limit"
+    assert word_of(many, load=0.03, nodes=31, is_area=True) == "late"
+    assert word_of(few, load=10.0, nodes=31, is_area=True) == "closed"
+    assert word_of(few, load=1.0, nodes=31, is_area=True, hardness=0.3) == "refused"
+
+
+def test_maps_in_time_have_contacts_without_sliding(asperity, tmp_path):
+    each = stability_cells.rolling_map(quick=True)
+    cells = list(each.cells())
+    assert len(cells) == len(each.methods) * len(each.x.values) * len(each.y.values)
+    assert {name.split(": ")[1] for name in each.methods} == {"Eyring", "Newtonian"}
+    assert all("speed_1 = 0.6\n   speed_2 = 0.6\n" in cell.namelist for cell in cells)
+    (tmp_path / "cell.nml").write_text(cells[0].namelist, encoding="utf-8")
+    done = asperity("--check", "cell.nml")
+    assert done.returncode == 0, done.stderr
+
+
+def test_all_maps_are_named():
+    assert [each.key for each in stability_cells.all_maps(quick=True)] == list(stability_cells.NAMES)
