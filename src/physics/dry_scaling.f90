@@ -100,8 +100,9 @@ contains
       if (.not. is_line) area = area*self%length*aspect
    end function domain_area
 
-   !> A `pressure` over the mean pressure w/L of a load. Of E' s/(4 L) this is E' s/(4 w), the number
-   !> that is left of an elastic contact in (3.19) of the thesis; of the hardness it is H_s L/w.
+   !> A `pressure` [Pa] over the mean pressure w/L [Pa] of a load, above 0. Of E' s/(4 L) this is
+   !> E' s/(4 w), the number that is left of an elastic contact in (3.19) of the thesis; of the
+   !> hardness it is H_s L/w.
    pure elemental function load_number(pressure, mean_pressure) result(number)
       real(wp), intent(in) :: pressure, mean_pressure
       real(wp) :: number
