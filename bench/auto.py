@@ -3,12 +3,14 @@
 
 Scenes are steady contacts and passages: smooth, with ridges, dents and waves that move or rest, with Newtonian and Eyring oils,
 piezoviscous and not, of steel and of rubber. Each is solved with &accuracy target = TARGET by model = 'auto' and by 'full'; the
-truth is 'full' with a quarter of that. Time is the processor time of the whole program, the least of RUNS runs that take turns.
+truth is 'full' with a quarter of that. Time is the processor time of the whole program, the least of RUNS runs that take turns;
+a run that takes more than PATIENCE of it is ended, so that a loaded machine judges the same scenes.
 
     met        h_min of 'auto' (of 'full') is within the target of the truth
     honest     the truth is within the error bars of 'auto' and its own
 
-Asked for: 95 % met. --seed draws another sample, for fitting. Writes auto.csv, auto.txt and auto.png.
+Asked for: 95 % met. --seed draws another sample, for fitting. Every scene that is done is kept in auto_SEED.csv: the same command
+goes on where an earlier one was ended. Writes auto_SEED.txt and auto_SEED.png; --page puts what is stored into docs/images/.
 """
 
 from __future__ import annotations
@@ -19,9 +21,11 @@ import math
 import os
 import random
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,6 +38,7 @@ from bench_program import ENVIRONMENT, ROOT, new_parser, output_folder
 sys.path.insert(0, str(ROOT / "postproc"))
 import figure_style as style
 
+IMAGES = ROOT / "docs" / "images"
 SEED = 884222
 TARGET, SHARE = 0.01, 0.25
 RUNS = 1
@@ -48,6 +53,8 @@ class Row:
     """One scene: what was solved, processor times [s], relative differences from the truth, error bars of 'auto' and the truth."""
 
     scene: str
+    # Why it is not judged; empty: it is.
+    unjudged: str
     solved: str
     left_out: str
     auto_seconds: float
@@ -59,8 +66,8 @@ class Row:
     p_max: float
 
 
-def run(groups: Groups, runs: int = 1) -> tuple[float, dict] | None:
-    """Least processor time [s] of a namelist, and what its result says; None where it does not converge, or takes over PATIENCE."""
+def run(groups: Groups, runs: int = 1) -> tuple[float, dict | str]:
+    """Least processor time [s] of a namelist, and what its result says, or why there is none within PATIENCE."""
     seconds = math.inf
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -72,9 +79,10 @@ def run(groups: Groups, runs: int = 1) -> tuple[float, dict] | None:
                 resource.prlimit(process.pid, resource.RLIMIT_CPU, (PATIENCE, PATIENCE))
                 _, status, usage = os.wait4(process.pid, 0)
                 process.returncode = os.waitstatus_to_exitcode(status)
+            taken = usage.ru_utime + usage.ru_stime
             if status != 0:
-                return None
-            seconds = min(seconds, usage.ru_utime + usage.ru_stime)
+                return taken, f"over {PATIENCE} s" if os.WIFSIGNALED(status) else f"exit status {process.returncode}"
+            seconds = min(seconds, taken)
         with h5py.File(folder / "case.h5") as file:
             return seconds, read(file)
 
@@ -92,8 +100,13 @@ def read(file: h5py.File) -> dict:
     return found
 
 
-def judge(scene: tuple[str, Groups]) -> Row | None:
-    """One scene; None where one of its runs does not converge."""
+def unjudged(name: str, why: str) -> Row:
+    """A scene without a comparison."""
+    return Row(name, why, "", "", *[math.nan] * 7)
+
+
+def judge(scene: tuple[str, Groups]) -> Row:
+    """One scene; it is not judged where one of its runs does not converge."""
     name, groups = scene
 
     def asked(model: str, target: float) -> Groups:
@@ -104,20 +117,22 @@ def judge(scene: tuple[str, Groups]) -> Row | None:
         return case
 
     truth = run(asked("full", SHARE * TARGET))
+    if isinstance(truth[1], str):
+        return unjudged(name, f"truth: {truth[1]}")
     best = {"auto": math.inf, "full": math.inf}
     found = {}
     for _ in range(RUNS):
         for model, seconds in best.items():
             answer = run(asked(model, TARGET))
-            if answer is None or truth is None:
-                return None
+            if isinstance(answer[1], str):
+                return unjudged(name, f"{model}: {answer[1]}")
             best[model] = min(seconds, answer[0])
             found[model] = answer[1]
     lean, full, exact = found["auto"], found["full"], truth[1]
     off = {q: lean[q] / exact[q] - 1 for q in STILL}
     bar = (lean["h_min_error"] + exact["h_min_error"]) / exact["h_min"]
     return Row(
-        name, lean["solved"], lean["left_out"], best["auto"], best["full"],
+        name, "", lean["solved"], lean["left_out"], best["auto"], best["full"],
         off["h_min"], full["h_min"] / exact["h_min"] - 1, bar, off["h_central"], off["p_max"],
     )  # fmt: skip
 
@@ -173,9 +188,13 @@ def soften(groups: Groups) -> None:
                 groups[key][length] = [each * factor for each in value] if isinstance(value, list) else value * factor
 
 
-def summary(rows: list[Row], count: int) -> str:
+def summary(all_rows: list[Row], seed: int) -> str:
     """The outcome in lines."""
-    lines = [f"{len(rows)} of {count} scenes converged within {PATIENCE} s a run; target {TARGET:g} of h_min\n"]
+    rows = [row for row in all_rows if not row.unjudged]
+    count = f"{len(rows)} of {len(all_rows)}"
+    lines = [f"seed {seed}: {count} scenes converged within {PATIENCE} s a run; target {TARGET:g} of h_min\n"]
+    why = Counter(row.unjudged for row in all_rows if row.unjudged)
+    lines += [f"  not judged, {words}: {count}\n" for words, count in sorted(why.items())]
     lines += [f"{'':28s} {'scenes':>6s} {'met':>8s} {'full met':>9s} {'honest':>8s} {'time over full':>15s} {'in all':>7s}\n"]
     passages = [row for row in rows if row.scene.startswith("passage")]
     groups = {
@@ -231,41 +250,81 @@ def draw(rows: list[Row], path: Path) -> None:
     style.save_figure(figure, [path])
 
 
+def stored(path: Path) -> list[Row]:
+    """The scenes that are done; a line that was cut off while it was written is none."""
+    if not path.exists():
+        return []
+    found = []
+    with path.open(newline="", encoding="utf-8") as file:
+        for values in csv.DictReader(file):
+            if None in values.values() or set(values) != set(Row.__dataclass_fields__):
+                continue
+            words = {key: values[key] for key in ("scene", "unjudged", "solved", "left_out")}
+            found.append(Row(**words, **{key: float(value) for key, value in values.items() if key not in words}))
+    return found
+
+
+def write(path: Path, rows: list[Row]) -> None:
+    """All that is done, in one stroke, so that a run that is ended at any time leaves a whole file."""
+    part = path.with_suffix(".part")
+    with part.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(Row.__dataclass_fields__))
+        writer.writeheader()
+        writer.writerows(vars(row) for row in rows)
+    part.replace(path)
+
+
+def drawn(seed: int, counts: tuple[int, int]) -> list[tuple[str, Groups]]:
+    """The scenes, both kinds all along, so that a run that is ended has seen its share of each."""
+    source = [random.Random(f"auto {word} {seed}") for word in ("steady", "passage")]
+    scenes = [(i / counts[k], scene(source[k], i, k == 1)) for k in (0, 1) for i in range(counts[k])]
+    return [each for _, each in sorted(scenes, key=lambda pair: pair[0])]
+
+
+def conclude(rows: list[Row], seed: int, folder: Path) -> str:
+    """Summary and figure of what is done."""
+    text = summary(rows, seed)
+    (folder / f"auto_{seed}.txt").write_text(text, encoding="utf-8")
+    draw([row for row in rows if not row.unjudged], folder / f"auto_{seed}.png")
+    return text
+
+
 def main() -> int:
     """Command line; status 1 where fewer scenes meet the target than asked for."""
     parser = new_parser(__doc__, f"{QUICK} scenes", "results/auto")
     parser.add_argument("--seed", type=int, default=SEED, help="another sample, for fitting")
     parser.add_argument("--processes", type=int, default=1, help="scenes side by side")
+    parser.add_argument("--page", action="store_true", help="figure, table and scenes that are stored into docs/images/")
     options = parser.parse_args()
     folder = output_folder(options)
-    counts = QUICK if options.quick else COUNTS
-    source = [random.Random(f"auto {word} {options.seed}") for word in ("steady", "passage")]
-    scenes = [(i / counts[k], scene(source[k], i, k == 1)) for k in (0, 1) for i in range(counts[k])]
-    # both kinds all along, so that a run that is ended (Ctrl-C) has seen its share of each
-    scenes.sort(key=lambda each: each[0])
-    rows: list[Row] = []
-    count = 0
-    with (folder / "auto.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(Row.__dataclass_fields__))
-        writer.writeheader()
-        with ThreadPoolExecutor(options.processes) as pool:
-            try:
-                for row in pool.map(judge, (each for _, each in scenes)):
-                    count += 1
-                    if row is not None:
-                        rows.append(row)
-                        writer.writerow(vars(row))
-                        file.flush()
-                    print(f"\r{count} of {len(scenes)}   ", end="", file=sys.stderr, flush=True)
-            except KeyboardInterrupt:
-                pool.shutdown(cancel_futures=True)
+    path = folder / f"auto_{options.seed}{'_quick' if options.quick else ''}.csv"
+    rows = stored(path)
+    if options.page:
+        if not rows:
+            sys.exit(f"auto.py: {path}: no scenes are stored")
+        text = conclude(rows, options.seed, folder)
+        shutil.copy(folder / f"auto_{options.seed}.png", IMAGES / "auto.png")
+        shutil.copy(path, IMAGES / "performance" / "auto.csv")
+        (IMAGES / "performance" / "auto.txt").write_text(text, encoding="utf-8")
+        print(text, end="")
+        return 0
+    scenes = drawn(options.seed, QUICK if options.quick else COUNTS)
+    done = {row.scene for row in rows}
+    with ThreadPoolExecutor(options.processes) as pool:
+        try:
+            for row in pool.map(judge, (each for each in scenes if each[0] not in done)):
+                rows.append(row)
+                write(path, rows)
+                print(f"\r{len(rows)} of {len(scenes)}   ", end="", file=sys.stderr, flush=True)
+        except KeyboardInterrupt:
+            pool.shutdown(cancel_futures=True)
     print(file=sys.stderr)
-    text = summary(rows, count)
-    (folder / "auto.txt").write_text(text, encoding="utf-8")
-    draw(rows, folder / "auto.png")
-    print(text, end="")
-    met = sum(abs(row.auto_error) <= TARGET for row in rows)
-    return 0 if met >= WITHIN * len(rows) else 1
+    judged = [row for row in rows if not row.unjudged]
+    if not judged:
+        return 1
+    print(conclude(rows, options.seed, folder), end="")
+    met = sum(abs(row.auto_error) <= TARGET for row in judged)
+    return 0 if met >= WITHIN * len(judged) else 1
 
 
 if __name__ == "__main__":
