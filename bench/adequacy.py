@@ -22,6 +22,7 @@ import copy
 import csv
 import math
 import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -95,7 +96,8 @@ def told(file: h5py.File) -> dict[str, dict]:
             continue
         changes = {q: (float(row[q][()]), float(row[q].attrs["error_estimate"])) for q in QUANTITIES if q in row}
         words = {key: row.attrs[key].decode() for key in ("verdict", "measured_on")}
-        rows[name] = {"changes": changes, "left_out": float(row.attrs["left_out"])} | words
+        judged_by = [q for q in QUANTITIES if q in row or f"{q}_at_least" in row.attrs]
+        rows[name] = {"changes": changes, "judged_by": judged_by, "left_out": float(row.attrs["left_out"])} | words
     effective = file["input/effective"]
     domain = {key: float(effective[f"domain/{key}"][()]) for key in ("x_inlet", "x_outlet")}
     domain["intervals"] = int(effective["domain/intervals"][()])
@@ -225,7 +227,9 @@ def judge(scene: tuple[str, Groups]) -> list[Row]:
         if found is None:
             continue
         true = {q: found[q] / full[q] - 1 if q in found and full[q] != 0 else math.nan for q in QUANTITIES}
-        right = verdict_of([true[q] for q in row["changes"] if not math.isnan(true[q])], said["accuracy"])
+        # of a part of an ingredient what all of it would change at that rate, as the program judges
+        judged = [true[q] / row["left_out"] for q in row["judged_by"] if not math.isnan(true[q])]
+        right = verdict_of(judged, said["accuracy"])
         if not is_all:
             # a part of it: no true change, and a verdict only where that part is needed already
             if right != "needed":
@@ -342,7 +346,8 @@ def main() -> int:
     text = table(rows) + f"{unjudged} of {len(scenes)} scenes have no result or no truth\n"
     (folder / "adequacy.txt").write_text(text, encoding="utf-8")
     print(text, end="")
-    shares = [float(part) for line in text.splitlines() if " all " in line for part in line.replace("%", "").split()[-2:]]
+    lines = [line for line in text.splitlines() if " all " in line]
+    shares = [float(share) for line in lines for share in re.findall(r"([\d.]+) %", line)]
     return 0 if all(share >= 100 * WITHIN for share in shares) else 1
 
 

@@ -15,9 +15,9 @@ module ablation_runs
    use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, value_between
-   use missing_value, only: not_known
+   use missing_value, only: exceeds, not_known, quotient
    use observer, only: observer_t
-   use quantities, only: p_max, quantity_count, quantity_rows
+   use quantities, only: p_max, quantity_count, quantity_rows, sliding_rows
    implicit none (type, external)
    private
 
@@ -26,8 +26,11 @@ module ablation_runs
    !> The error of a change: so many times its own change from the coarser grid, a share of itself,
    !> and a share of the largest change of a quantity.
    real(wp), parameter :: widths(3) = [1.5_wp, 0.05_wp, 0.0_wp]
-   !> Spikes that may add more to a pressure make its change not known.
+   !> Spikes that may add more to both pressures make their change not known.
    real(wp), parameter :: largest_doubt = 0.01_wp
+   !> Where only the lean contact has a spike, the change of its friction is at least this share of
+   !> the smaller one of both grids.
+   real(wp), parameter :: least_share = 0.5_wp
    !> No change is known better than that.
    real(wp), parameter :: least_error = 2.0e-5_wp
    !> Newton steps that a solution from a neighbour takes, about, with the cost of its grid.
@@ -99,36 +102,50 @@ contains
          budget = budget - lean%work
          if (.not. lean%is_solved) return
          changes(:, g) = change_between(lean%summary, full(g)%summary)
-         doubt(:, g) = doubt_between(lean%summary, full(g)%summary)
+         if (g == 1) doubt = doubt_between(lean%summary, full(g)%summary)
          has_kappa = has_kappa .and. lean%has_kappa
          if (.not. has_kappa) cycle
          kappa_changes(:, g) = change_between(lean%kappa, full(g)%kappa)
-         kappa_doubt(:, g) = doubt_between(lean%kappa, full(g)%kappa)
+         if (g == 1) kappa_doubt = doubt_between(lean%kappa, full(g)%kappa)
       end do
       row%left_out = 1 - rest
       if (has_kappa) then
-         call set_change(row, kappa_changes, kappa_doubt(:, 1), widths)
+         call set_change(row, kappa_changes, kappa_doubt, widths)
       else
-         call set_change(row, changes, doubt(:, 1), widths)
+         call set_change(row, changes, doubt, widths)
       end if
    end subroutine measure_one
 
    !> The change of a row and its error from those on the finer (1) and the coarser grid; `factors`
-   !> are `widths`, `doubt` is added. What is in doubt by more than 1 % is not known.
+   !> are `widths`, `doubt` that of the lean and of the full contact, is added. What is in doubt is
+   !> not known; but a spike only adds to friction, without it there is less.
    pure subroutine set_change(row, changes, doubt, factors)
       type(influence_t), intent(inout) :: row
-      real(wp), intent(in) :: changes(:, :), doubt(:), factors(3)
-
+      real(wp), intent(in) :: changes(:, :), doubt(:, :), factors(3)
+      logical :: is_sure(2)
+      real(wp) :: error
       integer :: i
 
       row%change = not_known()
       row%error = not_known()
+      row%least = 0.0_wp
       do i = 1, quantity_count
-         if (.not. all(ieee_is_finite([changes(i, :), doubt(i)]))) cycle
-         if (doubt(i) > largest_doubt) cycle
-         row%change(i) = changes(i, 1)
-         row%error(i) = factors(1)*abs(changes(i, 1) - changes(i, 2)) + factors(2)*abs(changes(i, &
-            1)) + factors(3)*largest_change(changes(:, 1)) + least_error + doubt(i)
+         if (.not. all(ieee_is_finite(changes(i, :)))) cycle
+         is_sure = ieee_is_finite(doubt(i, :))
+         if (i == p_max) is_sure = is_sure .and. .not. exceeds(sum(doubt(i, :)), largest_doubt)
+         error = factors(1)*abs(changes(i, 1) - changes(i, 2)) + factors(2)*abs(changes(i, 1)) &
+            + factors(3)*largest_change(changes(:, 1)) + least_error
+         if (all(is_sure)) then
+            row%change(i) = changes(i, 1)
+            row%error(i) = error + abs(1 + changes(i, 1))*sum(doubt(i, :))
+         else if (any(sliding_rows == i)) then
+            if (is_sure(1) .and. changes(i, 1) < 0.0_wp) then   ! from that to nothing
+               row%change(i) = changes(i, 1)
+               row%error(i) = max(error, 1 + changes(i, 1))
+            else if (is_sure(2)) then
+               row%least(i) = max(0.0_wp, least_share*minval(changes(i, :)))
+            end if
+         end if
       end do
    end subroutine set_change
 
@@ -141,14 +158,16 @@ contains
          .and. quantity_rows%field == 'film_thickness'))))
    end function largest_change
 
-   !> What spikes may add to the largest pressures, relative; of other quantities 0.
+   !> What spikes may add to the largest pressure and the sliding friction of the lean (:, 1) and
+   !> the full contact, relative; to other quantities 0; NaN: not known.
    pure function doubt_between(lean, full) result(doubt)
       type(line_summary_t), intent(in) :: lean, full
-      real(wp) :: doubt(quantity_count)
+      real(wp) :: doubt(quantity_count, 2)
+      integer, parameter :: rows(*) = [p_max, sliding_rows]
 
       doubt = 0.0_wp
-      doubt(p_max) = lean%of(p_max)%error_grid/lean%of(p_max)%value &
-         + full%of(p_max)%error_grid/full%of(p_max)%value
+      doubt(rows, 1) = quotient(lean%of(rows)%error_grid, abs(lean%of(rows)%value))
+      doubt(rows, 2) = quotient(full%of(rows)%error_grid, abs(full%of(rows)%value))
    end function doubt_between
 
    !> Relative change of all quantities from the `full` contact to the lean one; NaN where there is

@@ -10,7 +10,7 @@ module adequacy
    use line_summary, only: line_summary_t
    use missing_value, only: not_known, quotient
    use quantities, only: h_min, p_central, quantity_count, quantity_rows
-   use verdicts, only: begin_row, judged_t, usual_accuracy, verdict_irrelevant, &
+   use verdicts, only: begin_row, irrelevant_share, judged_t, usual_accuracy, verdict_irrelevant, &
       verdict_needed, verdict_of, verdict_small, verdict_unknown
    implicit none (type, external)
    private
@@ -29,6 +29,8 @@ module adequacy
    type, extends(judged_t) :: influence_t
       !> Relative change of each quantity and the error of that; NaN: not known.
       real(wp) :: change(quantity_count), error(quantity_count)
+      !> Where the change is not known: so much it is at least; 0: nothing is known.
+      real(wp) :: least(quantity_count) = 0.0_wp
       !> How much of it was left out.
       real(wp) :: left_out = 1.0_wp
       !> Of a transient: measured on the smooth steady contact that it starts from, and what
@@ -124,13 +126,16 @@ contains
       if (.not. any(is_known)) return
       if (row%is_at_rest) then
          if (is_plainly_needed(row, accuracy)) verdict = verdict_needed
+      else if (any(row%least > row%left_out*accuracy)) then
+         verdict = verdict_needed
       else
          ! of a part of an ingredient what all of it would change at that rate
          verdict = verdict_of(pack(row%change, is_known)/row%left_out, &
             pack(row%error, is_known)/row%left_out, accuracy)
       end if
-      ! and all of it may matter more
-      if (row%left_out < 1.0_wp .and. verdict /= verdict_needed) verdict = verdict_unknown
+      ! and all of it may matter more, or a change that is at least so large
+      if (verdict /= verdict_needed .and. (row%left_out < 1.0_wp &
+         .or. any(row%least > irrelevant_share*accuracy))) verdict = verdict_unknown
    end function verdict_on
 
    !> Whether a `row` of the smooth steady contact leaves open what holds for the passage: not if it
@@ -186,13 +191,15 @@ contains
       type(influence_t), intent(in) :: row
       real(wp), intent(in) :: accuracy
       logical :: is_needed
+      real(wp) :: sure
       integer :: i
 
       is_needed = .false.
       do i = 1, quantity_count
-         if (.not. (compared(i) .and. ieee_is_finite(row%change(i)))) cycle
-         is_needed = is_needed .or. abs(row%change(i)) - row%error(i) &
-            > row%left_out*max(plain_factor*accuracy, plain_change)
+         if (.not. compared(i)) cycle
+         sure = row%least(i)
+         if (ieee_is_finite(row%change(i))) sure = abs(row%change(i)) - row%error(i)
+         is_needed = is_needed .or. sure > row%left_out*max(plain_factor*accuracy, plain_change)
       end do
    end function is_plainly_needed
 

@@ -167,11 +167,12 @@ contains
    end function cost_of
 
    !> Relative changes of all quantities without an ingredient, on both grids, and what spikes may
-   !> add on the finer one; `is_known` is false where one of them has no solution without it.
+   !> add on the finer one, to the contact without and with it; `is_known` is false where one of
+   !> them has no solution without it.
    subroutine changes_without(passages, ingredient, changes, doubt, is_known, watcher, error)
       type(passages_t), intent(inout) :: passages
       type(ingredient_t), intent(in) :: ingredient
-      real(wp), intent(out) :: changes(quantity_count, 2), doubt(quantity_count)
+      real(wp), dimension(quantity_count, 2), intent(out) :: changes, doubt
       logical, intent(out) :: is_known
       class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error

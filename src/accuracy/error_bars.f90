@@ -120,7 +120,7 @@ contains
       else if (bars%has_half .and. .not. has_unseen_waves(bars)) then
          call estimate_grid_errors(bars, report%steps > 0, dx, summary)
       end if
-      if (bars%spike_law%lambda > 0.0_wp) call doubt_shear(bars%spike_law%fluid, summary)
+      call doubt_shear(bars%spike_law, dx, summary)
       iteration = max(report%residual, report%load_error)
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
       domain = inlet_shares(bars, report, summary)

@@ -20,9 +20,9 @@ module lean_solution
    use observer, only: observer_t
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
-   use pressure_errors, only: allow_for_spike
+   use pressure_errors, only: allow_for_spike, shear_doubt
    use pressure_spike, only: spike_law_t
-   use quantities, only: p_max
+   use quantities, only: p_max, sliding_rows
    use reynolds_line, only: evaluate_coefficients
    use semiseparable_jacobian, only: semiseparable_jacobian_t
    use solver_settings, only: time_settings_t
@@ -141,8 +141,8 @@ contains
       call doubt_spike(level%fluid, level%lambda, level%dx, summary)
    end function summary_with_doubt
 
-   !> Makes the error of the largest pressure of a `summary` what a spike may add to it on finer
-   !> grids than that of `dx`; NaN: not known.
+   !> Makes the errors of largest pressure and sliding friction of a `summary` what a spike may add
+   !> to them on finer grids than that of `dx`; NaN: not known.
    pure subroutine doubt_spike(fluid, lambda, dx, summary)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, dx
@@ -150,6 +150,8 @@ contains
 
       summary%of(p_max)%error_grid = 0.0_wp
       call allow_for_spike(spike_law_t(fluid, lambda), dx, summary)
+      summary%of(sliding_rows)%error_grid = shear_doubt(spike_law_t(fluid, lambda), dx, summary) &
+         *abs(summary%of(sliding_rows)%value)
    end subroutine doubt_spike
 
    !> The contact without an ingredient, from the solution of the `full` one on the same grid; where

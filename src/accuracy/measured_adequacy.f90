@@ -57,7 +57,7 @@ module measured_adequacy
    real(wp), parameter :: own_widths(3) = [1.5_wp, 0.05_wp, 0.0_wp], &
       coarse_widths(3) = [1.5_wp, 0.1_wp, 0.15_wp]
    !> Newton steps from one place of the waves to the next.
-   real(wp), parameter :: steps_to_next = 4.0_wp
+   real(wp), parameter :: steps_to_next = 5.0_wp
    !> Times at which waves are looked at while the finest one passes its own length: for the grids
    !> of roughness, and at least.
    real(wp), parameter :: places_on_finest = 8.0_wp, least_places = 3.0_wp
@@ -250,7 +250,7 @@ contains
       type(influence_t), intent(inout) :: row
       class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: changes(quantity_count, 2), doubt(quantity_count), cost, spent
+      real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), cost, spent
       logical :: is_known
       integer :: k
 
@@ -311,7 +311,7 @@ contains
       class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: passages
-      real(wp) :: changes(quantity_count, 2), doubt(quantity_count), cost, widths(3)
+      real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), cost, widths(3)
 
       is_known = .false.
       widths = own_widths
@@ -329,6 +329,7 @@ contains
                passages = known_passages(scene, [n/2, n/4], scheme_of(runs), [runs%bars%half, &
                   runs%bars%quarter])
             end associate
+            passages%smooth(1) = kept(1)%smooth(2)   ! that of n/2
             call look_at_places(scene, least_places, budget, passages, cost)
          end if
       case default

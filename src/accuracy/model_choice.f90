@@ -150,7 +150,7 @@ contains
       class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: passages
-      real(wp) :: changes(quantity_count, 2), doubt(quantity_count), budget
+      real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), budget
       logical :: is_known
       integer :: k
 

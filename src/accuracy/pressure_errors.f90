@@ -1,26 +1,28 @@
 !> The error of the largest pressure: from crests on coarser grids, and what a spike may grow.
 module pressure_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use constants, only: pi
    use grid_errors, only: error_from_levels, observed_order, orders, safety
    use kinds, only: wp
    use line_summary, only: crests_t, line_summary_t, quantity_t
-   use lubricant, only: fluid_t, fluid_viscosity, viscosity_constant
-   use missing_value, only: not_known
-   use pressure_spike, only: ceiling_of_spike, spike_law_t
-   use quantities, only: h_central, p_max, sliding_rows
+   use lubricant, only: viscosity_constant
+   use missing_value, only: exceeds, not_known
+   use pressure_spike, only: ceiling_of_spike, shear_of_spike, spike_law_t
+   use quantities, only: friction_coefficient, h_central, p_max, sliding_power, sliding_rows
    use rheology, only: thins
    use transient_errors, only: error_by_reference, error_in_time, limit_in_time, &
       pressure_safety_in_time
    implicit none (type, external)
    private
 
-   public :: allow_for_spike, doubt_shear, estimate_crest, estimate_crest_in_time, top_of
+   public :: allow_for_spike, doubt_shear, estimate_crest, estimate_crest_in_time, shear_doubt, &
+      top_of
 
    !> An estimate is widened by this factor in place of `safety`.
    real(wp), parameter, public :: pressure_safety = 2.0_wp
-   !> What shears a Newtonian oil is not known where the largest pressure may be so far off that ln
-   !> mu is by more than this.
-   real(wp), parameter :: doubtful_ln_mu = 0.5_wp
+   !> Sliding friction is off by up to so many times what a spike may add to it, and not known where
+   !> that is more than the second share of it.
+   real(wp), parameter :: shear_safety = 12.0_wp, largest_shear_growth = 0.02_wp
 
 contains
 
@@ -87,24 +89,51 @@ contains
       end associate
    end subroutine allow_for_spike
 
-   !> Sliding friction of a Newtonian oil where the largest pressure may be off, whose error is that
-   !> of `summary`: a spike may carry most of the stress, which rises like the viscosity.
-   pure subroutine doubt_shear(fluid, summary)
-      type(fluid_t), intent(in) :: fluid
+   !> Error of the sliding friction of `summary` because a spike may grow on grids finer than that
+   !> of spacing `dx`, relative: it may carry most of the stress of a Newtonian oil, which rises
+   !> like the viscosity. 0 where nothing slides or the viscosity does not rise so, NaN where it is
+   !> not known.
+   pure function shear_doubt(law, dx, summary) result(doubt)
+      type(spike_law_t), intent(in) :: law
+      real(wp), intent(in) :: dx
+      type(line_summary_t), intent(in) :: summary
+      real(wp) :: doubt, force, growth
+
+      doubt = 0.0_wp
+      if (thins(law%fluid) .or. law%fluid%viscosity_law == viscosity_constant &
+         .or. law%lambda <= 0.0_wp) return
+      associate (of => summary%of, film => summary%of(h_central)%value)
+         force = 0.5_wp*pi*of(friction_coefficient)%value
+         if (abs(force) <= tiny(1.0_wp)) return
+         doubt = not_known()
+         if (.not. all(ieee_is_finite([force, of(sliding_power)%value, film, &
+            summary%crests%highest]))) return
+         growth = shear_of_spike(law, summary%crests, film, dx)
+         ! in units of the force, by lambda (u2 - u1)/(6 (u1 + u2))
+         growth = law%lambda/6*abs(of(sliding_power)%value)/force*growth/force
+         if (growth <= largest_shear_growth) doubt = shear_safety*growth
+      end associate
+   end function shear_doubt
+
+   !> The error of the sliding friction of `summary` is no less than what a spike may do to it.
+   pure subroutine doubt_shear(law, dx, summary)
+      type(spike_law_t), intent(in) :: law
+      real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
-      real(wp) :: ln_mu(2)
+      real(wp) :: doubt
       integer :: i
 
-      if (thins(fluid) .or. fluid%viscosity_law == viscosity_constant) return
-      associate (pressure => summary%of(p_max))
-         if (ieee_is_finite(pressure%error_grid) .and. ieee_is_finite(pressure%value)) then
-            call fluid_viscosity(fluid, pressure%value + [0.0_wp, pressure%error_grid], ln_mu)
-            if (ln_mu(2) - ln_mu(1) <= doubtful_ln_mu) return
-         end if
-      end associate
+      doubt = shear_doubt(law, dx, summary)
       do i = 1, size(sliding_rows)
-         summary%of(sliding_rows(i))%error_grid = not_known()
-         summary%of(sliding_rows(i))%extrapolated = not_known()
+         associate (quantity => summary%of(sliding_rows(i)))
+            if (.not. ieee_is_finite(doubt)) then
+               quantity%error_grid = not_known()
+               quantity%extrapolated = not_known()
+            else if (exceeds(doubt*abs(quantity%value), quantity%error_grid)) then
+               quantity%error_grid = doubt*abs(quantity%value)
+               quantity%extrapolated = not_known()
+            end if
+         end associate
       end do
    end subroutine doubt_shear
 

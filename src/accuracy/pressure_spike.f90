@@ -29,11 +29,11 @@ module pressure_spike
    use line_summary, only: crests_t
    use lubricant, only: fluid_density, fluid_t, fluid_viscosity
    use missing_value, only: not_known
-   use rheology, only: ln_slip, thins, wall_stress
+   use rheology, only: largest_exponent, ln_slip, thins, wall_stress
    implicit none (type, external)
    private
 
-   public :: ceiling_of_spike, final_height, smoothing_lengths, spike_law_t
+   public :: ceiling_of_spike, final_height, shear_of_spike, smoothing_lengths, spike_law_t
 
    !> c_flow, c_density and the power of it.
    real(wp), parameter :: flow_growth = 0.15_wp, density_growth = 1.1_wp, &
@@ -51,6 +51,8 @@ module pressure_spike
    integer, parameter :: max_steps = 200
    !> Halvings of the bracket of ln l_flow.
    integer, parameter :: bisections = 40
+   !> Intervals of the integral over a spike.
+   integer, parameter :: parts = 40
    !> A height beyond all bounds.
    real(wp), parameter, public :: endless = huge(1.0_wp)
    !> Accuracy of a height, relative.
@@ -108,6 +110,45 @@ contains
       end function flow_length
 
    end function ceiling_of_spike
+
+   !> By how much a spike may raise Int (mu/mu_0)/H dX, the shear of a Newtonian oil, on grids finer
+   !> than that of spacing `dx`; `endless` where there is no bound, 0 where the grid would resolve
+   !> it. `film`: H at X = 0.
+   !>
+   !> P = P_node sqrt(dX/distance) from the distance dX, where the top node of the grid is, to that
+   !> of the height in the end, and from there on constant:
+   !>
+   !>     dX/H ( q^2 mu(P_node/q) + 2 Int_q^1 mu(P_node/r) r dr - mu(P_node) ) ,  q = P_node/P_end
+   pure function shear_of_spike(law, crests, film, dx) result(growth)
+      type(spike_law_t), intent(in) :: law
+      type(crests_t), intent(in) :: crests
+      real(wp), intent(in) :: film, dx
+      real(wp) :: growth, top, gap, height, lengths(2), share
+      real(wp), dimension(0:parts) :: place, mu, weights
+      integer :: i
+
+      growth = 0.0_wp
+      top = edge_strength*film**(2.0_wp/3.0_wp)/sqrt(dx)
+      gap = film
+      if (ieee_is_finite(crests%spike)) then
+         top = crests%spike
+         gap = crests%spike_film
+      else
+         lengths = smoothing_lengths(law, min(top, crests%highest), film)
+         if (lengths(1) >= dx) return
+      end if
+      height = final_height(law, top, gap, dx)
+      growth = endless
+      if (height >= endless) return
+      share = top/(top + safety*(height - top))
+      ! Simpson's rule
+      place = [(share + (1 - share)*i/parts, i=0, parts)]
+      weights = [1, (merge(4, 2, modulo(i, 2) == 1), i=1, parts - 1), 1]
+      call fluid_viscosity(law%fluid, top/place, mu)
+      if (mu(0) > largest_exponent) return
+      mu = exp(mu)
+      growth = dx/gap*(share**2*mu(0) - mu(parts) + 2*(1 - share)/(3*parts)*sum(weights*mu*place))
+   end function shear_of_spike
 
    !> Height in the end of a spike whose top node on a grid of spacing `dx` has this `pressure` and
    !> `film`; `endless` where none is found.

@@ -15,7 +15,7 @@ module verdicts
    !> Relative error that counts where no target is given, and the share of it below which a change
    !> is irrelevant.
    real(wp), parameter, public :: usual_accuracy = 0.01_wp
-   real(wp), parameter :: irrelevant_share = 0.1_wp
+   real(wp), parameter, public :: irrelevant_share = 0.1_wp
 
    !> An ingredient or a numerical choice, and the verdict on it.
    type :: judged_t

@@ -27,14 +27,16 @@ module face_mobility
 
 contains
 
-   !> Mobility of all faces (1:n) and density of all nodes (0:n); p >= 0, h > 0 (0:n). The slope
-   !> inside S is that of p, and of its `compensation` where that is kept.
-   pure subroutine fluid_face_mobility(fluid, dx, p, h, e, rho, compensation)
+   !> Mobility of all faces (1:n), density and `all_ln_mu` = ln(mu/mu_0) of all nodes (0:n); p >= 0,
+   !> h > 0 (0:n). The slope inside S is that of p, and of its `compensation` where that is kept.
+   ! allow(too-many-arguments)  the last are optional
+   pure subroutine fluid_face_mobility(fluid, dx, p, h, e, rho, compensation, all_ln_mu)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       real(wp), intent(out), contiguous :: e(:), rho(0:)
       real(wp), intent(in), contiguous, optional :: compensation(0:)
+      real(wp), intent(out), contiguous, optional :: all_ln_mu(0:)
       real(wp) :: ln_mu(0:block_size)
       real(wp), dimension(block_size) :: mean_ln_mu, drive, inverse_film, exponent, shape_factor, &
          unused
@@ -46,6 +48,7 @@ contains
          last = min(first + block_size - 1, ubound(p, 1))
          m = last - first + 1
          call fluid_viscosity(fluid, p(first - 1:last), ln_mu(:m))
+         if (present(all_ln_mu)) all_ln_mu(first - 1:last) = ln_mu(:m)
          call mean_fluidity(ln_mu(:m), exponent(:m), shape_factor(:m), unused(:m))
          if (thins(fluid)) then
             mean_ln_mu(:m) = 0.5_wp*(ln_mu(0:m - 1) + ln_mu(1:m))

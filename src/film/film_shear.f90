@@ -15,7 +15,7 @@ module film_shear
    use quantities, only: exit_between_nodes
    use reynolds_line, only: mass_flux
    use rheology, only: block_size => slip_block, evaluate_slip, evaluate_stress, &
-      largest_exponent, slip_t
+      largest_exponent, slip_t, thins
    use shear_stresses, only: evaluate_nodes, stress_block_t
    implicit none (type, external)
    private
@@ -25,19 +25,22 @@ module film_shear
    !> Points of the midpoint rule in X_a/X for the oil in front of the domain, where the integrands
    !> change little (a test compares with a domain that is longer).
    integer, parameter :: points = 8
-   !> Part of a spacing by which the exit between two nodes is taken to be off: half of its error in
-   !> the mean square, for what changes from grid to grid comes on top of it.
-   real(wp), parameter :: exit_jitter = 0.1_wp
+   !> X_a/X of these points, and what follows from it.
+   real(wp), parameter :: share(points) = [1, 3, 5, 7, 9, 11, 13, 15]/16.0_wp, &
+      inverse_square(points) = 1/share**2, ln_share(points) = log(share)
+   !> Part of a spacing by which the exit between two nodes is taken to be off: a quarter of its
+   !> error in the mean square, for what changes from grid to grid comes on top of it.
+   real(wp), parameter :: exit_jitter = 0.05_wp
    !> Bound of alpha_bar Q in front of the domain: no solution comes near it.
    real(wp), parameter :: largest_reduced = 0.9_wp
 
 contains
 
-   !> What the stresses add up to, with the oil in front of the domain; mobility and density of the
-   !> level are those of its pressure and film. Integrals over nodes end at the exit between them,
-   !> so that they do not change with the place of the nodes. In the rolling power S H^3/mu dP/dX is
-   !> what the mass flux of the discrete equations leaves of H: that keeps the balance of energy
-   !> where viscosity changes by orders of magnitude between two nodes.
+   !> What the stresses add up to, with the oil in front of the domain; mobility, density and
+   !> viscosity of the level are those of its pressure and film. Integrals over nodes end at the
+   !> exit between them, so that they do not change with the place of the nodes. In the rolling
+   !> power S H^3/mu dP/dX is what the mass flux of the discrete equations leaves of H: that keeps
+   !> the balance of energy where viscosity changes by orders of magnitude between two nodes.
    pure function friction_of(level) result(friction)
       type(line_level_t), intent(in) :: level
       type(friction_t) :: friction
@@ -52,7 +55,7 @@ contains
             last = min(first + block_size - 1, exit_node)
             m = last - first + 1
             call evaluate_nodes(level%fluid, couette_of(level), level%dx, p(:min(last + 1, &
-               level%n)), h, first + 1, block)
+               level%n)), h, level%ln_mu, first + 1, block)
             weights(:m) = merge(level%dx, 0.0_wp, p(first:last) > 0.0_wp)
             if (first == 0) weights(1) = 0.5_wp*level%dx
             if (last == exit_node) then
@@ -102,31 +105,34 @@ contains
       type(line_level_t), intent(in) :: level
       real(wp), intent(in) :: flow
       type(friction_t) :: friction
-      real(wp), dimension(points) :: share, weights, h, flow_drive, drive, stress, ln_mu
+      real(wp), dimension(points) :: weights, h, flow_drive, drive, stress, fluidity, ln_mu
       type(slip_t) :: slip
       real(wp) :: reduced
       integer :: i, pass
 
-      share = [((i - 0.5_wp)/points, i=1, points)]
-      weights = abs(level%x(0))/(points*share**2)
-      h = level%state%film(0) + 0.5_wp*level%x(0)**2*(1/share**2 - 1) &
-         + 0.5_wp*level%elasticity*log(share)
+      weights = abs(level%x(0))/points*inverse_square
+      h = level%state%film(0) + 0.5_wp*level%x(0)**2*(inverse_square - 1) &
+         + 0.5_wp*level%elasticity*ln_share
       flow_drive = level%lambda*max(h - flow, 0.0_wp)/h**2
       reduced = 0.0_wp
       do i = 1, points
          reduced = reduced + level%fluid%alpha_bar*weights(i)*flow_drive(i)/h(i)
-         ln_mu(i) = -log(1 - min(reduced, largest_reduced))
+         fluidity(i) = 1 - min(reduced, largest_reduced)
       end do
-      flow_drive = exp(ln_mu)*flow_drive
+      ln_mu = -log(fluidity)
+      flow_drive = flow_drive/fluidity
       drive = flow_drive
-      do pass = 1, 2   ! S of a drive that S has not made less is too large
-         call evaluate_slip(level%fluid, drive, 1/h, ln_mu, slip)
-         drive = flow_drive/(slip%factor(:points)*exp(min(slip%growth(:points), largest_exponent)))
-      end do
+      if (thins(level%fluid)) then
+         do pass = 1, 2   ! S of a drive that S has not made less is too large
+            call evaluate_slip(level%fluid, drive, 1/h, ln_mu, slip)
+            drive = flow_drive/(slip%factor(:points)*exp(min(slip%growth(:points), &
+               largest_exponent)))
+         end do
+      end if
       call evaluate_stress(level%fluid, couette_of(level), drive, 1/h, ln_mu, stress)
       friction%sliding = sum(weights*stress)
       friction%rolling = 0.5_wp*sum(weights*drive)
-      friction%rolling_power = 0.5_wp/level%lambda*sum(weights*h*drive*flow_drive*exp(-ln_mu))
+      friction%rolling_power = 0.5_wp/level%lambda*sum(weights*h*drive*flow_drive*fluidity)
    end function oil_in_front
 
 end module film_shear

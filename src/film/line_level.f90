@@ -61,9 +61,9 @@ module line_level
       !> Kernel K_j/pi, j = 0..n, times the elasticity, and its product by FFT.
       real(wp), allocatable :: kernel(:)
       type(toeplitz_t) :: convolution
-      !> Coefficients e = rho H^3 S/mu (of the thesis's scheme) and rho, the operator L_R, and K
-      !> P/pi, at the last evaluation.
-      real(wp), allocatable :: mobility(:), density(:), operator(:), deflection(:)
+      !> Coefficients e = rho H^3 S/mu (of the thesis's scheme), rho and ln(mu/mu_0), the operator
+      !> L_R, and K P/pi, at the last evaluation.
+      real(wp), allocatable :: mobility(:), density(:), ln_mu(:), operator(:), deflection(:)
       !> Mobility e(i-1/2) of the face left of node i (1:n), at the last evaluation.
       real(wp), allocatable :: face_mobility(:)
       !> dL_R/dH at a node and the elastic diagonal dL_R/dP - (K_0/pi) dL_R/dH, for the smoothers.
@@ -98,7 +98,7 @@ contains
       if (allocated(error)) return
       allocate (level%state%pressure(0:n), level%state%film(0:n), level%rhs_reynolds(0:n), &
          level%rhs_film(0:n), source=0.0_wp)
-      allocate (level%mobility(0:n), level%density(0:n), level%operator(0:n), &
+      allocate (level%mobility(0:n), level%density(0:n), level%ln_mu(0:n), level%operator(0:n), &
          level%deflection(0:n), source=0.0_wp)
       allocate (level%face_mobility(n), source=0.0_wp)
       allocate (level%work(0:n), level%correction(0:n), source=0.0_wp)

@@ -23,15 +23,17 @@ module mobility
 
 contains
 
-   !> Mobility `e` and density `rho` at all nodes; p >= 0, h > 0 (0:n). The slope inside S is the
-   !> central difference of p, and of its `compensation` where that is kept, 0 at both ends; S
-   !> follows its formula at every node, also where P = 0.
-   pure subroutine fluid_mobility(fluid, dx, p, h, e, rho, compensation)
+   !> Mobility `e`, density `rho` and `all_ln_mu` = ln(mu/mu_0) at all nodes; p >= 0, h > 0 (0:n).
+   !> The slope inside S is the central difference of p, and of its `compensation` where that is
+   !> kept, 0 at both ends; S follows its formula at every node, also where P = 0.
+   ! allow(too-many-arguments)  the last are optional
+   pure subroutine fluid_mobility(fluid, dx, p, h, e, rho, compensation, all_ln_mu)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       real(wp), intent(out), contiguous :: e(0:), rho(0:)
       real(wp), intent(in), contiguous, optional :: compensation(0:)
+      real(wp), intent(out), contiguous, optional :: all_ln_mu(0:)
       real(wp), dimension(block_size) :: ln_mu, drive, inverse_film
       type(slip_t) :: slip
       integer :: first, last, m
@@ -40,6 +42,7 @@ contains
          last = min(first + block_size - 1, ubound(p, 1))
          m = last - first + 1
          call fluid_viscosity(fluid, p(first:last), ln_mu(:m))
+         if (present(all_ln_mu)) all_ln_mu(first:last) = ln_mu(:m)
          call fluid_density(fluid, p(first:last), rho(first:last))
          if (thins(fluid)) then
             call drive_at_nodes(dx, p, h, first, drive(:m), inverse_film(:m), compensation)

@@ -31,7 +31,8 @@ module reynolds_line
 
 contains
 
-   !> Density rho of the nodes and mobility e(i-1/2) of the faces at the present pressure and film;
+   !> Density rho and ln(mu/mu_0) of the nodes and mobility e(i-1/2) of the faces at the present
+   !> pressure and film;
    !> in the thesis's scheme that of the nodes too.
    pure subroutine evaluate_coefficients(level)
       type(line_level_t), intent(inout) :: level
@@ -39,12 +40,12 @@ contains
       if (level%is_kappa) then
          call fluid_face_mobility(level%fluid, level%dx, level%state%pressure, level%state%film, &
             level%face_mobility, level%density, &
-            level%state%compensation)
+            level%state%compensation, level%ln_mu)
       else
          call fluid_mobility(level%fluid, level%dx, level%state%pressure, level%state%film, &
             level%mobility, &
             level%density, &
-            level%state%compensation)
+            level%state%compensation, level%ln_mu)
          level%face_mobility = 0.5_wp*(level%mobility(:level%n - 1) + level%mobility(1:))
       end if
    end subroutine evaluate_coefficients
@@ -155,16 +156,22 @@ contains
    pure function mass_flux(level) result(flux)
       type(line_level_t), intent(in) :: level
       real(wp) :: flux(level%n)
+      real(wp) :: conductance
       integer :: i
 
-      associate (p => level%state%pressure, h => level%state%film, rho => level%density)
-         flux(1) = 0.5_wp*(rho(0)*h(0) + rho(1)*h(1))
-         do i = 2, level%n
-            flux(i) = 1.5_wp*rho(i - 1)*h(i - 1) - 0.5_wp*rho(i - 2)*h(i - 2)
+      conductance = 1/(level%lambda*level%dx)
+      associate (p => level%state%pressure, h => level%state%film, rho => level%density, &
+         e => level%face_mobility)
+         flux(1) = 0.5_wp*(rho(0)*h(0) + rho(1)*h(1)) - conductance*e(1)*(p(1) - p(0))
+         do concurrent (i=2:level%n)
+            flux(i) = 1.5_wp*rho(i - 1)*h(i - 1) - 0.5_wp*rho(i - 2)*h(i - 2) &
+               - conductance*e(i)*(p(i) - p(i - 1))
          end do
-         if (level%is_kappa) flux(2:) = flux(2:) + third_order_flux(level, [(i, i=1, level%n - 1)])
-         flux = flux - level%face_mobility*(p(1:) - p(0:level%n - 1))/(level%lambda*level%dx)
       end associate
+      if (.not. level%is_kappa) return
+      do concurrent (i=2:level%n)
+         flux(i) = flux(i) + third_order_flux(level, i - 1)
+      end do
    end function mass_flux
 
    !> Adds what the slopes of the compensation of P bring to L_R. (P(i) - P(i-1) is exact, being the

@@ -21,21 +21,28 @@ module shear_stresses
 contains
 
    !> Stress at the wall of surface 1, mean stress, and stress at the wall of surface 2, (nx, 3), on
-   !> the nodes `x` of a uniform grid, from pressure `p` and film `h`, each (nx): 0 where the film
-   !> cavitates, for how much of the width oil fills there is not known; the oil begins at the first
-   !> node.
-   pure function film_stresses(fluid, lambda, slide_to_roll, x, p, h) result(stresses)
+   !> the nodes `x` of a uniform grid, from pressure `p`, film `h` and, where they are at hand,
+   !> values `known` of ln(mu/mu_0), each (nx): 0 where the film cavitates, for how much of the
+   !> width oil fills there is not known; the oil begins at the first node.
+   pure function film_stresses(fluid, lambda, slide_to_roll, x, p, h, known) result(stresses)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, slide_to_roll
       real(wp), intent(in), contiguous :: x(:), p(:), h(:)
-      real(wp) :: stresses(size(x), 3)
+      real(wp), intent(in), contiguous, optional :: known(:)
+      real(wp) :: stresses(size(x), 3), ln_mu(size(x))
       type(stress_block_t) :: block
       integer :: first, last, m
 
+      if (present(known)) then
+         ln_mu = known
+      else
+         call fluid_viscosity(fluid, p, ln_mu)
+      end if
       do first = 1, size(x), block_size
          last = min(first + block_size - 1, size(x))
          m = last - first + 1
-         call evaluate_nodes(fluid, lambda*slide_to_roll/12, x(2) - x(1), p, h, first, block)
+         call evaluate_nodes(fluid, lambda*slide_to_roll/12, x(2) - x(1), p, h, &
+            ln_mu, first, block)
          stresses(first:last, 1) = block%stress(:m) - 0.5_wp*block%drive(:m)
          stresses(first:last, 2) = block%stress(:m)
          stresses(first:last, 3) = block%stress(:m) + 0.5_wp*block%drive(:m)
@@ -45,16 +52,18 @@ contains
       end do
    end function film_stresses
 
-   !> Drive H dP/dX and mean stress of up to `block_size` nodes from `first` on, the first being 1.
+   !> Drive H dP/dX and mean stress of up to `block_size` nodes from `first` on, the first being 1,
+   !> from p, h and ln(mu/mu_0), each (nx).
    !> The slope of P is the central difference, that of the first interval at the first node, and 0
    !> at the last. `couette` is lambda/6 (u2 - u1)/(u1 + u2).
-   pure subroutine evaluate_nodes(fluid, couette, dx, p, h, first, block)
+   ! allow(too-many-arguments)  the fields of a film, and where in them
+   pure subroutine evaluate_nodes(fluid, couette, dx, p, h, ln_mu, first, block)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: couette, dx
-      real(wp), intent(in), contiguous :: p(:), h(:)
+      real(wp), intent(in), contiguous :: p(:), h(:), ln_mu(:)
       integer, intent(in) :: first
       type(stress_block_t), intent(inout) :: block
-      real(wp), dimension(block_size) :: ln_mu, inverse_film
+      real(wp) :: inverse_film(block_size)
       real(wp) :: factor
       integer :: i, last, m
 
@@ -67,8 +76,7 @@ contains
       if (first == 1) block%drive(1) = 2*factor*h(1)*(p(2) - p(1))
       if (last == size(p)) block%drive(m) = 0.0_wp
       inverse_film(:m) = 1/h(first:last)
-      call fluid_viscosity(fluid, p(first:last), ln_mu(:m))
-      call evaluate_stress(fluid, couette, block%drive(:m), inverse_film(:m), ln_mu(:m), &
+      call evaluate_stress(fluid, couette, block%drive(:m), inverse_film(:m), ln_mu(first:last), &
          block%stress(:m))
    end subroutine evaluate_nodes
 

@@ -62,7 +62,7 @@ contains
          largest_exponent))
       if (.not. ieee_is_finite(contact%slide_to_roll)) return
       stresses = film_stresses(contact%fluid, contact%lambda, contact%slide_to_roll, state%x, &
-         state%pressure, state%film_thickness)
+         state%pressure, state%film_thickness, ln_mu)
       state%shear_stress_1 = stresses(:, 1)
       state%shear_stress_mean = stresses(:, 2)
       state%shear_stress_2 = stresses(:, 3)

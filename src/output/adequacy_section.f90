@@ -5,6 +5,7 @@ module adequacy_section
    use hdf5_attribute, only: write_attribute
    use hdf5_file, only: hdf5_file_t
    use influence_section, only: write_influence
+   use kinds, only: wp
    use quantities, only: quantity_count, quantity_rows
    implicit none (type, external)
    private
@@ -27,7 +28,7 @@ contains
       call write_attribute(file, '/adequacy', 'about', 'relative change of each quantity where '// &
          'an ingredient of the model is left out, measured on coarse grids; of grid, domain '// &
          'and iteration the error estimate; attribute error_estimate: error of the change; no '// &
-         'data set: not known')
+         'data set: not known, attribute ..._at_least: but at least so much')
       call write_attribute(file, '/adequacy', 'accuracy', adequacy%accuracy)
       if (all(adequacy%at_rest > 0)) call write_attribute(file, '/adequacy', &
          'intervals_at_rest', adequacy%at_rest(1))
@@ -46,6 +47,10 @@ contains
       call write_influence(file, row, measured_on(row), pack(quantity_rows%name, is_told), &
          pack(row%change, is_told), pack(row%error, is_told))
       call write_attribute(file, '/adequacy/'//trim(row%name), 'left_out', row%left_out)
+      do i = 1, quantity_count
+         if (compared(i) .and. row%least(i) > 0.0_wp) call write_attribute(file, '/adequacy/' &
+            //trim(row%name), trim(quantity_rows(i)%name)//'_at_least', row%least(i))
+      end do
    end subroutine write_row
 
    !> Where the changes of a row come from.

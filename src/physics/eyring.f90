@@ -30,6 +30,8 @@ module eyring
    !> Nodes worked on at a time, so that what is kept for the derivatives stays in fixed small
    !> arrays.
    integer, parameter :: block_size = 64
+   !> Nodes whose mean stress takes one form or the other.
+   integer, parameter :: stress_block_size = 16
 
    !> Taylor coefficients of 3 (x cosh x - sinh x)/x^3 = sum c_m x^(2m), c_m = 6 (m + 1)/(2m + 3)!,
    !> m = 0 ... 8.
@@ -200,6 +202,38 @@ contains
    pure subroutine mean_stresses(sigma, ln_b, scale, stress)
       real(wp), intent(in), contiguous :: sigma(:), ln_b(:), scale(:)
       real(wp), intent(out), contiguous :: stress(:)
+      integer :: first, last
+
+      do first = 1, size(sigma), stress_block_size
+         last = min(first + stress_block_size - 1, size(sigma))
+         if (all(abs(sigma(first:last)) <= series_limit)) then
+            call gentle_stresses(sigma(first:last), ln_b(first:last), scale(first:last), &
+               stress(first:last))
+         else
+            call steep_stresses(sigma(first:last), ln_b(first:last), scale(first:last), &
+               stress(first:last))
+         end if
+      end do
+   end subroutine mean_stresses
+
+   !> `mean_stresses` where every |Sigma| is in the range of the series: one exponential less.
+   pure subroutine gentle_stresses(sigma, ln_b, scale, stress)
+      real(wp), intent(in), contiguous :: sigma(:), ln_b(:), scale(:)
+      real(wp), intent(out), contiguous :: stress(:)
+      real(wp) :: exponent
+      integer :: i
+
+      do i = 1, size(sigma)
+         exponent = max(-largest_argument, min(ln_b(i), largest_argument))
+         stress(i) = arsinh(scale(i)*exp(max(lowest_exponent, min(exponent, highest_exponent))) &
+            /polynomial(s, sigma(i)**2)) + max(exponent - highest_exponent, 0.0_wp)
+      end do
+   end subroutine gentle_stresses
+
+   !> `mean_stresses` of any Sigma.
+   pure subroutine steep_stresses(sigma, ln_b, scale, stress)
+      real(wp), intent(in), contiguous :: sigma(:), ln_b(:), scale(:)
+      real(wp), intent(out), contiguous :: stress(:)
       real(wp) :: x, y, is_large, shift, inverse_sinh, exponent, t
       integer :: i
 
@@ -212,12 +246,20 @@ contains
             + is_large*(1.0_wp - exp(-2.0_wp*max(series_limit, min(x, highest_exponent)))))
          exponent = max(-largest_argument, min(ln_b(i), largest_argument)) - shift
          t = inverse_sinh*scale(i)*exp(max(lowest_exponent, min(exponent, highest_exponent)))
-         is_large = 0.5_wp + sign(0.5_wp, t - small_stress)
-         y = min(t, 1.0_wp)**2
-         stress(i) = (1.0_wp - is_large)*t*(1.0_wp - y/6.0_wp + 0.075_wp*y*y) &
-            + is_large*log(t + sqrt(1.0_wp + t*t)) + max(exponent - highest_exponent, 0.0_wp)
+         stress(i) = arsinh(t) + max(exponent - highest_exponent, 0.0_wp)
       end do
-   end subroutine mean_stresses
+   end subroutine steep_stresses
+
+   !> arsinh t, t >= 0, without a branch.
+   pure elemental function arsinh(t) result(value)
+      real(wp), intent(in) :: t
+      real(wp) :: value, y, is_large
+
+      is_large = 0.5_wp + sign(0.5_wp, t - small_stress)
+      y = min(t, 1.0_wp)**2
+      value = (1.0_wp - is_large)*t*(1.0_wp - y/6.0_wp + 0.075_wp*y*y) &
+         + is_large*log(t + sqrt(1.0_wp + t*t))
+   end function arsinh
 
    !> How velocity lies across the film at y = 2 z/h - 1, from -1 at surface 1 to 1 at surface 2,
    !> for the `sigma` of `slip_factor`: u = (u1 + u2)/2 + (u2 - u1)/2 sliding - S h^2/(12 mu) dp/dx
