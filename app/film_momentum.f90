@@ -28,9 +28,12 @@ contains
    subroutine prepare_momentum(case, watcher)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: watcher
+      type(momentum_march_t) :: march
 
       if (.not. (case%equations == 'stokes' .and. case%time%is_transient)) return
-      watcher%momentum = momentum_march_t(walls=walls_of(case, watcher), layers=case%layers)
+      march%walls = walls_of(case, watcher)
+      march%layers = case%layers
+      allocate (watcher%momentum, source=march)
       watcher%wants_parts = .true.
    end subroutine prepare_momentum
 
@@ -60,13 +63,10 @@ contains
       call begin_activity('full momentum equations of the film')
       associate (writer => watcher%writer)
          if (allocated(watcher%momentum)) then
-            select type (march => watcher%momentum)
-            type is (momentum_march_t)
-               writer%momentum = march%fields()
-               call compare_passage(writer%film_passage, writer%momentum)
-               call tell(case, watcher, march_sentence(march)//'; ' &
-                  //difference_sentence(writer%momentum), report%note)
-            end select
+            writer%momentum = watcher%momentum%fields()
+            call compare_passage(writer%film_passage, writer%momentum)
+            call tell(case, watcher, march_sentence(watcher%momentum)//'; ' &
+               //difference_sentence(writer%momentum), report%note)
             report%peak_memory = peak_memory()
             return
          end if
@@ -89,8 +89,12 @@ contains
       type(momentum_march_t), intent(in) :: march
       character(:), allocatable :: words
 
-      words = 'extremes of the passage are compared ('//to_text(march%solutions) &
-         //' steps, at most '//to_text(march%most_steps)//' of Newton for one)'
+      associate (cost => march%history)
+         words = 'extremes of the passage are compared ('//to_text(cost%solutions) &
+            //' steps, at most '//to_text(cost%most_steps)//' of Newton for one'
+         if (cost%longer > 0) words = words//', more than three for '//to_text(cost%longer)
+         words = words//')'
+      end associate
    end function march_sentence
 
 end module film_momentum

@@ -90,6 +90,10 @@ contains
       watcher%space_scheme = checkpoint%space_scheme
       watcher%writer%bars%forecast = checkpoint%forecast
       watcher%writer%statistics = checkpoint%statistics
+      if (allocated(checkpoint%momentum)) then
+         watcher%momentum_before = checkpoint%momentum
+         watcher%writer%film_passage = checkpoint%film_passage
+      end if
       call watcher%log%say(case%file//': goes on after step '//to_text(checkpoint%march%step) &
          //', checkpoint '//path//'.ckpt')
       case%time%resume_from = checkpoint%march

@@ -12,6 +12,7 @@ module result_table
    use quantity_text, only: number_text, prefixed_text
    use read_cases, only: status_bad_input
    use standard_output, only: print_text
+   use validity_table, only: limit_rows, stokes_number, surface_slope
    implicit none (type, external)
    private
 
@@ -19,8 +20,10 @@ module result_table
 
    !> Quantities of /summary that can be a column; the text has those with `is_short`.
    character(len=28), parameter :: names(*) = [character(len=28) :: quantity_rows%name, &
-      'contact_area_fraction', 'plastic_area_fraction', 'mean_separation']
-   logical, parameter :: is_short(*) = [quantity_rows%short /= '', .true., .false., .true.]
+      limit_rows(stokes_number)%name, limit_rows(surface_slope)%name, 'contact_area_fraction', &
+      'plastic_area_fraction', 'mean_separation']
+   logical, parameter :: is_short(*) = [quantity_rows%short /= '', .false., .false., .true., &
+      .false., .true.]
    character(len=*), parameter :: nl = new_line('a')
    !> Widest cell of the text.
    integer, parameter :: cell_width = 512

@@ -30,7 +30,7 @@ BUSY = (
 &time transient = .true., end_time = 12.0, time_step = 0.01 /
 """
 )
-RESULT = ("solution", "transient", "summary", "statistics")
+RESULT = ("solution", "transient", "summary", "statistics", "momentum")
 PROFILES = ("profile_time", "pressure", "film_thickness")
 
 

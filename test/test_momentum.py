@@ -1,13 +1,15 @@
 """The full momentum equations of the film: fields, balance of mass, errors, and where there is no solution."""
 
+import random
 import re
 import signal
-import subprocess
+import time
 
 import cases
 import h5py
 import numpy as np
 import pytest
+from kill_and_resume import different, kill_until_complete, start, undisturbed
 
 STOKES = cases.STEADY.replace("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'")
 
@@ -201,26 +203,85 @@ def test_steep_ridges_are_followed(asperity, tmp_path):
     assert endings.count(0) >= 7
 
 
-def test_passage_keeps_no_checkpoint(asperity, tmp_path):
-    """A passage by both equations is not interrupted and resumed: it keeps nothing to go on with."""
-    text = STOKES + PASSAGE.replace("profile_stride = 10", "checkpoint_interval = 0.0") + ""
-    found, _ = solved(asperity, tmp_path, text.replace("end_time = 1.4", "end_time = 0.1"))
-    assert found["@converged"] == 1
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.h5", "case.nml"]
+# Short steps on a coarse grid, of which some have profiles.
+INTERRUPTED = STOKES.replace("intervals = 256", "intervals = 96") + PASSAGE.replace("time_step = 0.02", "time_step = 0.01").replace(
+    "layers = 6", "layers = 4"
+)
 
 
-def test_an_interrupted_passage_keeps_nothing(program, tmp_path):
-    """SIGTERM during a passage by both equations: told, and no file that looks like a result or can be resumed."""
-    text = STOKES + PASSAGE.replace("time_step = 0.02", "time_step = 0.002").replace(
-        "profile_stride = 10", "checkpoint_interval = 0.0"
-    )
-    command = [program, cases.write(tmp_path, "case.nml", text), "--output", tmp_path]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as running:
-        for line in running.stderr:
-            if "step " in line:
-                break
+def with_checkpoints(interval):
+    """The passage with a checkpoint every `interval` seconds."""
+    return INTERRUPTED.replace("profile_stride = 10", f"profile_stride = 3, checkpoint_interval = {interval}")
+
+
+def counters(path):
+    """What the march has cost, which goes on too."""
+    with h5py.File(path) as file:
+        note = " ".join(cases.text(file["report/note"][()]).split())
+        return [int(file["momentum"].attrs[name]) for name in ("newton_steps", "factorisations", "linear_iterations")] + [note]
+
+
+def test_a_killed_passage_goes_on_to_the_same_bits(program, tmp_path):
+    """A passage by both equations, killed at random moments and resumed: fields, series and counters as if nothing had been."""
+    reference, seconds = undisturbed(program, tmp_path, with_checkpoints(1000.0))
+    source, kills, resumed = random.Random(5), 0, 0
+    while kills < 5 or resumed < 3:
+        cases.write(tmp_path, "case.nml", with_checkpoints(0.02))
+        new_kills, new_resumed = kill_until_complete(program, tmp_path, reference, source, 0.6 * seconds)
+        kills, resumed = kills + new_kills, resumed + new_resumed
+        assert different(reference, tmp_path / "case.h5") == []
+        assert counters(reference) == counters(tmp_path / "case.h5")
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["case.h5", "case.nml", "reference.h5"]
+        (tmp_path / "case.h5").unlink()
+
+
+def test_an_interrupted_passage_goes_on(program, asperity, tmp_path):
+    """SIGTERM during a passage by both equations: status 4 and a checkpoint, from which it goes on to the same bits."""
+    reference, _ = undisturbed(program, tmp_path, with_checkpoints(1000.0))
+    cases.write(tmp_path, "case.nml", with_checkpoints(0.0))
+    with start(program, tmp_path) as running:
+        while not (tmp_path / "case.h5.ckpt").exists():
+            assert running.poll() is None
+            time.sleep(0.002)
         running.send_signal(signal.SIGTERM)
         printed = running.stderr.read()
     assert running.returncode == 4
-    assert "interrupted without a checkpoint" in printed
-    assert [path.name for path in tmp_path.iterdir()] == ["case.nml"]
+    assert "--resume goes on after step " in printed
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.h5.ckpt", "case.h5.part", "case.nml", "reference.h5"]
+    # not with other layers
+    cases.write(tmp_path, "case.nml", with_checkpoints(0.0).replace("layers = 4", "layers = 5"))
+    done = asperity("case.nml", "--resume", "--quiet")
+    assert done.returncode == 1
+    assert "is of another case" in done.stderr
+    cases.write(tmp_path, "case.nml", with_checkpoints(0.0))
+    assert asperity("case.nml", "--resume", "--quiet").returncode == 0
+    assert different(reference, tmp_path / "case.h5") == []
+    assert counters(reference) == counters(tmp_path / "case.h5")
+
+
+def test_si_copies_are_the_fields_in_si(asperity, tmp_path):
+    """/si/momentum holds what /momentum holds, in SI, with names, units and axes; not where it is not wanted."""
+    text = STOKES.replace("intervals = 256", "intervals = 96") + PASSAGE.replace("end_time = 1.4", "end_time = 0.4")
+    solved(asperity, tmp_path, text)
+    with h5py.File(tmp_path / "case.h5") as file:
+        for group in ("momentum", "momentum/transient"):
+            plain, copies = file[group], file["si"][group]
+            scaled = {name for name, item in plain.items() if isinstance(item, h5py.Dataset) and "si_scale" in item.attrs}
+            scaled = {name for name in scaled if plain[name].attrs["si_scale"] != 1} | {"zeta"} & set(plain)
+            assert scaled | {"x"} == {name for name, item in copies.items() if isinstance(item, h5py.Dataset)}
+            for name in scaled - {"zeta", "x"}:
+                item, copy = plain[name], copies[name]
+                assert np.array_equal(copy[()], item[()] * item.attrs["si_scale"])
+                assert copy.attrs["units"] == item.attrs["si_units"]
+                assert item.attrs["long_name"].startswith(copy.attrs["long_name"])
+                assert [axis[0].name.rsplit("/", 1)[1] for axis in copy.dims if len(axis)] == [
+                    axis[0].name.rsplit("/", 1)[1] for axis in item.dims if len(axis)
+                ]
+            assert np.array_equal(copies["x"][()], file["si/solution/x"][()])
+        assert file["si/momentum/u"].shape == (97, 6)
+        # between the speeds of the walls, 0.1 and 1.1 m/s
+        across = file["si/momentum/u"][48]
+        assert 0.1 < across[0] < 0.3 < 0.9 < across[-1] < 1.1
+    solved(asperity, tmp_path, text.replace("&output ", "&output si_copies = .false., "))
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert "si" not in file

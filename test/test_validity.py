@@ -1,6 +1,9 @@
 """Limits of the model: every row of /adequacy/validity is passed by one scene and kept by a milder one, and told in one line."""
 
+import json
+
 import h5py
+import numpy as np
 import pytest
 from cases import MOES, STEADY, TRANSIENT, write
 
@@ -122,3 +125,81 @@ def test_what_is_solved_is_not_doubted(asperity, tmp_path):
         group = file["adequacy/validity"]
         assert not {"stokes_number", "surface_slope", "film_over_wave"} & set(group)
         assert "stokes_number: the full momentum equations are solved" in group.attrs["not_evaluated"].decode()
+
+
+def limits_from_fields(file, pressure, film):
+    """T_max and the largest slope of a film, from dimensionless fields and the input alone, in SI."""
+    given = file["input/effective"]
+    oil = {name: float(given[f"lubricant/{name}"][()]) for name in ("viscosity", "roelands_z", "roelands_p0", "eyring_stress")}
+    sliding = abs(float(given["bodies/speed_2"][()]) - float(given["bodies/speed_1"][()]))
+    scales = file["scaling"].attrs
+    p, h = pressure * scales["hertz_pressure"], film * scales["film_thickness"]
+    x = file["solution/x"][()] * scales["half_width"]
+    ratio, exponent = 1 + p / oil["roelands_p0"], np.log(oil["viscosity"]) + 9.67
+    viscosity = oil["viscosity"] * np.exp(exponent * (ratio ** oil["roelands_z"] - 1))
+    by_pressure = exponent * oil["roelands_z"] / oil["roelands_p0"] * ratio ** (oil["roelands_z"] - 1)
+    rate = viscosity * sliding / (oil["eyring_stress"] * h)
+    number = oil["eyring_stress"] * by_pressure * rate / np.sqrt(1 + rate**2)
+    slopes = np.abs(np.diff(h) / np.diff(x))
+    loaded = np.minimum(p[1:], p[:-1]) > 0.01 * p.max()
+    return float(number.max()), float(slopes[loaded].max())
+
+
+KINDS = {
+    "reynolds": STEADY,
+    "stokes": changed(STEADY, ("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'"), ("256", "128")),
+    "passage": TRANSIENT,
+    "lean": changed(AUTO, ("problem = 'ehl_line'", "problem = 'ehl_line', model = 'auto'"))
+    + "&time transient = .true., end_time = 6.0 /&accuracy target = 0.01 /",
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_summary_says_how_far_reynolds_holds(asperity, tmp_path, kind):
+    """T_max and the largest slope: those of the fields, of a passage the largest of all its times; as among the limits."""
+    write(tmp_path, "a.nml", KINDS[kind])
+    assert asperity("a.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file:
+        if kind == "passage":
+            series = file["transient"]
+            assert len(series["profile_time"]) == len(series["time"])
+            profiles = list(zip(series["pressure"][()], series["film_thickness"][()], strict=True))
+        else:
+            profiles = [(file["solution/pressure"][()], file["solution/film_thickness"][()])]
+        expected = np.max([limits_from_fields(file, *profile) for profile in profiles], axis=0)
+        found = [file["summary"][name] for name in ("stokes_number", "surface_slope")]
+        assert [item[()] for item in found] == pytest.approx(expected, rel=1e-9)
+        assert 0.01 < expected[0] < 0.1
+        assert all(item.attrs["long_name"] and item.attrs["units"] == b"1" for item in found)
+        for item in found:
+            name = item.name.rsplit("/", 1)[1]
+            if kind != "stokes":
+                assert file["adequacy/validity"][name][()] == item[()]
+            assert item.attrs["dimensionless"] * file["scaling"].attrs["half_width"] / file["scaling"].attrs[
+                "reduced_radius"
+            ] == pytest.approx(item[()], rel=1e-12)
+
+
+def test_limits_without_units(asperity, tmp_path):
+    """By Moes' numbers the slope is known in units of b/R, T_max where the speeds are."""
+    write(tmp_path, "a.nml", MOES)
+    assert asperity("a.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert "stokes_number" not in file["summary"]
+        film, pressure = file["solution/film_thickness"][()], file["solution/pressure"][()]
+        slopes = np.abs(np.diff(film) / np.diff(file["solution/x"][()]))
+        loaded = np.minimum(pressure[1:], pressure[:-1]) > 0.01 * pressure.max()
+        assert file["summary/surface_slope"][()] == pytest.approx(slopes[loaded].max(), rel=1e-9)
+
+
+def test_limits_are_columns_of_the_table(asperity, tmp_path):
+    """`asperity table` has both as CSV and JSON."""
+    write(tmp_path, "a.nml", STEADY)
+    assert asperity("a.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file:
+        expected = [float(file["summary"][name][()]) for name in ("stokes_number", "surface_slope")]
+    done = asperity("table", "a.h5", "--format", "csv")
+    head, row = (line.split(",") for line in done.stdout.splitlines()[:2])
+    assert [float(row[head.index(f"{name} [1]")]) for name in ("stokes_number", "surface_slope")] == pytest.approx(expected, rel=1e-9)
+    row = json.loads(asperity("table", "a.h5", "--format", "json").stdout)
+    assert [row[name]["value"] for name in ("stokes_number", "surface_slope")] == pytest.approx(expected, rel=1e-9)

@@ -2,8 +2,8 @@
 !> `validity_table` with its value and whether it is passed.
 !>
 !> This is about the model, not about the numbers, which the error estimates judge. Of a transient
-!> the extremes over the times that count are used where there are any (films, pressure), else the
-!> last time.
+!> the extremes over the times that count are used where there are any (films, pressure, T_max and
+!> slope), else the last time.
 module validity
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use bodies, only: bodies_t
@@ -13,11 +13,10 @@ module validity
    use line_contact, only: finest_wave, line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use lubricant, only: fluid_viscosity, lubricant_t, rheology_eyring, viscosity_barus, &
-      viscosity_constant
+   use lubricant, only: lubricant_t, viscosity_barus, viscosity_constant
    use missing_value, only: not_known
    use model_limits, only: film_reynolds_number, film_temperatures, flash_temperatures, &
-      inlet_heating_loss, pressure_derivative_of_stress, side_flow_loss
+      inlet_heating_loss, side_flow_loss
    use quantities, only: h_central, h_min, p_max
    use scaling, only: scaling_t
    use validity_table, only: film_over_wave, hardness, inlet_heating, limit_count, limit_rows, &
@@ -67,9 +66,8 @@ module validity
    !> Yield stress in shear of a perfectly plastic body over its hardness, and the shakedown limit
    !> of a line contact over that stress.
    real(wp), parameter :: shear_strength = 1.0_wp/6.0_wp, shakedown_factor = 4.0_wp
-   !> Slopes of the film, and stresses over pressures, count where the pressure is above this share
-   !> of its largest.
-   real(wp), parameter :: loaded_share = 0.01_wp, stressed_share = 0.1_wp
+   !> Stresses over pressures count where the pressure is above this share of its largest.
+   real(wp), parameter :: stressed_share = 0.1_wp
    !> Share of its viscosity that an oil may lose to heat.
    real(wp), parameter :: tolerable_thinning = 0.1_wp
 
@@ -162,9 +160,9 @@ contains
                limit%value = side_flow_loss(given%length, length)
             end if
          case (stokes_number)
-            limit%value = maxval(stokes_numbers(of, state))
+            limit%value = summary%limits%stokes_number*scaling%slope
          case (surface_slope)
-            limit%value = steepest_slope(state)*scaling%film/scaling%half_width
+            limit%value = summary%limits%surface_slope*scaling%slope
          case (film_over_wave)
             if (finest_wave(of%contact) < huge(1.0_wp)) then
                limit%value = summary%of(h_central)%value/finest_wave(of%contact)*scaling%film &
@@ -270,38 +268,5 @@ contains
             state%film_thickness*scaling%film, of%materials%conductivity)
       end associate
    end function temperatures
-
-   !> d tau/dp of the sliding at every node.
-   pure function stokes_numbers(of, state) result(numbers)
-      type(circumstances_t), intent(in) :: of
-      type(line_state_t), intent(in) :: state
-      real(wp) :: numbers(size(state%x))
-      real(wp), allocatable :: ln_mu(:), slopes(:)
-      real(wp) :: eyring, sliding_stress
-
-      allocate (ln_mu(size(state%x)), slopes(size(state%x)))
-      call fluid_viscosity(of%contact%fluid, state%pressure, ln_mu, slopes)
-      eyring = 0.0_wp
-      if (of%lubricant%rheology == rheology_eyring) eyring = of%lubricant%eyring_stress
-      associate (scaling => of%scaling)
-         sliding_stress = scaling%viscosity*abs(of%bodies%speed_2 - of%bodies%speed_1)/scaling%film
-         numbers = pressure_derivative_of_stress(sliding_stress*state%viscosity &
-            /state%film_thickness, eyring, slopes/scaling%hertz_pressure)
-      end associate
-   end function stokes_numbers
-
-   !> Largest |dH/dX| between neighbouring nodes under pressure.
-   pure function steepest_slope(state) result(slope)
-      type(line_state_t), intent(in) :: state
-      real(wp) :: slope
-      integer :: n
-
-      n = size(state%x)
-      associate (x => state%x, h => state%film_thickness, p => state%pressure)
-         slope = maxval(abs((h(2:) - h(:n - 1))/(x(2:) - x(:n - 1))), &
-            min(p(2:), p(:n - 1)) > loaded_share*maxval(p))
-      end associate
-      slope = max(slope, 0.0_wp)
-   end function steepest_slope
 
 end module validity

@@ -94,10 +94,10 @@ contains
             call remember(history, level, 0.0_wp)
             call evaluate_coefficients(level)
             call fill_state(contact, level, 0.0_wp, state)
-            if (watcher%wants_parts) call watcher%on_start(contact, state, report)
-            if (.not. report%converged) return
-            call hand_out(0)
          end if
+         if (watcher%wants_parts) call watcher%on_start(contact, state, report)
+         if (.not. report%converged) return
+         if (.not. allocated(time%resume_from)) call hand_out(0)
          do step = history%step + 1, steps
             if (watcher%wants_stop) then
                call refuse(report, 'stopped from outside')

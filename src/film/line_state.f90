@@ -3,6 +3,7 @@ module line_state
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use friction_sums, only: friction_t
    use kinds, only: wp
+   use reynolds_limits, only: reynolds_limits_t
    implicit none (type, external)
    private
 
@@ -27,6 +28,8 @@ module line_state
       real(wp), allocatable :: shear_stress_1(:), shear_stress_mean(:), shear_stress_2(:)
       !> What they add up to; not allocated without a film.
       type(friction_t), allocatable :: friction
+      !> How far it is from the limit of Reynolds' equation; not allocated without a film.
+      type(reynolds_limits_t), allocatable :: limits
       !> Psi_1 = psi_1 R/b^2: height of surface 1, positive out of the material (towards the gap).
       real(wp), allocatable :: roughness_1(:)
       !> Psi_2 likewise for surface 2.

@@ -10,6 +10,7 @@ module line_summary
    use missing_value, only: larger, not_known
    use quantities, only: quantity_count, quantity_rows, quantity_values, &
       rule_between, rule_crest, rule_value
+   use reynolds_limits, only: reynolds_limits_t, unknown_limits, widen_limits
    implicit none (type, external)
    private
 
@@ -57,6 +58,8 @@ module line_summary
       type(quantity_t) :: of(quantity_count)
       !> What the error of p_max is estimated from; over several times the largest.
       type(crests_t) :: crests
+      !> How far the film is from the limit of Reynolds' equation; over several times the largest.
+      type(reynolds_limits_t) :: limits
    end type line_summary_t
 
 contains
@@ -68,6 +71,7 @@ contains
 
       summary = summary_of_fields(state%x, state%pressure, state%film_thickness, state%time, &
          state%friction)
+      if (allocated(state%limits)) summary%limits = state%limits
    end function summary_of
 
    !> The quantities of pressure `p` and film `h` on the nodes `x` of a rising grid at a time, each
@@ -88,6 +92,7 @@ contains
          summary%of(i) = new_quantity(i, quantity_values(i, x, p, h, forces), time)
       end do
       summary%crests = crests_of(p, h)
+      summary%limits = unknown_limits()
    end function summary_of_fields
 
    !> Takes the values of `other`, a solution of other equations on the same grid: the estimated
@@ -101,6 +106,7 @@ contains
          of%between = other%of%between
          of%value = other%of%value
       end associate
+      summary%limits = other%limits
    end subroutine take_values
 
    !> Widens `summary` by the quantities of another time: smallest films, largest pressure and exit.
@@ -114,6 +120,7 @@ contains
       end do
       summary%crests%highest = larger(summary%crests%highest, other%crests%highest)
       summary%crests%other = larger(summary%crests%other, other%crests%other)
+      call widen_limits(summary%limits, other%limits)
       if (.not. ieee_is_finite(other%crests%spike)) return
       if (ieee_is_finite(summary%crests%spike) &
          .and. other%crests%spike <= summary%crests%spike) return

@@ -28,7 +28,8 @@ module observer
       procedure :: on_cycle => ignore_cycle
       !> After each time step, and once at T = 0 with step = 0.
       procedure :: on_step => ignore_step
-      !> With `wants_parts`, before `on_step` at T = 0, and after each time step before `on_step`.
+      !> With `wants_parts`, before `on_step` at T = 0 or where a march goes on, and after each time
+      !> step before `on_step`.
       procedure :: on_start => ignore_start
       procedure :: on_parts => ignore_parts
       !> After a time step for which `wants_state` is set.
@@ -90,7 +91,8 @@ contains
    end subroutine ignore_step
 
    !> T = 0: in `state` the smooth steady pressure of `contact`, with the film that the surfaces
-   !> have entered. A report that is not converged afterwards ends the march.
+   !> have entered; or, where a march goes on, its last state. A report that is not converged
+   !> afterwards ends the march.
    subroutine ignore_start(self, contact, state, report)
       class(observer_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact

@@ -8,6 +8,7 @@ module state_output
    use line_level, only: line_level_t
    use line_state, only: line_state_t
    use lubricant, only: fluid_density, fluid_viscosity
+   use reynolds_limits, only: film_limits
    use rheology, only: ln_slip
    use shear_stresses, only: film_stresses
    implicit none (type, external)
@@ -20,9 +21,9 @@ module state_output
 
 contains
 
-   !> Pressure, film, roughness, H0, time, and friction from a level whose mobility and density are
-   !> those of its pressure and film, where these have been evaluated (a stop may come before that);
-   !> fields of the lubricant are left to `fill_properties`.
+   !> Pressure, film, roughness, H0, time, limits of Reynolds' equation, and friction from a level
+   !> whose mobility and density are those of its pressure and film, where these have been evaluated
+   !> (a stop may come before that); fields of the lubricant are left to `fill_properties`.
    pure subroutine fill_state(contact, level, time, state)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
@@ -37,8 +38,11 @@ contains
       state%rigid_displacement = level%state%rigid_displacement
       state%time = time
       if (allocated(state%friction)) deallocate (state%friction)
+      if (allocated(state%limits)) deallocate (state%limits)
       if (all(state%film_thickness > 0.0_wp) .and. level%density(0) > 0.0_wp) then
          state%friction = friction_of(level)
+         state%limits = film_limits(level%fluid, level%lambda, level%slide_to_roll, level%dx, &
+            level%state%pressure, level%state%film)
       end if
    end subroutine fill_state
 

@@ -9,6 +9,7 @@ module checkpoint
    use checkpoint_file, only: checkpoint_file_t
    use errors, only: error_t, fail, input_error, output_error
    use file_seal, only: has_seal, is_whole, seal_file
+   use film_passage, only: film_passage_t, new_passage
    use film_statistics, only: film_statistics_t, new_statistics
    use hdf5_attribute, only: write_attribute
    use hdf5_file, only: create_hdf5_file
@@ -17,10 +18,12 @@ module checkpoint
    use kinds, only: wp
    use line_summary, only: line_summary_t, quantity_t
    use march_state, only: march_state_t
+   use momentum_history, only: excess_t, max_excesses, momentum_history_t, past_t
    use operating_system, only: remove_file, rename_file, sync_file, sync_folder
    use passage_extremes, only: passage_extremes_t
    use quantities, only: quantity_count, quantity_rows
    use split_errors, only: forecast_t
+   use text, only: to_text
    use transient_store, only: digits_length, part_t
    implicit none (type, external)
    private
@@ -28,7 +31,7 @@ module checkpoint
    public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 13
+   integer, parameter :: format_number = 14
    !> What to do about a checkpoint that cannot be used.
    character(*), parameter :: way_out = '; delete it, and the run starts at the beginning'
 
@@ -43,6 +46,10 @@ module checkpoint
       type(forecast_t) :: forecast
       !> The film over all time steps, where that is asked for.
       type(film_statistics_t) :: statistics
+      !> Where the full momentum equations stand, and what they have changed so far, where they are
+      !> solved too.
+      type(momentum_history_t), allocatable :: momentum
+      type(film_passage_t), allocatable :: film_passage
       !> What is stored in NAME.part.
       type(part_t) :: part
       !> Intervals, time step and space scheme, given or chosen.
@@ -111,7 +118,7 @@ contains
    subroutine visit_checkpoint(file, checkpoint)
       type(checkpoint_file_t), intent(inout) :: file
       type(checkpoint_t), intent(inout) :: checkpoint
-      logical :: has_statistics
+      logical :: has_momentum, has_statistics
 
       associate (c => checkpoint)
          call file%visit_text('/case', c%case)
@@ -127,6 +134,12 @@ contains
          has_statistics = file%has('/statistics', allocated(c%statistics%thresholds))
          if (has_statistics) call visit_statistics(file, c%statistics)
          call visit_march(file, c%march)
+         has_momentum = file%has('/momentum', allocated(c%momentum))
+         if (has_momentum) then
+            if (file%is_read) allocate (c%momentum, c%film_passage)
+            call visit_momentum(file, c%momentum, ubound(c%march%film, 1))
+            call visit_passage(file, c%film_passage, size(c%march%film))
+         end if
          call visit_report(file, c%march%report)
          c%march%report%steps = c%march%step
       end associate
@@ -157,6 +170,8 @@ contains
       call file%visit(path//'other_crest', summary%crests%other)
       call file%visit(path//'spike', summary%crests%spike)
       call file%visit(path//'spike_film', summary%crests%spike_film)
+      call file%visit(path//'stokes_number', summary%limits%stokes_number)
+      call file%visit(path//'surface_slope', summary%limits%surface_slope)
    end subroutine visit_summary
 
    !> One quantity; its error is estimated when the run is complete.
@@ -228,6 +243,96 @@ contains
       call file%visit('/march/pressure', march%pressure)
       call file%visit('/march/mass', march%mass)
    end subroutine visit_march
+
+   !> The march of the full momentum equations on n intervals.
+   subroutine visit_momentum(file, history, n)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(momentum_history_t), intent(inout) :: history
+      integer, intent(in) :: n
+      integer :: counts(8), k
+
+      associate (past => history)
+         counts = [past%layers, past%times, past%films, past%solutions, past%steps, &
+            past%most_steps, past%factorisations, past%linear_iterations]
+         call file%visit('/momentum/counts', counts)
+         past%layers = counts(1)
+         past%times = counts(2)
+         past%films = counts(3)
+         past%solutions = counts(4)
+         past%steps = counts(5)
+         past%most_steps = counts(6)
+         past%factorisations = counts(7)
+         past%linear_iterations = counts(8)
+         call file%visit('/momentum/longer', past%longer)
+         call file%visit('/momentum/best_count', past%best_count)
+         call file%visit('/momentum/lengths', past%lengths)
+         call file%visit('/momentum/stress_rise', past%stress_rise)
+         do k = 1, min(past%times, size(past%past))
+            call visit_past(file, '/momentum/past_'//to_text(k), past%past(k), past%layers, n)
+         end do
+         do k = 1, min(past%films, max_excesses)
+            call visit_excess(file, '/momentum/excess_'//to_text(k), past%excess(k), past%layers, n)
+         end do
+         call visit_excess(file, '/momentum/flow', past%flow, past%layers, n)
+         call visit_past(file, '/momentum/made_of_old', past%made_of_old, past%layers, n)
+         call file%visit('/momentum/half_rate', past%half_rate)
+         if (file%is_read) allocate (past%film(0:n), past%heights(0:n, 2), &
+            past%reynolds%pressure(0:n), past%reynolds%film(0:n))
+         call file%visit('/momentum/film', past%film)
+         call file%visit('/momentum/heights', past%heights)
+         call file%visit('/momentum/reynolds/pressure', past%reynolds%pressure)
+         call file%visit('/momentum/reynolds/film', past%reynolds%film)
+         call file%visit('/momentum/reynolds/rigid_displacement', &
+            past%reynolds%rigid_displacement)
+      end associate
+   end subroutine visit_momentum
+
+   !> H, z1 and rho H of an old time on `layers` layers and n intervals.
+   subroutine visit_past(file, path, past, layers, n)
+      type(checkpoint_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      type(past_t), intent(inout) :: past
+      integer, intent(in) :: layers, n
+
+      if (file%is_read) allocate (past%film(0:n), past%lower(0:n), past%mass(layers, 0:n))
+      call file%visit(path//'/film', past%film)
+      call file%visit(path//'/lower', past%lower)
+      call file%visit(path//'/mass', past%mass)
+   end subroutine visit_past
+
+   !> P, U, V and H0 on `layers` layers and n intervals.
+   subroutine visit_excess(file, path, excess, layers, n)
+      type(checkpoint_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      type(excess_t), intent(inout) :: excess
+      integer, intent(in) :: layers, n
+
+      if (file%is_read) allocate (excess%p(layers, 0:n), excess%u(layers, n), &
+         excess%v(0:layers, 0:n))
+      call file%visit(path//'/p', excess%p)
+      call file%visit(path//'/u', excess%u)
+      call file%visit(path//'/v', excess%v)
+      call file%visit(path//'/rigid_displacement', excess%rigid_displacement)
+   end subroutine visit_excess
+
+   !> What the full momentum equations have changed so far, on nx nodes.
+   subroutine visit_passage(file, passage, nx)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(film_passage_t), intent(inout) :: passage
+      integer, intent(in) :: nx
+      integer :: places(2)
+
+      places = [passage%last, passage%stride]
+      call file%visit('/momentum/passage/places', places)
+      if (file%is_read) passage = new_passage(places(1), places(2), nx)
+      passage%last = places(1)
+      associate (last => places(1), profiles => places(1)/places(2))
+         call file%visit('/momentum/passage/time', passage%time(:last))
+         call file%visit('/momentum/passage/series', passage%series(:, :last))
+         call file%visit('/momentum/passage/pressure', passage%pressure(:, :profiles))
+         call file%visit('/momentum/passage/film', passage%film(:, :profiles))
+      end associate
+   end subroutine visit_passage
 
    !> The report up to here; a checkpoint is only written after a step that has converged.
    subroutine visit_report(file, report)

@@ -18,6 +18,7 @@ module result_sections
    use result_labels, only: field_names, field_values, has_scale, row_label, &
       scaled_label, si_label
    use scaling, only: scaling_t
+   use validity_table, only: limit_rows, stokes_number, surface_slope
    implicit none (type, external)
    private
 
@@ -119,7 +120,8 @@ contains
    end subroutine write_solution
 
    !> /summary: quantities in SI; `is_transient`: extremes over the times that count, each with its
-   !> time in `<name>_time`; `missing`: why a quantity whose estimate is NaN has none.
+   !> time in `<name>_time`; `missing`: why a quantity whose estimate is NaN has none. Beside them
+   !> how far the film is from the limit of Reynolds' equation.
    subroutine write_summary(file, summary, scaling, is_transient, missing)
       class(hdf5_file_t), intent(inout) :: file
       type(line_summary_t), intent(in) :: summary
@@ -145,8 +147,24 @@ contains
                quantity, 8.0_wp*scaling%moes_m/pi, new_label('', '1'))
          end associate
       end do
+      call write_limit(stokes_number, summary%limits%stokes_number)
+      call write_limit(surface_slope, summary%limits%surface_slope)
 
    contains
+
+      !> Row `i` of the limits of the model, where it is known.
+      subroutine write_limit(i, value)
+         integer, intent(in) :: i
+         real(wp), intent(in) :: value
+         character(:), allocatable :: words
+
+         if (.not. ieee_is_finite(value)) return
+         words = trim(limit_rows(i)%meaning)//' (dimensionless: times R/b)'
+         if (is_transient) words = words//', largest over time'
+         call write_value('/summary/'//trim(limit_rows(i)%name), words, value, &
+            scaled_label('', 'slope', scaling), not_known(), &
+            'it says how far the model holds: /adequacy/validity has its threshold')
+      end subroutine write_limit
 
       !> Which extreme a quantity is, if there are several times and its text does not say so.
       pure function over_time(row) result(words)

@@ -343,8 +343,10 @@ contains
       if (allocated(self%limits)) call write_validity(self%file, self%limits)
       call write_formulas(self%file, self%formulas, self%summary, self%scaling)
       if (allocated(self%momentum)) then
-         call write_momentum(self%file, self%momentum, self%scaling, self%is_transient)
-         if (self%is_transient) call write_film_passage(self%file, self%film_passage, self%scaling)
+         call write_momentum(self%file, self%momentum, self%scaling, self%is_transient, &
+            self%has_si)
+         if (self%is_transient) call write_film_passage(self%file, self%film_passage, &
+            self%scaling, self%has_si)
       end if
       if (allocated(self%velocity)) call write_velocity(self%file, self%velocity, self%scaling)
       call judge(self%adequacy, self%summary)

@@ -14,12 +14,14 @@ module run_observer
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use march_state, only: march_state_t
+   use momentum_history, only: momentum_history_t
+   use momentum_march, only: momentum_march_t
    use observer, only: observer_t
    use progress_log, only: progress_log_t
    use result_writer, only: result_writer_t
    use scaling, only: scaling_t
    use solver_settings, only: word_length
-   use time_part, only: follower_t, time_part_t
+   use time_part, only: time_part_t
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -50,9 +52,10 @@ module run_observer
       real(wp) :: checkpoint_interval = huge(1.0_wp)
       !> Coarse runs are still wanted.
       logical :: has_coarse_runs = .false.
-      !> The same time steps by the full momentum equations, where they are wanted. They are not in
-      !> checkpoints: such a run keeps none.
-      class(follower_t), allocatable :: momentum
+      !> The same time steps by the full momentum equations, where they are wanted, and where they
+      !> go on from a checkpoint.
+      type(momentum_march_t), allocatable :: momentum
+      type(momentum_history_t), allocatable :: momentum_before
       !> Why the last checkpoint could not be written; not allocated: it could.
       type(error_t), allocatable :: failure
       !> Seconds of the clock at the start and at the last checkpoint.
@@ -104,6 +107,7 @@ contains
          associate (writer => self%writer)
             if (step == 0) writer%film_passage = new_passage(steps, writer%profile_stride, &
                size(state%x))
+            call writer%film_passage%make_room(steps)
             call writer%film_passage%add(step, state, self%momentum)
          end associate
       end if
@@ -114,13 +118,12 @@ contains
       self%wants_state = is_interrupted() &
          .or. begin - self%last_checkpoint >= self%checkpoint_interval
       if (step == steps) self%wants_state = self%wants_state .or. begin - self%start > long_run
-      self%wants_state = self%wants_state .and. .not. (self%writer%has_failed() &
-         .or. allocated(self%momentum))
+      self%wants_state = self%wants_state .and. .not. self%writer%has_failed()
       call set_patience(self%wants_state .or. step < steps)
       self%output_seconds = self%output_seconds + wall_seconds() - begin
    end subroutine on_step
 
-   !> The full momentum equations begin.
+   !> The full momentum equations begin, or go on.
    subroutine on_start(self, contact, state, report)
       class(run_observer_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
@@ -128,7 +131,12 @@ contains
       type(report_t), intent(inout) :: report
       character(:), allocatable :: reason
 
-      call self%momentum%begin(contact, state, reason)
+      if (allocated(self%momentum_before)) then
+         call self%momentum%resume(contact, state, self%momentum_before, reason)
+         deallocate (self%momentum_before)
+      else
+         call self%momentum%begin(contact, state, reason)
+      end if
       if (.not. allocated(reason)) return
       report%converged = .false.
       report%reason = reason
@@ -175,6 +183,10 @@ contains
       checkpoint%passage = self%writer%passage
       checkpoint%forecast = self%writer%bars%forecast
       checkpoint%statistics = self%writer%statistics
+      if (allocated(self%momentum)) then
+         checkpoint%momentum = self%momentum%kept()
+         checkpoint%film_passage = self%writer%film_passage
+      end if
       checkpoint%part = self%writer%store%part()
       checkpoint%intervals = self%intervals
       checkpoint%time_step = self%time_step

@@ -8,11 +8,12 @@ module rheology
    use eyring, only: ln_slip_factor, mean_stresses, slip_factor, slip_factors, slip_values
    use kinds, only: wp
    use lubricant, only: fluid_t, rheology_eyring, rheology_newtonian
+   use model_limits, only: pressure_derivative_of_stress
    implicit none (type, external)
    private
 
-   public :: eased_fluid, evaluate_slip, evaluate_slip_slopes, evaluate_stress, ln_slip, &
-      ln_slip_with_slope, slide_to_roll, slip_t, thins, wall_stress
+   public :: eased_fluid, evaluate_slip, evaluate_slip_slopes, evaluate_stress, &
+      evaluate_stress_rise, ln_slip, ln_slip_with_slope, slide_to_roll, slip_t, thins, wall_stress
 
    !> Places evaluated at a time, at most.
    integer, parameter, public :: slip_block = 128
@@ -99,6 +100,21 @@ contains
          stress = couette*exp(min(ln_mu, largest_exponent))*inverse_film
       end select
    end subroutine evaluate_stress
+
+   !> d tau/dp of the sliding alone at a given shear rate at m places, in the unit b/R, >= 0, from
+   !> the film H, ln(mu/mu_0) and its `slope` by P; `couette` as in `evaluate_stress`.
+   pure subroutine evaluate_stress_rise(fluid, couette, film, ln_mu, slope, rise)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: couette
+      real(wp), intent(in), contiguous :: film(:), ln_mu(:), slope(:)
+      real(wp), intent(out), contiguous :: rise(:)
+      real(wp) :: eyring
+
+      eyring = 0.0_wp
+      if (fluid%rheology == rheology_eyring) eyring = 0.5_wp/fluid%sigma_scale
+      rise = pressure_derivative_of_stress(abs(couette)*exp(min(ln_mu, largest_exponent))/film, &
+         eyring, slope)
+   end subroutine evaluate_stress_rise
 
    !> The Eyring stress tau_0 in units of p_h b/R, with the sign of `couette`; 0 where that is 0,
    !> NaN where it is not known.

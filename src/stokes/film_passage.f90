@@ -24,6 +24,8 @@ module film_passage
    contains
       !> Takes the end of a time step.
       procedure :: add
+      !> Makes room for so many steps, where there is less.
+      procedure :: make_room
    end type film_passage_t
 
 contains
@@ -37,6 +39,27 @@ contains
       allocate (passage%time(0:steps), passage%series(9, 0:steps), &
          passage%pressure(nx, 0:steps/stride), passage%film(nx, 0:steps/stride), source=0.0_wp)
    end function new_passage
+
+   !> What is there stays.
+   pure subroutine make_room(self, steps)
+      class(film_passage_t), intent(inout) :: self
+      integer, intent(in) :: steps
+      type(film_passage_t) :: wide
+      integer :: profiles
+
+      if (ubound(self%time, 1) >= steps) return
+      wide = new_passage(steps, self%stride, size(self%pressure, 1))
+      profiles = self%last/self%stride
+      wide%last = self%last
+      wide%time(:self%last) = self%time(:self%last)
+      wide%series(:, :self%last) = self%series(:, :self%last)
+      wide%pressure(:, :profiles) = self%pressure(:, :profiles)
+      wide%film(:, :profiles) = self%film(:, :profiles)
+      self%time = wide%time
+      self%series = wide%series
+      self%pressure = wide%pressure
+      self%film = wide%film
+   end subroutine make_room
 
    !> `state` is that of the Reynolds equation.
    subroutine add(self, step, state, follower)

@@ -14,53 +14,44 @@ module momentum_march
    use line_level, only: line_level_t
    use line_state, only: line_state_t
    use momentum_continuation, only: missing_reason, solve_by_continuation
-   use momentum_newton, only: momentum_newton_t, start_flow
+   use momentum_history, only: excess_t, max_excesses, momentum_history_t
+   use momentum_newton, only: momentum_newton_t, solve_momentum_contact, start_flow
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t
    use momentum_rows, only: evaluate_rows, momentum_rows_t
    use momentum_setup, only: pose_momentum, set_walls, take_level, walls_t
    use time_part, only: follower_t, time_part_t
+   use time_scheme, only: parabola_weights
    implicit none (type, external)
    private
 
    public :: momentum_march_t
 
-   !> Bounds on the last Newton step, of the start and of a time step.
+   !> Bounds on the last Newton step, of the start and of a time step, where what is left after it
+   !> does too.
    real(wp), parameter :: start_tolerance = 1.0e-9_wp, step_tolerance = 1.0e-6_wp
-
-   !> What the equations need of an old time: H, z1 (0:n), rho H of the layers (layers, 0:n).
-   type :: past_t
-      real(wp), allocatable :: film(:), lower(:), mass(:, :)
-   end type past_t
-
-   !> What a film has above that of the Reynolds equation at the same time: P, U above that of the
-   !> thin film with its P and H, V and H0.
-   type :: excess_t
-      real(wp), allocatable :: p(:, :), u(:, :), v(:, :)
-      real(wp) :: rigid_displacement = 0.0_wp
-   end type excess_t
+   !> Newton steps from a first approximation by the past, at most.
+   integer, parameter :: direct_steps = 5
 
    !> Where the march stands. The pressure of its `state` is the mean across the film.
    type, extends(follower_t) :: momentum_march_t
       type(walls_t) :: walls
       integer :: layers = 0
-      !> Largest T_max so far.
-      real(wp) :: stress_rise = 0.0_wp
-      !> Time steps, or parts of them, with their Newton steps: all, and most for one.
-      integer :: solutions = 0, steps = 0, most_steps = 0
+      !> Its past, and what it has cost.
+      type(momentum_history_t) :: history
       type(line_level_t), private :: level
+      !> Heights Psi_1 and Psi_2 of the present walls (0:n, 2).
+      real(wp), allocatable, private :: heights(:, :)
       type(momentum_problem_t), private :: problem
       type(film_flow_t), private :: flow
       type(momentum_newton_t), private :: newton
       type(film_state_t), private :: reynolds
-      type(past_t), private :: past(2)
-      !> Of the last two films, and the length of the step between them.
-      type(excess_t), private :: excess(2)
-      real(wp), private :: length = 0.0_wp
    contains
       !> The smooth steady film, which the surfaces enter.
       procedure :: begin
       !> One part of a time step.
       procedure :: advance
+      !> Where it stands, and going on from there.
+      procedure :: kept, resume
       !> The fields of the present film.
       procedure :: fields => present_fields
    end type momentum_march_t
@@ -70,6 +61,27 @@ contains
    !> From `state`, that of the Reynolds equation at T = 0. Error: no memory, or no solution.
    subroutine begin(self, contact, state, reason)
       class(momentum_march_t), intent(inout) :: self
+      type(line_contact_t), intent(in) :: contact
+      type(line_state_t), intent(in) :: state
+      character(:), allocatable, intent(out) :: reason
+      real(wp) :: heights(size(state%x), 2)
+
+      call pose(self, contact, state, reason)
+      if (allocated(reason)) return
+      call solve(self, start_tolerance, reason)
+      self%history%steps = self%newton%steps
+      if (allocated(reason)) return
+      self%newton%largest_rest = step_tolerance
+      heights(:, 1) = state%roughness_1
+      heights(:, 2) = state%roughness_2
+      self%flow%u = self%flow%u - self%newton%terms%reynolds%u
+      call move_walls(self, heights)
+      call remember(self)
+   end subroutine begin
+
+   !> The smooth contact, with the pressure of `state` as first approximation. Error: no memory.
+   subroutine pose(self, contact, state, reason)
+      type(momentum_march_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
       character(:), allocatable, intent(out) :: reason
@@ -86,37 +98,87 @@ contains
          return
       end if
       self%reynolds = self%level%state
-      call pose_momentum(self%problem, contact, self%walls, self%level, self%layers)
       heights = 0.0_wp
-      call set_walls(self%problem, self%walls, self%level, heights)
+      call pose_momentum(self%problem, contact, self%walls, self%level, self%layers, heights)
       call start_flow(self%problem, self%level, self%flow, self%newton%terms)
-      call solve(self, start_tolerance, reason)
-      if (allocated(reason)) return
-      heights(:, 1) = state%roughness_1
-      heights(:, 2) = state%roughness_2
-      self%flow%u = self%flow%u - self%newton%terms%reynolds%u
-      call move_walls(self, heights)
       associate (n => self%level%n, m => self%layers)
          allocate (self%problem%past_film(0:n), self%problem%past_lower(0:n), &
             self%problem%past_mass(m, 0:n), source=0.0_wp)
       end associate
-      call remember(self)
-   end subroutine begin
+   end subroutine pose
+
+   !> Where it stands after a step.
+   function kept(self) result(history)
+      class(momentum_march_t), intent(in) :: self
+      type(momentum_history_t) :: history
+
+      history = self%history
+      history%layers = self%layers
+      history%factorisations = self%newton%factorisations
+      history%linear_iterations = self%newton%linear_iterations
+      history%flow%p = self%flow%p
+      history%flow%u = self%flow%u
+      history%flow%v = self%flow%v
+      history%flow%rigid_displacement = self%level%state%rigid_displacement
+      history%film = self%flow%film
+      history%heights = self%heights
+      history%half_rate = self%problem%half_rate
+      history%made_of_old%film = self%problem%past_film
+      history%made_of_old%lower = self%problem%past_lower
+      history%made_of_old%mass = self%problem%past_mass
+      history%reynolds = self%reynolds
+   end function kept
+
+   !> Goes on from there, `state` that of the Reynolds equation at that time. Error: no memory.
+   subroutine resume(self, contact, state, history, reason)
+      class(momentum_march_t), intent(inout) :: self
+      type(line_contact_t), intent(in) :: contact
+      type(line_state_t), intent(in) :: state
+      type(momentum_history_t), intent(in) :: history
+      character(:), allocatable, intent(out) :: reason
+      type(momentum_rows_t) :: rows
+
+      call pose(self, contact, state, reason)
+      if (allocated(reason)) return
+      self%history = history
+      self%newton%factorisations = history%factorisations
+      self%newton%linear_iterations = history%linear_iterations
+      self%newton%largest_rest = step_tolerance
+      self%reynolds = history%reynolds
+      self%heights = history%heights
+      associate (problem => self%problem, level => self%level, flow => self%flow)
+         problem%half_rate = history%half_rate
+         problem%past_film(:) = history%made_of_old%film
+         problem%past_lower(:) = history%made_of_old%lower
+         problem%past_mass(:, :) = history%made_of_old%mass
+         call set_walls(problem, self%walls, level, history%heights)
+         flow%p(:, :) = history%flow%p
+         flow%u(:, :) = history%flow%u
+         flow%v(:, :) = history%flow%v
+         flow%film(:) = history%film
+         level%state%pressure(:) = mean_pressure(flow)
+         level%state%film(:) = history%film
+         level%state%rigid_displacement = history%flow%rigid_displacement
+         call evaluate_rows(problem, flow, self%newton%terms, rows)
+      end associate
+      call show(self)
+   end subroutine resume
 
    !> Goes on by a part of a time step that the Reynolds equation has done.
    subroutine advance(self, part, reason)
       class(momentum_march_t), intent(inout) :: self
       type(time_part_t), intent(in) :: part
       character(:), allocatable, intent(out) :: reason
+      integer :: count, steps
 
-      associate (problem => self%problem, level => self%level, older => self%past(2), &
-         old => self%past(1))
+      associate (problem => self%problem, level => self%level, older => self%history%past(2), &
+         old => self%history%past(1))
          level%inverse_time_step = part%weights(1)
          problem%half_rate = 0.5_wp*part%weights(1)
          problem%past_film(:) = -0.5_wp*part%weights(2)*old%film
          problem%past_lower(:) = -0.5_wp*part%weights(2)*old%lower
          problem%past_mass(:, :) = -0.5_wp*part%weights(2)*old%mass
-         if (allocated(older%film)) then
+         if (self%history%times > 1) then
             problem%past_film = problem%past_film - 0.5_wp*part%weights(3)*older%film
             problem%past_lower = problem%past_lower - 0.5_wp*part%weights(3)*older%lower
             problem%past_mass = problem%past_mass - 0.5_wp*part%weights(3)*older%mass
@@ -126,43 +188,93 @@ contains
          level%rhs_load = level%dx*sum(part%state%pressure)
          problem%held_pressure(0) = part%state%pressure(0)
       end associate
-      call foretell(self, part%length)
-      call move_walls(self, part%heights)
       self%newton%most_further_steps = 1
-      call solve(self, step_tolerance, reason)
-      if (.not. allocated(reason)) call remember(self)
-      self%length = part%length
+      count = min(self%history%best_count, self%history%films)
+      call foretell(self, part%length, count)
+      call move_walls(self, part%heights)
+      steps = 0
+      if (count > 0) then
+         call solve_directly(self, steps)
+         if (.not. self%newton%is_converged) then
+            call foretell(self, part%length, 0)
+            call move_walls(self, part%heights)
+         end if
+      end if
+      if (count == 0 .or. .not. self%newton%is_converged) call solve(self, step_tolerance, reason)
+      call count_steps(self, steps + self%newton%steps)
+      if (.not. allocated(reason)) call remember(self, part%length)
    end subroutine advance
 
    !> First approximation at the end of a step of this length: the film of the Reynolds equation and
-   !> what the line through the last two foretells to be above it. U waits for the new film.
-   subroutine foretell(self, length)
+   !> what the last `count` films foretell to be above it. U waits for the new film.
+   subroutine foretell(self, length, count)
       class(momentum_march_t), intent(inout) :: self
       real(wp), intent(in) :: length
-      real(wp) :: ahead
-      integer :: i
+      integer, intent(in) :: count
+      real(wp) :: weights(max_excesses)
+      integer :: i, k
 
       associate (problem => self%problem, level => self%level, flow => self%flow, &
-         last => self%excess(1), older => self%excess(2))
-         flow%p(:, :) = last%p + spread(self%reynolds%pressure, 1, self%layers)
-         flow%u(:, :) = last%u
-         flow%v(:, :) = last%v
-         level%state%rigid_displacement = self%reynolds%rigid_displacement &
-            + last%rigid_displacement
-         if (allocated(older%p)) then
-            ahead = length/self%length
-            flow%p = flow%p + ahead*(last%p - older%p)
-            flow%u = flow%u + ahead*(last%u - older%u)
-            flow%v = flow%v + ahead*(last%v - older%v)
-            level%state%rigid_displacement = level%state%rigid_displacement &
-               + ahead*(last%rigid_displacement - older%rigid_displacement)
-         end if
+         past => self%history)
+         weights = weights_of(past, length, count)
+         flow%p(:, :) = spread(self%reynolds%pressure, 1, self%layers)
+         flow%u(:, :) = 0.0_wp
+         flow%v(:, :) = 0.0_wp
+         level%state%rigid_displacement = self%reynolds%rigid_displacement
+         do k = 1, count
+            associate (excess => past%excess(k))
+               flow%p = flow%p + weights(k)*excess%p
+               flow%u = flow%u + weights(k)*excess%u
+               flow%v = flow%v + weights(k)*excess%v
+               level%state%rigid_displacement = level%state%rigid_displacement &
+                  + weights(k)*excess%rigid_displacement
+            end associate
+         end do
          do i = 0, level%n
             problem%is_held(i) = self%reynolds%pressure(i) <= 0.0_wp .or. i == 0
             if (problem%is_held(i)) flow%p(:, i) = problem%held_pressure(i)
          end do
       end associate
    end subroutine foretell
+
+   !> Weights of the last `count` films in what they foretell at the end of a step of this length.
+   pure function weights_of(past, length, count) result(weights)
+      type(momentum_history_t), intent(in) :: past
+      real(wp), intent(in) :: length
+      integer, intent(in) :: count
+      real(wp) :: weights(max_excesses), last
+
+      weights = 0.0_wp
+      last = merge(past%lengths(1), 1.0_wp, past%films > 1)
+      if (count > 0) weights = parabola_weights(count, length/last, past%lengths(2)/last)
+   end function weights_of
+
+   !> From how many of its films the past would best have foretold the present `excess`, after a
+   !> step of this length: pressures and velocities count alike.
+   function next_count(past, excess, length) result(best)
+      type(momentum_history_t), intent(in) :: past
+      type(excess_t), intent(in) :: excess
+      real(wp), intent(in) :: length
+      integer :: best
+      real(wp) :: miss, smallest, weights(max_excesses)
+      real(wp), allocatable :: p(:, :), u(:, :)
+      integer :: count, k
+
+      best = 0
+      smallest = huge(1.0_wp)
+      do count = 0, past%films
+         weights = weights_of(past, length, count)
+         p = excess%p
+         u = excess%u
+         do k = 1, count
+            p = p - weights(k)*past%excess(k)%p
+            u = u - weights(k)*past%excess(k)%u
+         end do
+         miss = max(maxval(abs(p)), maxval(abs(u)))
+         if (miss < smallest) best = count
+         smallest = min(miss, smallest)
+      end do
+   end function next_count
 
    !> The walls take these heights, the film follows, and the velocities, of which `flow` holds what
    !> they are above those of the thin film.
@@ -172,6 +284,7 @@ contains
       type(momentum_rows_t) :: rows
 
       call set_walls(self%problem, self%walls, self%level, heights)
+      self%heights = heights
       associate (level => self%level, flow => self%flow, terms => self%newton%terms)
          level%rhs_film(:) = 0.5_wp*level%x**2 - sum(heights, 2)
          level%state%pressure(:) = mean_pressure(flow)
@@ -195,43 +308,88 @@ contains
          return
       end if
       rise = stress_rise(self%problem, self%newton%terms)
-      self%stress_rise = max(self%stress_rise, rise)
+      self%history%stress_rise = max(self%history%stress_rise, rise)
       self%newton%is_converged = .false.
       if (rise < 1.0_wp) call solve_by_continuation(self%newton, self%problem, self%level, &
          self%flow, self%reynolds, tolerance)
       if (.not. self%newton%is_converged) reason = missing_reason(self%newton, rise)
-      associate (newton => self%newton)
-         self%steps = self%steps + newton%steps
-         if (.not. allocated(self%past(1)%film)) return
-         self%solutions = self%solutions + 1
-         self%most_steps = max(self%most_steps, newton%steps)
-      end associate
    end subroutine solve
 
-   !> The present film enters the history.
-   subroutine remember(self)
+   !> A few steps of Newton's method from a first approximation that may lead nowhere; `lost` counts
+   !> them where it does.
+   subroutine solve_directly(self, lost)
       class(momentum_march_t), intent(inout) :: self
+      integer, intent(out) :: lost
 
-      if (allocated(self%past(1)%film)) then
-         self%past(2) = self%past(1)
-         ! that of T = 0 foretells nothing: the surfaces have entered it
-         if (self%length > 0.0_wp) self%excess(2) = self%excess(1)
-      end if
-      associate (excess => self%excess(1), flow => self%flow)
+      lost = 0
+      self%newton%is_converged = .false.
+      if (any(self%flow%film <= 0.0_wp)) return
+      if (.not. stress_rise(self%problem, self%newton%terms) < 1.0_wp) return
+      call solve_momentum_contact(self%newton, self%problem, self%level, self%flow, &
+         step_tolerance, direct_steps)
+      if (.not. self%newton%is_converged) lost = self%newton%steps
+      if (self%newton%is_converged) self%history%stress_rise = max(self%history%stress_rise, &
+         stress_rise(self%problem, self%newton%terms))
+   end subroutine solve_directly
+
+   !> Newton steps of one time step, or part of it.
+   subroutine count_steps(self, steps)
+      class(momentum_march_t), intent(inout) :: self
+      integer, intent(in) :: steps
+
+      associate (past => self%history)
+         past%steps = past%steps + steps
+         past%solutions = past%solutions + 1
+         past%most_steps = max(past%most_steps, steps)
+         past%longer = past%longer + merge(1, 0, steps > 3)
+      end associate
+   end subroutine count_steps
+
+   !> The present film enters the history, at the end of a step of this length; without one the
+   !> march begins with it.
+   subroutine remember(self, length)
+      class(momentum_march_t), intent(inout) :: self
+      real(wp), intent(in), optional :: length
+      type(excess_t) :: excess
+      integer :: k
+
+      associate (past => self%history, flow => self%flow)
          excess%p = flow%p - spread(self%reynolds%pressure, 1, self%layers)
          excess%u = flow%u - self%newton%terms%reynolds%u
          excess%v = flow%v
          excess%rigid_displacement = self%level%state%rigid_displacement &
             - self%reynolds%rigid_displacement
+         past%best_count = 1
+         if (present(length)) past%best_count = next_count(past, excess, length)
+         past%past(2) = past%past(1)
+         past%times = min(past%times + 1, 2)
+         past%past(1)%film = flow%film
+         past%past(1)%lower = self%problem%lower_share*flow%film + self%problem%lower_shape
+         past%past(1)%mass = self%newton%terms%stresses%rho*spread(flow%film, 1, self%layers)
+         ! that of T = 0 foretells nothing but the first: the surfaces have entered it
+         if (past%films > 0 .and. past%lengths(1) > 0.0_wp) then
+            do k = max_excesses, 2, -1
+               past%excess(k) = past%excess(k - 1)
+            end do
+         else
+            past%films = 0
+         end if
+         past%films = min(past%films + 1, max_excesses)
+         if (present(length)) past%lengths = [length, past%lengths(:max_excesses - 2)]
+         past%excess(1) = excess
       end associate
-      associate (past => self%past(1), film => self%flow%film, p => self%flow%p)
-         past%film = film
-         past%lower = self%problem%lower_share*film + self%problem%lower_shape
-         past%mass = self%newton%terms%stresses%rho*spread(film, 1, self%layers)
+      call show(self)
+   end subroutine remember
+
+   !> What is seen of the present film.
+   subroutine show(self)
+      class(momentum_march_t), intent(inout) :: self
+
+      associate (p => self%flow%p)
          self%pressure_variation = maxval(maxval(p, 1) - minval(p, 1))
       end associate
       self%state = self%level%state
-   end subroutine remember
+   end subroutine show
 
    !> The fields of the present film, and the pressure and film of the Reynolds equation.
    function present_fields(self) result(fields)
@@ -241,8 +399,8 @@ contains
       call take_fields(self%problem, self%flow, self%newton%terms, fields)
       fields%reynolds_pressure = self%reynolds%pressure
       fields%reynolds_film = self%reynolds%film
-      fields%stress_rise = self%stress_rise
-      fields%steps = self%steps
+      fields%stress_rise = self%history%stress_rise
+      fields%steps = self%history%steps
       fields%factorisations = self%newton%factorisations
       fields%linear_iterations = self%newton%linear_iterations
    end function present_fields

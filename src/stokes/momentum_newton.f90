@@ -51,6 +51,9 @@ module momentum_newton
       !> The factors are kept while so many more steps with them are expected to do. (To factor
       !> costs as much as six steps.)
       integer :: most_further_steps = 5
+      !> A solution also counts as found where what is left after a full step is foretold to be
+      !> below this: all further steps, as if each left as much of the one before as the last did.
+      real(wp) :: largest_rest = 0.0_wp
       !> Largest change of P, U and H0 in the last full step.
       real(wp) :: last_step = huge(1.0_wp)
       type(momentum_terms_t) :: terms
@@ -148,16 +151,36 @@ contains
          if (newton%last_step*newton%rate**newton%most_further_steps > tolerance &
             .or. share < 1.0_wp) deallocate (newton%factored_set)
          newton%is_converged = share >= 1.0_wp .and. .not. has_new_set &
-            .and. (newton%last_step < tolerance .or. (newton%last_step < settled &
-            .and. newton%last_step > slow_share*previous))
+            .and. is_small(newton, previous, tolerance)
          if (newton%is_converged) exit
-         previous = newton%last_step
+         previous = merge(newton%last_step, huge(1.0_wp), share >= 1.0_wp)
       end do
       level%state%pressure(:) = mean_pressure(flow)
       call take_film(level)
       flow%film(:) = level%state%film
       call evaluate_rows(problem, flow, newton%terms, newton%rows)
    end subroutine solve_momentum_contact
+
+   !> Whether the last full step is the last one that is needed.
+   pure function is_small(newton, previous, tolerance)
+      type(momentum_newton_t), intent(in) :: newton
+      real(wp), intent(in) :: previous, tolerance
+      logical :: is_small
+
+      is_small = newton%last_step < tolerance .or. (newton%last_step < settled &
+         .and. newton%last_step > slow_share*previous) &
+         .or. rest(newton%last_step, previous) < newton%largest_rest
+   end function is_small
+
+   !> What is left after a step if further ones fall as it has fallen from the previous one; without
+   !> a previous full step that is not known.
+   pure function rest(step, previous)
+      real(wp), intent(in) :: step, previous
+      real(wp) :: rest
+
+      rest = huge(1.0_wp)
+      if (step < 0.5_wp*previous .and. previous < huge(1.0_wp)) rest = step**2/(previous - step)
+   end function rest
 
    !> Factors for the flow where there are none, or for other cavitated columns.
    subroutine renew_factors(newton, problem, flow, is_new, error)

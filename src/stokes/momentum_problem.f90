@@ -16,6 +16,12 @@ module momentum_problem
 
    public :: film_flow_t, mean_pressure, momentum_problem_t, new_flow
 
+   !> What the oil does at the inlet, where P is given: nothing across the film changes along it,
+   !> dV/dX = 0; it enters along the lines of constant zeta, V = 0; or, with dV/dX = 0, its
+   !> velocities at the first face have the profile of the thin film, and the middle layer the
+   !> balance of momentum.
+   integer, parameter, public :: inlet_even = 1, inlet_parallel = 2, inlet_thin = 3
+
    !> Data of one problem. Arrays (0:n) unless stated.
    type :: momentum_problem_t
       !> Intervals in X, layers across the film.
@@ -46,6 +52,8 @@ module momentum_problem
       !> Columns whose pressure is given (both ends, and where the oil is cavitated), and which.
       logical, allocatable :: is_held(:)
       real(wp), allocatable :: held_pressure(:)
+      !> One of the inlets above.
+      integer :: inlet = inlet_even
       !> Shares of the layers (layers) in the pressure that loads the bodies; not allocated: that is
       !> the mean.
       real(wp), allocatable :: loading_shares(:)

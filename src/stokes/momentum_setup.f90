@@ -46,13 +46,15 @@ contains
    !> first approximation: it says which columns are cavitated.
    !>
    !> Each body takes its own curvature and roughness, and half of the deformation:
-   !> z1 = -H/2 + (1/2 - R/R1) X^2/2 + (Psi_1 - Psi_2)/2.
-   pure subroutine pose_momentum(problem, contact, walls, level, layers)
+   !> z1 = -H/2 + (1/2 - R/R1) X^2/2 + (Psi_1 - Psi_2)/2. `heights` Psi_1 and Psi_2 at the nodes
+   !> (0:n, 2) are those of the contact at T = 0 where they are not given.
+   pure subroutine pose_momentum(problem, contact, walls, level, layers, heights)
       type(momentum_problem_t), intent(out) :: problem
       type(line_contact_t), intent(in) :: contact
       type(walls_t), intent(in) :: walls
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: layers
+      real(wp), intent(in), optional :: heights(0:, :)
 
       problem%n = level%n
       problem%layers = layers
@@ -68,9 +70,13 @@ contains
       problem%shear_scale = level%fluid%sigma_scale*level%lambda/3
       problem%lower_share = -0.5_wp
       allocate (problem%lower_shape(0:level%n), problem%wave_slope(level%n, 2))
-      call set_walls(problem, walls, level, reshape([ &
-         surface_height(contact%surface_1, level%x, 0.0_wp), &
-         surface_height(contact%surface_2, level%x, 0.0_wp)], [level%n + 1, 2]))
+      if (present(heights)) then
+         call set_walls(problem, walls, level, heights)
+      else
+         call set_walls(problem, walls, level, reshape([ &
+            surface_height(contact%surface_1, level%x, 0.0_wp), &
+            surface_height(contact%surface_2, level%x, 0.0_wp)], [level%n + 1, 2]))
+      end if
       allocate (problem%held_pressure(0:level%n), source=0.0_wp)
       allocate (problem%is_held(0:level%n), source=level%state%pressure <= 0.0_wp)
       problem%is_held([0, level%n]) = .true.

@@ -14,6 +14,7 @@ module momentum_solver
    use momentum_problem, only: film_flow_t, momentum_problem_t
    use momentum_setup, only: pose_momentum, take_level, walls_t
    use quantities, only: h_central, h_min, p_max
+   use reynolds_limits, only: film_limits
    use state_output, only: fill_properties
    use wall_clock, only: wall_seconds
    implicit none (type, external)
@@ -84,6 +85,8 @@ contains
       state%film_thickness(:) = level%state%film
       state%rigid_displacement = level%state%rigid_displacement
       call fill_properties(contact, state)
+      state%limits = film_limits(contact%fluid, contact%lambda, contact%slide_to_roll, level%dx, &
+         state%pressure, state%film_thickness)
       after = summary_of(state)
       fields%h_min = relative(h_min)
       fields%h_central = relative(h_central)

@@ -1,0 +1,53 @@
+!> Where the march of the full momentum equations stands: everything that its later steps and its
+!> result depend on, so that a run can be interrupted and taken up again without changing a bit.
+module momentum_history
+   use film_state, only: film_state_t
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: excess_t, max_excesses, momentum_history_t, past_t
+
+   !> Films that the next one is foretold from, at most.
+   integer, parameter :: max_excesses = 3
+
+   !> What the equations need of an old time: H, z1 (0:n), rho H of the layers (layers, 0:n).
+   type :: past_t
+      real(wp), allocatable :: film(:), lower(:), mass(:, :)
+   end type past_t
+
+   !> What a film has above that of the Reynolds equation at the same time: P (layers, 0:n), U
+   !> (layers, n) above that of the thin film with its P and H, V (0:layers, 0:n) and H0.
+   type :: excess_t
+      real(wp), allocatable :: p(:, :), u(:, :), v(:, :)
+      real(wp) :: rigid_displacement = 0.0_wp
+   end type excess_t
+
+   !> The past of the march, the newest first, and its present film.
+   type :: momentum_history_t
+      integer :: layers = 0
+      !> How many of `past` and of `excess` there are.
+      integer :: times = 0, films = 0
+      type(past_t) :: past(2)
+      type(excess_t) :: excess(max_excesses)
+      !> Time from each of these films back to the next older one.
+      real(wp) :: lengths(max_excesses - 1) = 0.0_wp
+      !> From how many of the films the next one is foretold.
+      integer :: best_count = 0
+      !> Largest T_max so far.
+      real(wp) :: stress_rise = 0.0_wp
+      !> Time steps, or parts of them, with their Newton steps: all, most for one, and how many
+      !> took more than three.
+      integer :: solutions = 0, steps = 0, most_steps = 0, longer = 0
+      integer :: factorisations = 0, linear_iterations = 0
+      !> Set where it is kept. The present film: P, V, H0 and all of U, H (0:n), the heights Psi_1
+      !> and Psi_2 (0:n, 2), half the weight of the new value in d/dT and what the old ones make of
+      !> it, and the film of the Reynolds equation.
+      type(excess_t) :: flow
+      real(wp), allocatable :: film(:), heights(:, :)
+      real(wp) :: half_rate = 0.0_wp
+      type(past_t) :: made_of_old
+      type(film_state_t) :: reynolds
+   end type momentum_history_t
+
+end module momentum_history
