@@ -63,10 +63,13 @@ contains
       call begin_activity('full momentum equations of the film')
       associate (writer => watcher%writer)
          if (allocated(watcher%momentum)) then
-            writer%momentum = watcher%momentum%fields()
-            call compare_passage(writer%film_passage, writer%momentum)
-            call tell(case, watcher, march_sentence(watcher%momentum)//'; ' &
-               //difference_sentence(writer%momentum), report%note)
+            select type (march => watcher%momentum)
+            type is (momentum_march_t)
+               writer%momentum = march%fields()
+               call compare_passage(writer%film_passage, writer%momentum)
+               call tell(case, watcher, march_sentence(march)//'; ' &
+                  //difference_sentence(writer%momentum), report%note)
+            end select
             report%peak_memory = peak_memory()
             return
          end if

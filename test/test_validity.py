@@ -200,6 +200,8 @@ def test_limits_are_columns_of_the_table(asperity, tmp_path):
         expected = [float(file["summary"][name][()]) for name in ("stokes_number", "surface_slope")]
     done = asperity("table", "a.h5", "--format", "csv")
     head, row = (line.split(",") for line in done.stdout.splitlines()[:2])
-    assert [float(row[head.index(f"{name} [1]")]) for name in ("stokes_number", "surface_slope")] == pytest.approx(expected, rel=1e-9)
+    assert [float(row[head.index(f"{name} [1]")]) for name in ("stokes_number", "surface_slope")] == pytest.approx(
+        expected, rel=1e-9
+    )
     row = json.loads(asperity("table", "a.h5", "--format", "json").stdout)
     assert [row[name]["value"] for name in ("stokes_number", "surface_slope")] == pytest.approx(expected, rel=1e-9)

@@ -8,7 +8,7 @@ module state_output
    use line_level, only: line_level_t
    use line_state, only: line_state_t
    use lubricant, only: fluid_density, fluid_viscosity
-   use reynolds_limits, only: film_limits
+   use limit_search, only: film_limits
    use rheology, only: ln_slip
    use shear_stresses, only: film_stresses
    implicit none (type, external)

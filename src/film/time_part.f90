@@ -5,6 +5,7 @@ module time_part
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
+   use momentum_history, only: momentum_history_t
    implicit none (type, external)
    private
 
@@ -33,6 +34,9 @@ module time_part
       procedure(begin_interface), deferred :: begin
       !> Goes on by one part; `reason` why it cannot.
       procedure(advance_interface), deferred :: advance
+      !> Where it stands after a step, and going on from there; `reason` why it cannot.
+      procedure(kept_interface), deferred :: kept
+      procedure(resume_interface), deferred :: resume
    end type follower_t
 
    abstract interface
@@ -52,6 +56,23 @@ module time_part
          type(time_part_t), intent(in) :: part
          character(:), allocatable, intent(out) :: reason
       end subroutine advance_interface
+
+      function kept_interface(self) result(history)
+         import :: follower_t, momentum_history_t
+         implicit none (type, external)
+         class(follower_t), intent(in) :: self
+         type(momentum_history_t) :: history
+      end function kept_interface
+
+      subroutine resume_interface(self, contact, state, history, reason)
+         import :: follower_t, line_contact_t, line_state_t, momentum_history_t
+         implicit none (type, external)
+         class(follower_t), intent(inout) :: self
+         type(line_contact_t), intent(in) :: contact
+         type(line_state_t), intent(in) :: state
+         type(momentum_history_t), intent(in) :: history
+         character(:), allocatable, intent(out) :: reason
+      end subroutine resume_interface
    end interface
 
 end module time_part

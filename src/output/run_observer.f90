@@ -15,13 +15,12 @@ module run_observer
    use line_summary, only: line_summary_t
    use march_state, only: march_state_t
    use momentum_history, only: momentum_history_t
-   use momentum_march, only: momentum_march_t
    use observer, only: observer_t
    use progress_log, only: progress_log_t
    use result_writer, only: result_writer_t
    use scaling, only: scaling_t
    use solver_settings, only: word_length
-   use time_part, only: time_part_t
+   use time_part, only: follower_t, time_part_t
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -54,7 +53,7 @@ module run_observer
       logical :: has_coarse_runs = .false.
       !> The same time steps by the full momentum equations, where they are wanted, and where they
       !> go on from a checkpoint.
-      type(momentum_march_t), allocatable :: momentum
+      class(follower_t), allocatable :: momentum
       type(momentum_history_t), allocatable :: momentum_before
       !> Why the last checkpoint could not be written; not allocated: it could.
       type(error_t), allocatable :: failure

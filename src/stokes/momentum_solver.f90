@@ -14,7 +14,7 @@ module momentum_solver
    use momentum_problem, only: film_flow_t, momentum_problem_t
    use momentum_setup, only: pose_momentum, take_level, walls_t
    use quantities, only: h_central, h_min, p_max
-   use reynolds_limits, only: film_limits
+   use limit_search, only: film_limits
    use state_output, only: fill_properties
    use wall_clock, only: wall_seconds
    implicit none (type, external)
