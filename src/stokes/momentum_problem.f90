@@ -20,7 +20,8 @@ module momentum_problem
    !> dV/dX = 0; it enters along the lines of constant zeta, V = 0; or, with dV/dX = 0, its
    !> velocities at the first face have the profile of the thin film, and the middle layer the
    !> balance of momentum.
-   integer, parameter, public :: inlet_even = 1, inlet_parallel = 2, inlet_thin = 3
+   integer, parameter :: inlet_even = 1
+   integer, parameter, public :: inlet_parallel = 2, inlet_thin = 3
 
    !> Data of one problem. Arrays (0:n) unless stated.
    type :: momentum_problem_t
