@@ -55,6 +55,8 @@ FINER = 4
 FARTHER = 2
 # A note that takes nothing from the numbers where the truth ends at the same time.
 TOLD = "a feature is still in the contact"
+# A note on the input, which says nothing of the numbers.
+UNUSUAL = "is unusual, typical is"
 REFUSED, NOTED, UNKNOWN, JUDGED = "refused", "noted", "not known", "judged"
 
 
@@ -162,9 +164,9 @@ def run(text: str, files: dict[str, str | bytes], family: Family) -> Result:
         with h5py.File(folder / "case.h5") as file:
             reason = "" if file.attrs["converged"] == 1 else as_text(file.attrs["reason"])
             parts = as_text(file["report/note"][()]).split("; ") if "report/note" in file else []
-            note = "; ".join(part for part in parts if family.truth_goes_on or not part.startswith(TOLD))
+            parts = [part for part in parts if UNUSUAL not in part and (family.truth_goes_on or not part.startswith(TOLD))]
             values = {path: read(file, path, family.estimate) for path in family.quantities if path in file}
-            return Result(done.returncode, reason, note, values, resolution(file))
+            return Result(done.returncode, reason, "; ".join(parts), values, resolution(file))
 
 
 def read(file: h5py.File, path: str, estimate: str) -> tuple[float, float]:

@@ -7,7 +7,7 @@ import random
 import namelists
 from families import Family, Member
 
-FIGURES = ("summary/h_min", "summary/h_central", "summary/p_max")
+FIGURES = ("summary/h_min", "summary/h_central", "summary/p_max", "summary/p_central")
 # Intervals and inlet of the truth: fine and, with the tail, far enough for all of them.
 FINE = {"intervals": 2**15, "inlet": "tail"}
 

@@ -141,7 +141,7 @@ def tail_inlets(source: random.Random, count: int) -> list[Member]:
 
 FAMILIES = [
     Family("outlet", "Given outlets, from far ahead of film rupture to far behind it", FILMS, given_outlets, 30, DOMAIN),
-    Family("open", "Domain and grid chosen by the program", FILMS, chosen, 40),
+    Family("open", "Domain and grid chosen by the program", (*FILMS, "summary/p_central"), chosen, 40),
     Family("open_light", "The same, light loads and low Eyring stress", FILMS, light_eyring, 24),
     Family("extreme", "The same where load, oil, sliding and stress are extreme", ("summary/h_min",), extreme, 24),
     Family("zero_inlet", "Given inlets without pressure, mostly Eyring", FILMS, zero_inlets, 40, DOMAIN),

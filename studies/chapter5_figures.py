@@ -11,6 +11,7 @@ CENTRES = (-1.0, -0.5, 0.0, 0.5, 1.0)
 SPEEDS = {"case2": 1 / 6, "case3": 11 / 6}
 TITLES = {"case2": "ridge on the slow surface (0.1 m/s)", "case3": "ridge on the fast surface (1.1 m/s)"}
 WINDOW = (-0.22, 0.13)  # mm
+CENTRE = {"color": "0.35", "linewidth": 0.6, "linestyle": (0, (4, 3)), "zorder": 0}
 
 
 def draw(folder: Path, smooth: object, passages: dict[str, object], times: Table) -> None:
@@ -53,12 +54,12 @@ def draw_passage(folder: Path, smooth: object, name: str, passage: object, numbe
             1e3 * smooth.half_width * smooth.x, 1e6 * smooth.film_scale * smooth.film, label="smooth film", **style.REFERENCE
         )
         place = -2.5 + SPEEDS[name] * passage.time[step]
-        panel.axvline(1e3 * smooth.half_width * place, color="0.35", linewidth=0.6, linestyle=(0, (4, 3)), zorder=0)
+        lines.append(panel.axvline(1e3 * smooth.half_width * place, label="centre of the ridge", **CENTRE))
         text = f"ridge at $X$ = {centre:g}, $T$ = {passage.time[step]:.2f}".replace("-", "\N{MINUS SIGN}")
         panel.set_title(text)
     axes[-1].set_xlabel("Position $x$ [mm]")
     figure.suptitle(f"Case {name[-1]}: {TITLES[name]}", fontsize=9)
-    style.legend_below(figure, lines, 3)
+    style.legend_below(figure, lines, 2)
     save(figure, folder, f"figure_5_{number}_{name}")
 
 
@@ -74,9 +75,10 @@ def draw_times(folder: Path, times: Table) -> None:
         hollow = {**look, "linestyle": (0, (1, 2)), "markerfacecolor": "white"}
         axes.loglog([r["ratio"] for r in rows], [r["true_pressure"] for r in rows], label=f"{label}: true error", **hollow)
         axes.plot(
-            *printed[name], "*", color=look["color"], markersize=9, markerfacecolor="white", label=f"{label}: printed", zorder=5
+            *printed[name], "*", color=look["color"], markersize=9, markerfacecolor="white", label=f"{label}: thesis", zorder=5
         )
     axes.set(xlabel="Time step $\\Delta T/\\Delta X$ [-]", ylabel="Error of $P$ [% of $p_\\mathrm{h}$]")
-    axes.axvline(1, color="0.6", linewidth=0.6)
+    axes.axvline(1, color="0.6", linewidth=0.6, zorder=0)
+    axes.text(1.1, 0.97, "$\\Delta T = \\Delta X$", transform=axes.get_xaxis_transform(), va="top", color="0.35")
     style.legend_below(figure, axes.get_legend_handles_labels()[0], 2)
     save(figure, folder, "time_errors")

@@ -171,11 +171,12 @@ def draw_passage(folder: Path, run: Difference, name: str) -> None:
     for panel, centre in zip(axes, CENTRES, strict=True):
         row = run.at(centre)
         lines = draw_difference(panel, run.x, pressure[row], film[row], limits)
-        panel.axvline(run.ridge[row], color="0.35", linewidth=0.6, linestyle=(0, (4, 3)), zorder=0)
+        centre_line = {"color": "0.35", "linewidth": 0.6, "linestyle": (0, (4, 3)), "zorder": 0}
+        lines.append(panel.axvline(run.ridge[row], label="centre of the ridge", **centre_line))
         panel.set_title(f"ridge at $X$ = {centre:g}".replace("-", "\N{MINUS SIGN}"))
     axes[-1].set_xlabel("Position $X$ [-]")
     figure.suptitle(f"Case {name[-1]}: full momentum less Reynolds", fontsize=9)
-    style.legend_below(figure, lines, 2)
+    style.legend_below(figure, lines, 3)
     save(figure, folder, f"figure_5_{int(name[-1]) + 3}_difference_{name}")
 
 

@@ -147,7 +147,7 @@ def draw_rule(folder: Path, groups: dict[str, list[dict[str, float]]], rules: di
     places = {
         "stress": ("stress", 1, "Eyring stress [MPa]", (1, 2, 5, 10, 20)),
         "slope": ("slope", 1e3, "$A/\\Lambda$ [0.001]", (0.2, 0.5, 1, 2, 4)),
-        "speed": ("film", 1e6, "smallest film [µm]", (0.3, 0.5, 1)),
+        "speed": ("film", 1e6, "Smallest film [µm]", (0.3, 0.5, 1)),
     }
     names = {"h_min": "$h_\\mathrm{min}$", "pressure": "$p$, largest, over $p_\\mathrm{h}$"}
     for panel, (key, (column, unit, label, ticks)) in zip(axes.flat, places.items(), strict=False):
@@ -169,5 +169,8 @@ def draw_rule(folder: Path, groups: dict[str, list[dict[str, float]]], rules: di
         panel.loglog(ends, factor * ends, color="0.5", linewidth=0.6, zorder=0)
     panel.set(xlabel="Rule [%]", ylabel="Computed, judging sample [%]")
     panel.minorticks_off()
-    style.legend_below(figure, axes.flat[0].get_legend_handles_labels()[0], 2)
+    handles = axes.flat[0].get_legend_handles_labels()[0]
+    for words, look in (("rule", {"color": "0.2", "linestyle": (0, (2, 2))}), ("rule, three times it, a third", {"color": "0.5"})):
+        handles.append(style.plt.Line2D([], [], linewidth=0.8, label=words, **look))
+    style.legend_below(figure, handles, 2)
     save(figure, folder, "momentum_rule")
