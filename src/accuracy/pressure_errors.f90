@@ -104,7 +104,9 @@ contains
          .or. law%lambda <= 0.0_wp) return
       associate (of => summary%of, film => summary%of(h_central)%value)
          force = 0.5_wp*pi*of(friction_coefficient)%value
-         if (abs(force) <= tiny(1.0_wp)) return
+         if (ieee_is_finite(force)) then
+            if (abs(force) <= tiny(1.0_wp)) return
+         end if
          doubt = not_known()
          if (.not. all(ieee_is_finite([force, of(sliding_power)%value, film, &
             summary%crests%highest]))) return
@@ -124,17 +126,19 @@ contains
       integer :: i
 
       doubt = shear_doubt(law, dx, summary)
-      do i = 1, size(sliding_rows)
+      each_row: do i = 1, size(sliding_rows)
          associate (quantity => summary%of(sliding_rows(i)))
             if (.not. ieee_is_finite(doubt)) then
                quantity%error_grid = not_known()
                quantity%extrapolated = not_known()
+            else if (.not. ieee_is_finite(quantity%error_grid)) then
+               cycle each_row
             else if (exceeds(doubt*abs(quantity%value), quantity%error_grid)) then
                quantity%error_grid = doubt*abs(quantity%value)
                quantity%extrapolated = not_known()
             end if
          end associate
-      end do
+      end do each_row
    end subroutine doubt_shear
 
 end module pressure_errors
