@@ -189,7 +189,7 @@ def draw_ridges(folder: Path, found: Found) -> None:
         items = [Situation(5, l1=height, l2=-2, m2=width) for width in WIDTHS]
         draw_series(axes, WIDTHS_MM, found, items, look, f"ridge {UM * height:.1f} µm")
     axes.set(xlabel=WIDTH, ylabel=THINNING, ylim=(0.18, 0.3))
-    finish_series(figure, axes, 3)
+    finish_series(figure, axes, 2)
     save(figure, folder, "figure_6_9_ridge_amplitude")
 
 
