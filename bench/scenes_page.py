@@ -65,9 +65,9 @@ times as stiff, or as many times as stands beside the verdict: stiffer ones had 
 
 
 def text_of(*command: object, folder: Path) -> str:
-    """Both outputs of a command that must succeed."""
+    """What a command prints, which must succeed."""
     done = subprocess.run([str(word) for word in command], cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, check=True)
-    return done.stdout + done.stderr
+    return done.stdout
 
 
 def closing_table(printed: str, name: str) -> str:
