@@ -79,6 +79,6 @@ def draw_times(folder: Path, times: Table) -> None:
         )
     axes.set(xlabel="Time step $\\Delta T/\\Delta X$ [-]", ylabel="Error of $P$ [% of $p_\\mathrm{h}$]")
     axes.axvline(1, color="0.6", linewidth=0.6, zorder=0)
-    axes.text(1.1, 0.97, "$\\Delta T = \\Delta X$", transform=axes.get_xaxis_transform(), va="top", color="0.35")
+    axes.text(1.15, 0.03, "$\\Delta T = \\Delta X$", transform=axes.get_xaxis_transform(), va="bottom", color="0.35")
     style.legend_below(figure, axes.get_legend_handles_labels()[0], 2)
     save(figure, folder, "time_errors")
