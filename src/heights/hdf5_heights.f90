@@ -183,6 +183,7 @@ contains
 
       do i = 1, min(size(extents), 2)
          path = source%dataset(:index(source%dataset, '/', back=.true.))//position_names(i)
+         if (.not. ieee_is_finite(spacing(i))) cycle
          if (spacing(i) > 0.0_wp .or. extents(i) < 2 .or. path == source%dataset) cycle
          if (.not. reader%has(path)) cycle
          if (index(reader%text_of(path, 'NAME'), no_positions) == 1) cycle
