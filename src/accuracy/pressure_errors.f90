@@ -131,9 +131,8 @@ contains
             if (.not. ieee_is_finite(doubt)) then
                quantity%error_grid = not_known()
                quantity%extrapolated = not_known()
-            else if (.not. ieee_is_finite(quantity%error_grid)) then
-               cycle each_row
-            else if (exceeds(doubt*abs(quantity%value), quantity%error_grid)) then
+            else if (ieee_is_finite(quantity%error_grid)) then
+               if (.not. exceeds(doubt*abs(quantity%value), quantity%error_grid)) cycle each_row
                quantity%error_grid = doubt*abs(quantity%value)
                quantity%extrapolated = not_known()
             end if
