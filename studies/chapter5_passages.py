@@ -11,9 +11,9 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from chapter5_figures import CENTRE, CENTRES
 from study import Case, Claims, Runner, Table, base_case, changed, save, style
 
-CENTRES = (-1.0, -0.5, 0.0, 0.5, 1.0)
 SPEEDS = {"case2": 1 / 6, "case3": 11 / 6}  # of the ridge, half-widths per unit of T, from X = -2.5
 STEPS = {"case2": 96, "case3": 48}  # from one of the five places to the next
 INTERVALS, LAYERS = 512, 10
@@ -171,8 +171,7 @@ def draw_passage(folder: Path, run: Difference, name: str) -> None:
     for panel, centre in zip(axes, CENTRES, strict=True):
         row = run.at(centre)
         lines = draw_difference(panel, run.x, pressure[row], film[row], limits)
-        centre_line = {"color": "0.35", "linewidth": 0.6, "linestyle": (0, (4, 3)), "zorder": 0}
-        lines.append(panel.axvline(run.ridge[row], label="centre of the ridge", **centre_line))
+        lines.append(panel.axvline(run.ridge[row], label="centre of the ridge", **CENTRE))
         panel.set_title(f"ridge at $X$ = {centre:g}".replace("-", "\N{MINUS SIGN}"))
     axes[-1].set_xlabel("Position $X$ [-]")
     figure.suptitle(f"Case {name[-1]}: full momentum less Reynolds", fontsize=9)
