@@ -6,6 +6,9 @@ export OPENBLAS_NUM_THREADS := 1
 # The HDF5 of the serial library, also where an MPI library has put itself in front.
 export PKG_CONFIG_PATH := $(CURDIR)/.pc:$(PKG_CONFIG_PATH)
 
+# Libraries inside the program where that is possible (tools/static_libraries.sh).
+export FPM_LDFLAGS := -L$(CURDIR)/build/static -static-libgfortran -static-libgcc -Wl,--as-needed
+
 PYTHON := python3
 NATIVE ?= 0
 WERROR ?= 0

@@ -15,6 +15,8 @@ if folder=$(pkg-config --variable=pcfiledir hdf5-serial 2> /dev/null) && [ -n "$
   ln -sf "$folder/hdf5-serial.pc" .pc/hdf5.pc
 fi
 
+tools/static_libraries.sh
+
 # FFTW's own Fortran interface; gfortran does not look for it in the folders of the system.
 mkdir -p build/info
 ln -sf "$(pkg-config --variable=includedir fftw3)/fftw3.f03" build/info/
