@@ -98,10 +98,9 @@ def told(file: h5py.File) -> dict[str, dict]:
         words = {key: row.attrs[key].decode() for key in ("verdict", "measured_on")}
         judged_by = [q for q in QUANTITIES if q in row or f"{q}_at_least" in row.attrs]
         rows[name] = {"changes": changes, "judged_by": judged_by, "left_out": float(row.attrs["left_out"])} | words
-    effective = file["input/effective"]
-    domain = {key: float(effective[f"domain/{key}"][()]) for key in ("x_inlet", "x_outlet")}
-    domain["intervals"] = int(effective["domain/intervals"][()])
-    step = float(effective["time/time_step"][()]) if "time/time_step" in effective else 0.0
+    used = file["input/effective/domain"].attrs
+    domain = {"x_inlet": float(used["x_inlet"]), "x_outlet": float(used["x_outlet"]), "intervals": int(used["intervals"])}
+    step = float(file["input/effective/time"].attrs.get("time_step", 0.0))
     start = float(file["summary"].attrs.get("statistics_from", 0.0))
     return {"rows": rows, "accuracy": float(group.attrs["accuracy"]), "domain": domain, "step": step, "start": start}
 

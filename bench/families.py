@@ -178,10 +178,11 @@ def read(file: h5py.File, path: str, estimate: str) -> tuple[float, float]:
 def resolution(file: h5py.File) -> Resolution | None:
     """That of a passage."""
     groups = file["input/effective"]
-    if "time/time_step" not in groups:
+    if "time" not in groups or "time_step" not in groups["time"].attrs:
         return None
-    ends = [float(groups[f"domain/{key}"][()]) for key in ("x_inlet", "x_outlet")]
-    return Resolution((ends[1] - ends[0]) / float(groups["domain/intervals"][()]), float(groups["time/time_step"][()]), *ends)
+    domain = groups["domain"].attrs
+    ends = [float(domain[key]) for key in ("x_inlet", "x_outlet")]
+    return Resolution((ends[1] - ends[0]) / float(domain["intervals"]), float(groups["time"].attrs["time_step"]), *ends)
 
 
 def judge(family: Family, member: Member) -> list[Row]:

@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from result_file import LARGEST, PREFIXES, ResultError, opened, values_of
+from result_file import LARGEST, PREFIXES, ResultError, inputs_of, opened, values_of
 
 PROGRAM = "dry.py"
 EXAMPLE = "python postproc/dry.py results/dry_profile.h5 --output results"
@@ -66,7 +66,7 @@ def read_dry(path: Path) -> DryResult:
         groups = [
             {name: values_of(item, LARGEST) for name, item in file[group].items()} for group in ("solution", "sweep", "surface")
         ]
-        hardness = file.get("input/effective/bodies/hardness")
+        hardness = inputs_of(file, "bodies").get("hardness")
         reason = file.attrs.get("reason", b"")
         return DryResult(
             path,
@@ -74,8 +74,8 @@ def read_dry(path: Path) -> DryResult:
             reason.decode() if isinstance(reason, bytes) else str(reason),
             *groups,
             np.atleast_1d(values_of(file["report/residual_history"])),
-            float(values_of(file["input/effective/solver/tolerance"])),
-            None if hardness is None else float(values_of(hardness)),
+            float(inputs_of(file, "solver")["tolerance"]),
+            None if hardness is None else float(hardness),
         )
 
 

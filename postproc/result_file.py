@@ -303,9 +303,17 @@ def _summary(file: h5py.File) -> dict[str, float]:
     return {name: float(value) for name, value in values.items() if np.isscalar(value) and not isinstance(value, str)}
 
 
-def _plain(dataset: h5py.Dataset) -> object:
-    """A dataset as str, number or array."""
-    value = values_of(dataset)
+def inputs_of(file: h5py.File, group: str) -> dict[str, object]:
+    """The values of a group of /input/effective: attributes; in files of layout 2 and before, datasets."""
+    entry = file.get(f"input/effective/{group}")
+    if entry is None:
+        return {}
+    return {key: _plain(value) for key, value in (*entry.attrs.items(), *entry.items())}
+
+
+def _plain(source: object) -> object:
+    """A dataset, or the value of an attribute, as str, number or array."""
+    value = values_of(source) if isinstance(source, h5py.Dataset) else source
     if isinstance(value, (bytes, str)):
         return _text(value)
     array = np.asarray(value)
@@ -325,18 +333,14 @@ def _text(value: object) -> str:
 
 def _features(file: h5py.File) -> list[Feature]:
     """The features of both surfaces from the effective input; empty for smooth surfaces."""
-    effective = file.get("input/effective")
-    if effective is None or "bodies" not in effective:
-        return []
-    speeds = [_numbers(effective["bodies"], f"speed_{i}") for i in (1, 2)]
+    bodies = inputs_of(file, "bodies")
+    speeds = [_numbers(bodies, f"speed_{i}") for i in (1, 2)]
     half_width = float(np.asarray(file["scaling"].attrs.get("half_width", np.nan)).item()) if "scaling" in file else np.nan
     if not all(speeds) or speeds[0][0] + speeds[1][0] == 0:
         return []
     features = []
     for surface in (1, 2):
-        group = effective.get(f"surface_{surface}")
-        if group is None:
-            continue
+        group = inputs_of(file, f"surface_{surface}")
         speed = 2 * speeds[surface - 1][0] / (speeds[0][0] + speeds[1][0])
         shapes, amplitudes = _words(group, "shape"), _numbers(group, "amplitude")
         positions, wavelengths = _numbers(group, "position"), _numbers(group, "wavelength")
@@ -350,20 +354,20 @@ def _features(file: h5py.File) -> list[Feature]:
     return features
 
 
-def _words(group: h5py.Group, key: str) -> list[str]:
+def _words(group: dict[str, object], key: str) -> list[str]:
     """The words of an input key, stored as text ("'feature', 'sinusoid'") or as array."""
     if key not in group:
         return []
-    value = _plain(group[key])
+    value = group[key]
     texts = value if isinstance(value, list) else [str(value)]
     return [word for text in texts for word in re.findall(r"[A-Za-z_]+", text)]
 
 
-def _numbers(group: h5py.Group, key: str) -> list[float]:
+def _numbers(group: dict[str, object], key: str) -> list[float]:
     """The numbers of an input key, stored as numbers or as namelist text ('2*1.0d-4, 3.0')."""
     if key not in group:
         return []
-    value = _plain(group[key])
+    value = group[key]
     if not isinstance(value, (str, list)):
         return [float(number) for number in np.atleast_1d(value)]
     numbers: list[float] = []

@@ -66,12 +66,12 @@ def read_smooth(_: str, path: Path) -> Smooth:
     """A steady Newtonian result of the program."""
     with h5py.File(path) as file:
         x, pressure, film = (file["solution"][name][()] for name in ("x", "pressure", "film_thickness"))
-        scales, oil = file["scaling"].attrs, file["input/effective/lubricant"]
+        scales, oil = file["scaling"].attrs, file["input/effective/lubricant"].attrs
         hertz, alpha = float(scales["hertz_pressure"]), float(scales["alpha_bar"])
         wedge = float(scales["lambda"])
-        is_barus = oil["viscosity_law"][()] == b"barus"
-        p0, z = (1.0, 1.0) if is_barus else (float(oil["roelands_p0"][()]) / hertz, float(oil["roelands_z"][()]))
-        is_compressible = oil["density_law"][()] != b"constant"
+        is_barus = oil["viscosity_law"] == b"barus"
+        p0, z = (1.0, 1.0) if is_barus else (float(oil["roelands_p0"]) / hertz, float(oil["roelands_z"]))
+        is_compressible = oil["density_law"] != b"constant"
     ratio = 1 + pressure / p0
     soft = (C1 / hertz, C2) if is_compressible else (1.0, 1.0)
     return Smooth(

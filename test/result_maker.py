@@ -78,12 +78,13 @@ def write_result(
             converged=int(converged),
             reason="converged" if converged else "cycle limit of 12 reached",
         )
-        effective = file.create_group("input/effective")
-        for i in (1, 2):
-            put(effective.require_group("bodies"), f"speed_{i}", speeds[i - 1], "m/s")
-        for key, value in (features or {"shape": "smooth"}).items():
-            put(effective.require_group("surface_2"), key, value)
-        put(effective.require_group("surface_1"), "shape", "smooth")
+        inputs = {
+            "bodies": {f"speed_{i}": speeds[i - 1] for i in (1, 2)},
+            "surface_1": {"shape": "smooth"},
+            "surface_2": features or {"shape": "smooth"},
+        }
+        for group, values in inputs.items():
+            file.create_group(f"input/effective/{group}").attrs.update(values)
         file.create_group("scaling").attrs["half_width"] = scales["x"][1]
         for name in ("x", "pressure", "film_thickness"):
             put(file.require_group("solution"), name, last.get(name, fields[name]), *scales[name])

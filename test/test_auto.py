@@ -60,7 +60,7 @@ def test_low_ridge_is_left_out_and_the_result_says_so(asperity, tmp_path):
     assert lean["adequacy/decision@solved"].startswith(b"the steady contact with smooth surfaces")
     assert lean["adequacy/decision/roughness@decision"] == b"left out"
     assert lean["adequacy/decision/elasticity@decision"] == b"kept"
-    assert lean["input/effective/time/transient"] == b".false."
+    assert lean["input/effective/time@transient"] == b".false."
     assert "transient/time" in full
     assert not any(name.startswith("transient") for name in lean)
     for name in ("h_min", "h_central"):

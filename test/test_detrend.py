@@ -26,7 +26,7 @@ def dry(asperity, folder, z, keys="", domain="", bodies=""):
     file = solve(asperity, folder, FILE.format(keys), [5e5], bodies, domain)
     with file:
         heights = file["solution/height_undeformed"][()]
-        surface = {key: value[()] for key, value in file["input/effective/surface_1"].items()}
+        surface = dict(file["input/effective/surface_1"].attrs)
         note = text(file["report/note"][()]) if "note" in file["report"] else ""
         return heights, surface, note, file["sweep/contact_area_fraction"][0], file["sweep/mean_separation"][0]
 
@@ -69,7 +69,7 @@ def test_heights_that_close_are_repeated_as_they_are(asperity, tmp_path):
     np.testing.assert_array_equal(heights, np.loadtxt(tmp_path / "z.csv", delimiter=",")[:, 1])
     assert (surface["detrend"], note) == (b"none", "")
     with solve(asperity, tmp_path, profile("A"), [1e8]) as file:
-        assert file["input/effective/surface_1/detrend"][()] == b"none"
+        assert file["input/effective/surface_1"].attrs["detrend"] == b"none"
 
 
 def test_plane_of_an_area(asperity, tmp_path):
@@ -82,7 +82,7 @@ def test_plane_of_an_area(asperity, tmp_path):
         file.create_dataset("z", data=z).attrs["spacing"] = 1e-6
     with solve(asperity, tmp_path, "shape = 'file', file = 'z.h5', dataset = 'z'", [1e7], "", problem="dry_area") as file:
         np.testing.assert_allclose(file["solution/height_undeformed"][()], expected, rtol=0, atol=1e-20)
-        tilts = file["input/effective/surface_1/heights_tilt"][()]
+        tilts = file["input/effective/surface_1"].attrs["heights_tilt"]
         assert "m in y taken off the heights of surface_1" in text(file["report/note"][()])
     assert tilts == pytest.approx([4e-7 / 29e-6, -6e-7 / 19e-6], rel=0.1)
 
@@ -106,7 +106,7 @@ def test_tilt_in_oil(asperity, tmp_path, nodes):
         assert words.count("m over 0.00400 m taken off the heights of surface_1") == (2 if tilt else 0)
         with h5py.File(tmp_path / "case.h5") as file:
             fields.append(file["solution/roughness_1"][()])
-            assert file["input/effective/surface_1/heights_tilt"][()] == pytest.approx(tilt / 2e-3, abs=1e-12)
+            assert file["input/effective/surface_1"].attrs["heights_tilt"] == pytest.approx(tilt / 2e-3, abs=1e-12)
     np.testing.assert_allclose(fields[1], fields[0], rtol=0, atol=1e-9 * np.abs(fields[0]).max())
 
 

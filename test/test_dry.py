@@ -144,8 +144,8 @@ def test_synthetic_surface_is_as_wanted(asperity, tmp_path, problem):
             assert file["sweep/rq_undeformed"][0] == pytest.approx(1e-6, rel=1e-12)
             assert file["sweep/rsk_undeformed"][0] == pytest.approx(-0.5, abs=1e-6)
             assert file["sweep/rku_undeformed"][0] == pytest.approx(3.5, abs=1e-6)
-            used = file["input/effective/surface_1"]  # defaults and what is chosen are there too
-            assert (used["hurst"][()], used["seed"][()], used["wavelength_long"][()]) == (0.8, seed, 4e-4)
+            used = file["input/effective/surface_1"].attrs  # defaults and what is chosen are there too
+            assert (used["hurst"], used["seed"], used["wavelength_long"]) == (0.8, seed, 4e-4)
             assert "amplitude" not in used
     assert np.array_equal(heights[0], heights[1])
     assert not np.array_equal(heights[0], heights[2])

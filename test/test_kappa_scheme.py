@@ -76,7 +76,7 @@ def target_in_time(asperity, folder, scheme):
     assert done.returncode == 0, done.stderr
     with h5py.File(folder / "case.h5") as file:
         effective = file["input/effective"]
-        return effective["solver/space_scheme"].asstr()[()], effective["domain/intervals"][()], file["summary/h_min"][()]
+        return effective["solver"].attrs["space_scheme"].decode(), effective["domain"].attrs["intervals"], file["summary/h_min"][()]
 
 
 def test_target_in_time_goes_back_where_kappa_fails(asperity, tmp_path):

@@ -255,6 +255,20 @@ def test_results_of_older_versions_are_drawn(tmp_path: Path) -> None:
     assert read.profile_time.values.size == read.transient["pressure"].values.shape[0]
 
 
+def test_inputs_that_are_datasets_are_read(tmp_path: Path) -> None:
+    """As in files of layout 2; since then they are attributes."""
+    result = result_maker.write_result(tmp_path / "old.h5", result_maker.passage(), RIDGE)
+    read = load_module("result_file").read_result
+    features = read(result).features
+    assert len(features) == 1
+    with h5py.File(result, "a") as file:
+        for group in file["input/effective"].values():
+            for key, value in list(group.attrs.items()):
+                group[key] = value
+                del group.attrs[key]
+    assert read(result).features == features
+
+
 MOES = """&case problem = 'ehl_line' /
 &moes moes_m = {}, moes_l = {}, velocity = 'sum' /
 &lubricant viscosity_law = 'barus', density_law = 'constant' /

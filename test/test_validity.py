@@ -130,8 +130,8 @@ def test_what_is_solved_is_not_doubted(asperity, tmp_path):
 def limits_from_fields(file, pressure, film):
     """T_max and the largest slope of a film, from dimensionless fields and the input alone, in SI."""
     given = file["input/effective"]
-    oil = {name: float(given[f"lubricant/{name}"][()]) for name in ("viscosity", "roelands_z", "roelands_p0", "eyring_stress")}
-    sliding = abs(float(given["bodies/speed_2"][()]) - float(given["bodies/speed_1"][()]))
+    oil = {name: float(given["lubricant"].attrs[name]) for name in ("viscosity", "roelands_z", "roelands_p0", "eyring_stress")}
+    sliding = abs(float(given["bodies"].attrs["speed_2"] - given["bodies"].attrs["speed_1"]))
     scales = file["scaling"].attrs
     p, h = pressure * scales["hertz_pressure"], film * scales["film_thickness"]
     x = file["solution/x"][()] * scales["half_width"]

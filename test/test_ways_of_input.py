@@ -50,7 +50,7 @@ def test_mean_speed_and_slide_to_roll_are_the_two_speeds(asperity, tmp_path):
         one, _ = solved(asperity, tmp_path, CASE.replace(SPEEDS, way))
         assert_same(fields(one), fields(two), 1e-9)
         assert one["scaling@slide_to_roll"] == pytest.approx(slide, abs=1e-12)
-        kept = [float(one[f"input/effective/bodies/{key}"]) for key in ("entrainment_speed", "slide_to_roll", "speed_1", "speed_2")]
+        kept = [float(one[f"input/effective/bodies@{key}"]) for key in ("entrainment_speed", "slide_to_roll", "speed_1", "speed_2")]
         assert kept == pytest.approx([mean, slide, first, second], abs=1e-12)
 
 
@@ -70,8 +70,8 @@ def test_alpha_alone_takes_the_usual_p0(asperity, tmp_path, alpha):
     assert "given alone" not in done.stderr
     alone, done = solved(asperity, tmp_path, CASE.replace(ROELANDS, f"pressure_viscosity = {alpha}"))
     assert_same(fields(both), fields(alone), 0)
-    z = float(alone["input/effective/lubricant/roelands_z"])
-    assert float(alone["input/effective/lubricant/roelands_p0"]) == 1.96e8
+    z = float(alone["input/effective/lubricant@roelands_z"])
+    assert float(alone["input/effective/lubricant@roelands_p0"]) == 1.96e8
     words = f"&lubricant pressure_viscosity is given alone: Roelands with P0 = 1.96E+08 Pa, z = {z:.4f}"
     assert f"a.nml:5: {words}\n" in done.stderr
     with h5py.File(tmp_path / "a.h5") as file:

@@ -1,44 +1,50 @@
 !> /input/effective of a result file: every value that was used, given, default or chosen.
 module input_section
-   use, intrinsic :: iso_fortran_env, only: int64
    use case_record, only: effective_t
-   use hdf5_axes, only: make_axis
-   use hdf5_dataset, only: label_t, new_label, write_dataset
+   use hdf5_attribute, only: write_attribute
    use hdf5_file, only: hdf5_file_t
-   use result_labels, only: scaled_label
-   use scaling, only: scaling_t
    implicit none (type, external)
    private
 
-   public :: write_input
+   public :: write_inputs
 
 contains
 
-   !> /input/effective/<group>/<key>: a number, numbers or a text.
-   subroutine write_input(file, entry, scaling)
+   !> A group /input/effective/<group> for each namelist group, whose attributes are its keys.
+   subroutine write_inputs(file, entries)
       class(hdf5_file_t), intent(inout) :: file
-      type(effective_t), intent(in) :: entry
-      type(scaling_t), intent(in) :: scaling
+      type(effective_t), intent(in) :: entries(:)
       character(:), allocatable :: path
-      type(label_t) :: label
+      integer :: i, j
 
-      path = '/input/effective/'//trim(entry%group)//'/'//trim(entry%key)
-      label = new_label('&'//trim(entry%group)//' '//trim(entry%key), '1')
-      if (entry%unit == 'half-widths') then
-         label = scaled_label(label%long_name//', in half-widths', 'half_width', scaling)
-      else if (entry%unit /= '' .and. entry%unit /= '-') then
-         label%si_units = trim(entry%unit)
-      end if
+      call file%create_group('/input/effective')
+      call write_attribute(file, '/input/effective', 'about', 'every value that was used, in the '// &
+         'unit of its key: SI, or half-widths for positions along the film')
+      do i = 1, size(entries)
+         if (any(entries(:i - 1)%group == entries(i)%group)) cycle
+         path = '/input/effective/'//trim(entries(i)%group)
+         call file%create_group(path)
+         do j = i, size(entries)
+            if (entries(j)%group == entries(i)%group) call write_value(file, path, entries(j))
+         end do
+      end do
+   end subroutine write_inputs
+
+   !> A number, numbers or a text, in the unit of the key in the namelist.
+   subroutine write_value(file, path, entry)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      type(effective_t), intent(in) :: entry
+
       if (allocated(entry%text)) then
-         call write_dataset(file, path, entry%text, label)
+         call write_attribute(file, path, trim(entry%key), entry%text)
       else if (allocated(entry%integer)) then
-         call write_dataset(file, path, int(entry%integer, int64), label)
-      else if (size(entry%reals) > 1) then
-         call write_dataset(file, path, entry%reals, label)
-         call make_axis(file, path)   ! one value after the other: no coordinate but itself
+         call write_attribute(file, path, trim(entry%key), entry%integer)
+      else if (size(entry%reals) == 1) then
+         call write_attribute(file, path, trim(entry%key), entry%reals(1))
       else
-         call write_dataset(file, path, entry%reals(1), label)
+         call write_attribute(file, path, trim(entry%key), entry%reals)
       end if
-   end subroutine write_input
+   end subroutine write_value
 
 end module input_section

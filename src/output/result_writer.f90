@@ -23,7 +23,7 @@ module result_writer
    use hdf5_axes, only: write_users
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: create_hdf5_file, hdf5_file_t
-   use input_section, only: write_input
+   use input_section, only: write_inputs
    use interruption, only: set_patience
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -51,7 +51,7 @@ module result_writer
 
    !> Layout of result files: 2 = axes, `units` and the group /si (CHANGELOG.md); without the
    !> attribute: 1.
-   integer, parameter :: layout = 2
+   integer, parameter :: layout = 3
    !> Longest name of a field.
    integer, parameter, public :: field_name_length = len(field_names)
 
@@ -365,9 +365,7 @@ contains
       character(:), allocatable :: reason
       integer :: i
 
-      do i = 1, size(self%inputs)
-         call write_input(self%file, self%inputs(i), self%scaling)
-      end do
+      call write_inputs(self%file, self%inputs)
       if (report%converged .and. allocated(self%file%nonsense)) then
          report%converged = .false.
          report%reason = self%file%nonsense

@@ -96,15 +96,9 @@ def plain() -> str:
 
 def effective(path: Path) -> dict[str, object]:
     """The values of the input that a result states."""
-    found = {}
-
-    def note(name: str, data: object) -> None:
-        if isinstance(data, h5py.Dataset):
-            found[name] = data.asstr()[()] if h5py.check_string_dtype(data.dtype) else data[()].tolist()
-
     with h5py.File(path) as file:
-        file["input/effective"].visititems(note)
-    return found
+        groups = file["input/effective"]
+        return {f"{name}/{key}": value.tolist() for name, group in groups.items() for key, value in group.attrs.items()}
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
