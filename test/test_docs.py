@@ -33,6 +33,7 @@ LINKED_PAGES = [
     "docs/ford.md",
     "docs/thesis.md",
     "docs/dry.md",
+    "docs/growth.md",
     "docs/performance.md",
     "docs/testing.md",
 ]

@@ -18,8 +18,8 @@ contains
       integer :: i, j
 
       call file%create_group('/input/effective')
-      call write_attribute(file, '/input/effective', 'about', 'every value that was used, in the '// &
-         'unit of its key: SI, or half-widths for positions along the film')
+      call write_attribute(file, '/input/effective', 'about', 'every value used, in the unit '// &
+         'of its key: SI, or half-widths for positions along the film')
       do i = 1, size(entries)
          if (any(entries(:i - 1)%group == entries(i)%group)) cycle
          path = '/input/effective/'//trim(entries(i)%group)
