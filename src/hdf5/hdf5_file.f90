@@ -1,5 +1,5 @@
 !> An HDF5 file being written: open, groups, flush, close. Attributes are in `hdf5_attribute`,
-!> datasets in `hdf5_dataset`, series that grow row by row in `hdf5_series`.
+!> datasets in `hdf5_dataset`, series that are written block by block in `hdf5_series`.
 !>
 !> Every return code is checked. The first failure stays in `file%failure` (with HDF5's reason and
 !> the name of the file); what follows it does nothing, so a writer checks once, at `close`. No

@@ -1,11 +1,11 @@
-!> Datasets of an HDF5 file that grow record by record, so that a long run needs no more memory than
-!> a short one.
+!> Datasets of an HDF5 file that are written block by block, so that a long run needs no more memory
+!> than a short one.
 module hdf5_series
    use, intrinsic :: iso_c_binding, only: c_loc
-   use hdf5, only: h5dclose_f, h5dget_space_f, h5dset_extent_f, h5dwrite_f, h5pclose_f, &
-      h5pset_chunk_f, h5pset_deflate_f, h5pset_shuffle_f, h5s_select_set_f, h5s_unlimited_f, &
-      h5sclose_f, h5screate_simple_f, h5sselect_hyperslab_f, h5z_filter_deflate_f, &
-      h5zfilter_avail_f, hid_t, hsize_t
+   use, intrinsic :: iso_fortran_env, only: int64
+   use hdf5, only: h5dclose_f, h5dget_space_f, h5dwrite_f, h5pclose_f, h5pset_chunk_f, &
+      h5pset_deflate_f, h5pset_shuffle_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
+      h5sselect_hyperslab_f, h5z_filter_deflate_f, h5zfilter_avail_f, hid_t, hsize_t
    use hdf5_dataset, only: create_labelled, label_t
    use hdf5_file, only: hdf5_file_t, new_properties
    use kinds, only: wp
@@ -16,6 +16,8 @@ module hdf5_series
 
    !> Numbers in one chunk: 256 kB, so that the chunk being filled stays in HDF5's cache of 1 MB.
    integer, parameter :: chunk_numbers = 32768
+   !> Rows with fewer numbers are not compressed: the filter alone takes longer than writing them.
+   integer, parameter :: worth_compressing = 8192
    !> Level of the deflate filter [1-9].
    integer, parameter :: deflate_level = 4
 
@@ -37,26 +39,26 @@ module hdf5_series
 
 contains
 
-   !> Makes an empty series at `path`; rows are compressed if the library can.
-   subroutine create_series(series, file, path, row_length, label)
+   !> Makes a series at `path` for so many `records`; many rows are compressed if the library can.
+   subroutine create_series(series, file, path, row_length, records, label)
       type(series_t), intent(out) :: series
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
-      integer, intent(in) :: row_length
+      integer, intent(in) :: row_length, records
       type(label_t), intent(in) :: label
       integer(hid_t) :: space, properties
-      integer(hsize_t) :: extents(2), limits(2)
       integer :: status, first
 
       if (allocated(file%failure)) return
       series%path = path
       series%row_length = row_length
-      extents = [int(row_length, hsize_t), 0_hsize_t]
-      limits = [int(row_length, hsize_t), h5s_unlimited_f]
       first = merge(2, 1, row_length == 0)
-      call h5screate_simple_f(3 - first, extents(first:), space, status, limits(first:))
+      associate (extents => [int(row_length, hsize_t), int(records, hsize_t)])
+         call h5screate_simple_f(3 - first, extents(first:), space, status)
+      end associate
       if (status >= 0) call new_properties(properties, status)
-      if (status >= 0) call add_chunks(row_length, properties, status)
+      if (status >= 0 .and. int(row_length, int64)*records >= worth_compressing) call compress( &
+         row_length, records, properties, status)
       call file%check(status, path)
       call create_labelled(file, path, file%real_type, space, properties, label, series%id)
       if (allocated(file%failure)) return
@@ -65,27 +67,24 @@ contains
       call file%check(status, path)
    end subroutine create_series
 
-   !> Chunks, and compression of rows; `status` < 0: failed.
-   subroutine add_chunks(row_length, properties, status)
-      integer, intent(in) :: row_length
+   !> Rows in chunks that are compressed; `status` < 0: failed.
+   subroutine compress(row_length, records, properties, status)
+      integer, intent(in) :: row_length, records
       integer(hid_t), intent(in) :: properties
       integer, intent(out) :: status
-      integer(hsize_t) :: chunk(2)
+      integer :: rows
       logical :: can_deflate
-      integer :: rank
 
-      rank = merge(1, 2, row_length == 0)
-      chunk(1) = int(min(row_length, chunk_numbers), hsize_t)
-      chunk(2) = int(max(chunk_numbers/max(row_length, 32), 1), hsize_t)
-      call h5pset_chunk_f(properties, rank, chunk(3 - rank:), status)
-      if (rank == 1 .or. status < 0) return
       call h5zfilter_avail_f(h5z_filter_deflate_f, can_deflate, status)
       if (.not. can_deflate .or. status < 0) return
-      call h5pset_shuffle_f(properties, status)
+      rows = min(max(chunk_numbers/row_length, 1), records)
+      call h5pset_chunk_f(properties, 2, int([min(row_length, chunk_numbers), rows], hsize_t), &
+         status)
+      if (status >= 0) call h5pset_shuffle_f(properties, status)
       if (status >= 0) call h5pset_deflate_f(properties, deflate_level, status)
-   end subroutine add_chunks
+   end subroutine compress
 
-   !> Makes room for the records behind the last one and writes them there.
+   !> Writes records behind the last one.
    subroutine append(self, file, values)
       class(series_t), intent(inout) :: self
       class(hdf5_file_t), intent(inout) :: file
@@ -100,8 +99,7 @@ contains
       extents = [int(self%row_length, hsize_t), size(values, 2, kind=hsize_t)]
       first = merge(2, 1, self%row_length == 0)
       associate (start => offset(first:), count => extents(first:))
-         call h5dset_extent_f(self%id, start + count, status)
-         if (status >= 0) call h5dget_space_f(self%id, file_space, status)
+         call h5dget_space_f(self%id, file_space, status)
          if (status >= 0) call h5screate_simple_f(size(count), count, memory_space, status)
          if (status >= 0) call h5sselect_hyperslab_f(file_space, h5s_select_set_f, start, count, &
             status)

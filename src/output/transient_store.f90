@@ -250,7 +250,7 @@ contains
 
       path = group//trim(store%names(i))
       associate (series => store%series(i))
-         call create_series(copy, file, path, series%row_length, label)
+         call create_series(copy, file, path, series%row_length, series%records, label)
          if (store%names(i) == 'time' .or. store%names(i) == profile_time_name) then
             call make_axis(file, path)
          else if (series%row_length > 0) then
