@@ -271,8 +271,8 @@ it takes 30 million instructions as a further case of a process (`valgrind --too
 number and the properties of datasets are made once a file, and up to 16 numbers lie in the header of their dataset. Tried and
 slower: the newer headers of HDF5 (41.1 where the old ones took 36.2); of no use: larger blocks for headers.
 
-From start to result, processor time of the fastest of 25 runs in turns (2 cores, load 0.3), before and with HDF5, FFTW and an OpenBLAS
-without threads linked into the program and the inputs as attributes:
+From start to result, processor time of the fastest of 25 runs in turns (2 cores, load 0.3), before and with HDF5, FFTW and an
+OpenBLAS without threads linked into the program and the inputs as attributes:
 
 | | before | now |
 |---|---|---|
