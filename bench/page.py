@@ -267,8 +267,8 @@ RESULT_FILE = """
 
 A steady contact on 256 intervals with adequacy writes 93 datasets with 673 attributes. Without adequacy, error bars and SI copies
 it takes 30 million instructions as a further case of a process (`valgrind --tool=callgrind`; all parts in
-[batch.md](batch.md#what-it-costs)), 36 before the inputs were attributes instead of datasets. Types of strings, the dataspace of one
-number and the properties of datasets are made once a file, and up to 16 numbers lie in the header of their dataset. Tried and
+[batch.md](batch.md#what-it-costs)), 36 before the inputs were attributes instead of datasets. Types of strings, the dataspace of
+one number and the properties of datasets are made once a file, and up to 16 numbers lie in the header of their dataset. Tried and
 slower: the newer headers of HDF5 (41.1 where the old ones took 36.2); of no use: larger blocks for headers.
 
 From start to result, processor time of the fastest of 25 runs in turns (2 cores, load 0.3), before and with HDF5, FFTW and an
