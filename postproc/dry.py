@@ -25,6 +25,7 @@ CLASSES = ListedColormap(["#ffffff", "#56a8e0", "#000000"])
 # Pressures on white ground: the smallest one is no longer pale.
 PRESSURES = LinearSegmentedColormap.from_list("pressures", matplotlib.colormaps["magma_r"](np.linspace(0.25, 1, 128)))
 STATES = ("undeformed", "loaded", "unloaded")
+PROFILE_FIELDS = ["pressure", "gap", *(f"height_{state}" for state in STATES)]
 # A profile of more nodes is drawn as a band, beside this many nodes round its largest pressure.
 MAX_NODES, DETAIL_NODES = 1200, 300
 # Bands of wavelengths in each factor of 10.
@@ -53,7 +54,7 @@ class DryResult:
     @property
     def is_line(self) -> bool:
         """A profile, not an area."""
-        return self.solution["pressure"].ndim == 1
+        return "y" not in self.solution
 
 
 def read_dry(path: Path) -> DryResult:
@@ -261,6 +262,10 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     result = read_dry(path)
     figure_command.warn_not_converged(PROGRAM, result)
     kinds = {"profile": draw_profile} if result.is_line else {"maps": draw_maps}
+    missing = [name for name in (PROFILE_FIELDS if result.is_line else ["pressure"]) if name not in result.solution]
+    if missing:
+        print(f"{PROGRAM}: {path}: no {next(iter(kinds))}, {', '.join(missing)} not stored (&output fields)", file=sys.stderr)
+        kinds = {}
     if len(result.sweep["mean_pressure"]) > 1:
         kinds["sweep"] = draw_sweep
     kinds["surface"] = draw_surface

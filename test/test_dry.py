@@ -2,11 +2,12 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from cases import write
+from cases import contents, same_bits, write
 from dry_cases import DATA, HARD, STEEL, case_text, close, profile, rows, solve
 
 
@@ -149,6 +150,28 @@ def test_synthetic_surface_is_as_wanted(asperity, tmp_path, problem):
             assert "amplitude" not in used
     assert np.array_equal(heights[0], heights[1])
     assert not np.array_equal(heights[0], heights[2])
+
+
+def test_fields_that_are_stored(asperity, tmp_path):
+    """Some of them, and in single precision: the same numbers, rounded; everything else to the bit."""
+    sizes = {
+        "dry_line": "&domain length = 4e-4, intervals = 512 /",
+        "dry_area": "&domain length_x = 4e-4, length_y = 3e-4, intervals_x = 96, intervals_y = 72 /",
+    }
+    for problem, size in sizes.items():
+        surface = SYNTHETIC.format(seed=1, skewness=0.0, kurtosis=3.0)
+        full = contents(Path(solve(asperity, tmp_path, surface, [1e7], "", size, problem).filename))
+        chosen = size + "\n&output fields = 'gap', 'pressure', precision = 'single' /"
+        few = contents(Path(solve(asperity, tmp_path, surface, [1e7], "", chosen, problem).filename))
+        fields = {name for name in full if name.startswith("solution/") and "@" not in name} - {"solution/x", "solution/y"}
+        assert len(fields) == 6
+        assert {name for name in fields if name in few} == {"solution/pressure", "solution/gap"}
+        for name in ("solution/pressure", "solution/gap"):
+            assert few[name].dtype == np.float32
+            np.testing.assert_array_equal(few[name], full[name].astype(np.float32))
+        for name in full:
+            if name.startswith(("sweep/", "summary/", "surface/")) and "@" not in name:
+                assert same_bits(full[name], few[name]), name
 
 
 def test_synthetic_spectrum(asperity, tmp_path):

@@ -46,15 +46,19 @@ contains
       if (present(si_scale)) label%si_scale = si_scale
    end function new_label
 
-   !> Reals of any rank.
-   subroutine write_reals(file, path, value, label)
+   !> Reals of any rank; with `is_single` the file has them in single precision.
+   subroutine write_reals(file, path, value, label, is_single)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
       real(wp), intent(in), contiguous, target :: value(..)
       type(label_t), intent(in) :: label
+      logical, intent(in), optional :: is_single
+      integer(hid_t) :: stored_type
 
       call file%look_at(path, value)
-      call write_values(file, path, file%real_type, shape(value), c_loc(value), label)
+      stored_type = file%real_type
+      if (present(is_single)) stored_type = merge(file%single_type, stored_type, is_single)
+      call write_values(file, path, file%real_type, shape(value), c_loc(value), label, stored_type)
    end subroutine write_reals
 
    !> Integers of 64 bits, of any rank.
@@ -79,15 +83,17 @@ contains
       call write_values(file, path, file%string_type(len(copy)), [integer ::], c_loc(copy), label)
    end subroutine write_string
 
-   !> Creates, writes and closes a dataset of the `extents` (none: one value), and labels it.
-   subroutine write_values(file, path, type_id, extents, values, label)
+   !> Creates, writes and closes a dataset of the `extents` (none: one value), and labels it. HDF5
+   !> converts the values from their type to `stored_type`, which is the same if absent.
+   subroutine write_values(file, path, type_id, extents, values, label, stored_type)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
       integer(hid_t), intent(in) :: type_id
       integer, intent(in) :: extents(:)
       type(c_ptr), intent(in) :: values
       type(label_t), intent(in), optional :: label
-      integer(hid_t) :: space, dataset
+      integer(hid_t), intent(in), optional :: stored_type
+      integer(hid_t) :: space, dataset, file_type
       integer :: status
 
       if (allocated(file%failure)) return
@@ -95,7 +101,9 @@ contains
       call file%check(status, path)
       associate (is_small => product(int(extents, int64)) <= few .and. (type_id == &
          file%real_type .or. type_id == file%integer_type))
-         call create_labelled(file, path, type_id, space, merge(file%small_creation, &
+         file_type = type_id
+         if (present(stored_type)) file_type = stored_type
+         call create_labelled(file, path, file_type, space, merge(file%small_creation, &
             file%creation, is_small), label, dataset)
       end associate
       if (allocated(file%failure)) return

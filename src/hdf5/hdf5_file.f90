@@ -7,7 +7,7 @@
 module hdf5_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
-   use, intrinsic :: iso_fortran_env, only: int64
+   use, intrinsic :: iso_fortran_env, only: int64, real32
    use errors, only: error_t, output_error
    use hdf5, only: h5_integer_kind, h5_real_kind, h5d_compact_f, h5f_acc_trunc_f, &
       h5f_close_strong_f, h5f_libver_earliest_f, h5f_libver_latest_f, h5f_scope_global_f, &
@@ -53,8 +53,9 @@ module hdf5_file
       integer(hid_t) :: small_creation = -1_hid_t
       !> The dataspace of one value.
       integer(hid_t) :: scalar_space = -1_hid_t
-      !> HDF5 types of real(wp) and integer(int64).
+      !> HDF5 types of real(wp), real(real32) and integer(int64).
       integer(hid_t) :: real_type = -1_hid_t
+      integer(hid_t) :: single_type = -1_hid_t
       integer(hid_t) :: integer_type = -1_hid_t
       !> Types of strings by their length; at 0 that of the last one that is longer.
       integer(hid_t), private :: string_types(0:longest_kept) = -1_hid_t
@@ -107,6 +108,7 @@ contains
       call file%check(status, 'starting the HDF5 library')
       if (.not. allocated(file%failure)) then
          file%real_type = h5kind_to_type(wp, h5_real_kind)
+         file%single_type = h5kind_to_type(real32, h5_real_kind)
          file%integer_type = h5kind_to_type(int64, h5_integer_kind)
          call h5pcreate_f(h5p_file_access_f, access, status)
          if (status >= 0) call h5pset_fclose_degree_f(access, h5f_close_strong_f, status)

@@ -40,6 +40,7 @@ contains
       call check_rules(values)
       call check_case(values)
       call check_accuracy(values)
+      call check_fields(values)
       if (values%problem /= lubricated) then
          if (is_read) call check_dry(values)
          return
@@ -58,7 +59,6 @@ contains
       call check_surface(values, 'surface_2', 'speed_2')
       if (values%logical_value('time', 'transient')) call check_time(values)
       call check_solver(values)
-      call check_fields(values)
    end subroutine validate
 
    !> Finds groups that are missing, and groups that &moes replaces or excludes.
@@ -267,8 +267,8 @@ contains
       do i = 2, size(fields%words)
          if (any(fields%words(:i - 1) == fields%words(i)) .and. fields%words(i) /= '?') call &
             values%refuse('output', 'fields', "found '" // trim(fields%words(i)) &
-            // "' twice, expected " // expected_value(key_rows(find_key('output', 'fields'))) &
-            // ', each once')
+            // "' twice, expected " // expected_value(key_rows(find_key('output', 'fields', &
+            values%problem))) // ', each once')
       end do
    end subroutine check_fields
 

@@ -6,6 +6,7 @@ module dry_case
    use height_form, only: trend_t
    use input_values, only: input_values_t
    use kinds, only: wp
+   use solver_settings, only: word_length
    implicit none (type, external)
    private
 
@@ -40,6 +41,9 @@ module dry_case
       logical :: has_error_bars
       !> What each ingredient of the model changes is measured.
       logical :: wants_adequacy = .true.
+      !> Fields that are stored (none: all), and whether in single precision.
+      character(len=word_length), allocatable :: stored_fields(:)
+      logical :: is_single = .false.
       !> Relative error of the contact area for which the grid is chosen; 0: it is given.
       real(wp) :: target = 0.0_wp
       !> What the reader of the result should know about it; not allocated: nothing.

@@ -28,11 +28,15 @@ contains
    subroutine fill_dry_case(folder, dry)
       character(*), intent(in) :: folder
       type(dry_case_t), intent(inout) :: dry
+      type(value_t) :: fields
 
       dry%folder = folder
       dry%reduced_modulus = modulus_of(dry%values)
       dry%radius = radius_of(dry%values)
       dry%wants_adequacy = dry%values%logical_value('output', 'adequacy')
+      fields = dry%values%slot('output', 'fields')
+      dry%stored_fields = fields%words
+      dry%is_single = dry%values%word_value('output', 'precision') == 'single'
       ! Where it is not said, a parabola is not periodic.
       dry%is_periodic = .not. any(has_shape(dry%values, surfaces, 'parabola'))
       if (dry%values%has_value('domain', 'periodic')) dry%is_periodic = &

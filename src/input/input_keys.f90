@@ -409,6 +409,13 @@ module input_keys
          range='>= 1, <= 1000000000', used=in_time), &
       key_row_t('output', 'fields', words_kind, '', "'pressure', 'film_thickness'", &
          'the profiles that are stored', words='pressure film_thickness', used=in_time), &
+      key_row_t('output', 'fields', words_kind, '', is_optional, &
+         'the fields of the last load that are stored; not given: all', &
+         words='pressure gap height_undeformed height_loaded height_unloaded '// &
+            'plastic_deformation', problems=dry), &
+      key_row_t('output', 'precision', word_kind, '', "'double'", &
+         'of the numbers of stored fields; single takes half of the file', &
+         words='double single', problems=dry), &
       key_row_t('output', 'checkpoint_interval', real_kind, 's', '600.0', &
          'wall time between checkpoints, from which asperity --resume goes on', &
          range='>= 0, <= 1e9', used=in_time), &

@@ -140,6 +140,7 @@ module input_template
       example_t('domain', 'length_y', '4e-4', .true.), &
       example_t('domain', 'intervals_x', '256', .true.), &
       example_t('domain', 'intervals_y', '256', .true.), &
+      example_t('output', 'fields', "'pressure', 'gap'", .false.), &
       example_t('accuracy', 'target', '0.02', .false.)]
 
    character(*), parameter :: nl = new_line('a')

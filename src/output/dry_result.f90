@@ -116,18 +116,20 @@ contains
 
    contains
 
-      !> One field: (nx), or (nx, ny).
+      !> One field, if it is to be stored: (nx), or (nx, ny).
       subroutine write_field(name, values, long_name, units)
          character(*), intent(in) :: name, long_name, units
          real(wp), intent(in) :: values(:)
 
+         if (size(dry%stored_fields) > 0 .and. .not. any(dry%stored_fields == name)) return
          if (dry%grid%ny == 1) then
-            call write_dataset(file, '/solution/' // name, values, new_label(long_name, units))
+            call write_dataset(file, '/solution/' // name, values, new_label(long_name, units), &
+               dry%is_single)
             call name_axes(file, '/solution/'//name, '/solution/x')
          else
             call write_dataset(file, '/solution/' // name, &
-               reshape(values, [dry%grid%nx, dry%grid%ny]), &
-               new_label(long_name, units))
+               reshape(values, [dry%grid%nx, dry%grid%ny]), new_label(long_name, units), &
+               dry%is_single)
             call name_axes(file, '/solution/'//name, '/solution/x', '/solution/y')
          end if
       end subroutine write_field

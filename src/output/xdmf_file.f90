@@ -155,6 +155,19 @@ contains
          call source%close()
       end function extents_of
 
+      !> Bytes of a number of a dataset; 0: it cannot be read.
+      function bytes_of(path) result(bytes)
+         character(*), intent(in) :: path
+         integer(int64) :: bytes
+         type(hdf5_source_t) :: source
+
+         bytes = 0
+         call reader%open(source, path)
+         if (allocated(reader%failure)) return
+         bytes = int(source%bytes, int64)
+         call source%close()
+      end function bytes_of
+
       !> The element that names a dataset; its extents are given the fastest first.
       function item(path, extents)
          character(*), intent(in) :: path
@@ -167,8 +180,8 @@ contains
             item = item//to_text(extents(k))
             if (k > 1) item = item//' '
          end do
-         item = '<DataItem Dimensions="'//item//'" NumberType="Float" Precision="8" Format="HDF">' &
-            //file//':'//path//'</DataItem>'//nl
+         item = '<DataItem Dimensions="'//item//'" NumberType="Float" Precision="' &
+            //to_text(bytes_of(path))//'" Format="HDF">'//file//':'//path//'</DataItem>'//nl
       end function item
 
    end subroutine add_grid
