@@ -350,8 +350,7 @@ AUTO = """
 
 Random scenes (`bench/auto.py`), steady contacts and passages over the whole range, each solved with a target of 1 % of h_min by
 `model = 'auto'` and by the full model, beside the full model with a quarter of that. `met`: h_min is within the target of the
-truth; `honest`: within the error bars; time is processor time, single runs on a loaded machine. 300 scenes were meant; the same
-command goes on from the [scenes as CSV](images/performance/auto.csv), put into `results/auto/auto_SEED.csv`.
+truth; `honest`: within the error bars; time is processor time, one run each. [Scenes as CSV](images/performance/auto.csv).
 
 ```text
 {auto}
