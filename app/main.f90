@@ -10,7 +10,6 @@ program asperity
    use interruption, only: is_interrupted, listen_to_signals, stop_listening, take_last_words
    use life_sign, only: watch_silence
    use operating_system, only: is_terminal, make_folder
-   use process_memory, only: keep_freed_memory
    use progress_log, only: new_progress_log, progress_log_t
    use read_cases, only: no_findings, read_all_cases, refused_t, status_bad_input, tell_refused
    use result_table, only: print_results
@@ -27,7 +26,6 @@ program asperity
 
    status = 0
    call settle_standard_streams()
-   call keep_freed_memory()
    call check_stack(error)
    if (.not. allocated(error)) call settle_memory(error)
    if (.not. allocated(error)) call read_command_line(command, error)

@@ -1,9 +1,9 @@
 !> Dense linear systems by LAPACK.
 module dense_solve
-   use, intrinsic :: iso_c_binding, only: c_associated, c_f_procpointer, c_funptr, c_int
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_procpointer, c_funptr, c_int, &
+      c_null_char, c_null_ptr, c_ptr
    use errors, only: error_t, fail, internal_error
    use kinds, only: wp
-   use program_symbol, only: address_of
    use text, only: to_text
    implicit none (type, external)
    private
@@ -30,6 +30,17 @@ module dense_solve
       end subroutine set_threads_interface
    end interface
 
+   interface
+      !> C library: address of a symbol of the running program, null if there is none.
+      function dlsym(handle, symbol) bind(c, name='dlsym') result(address)
+         import :: c_char, c_funptr, c_ptr
+         implicit none (type, external)
+         type(c_ptr), value :: handle
+         character(kind=c_char), intent(in) :: symbol(*)
+         type(c_funptr) :: address
+      end function dlsym
+   end interface
+
 contains
 
    !> Limits OpenBLAS, if that is the BLAS in use, to one thread, so that a run takes the cores it
@@ -38,7 +49,7 @@ contains
       procedure(set_threads_interface), pointer :: set_threads
       type(c_funptr) :: address
 
-      address = address_of('openblas_set_num_threads')
+      address = dlsym(c_null_ptr, 'openblas_set_num_threads'//c_null_char)
       if (.not. c_associated(address)) return
       call c_f_procpointer(address, set_threads)
       call set_threads(1_c_int)

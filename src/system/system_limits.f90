@@ -30,8 +30,11 @@ module system_limits
    !> RLIMIT_DATA, RLIMIT_STACK, RLIMIT_AS; _SC_PAGESIZE, _SC_NPROCESSORS_ONLN, _SC_PHYS_PAGES.
    integer(c_int), parameter :: limit_data = 2_c_int, limit_stack = 3_c_int, limit_memory = 9_c_int
    integer(c_int), parameter :: page_size = 30_c_int, online_processors = 84_c_int, pages = 85_c_int
-   !> M_ARENA_MAX of mallopt(3).
-   integer(c_int), parameter :: max_arenas = -8_c_int
+   !> M_TRIM_THRESHOLD, M_MMAP_THRESHOLD, M_ARENA_MAX of mallopt(3).
+   integer(c_int), parameter :: trim_threshold = -1_c_int, mmap_threshold = -3_c_int, &
+      max_arenas = -8_c_int
+   !> Blocks below this size [bytes] may come from memory that was freed.
+   integer(c_int), parameter :: large_block = 1073741824_c_int
    !> Stack of a thread where that of the process is unlimited [bytes].
    real(wp), parameter :: usual_stack = 2097152.0_wp
    !> Stack that the program needs [bytes].
@@ -163,17 +166,23 @@ contains
       status = 0
    end subroutine split_integers
 
-   !> Prepares the libraries for a limit of address space or data, if there is one. OpenBLAS takes
-   !> 134 MB a thread when it is loaded and hangs if it gets none: the program starts again with one
-   !> thread of it. The C library takes 64 MB of address space a thread: one pool does for all.
-   !> Error (input_error): there is no room even for the program.
+   !> Prepares the libraries. Freed memory is kept for the next block: given back to the system, each
+   !> page of it would be cleared again, a fifth of the time of a large area. With a limit of address
+   !> space or data it is not kept. There OpenBLAS takes 134 MB a thread when it is loaded and hangs
+   !> if it gets none: the program starts again with one thread of it. The C library takes 64 MB of
+   !> address space a thread: one pool does for all. Error (input_error): there is no room even for
+   !> the program.
    subroutine settle_memory(error)
       type(error_t), allocatable, intent(out) :: error
       character(len=8) :: threads
       character(:), allocatable :: fault
       integer(c_int) :: status
 
-      if (min(limit_of(limit_data), limit_of(limit_memory)) >= huge(1.0_wp)) return
+      if (min(limit_of(limit_data), limit_of(limit_memory)) >= huge(1.0_wp)) then
+         status = c_mallopt(mmap_threshold, large_block)
+         status = c_mallopt(trim_threshold, -1_c_int)   ! never given back
+         return
+      end if
       call get_environment_variable('OPENBLAS_NUM_THREADS', threads)
       if (threads /= '1') then
          call set_environment('OPENBLAS_NUM_THREADS', '1')
