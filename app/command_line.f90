@@ -215,8 +215,8 @@ contains
          // '  --quiet        no progress; errors only' // nl &
          // '  --outcomes     a line for each case on standard output when it ends: status, '// &
             'namelist, reason (tabs between)' // nl &
-         // '  --threads N    threads of areal problems (default 1), at most as many as '// &
-            'processors; a line needs one' // nl &
+         // '  --threads N    threads of areas (default 1), at most as many as processors; of '// &
+            'passages two, the second for error bars' // nl &
          // '  --resume       go on where an interrupted run of the same cases left off' // nl &
             // nl &
          // 'Examples:' // nl &

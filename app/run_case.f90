@@ -13,6 +13,7 @@ module run_case
    use command_line, only: command_t
    use coarse_passages, only: scene_t
    use coarse_runs, only: make_coarse_runs, run_apart
+   use companion_runs, only: companions_t, make_companion_runs, new_companions, take_companions
    use decision_section, only: decision_lines, solved_text
    use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t, new_error_bars
@@ -41,6 +42,7 @@ module run_case
    use result_start, only: find_complete_result, start_result
    use run_dry_case, only: solve_and_write
    use run_observer, only: run_observer_t
+   use side_by_side, only: can_run_beside, solve_beside
    use solver_settings, only: max_intervals_of, max_refined_intervals, time_settings_t
    use steady_target, only: solve_contact
    use system_limits, only: memory_fault
@@ -89,7 +91,7 @@ contains
       end if
       call tell_unusual(case, log)
       if (case%problem == lubricated) then
-         call run_lubricated_case(case, path, command%is_resume, log, outcome)
+         call run_lubricated_case(case, path, command%is_resume, command%threads, log, outcome)
       else
          call solve_and_write(case, path, log, command%threads, outcome)
       end if
@@ -99,11 +101,12 @@ contains
       end if
    end subroutine run_one_case
 
-   !> Solves a lubricated case and writes its result `path`.
-   subroutine run_lubricated_case(case, path, is_resume, log, outcome)
+   !> Solves a lubricated case on at most so many `threads` and writes its result `path`.
+   subroutine run_lubricated_case(case, path, is_resume, threads, log, outcome)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: path
       logical, intent(in) :: is_resume
+      integer, intent(in) :: threads
       type(progress_log_t), intent(in) :: log
       type(case_outcome_t), intent(out) :: outcome
       type(run_observer_t) :: watcher
@@ -126,7 +129,8 @@ contains
       if (.not. allocated(error)) then
          call prepare_momentum(case, watcher)
          call take_lean_model(case, contact, watcher, error)
-         if (.not. allocated(error)) call solve(case, contact, watcher, state, report, error)
+         if (.not. allocated(error)) call solve(case, contact, watcher, threads, state, report, &
+            error)
          if (.not. allocated(error)) call look_at_model(case, contact, watcher, state, report, &
             error)
          if (.not. allocated(error)) call follow_momentum(case, contact, watcher, state, report, &
@@ -219,16 +223,18 @@ contains
 
    end subroutine check_grid
 
-   !> The case itself and its coarse runs, which come after it unless they choose
-   !> its grid.
-   subroutine solve(case, contact, watcher, state, report, error)
+   !> The case itself and its coarse runs, which come after it unless they choose its grid, or are
+   !> made beside it on another of its `threads`.
+   subroutine solve(case, contact, watcher, threads, state, report, error)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(inout) :: contact
       type(run_observer_t), intent(inout) :: watcher
+      integer, intent(in) :: threads
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: note
+      type(companions_t), allocatable :: companions
       type(error_bars_t) :: bars
       type(line_contact_t) :: open, whole
       real(wp) :: seconds
@@ -254,7 +260,7 @@ contains
          case%solver%space_scheme = watcher%space_scheme
          call settle_tolerance(case%solver)
       else if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
-         call compare_grids(case, contact, watcher, seconds, error)
+         call compare_grids(case, contact, watcher, companions, seconds, error)
          if (allocated(error) .or. watcher%wants_stop) return
       end if
       whole = contact
@@ -271,7 +277,14 @@ contains
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
       watcher%space_scheme = case%solver%space_scheme
-      call solve_contact(contact, case%solver, case%time, watcher, state, report, error)
+      if (case%time%is_transient .and. watcher%has_coarse_runs .and. can_run_beside(case, whole, &
+         threads)) then
+         allocate (companions)
+         call solve_beside(contact, case, companions, watcher, state, report, error)
+         if (companions%are_off) deallocate (companions)
+      else
+         call solve_contact(contact, case%solver, case%time, watcher, state, report, error)
+      end if
       if (allocated(error)) return
       report%nodes_per_wave = nodes_in_wave(contact)
       report%steps_per_wave = steps_in_wave(contact, case%time)
@@ -279,7 +292,7 @@ contains
       call refuse_nonsense(state, report)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
       if (watcher%has_coarse_runs .and. report%converged) then
-         call compare_grids(case, contact, watcher, seconds, error)
+         call compare_grids(case, contact, watcher, companions, seconds, error)
          if (allocated(error)) return
          report%converged = .not. watcher%wants_stop
       end if
@@ -382,11 +395,13 @@ contains
       end if
    end subroutine suspend
 
-   !> Coarse runs; with a target, intervals and time step too.
-   subroutine compare_grids(case, contact, watcher, seconds, error)
+   !> Coarse runs, unless `companions` have been made already; with a target, intervals and time
+   !> step too.
+   subroutine compare_grids(case, contact, watcher, companions, seconds, error)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(inout) :: contact
       type(run_observer_t), intent(inout) :: watcher
+      type(companions_t), allocatable, intent(inout) :: companions
       real(wp), intent(out) :: seconds
       type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
@@ -396,8 +411,14 @@ contains
       if (case%time%is_transient .and. case%accuracy%target > 0.0_wp) then
          call choose_resolution(bars, contact, case%solver, case%time, watcher, &
             error)   ! error: the caller looks
+      else if (case%time%is_transient) then
+         if (.not. allocated(companions)) then
+            companions = new_companions(contact, case%solver, case%time)
+            call make_companion_runs(companions, watcher)
+         end if
+         call take_companions(companions, bars, error)   ! error: the caller looks
       else
-         call make_coarse_runs(bars, contact, case%solver, case%time, watcher, &
+         call make_coarse_runs(bars, contact, case%solver, watcher, &
             error)   ! error: the caller looks
       end if
       watcher%writer%bars = bars

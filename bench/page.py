@@ -281,9 +281,9 @@ OpenBLAS without threads linked into the program and the inputs as attributes:
 | the same without these three | 21.6 ms | 9.9 ms |
 | a further case on 256 intervals without these three | 8.1 ms | 4.3 ms |
 
-`input/case3_demo.nml` (812 steps, every second profile stored) went from 4.07 to 4.54 thousand million instructions with the SI
-copies of its profiles, which are compressed too, and its file from 2.7 to 5.2 MB; `&output si_copies = .false.` leaves the copies
-out.
+Profiles of passages were compressed (deflate 4). That made the files smaller by a fourth, 27.1 to 19.2 MB for `input/case3.nml`,
+and the whole run longer by 17 to 44 % (case3 44, rough_passage 21, overtaking 18, case3_demo 33, rolling_sinusoid 31 %); level 1 saved
+3 % of that. They are not compressed any more; `h5repack` does it. `&output si_copies = .false.` halves these files.
 """
 
 ADEQUACY_HEAD = """

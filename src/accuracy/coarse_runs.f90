@@ -20,7 +20,7 @@ module coarse_runs
    implicit none (type, external)
    private
 
-   public :: make_coarse_runs, run_apart, run_farther, run_for_comparison, &
+   public :: make_coarse_runs, run_apart, run_coarser, run_farther, run_for_comparison, &
       run_longer, run_other_scheme
 
    !> Coarse runs that error bars come from have at least this many intervals.
@@ -28,37 +28,27 @@ module coarse_runs
 
 contains
 
-   !> Runs the case on n/2 and n/4 intervals, a transient of first order with the scheme of second
-   !> order, and first so on its own grid. A coarse run that finds no solution, or that `watcher`
-   !> stops, leaves its quantities unknown, and those after it.
-   subroutine make_coarse_runs(bars, contact, settings, time, watcher, error)
+   !> Runs a steady case on n/2 and n/4 intervals (in time: `companion_runs`). A run that finds no
+   !> solution, or that `watcher` stops, leaves its quantities unknown.
+   subroutine make_coarse_runs(bars, contact, settings, watcher, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
-      type(time_settings_t), intent(in) :: time
       class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
-      type(time_settings_t) :: coarse_time
-      logical :: is_known
+      type(time_settings_t) :: steady
 
-      bars = new_error_bars(contact, time, settings%space_scheme)
+      bars = new_error_bars(contact, steady, settings%space_scheme)
       collector%watcher => watcher
-      coarse_time = time
-      coarse_time%scheme = 'bdf2'
-      if (bars%is_first_order) then
-         call run_coarser(contact, settings, coarse_time, 1, collector, is_known, error)
-         if (allocated(error) .or. .not. is_known) return
-         bars%second_order = collector%summary
-      end if
-      call run_coarser(contact, settings, coarse_time, 2, collector, bars%has_half, error)
+      call run_coarser(contact, settings, steady, 2, collector, bars%has_half, error)
       if (allocated(error)) return
       bars%half = collector%summary
       if (size(collector%passed) > 0) then
          bars%has_quarter = .true.
          bars%quarter = collector%passed(1)
       else
-         call run_coarser(contact, settings, coarse_time, 4, collector, bars%has_quarter, &
+         call run_coarser(contact, settings, steady, 4, collector, bars%has_quarter, &
             error)   ! error: the caller looks
          bars%quarter = collector%summary
       end if

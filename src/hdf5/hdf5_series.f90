@@ -2,24 +2,15 @@
 !> than a short one.
 module hdf5_series
    use, intrinsic :: iso_c_binding, only: c_loc
-   use, intrinsic :: iso_fortran_env, only: int64
-   use hdf5, only: h5dclose_f, h5dget_space_f, h5dwrite_f, h5pclose_f, h5pset_chunk_f, &
-      h5pset_deflate_f, h5pset_shuffle_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
-      h5sselect_hyperslab_f, h5z_filter_deflate_f, h5zfilter_avail_f, hid_t, hsize_t
+   use hdf5, only: h5dclose_f, h5dget_space_f, h5dwrite_f, h5s_select_set_f, h5sclose_f, &
+      h5screate_simple_f, h5sselect_hyperslab_f, hid_t, hsize_t
    use hdf5_dataset, only: create_labelled, label_t
-   use hdf5_file, only: hdf5_file_t, new_properties
+   use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
    public :: create_series, series_t
-
-   !> Numbers in one chunk: 256 kB, so that the chunk being filled stays in HDF5's cache of 1 MB.
-   integer, parameter :: chunk_numbers = 32768
-   !> Rows with fewer numbers are not compressed: the filter alone takes longer than writing them.
-   integer, parameter :: worth_compressing = 8192
-   !> Level of the deflate filter [1-9].
-   integer, parameter :: deflate_level = 4
 
    !> A series in an open file: numbers (n) or rows (row_length, n); h5py shows rows as (n,
    !> row_length).
@@ -39,14 +30,14 @@ module hdf5_series
 
 contains
 
-   !> Makes a series at `path` for so many `records`; many rows are compressed if the library can.
+   !> Makes a series at `path` for so many `records`.
    subroutine create_series(series, file, path, row_length, records, label)
       type(series_t), intent(out) :: series
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
       integer, intent(in) :: row_length, records
       type(label_t), intent(in) :: label
-      integer(hid_t) :: space, properties
+      integer(hid_t) :: space
       integer :: status, first
 
       if (allocated(file%failure)) return
@@ -56,33 +47,12 @@ contains
       associate (extents => [int(row_length, hsize_t), int(records, hsize_t)])
          call h5screate_simple_f(3 - first, extents(first:), space, status)
       end associate
-      if (status >= 0) call new_properties(properties, status)
-      if (status >= 0 .and. int(row_length, int64)*records >= worth_compressing) call compress( &
-         row_length, records, properties, status)
       call file%check(status, path)
-      call create_labelled(file, path, file%real_type, space, properties, label, series%id)
+      call create_labelled(file, path, file%real_type, space, file%creation, label, series%id)
       if (allocated(file%failure)) return
-      call h5pclose_f(properties, status)
-      if (status >= 0) call h5sclose_f(space, status)
+      call h5sclose_f(space, status)
       call file%check(status, path)
    end subroutine create_series
-
-   !> Rows in chunks that are compressed; `status` < 0: failed.
-   subroutine compress(row_length, records, properties, status)
-      integer, intent(in) :: row_length, records
-      integer(hid_t), intent(in) :: properties
-      integer, intent(out) :: status
-      integer :: rows
-      logical :: can_deflate
-
-      call h5zfilter_avail_f(h5z_filter_deflate_f, can_deflate, status)
-      if (.not. can_deflate .or. status < 0) return
-      rows = min(max(chunk_numbers/row_length, 1), records)
-      call h5pset_chunk_f(properties, 2, int([min(row_length, chunk_numbers), rows], hsize_t), &
-         status)
-      if (status >= 0) call h5pset_shuffle_f(properties, status)
-      if (status >= 0) call h5pset_deflate_f(properties, deflate_level, status)
-   end subroutine compress
 
    !> Writes records behind the last one.
    subroutine append(self, file, values)

@@ -66,8 +66,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer :: info
 
+      !$omp critical (lapack)
       call dgbtrf(matrix%n, matrix%n, matrix%lower, matrix%upper, matrix%entries, &
          size(matrix%entries, 1), matrix%pivots, info)
+      !$omp end critical (lapack)
       if (info /= 0) call fail(error, internal_error, 'dgbtrf: matrix is singular, info = ' &
          //to_text(info))
    end subroutine factor_band
@@ -78,8 +80,10 @@ contains
       real(wp), contiguous, intent(inout) :: x(:)
       integer :: info
 
+      !$omp critical (lapack)
       call dgbtrs('N', matrix%n, matrix%lower, matrix%upper, 1, matrix%entries, &
          size(matrix%entries, 1), matrix%pivots, x, matrix%n, info)
+      !$omp end critical (lapack)
    end subroutine solve_band
 
 end module band_matrix

@@ -66,7 +66,9 @@ contains
       integer :: n, info
 
       n = size(right_side)
+      !$omp critical (lapack)
       call dgesv(n, 1, matrix, n, pivots, right_side, n, info)
+      !$omp end critical (lapack)
       if (info /= 0) call fail(error, internal_error, 'dgesv: matrix is singular, info = ' &
          //to_text(info))
    end subroutine solve_dense

@@ -89,9 +89,12 @@ contains
       values = kernel(points)
       matrix(:heavy_points, :) = heavy_weight*matrix(:heavy_points, :)
       values(:heavy_points) = heavy_weight*values(:heavy_points)
+      ! an OpenBLAS without threads of its own may not be called by two threads at a time
+      !$omp critical (lapack)
       call dgelsy(size(points), q + 1, 1, matrix, size(points), values, size(points), pivots, &
          rank_tolerance, rank, &
          work, size(work), info)
+      !$omp end critical (lapack)
       if (info /= 0) then
          call fail(error, internal_error, 'dgelsy: info = '//to_text(info))
          return

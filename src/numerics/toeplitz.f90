@@ -64,10 +64,12 @@ contains
       self%spectrum => new_complex(n)
       is_planned = associated(self%pairs) .and. associated(self%spectrum)
       if (is_planned) then
+         !$omp critical (fftw_planner)
          self%forward = fftw_plan_dft_1d(length, self%pairs, self%spectrum, fftw_forward, &
             fftw_estimate)
          self%backward = fftw_plan_dft_1d(length, self%spectrum, self%pairs, fftw_backward, &
             fftw_estimate)
+         !$omp end critical (fftw_planner)
          is_planned = c_associated(self%forward) .and. c_associated(self%backward)
       end if
       if (is_planned) then
@@ -161,8 +163,10 @@ contains
    subroutine destroy_toeplitz(self)
       type(toeplitz_t), intent(inout) :: self
 
+      !$omp critical (fftw_planner)
       if (c_associated(self%forward)) call fftw_destroy_plan(self%forward)
       if (c_associated(self%backward)) call fftw_destroy_plan(self%backward)
+      !$omp end critical (fftw_planner)
       self%forward = c_null_ptr
       self%backward = c_null_ptr
       if (associated(self%pairs)) call fftw_free(c_loc(self%pairs))

@@ -2,7 +2,7 @@
 !>
 !> While the case runs everything goes to NAME.part in the same folder. A steady result is completed
 !> there and renamed to NAME. The time steps of a transient are streamed into it, so that memory
-!> does not grow with their number; at the end the result is put together, compressed, in NAME.tmp,
+!> does not grow with their number; at the end the result is put together in NAME.tmp,
 !> which is then renamed. (NAME.part of a transient comes from NAME.tmp too, with T = 0 in it, so
 !> that it never shows anything that is not there.) An interrupted or failed run leaves an older
 !> NAME as it was.

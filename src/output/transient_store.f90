@@ -1,5 +1,5 @@
-!> /transient of a result: in NAME.part while the run goes on (see `running_series`), compressed in
-!> the result at its end.
+!> /transient of a result: in NAME.part while the run goes on (see `running_series`), in the result
+!> at its end.
 !>
 !> Series of one number hold every time step; profiles may be stored of some steps only, and have
 !> times of their own.
@@ -70,7 +70,7 @@ module transient_store
       procedure :: records
       !> What a checkpoint needs to know.
       procedure :: part => part_of
-      !> Writes the series into another file, compressed.
+      !> Writes the series into another file.
       procedure :: copy_into
    end type transient_store_t
 

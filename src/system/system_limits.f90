@@ -166,12 +166,12 @@ contains
       status = 0
    end subroutine split_integers
 
-   !> Prepares the libraries. Freed memory is kept for the next block: given back to the system, each
-   !> page of it would be cleared again, a fifth of the time of a large area. With a limit of address
-   !> space or data it is not kept. There OpenBLAS takes 134 MB a thread when it is loaded and hangs
-   !> if it gets none: the program starts again with one thread of it. The C library takes 64 MB of
-   !> address space a thread: one pool does for all. Error (input_error): there is no room even for
-   !> the program.
+   !> Prepares the libraries. Freed memory is kept for the next block: given back to the system,
+   !> each page of it would be cleared again, a fifth of the time of a large area. With a limit of
+   !> address space or data it is not kept. There OpenBLAS takes 134 MB a thread when it is loaded
+   !> and hangs if it gets none: the program starts again with one thread of it. The C library takes
+   !> 64 MB of address space a thread: one pool does for all. Error (input_error): there is no room
+   !> even for the program.
    subroutine settle_memory(error)
       type(error_t), allocatable, intent(out) :: error
       character(len=8) :: threads

@@ -1,0 +1,98 @@
+!> A transient on one thread, and on another one the coarse runs for its error bars.
+module side_by_side
+   use case_memory, only: lubricated_memory
+   use case_record, only: case_t
+   use companion_runs, only: companions_t, make_companion_runs, new_companions
+   use errors, only: error_t
+   use interruption, only: is_interrupted
+   use iteration_report, only: report_t
+   use life_sign, only: begin_activity
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_state, only: line_state_t
+   use observer, only: observer_t
+   use run_observer, only: run_observer_t
+   use steady_target, only: solve_contact
+   use system_limits, only: memory_fault, memory_t, processors, thread_memory
+   implicit none (type, external)
+   private
+
+   public :: can_run_beside, solve_beside
+
+   !> Listens to coarse runs, which tell nothing: they end when the program is interrupted or when
+   !> the run itself has made them useless.
+   type, extends(observer_t) :: onlooker_t
+      logical, pointer :: are_off => null()
+   contains
+      procedure :: look_outside
+   end type onlooker_t
+
+contains
+
+   !> Whether coarse runs shall have a thread of their own: `threads` are allowed, and there are
+   !> processors and memory for it.
+   function can_run_beside(case, whole, threads)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: whole
+      integer, intent(in) :: threads
+      logical :: can_run_beside
+      type(memory_t) :: need
+
+      need = lubricated_memory(2*whole%domain%intervals, 2*case%time%end_time/case%time%time_step, &
+         is_dense=.false., layers=case%layers)
+      need%reserved = need%reserved + thread_memory(2)
+      can_run_beside = min(threads, processors()) > 1
+      if (can_run_beside) can_run_beside = memory_fault('two runs', need) == ''
+   end function can_run_beside
+
+   !> Solves the case as `solve_contact` does, beside its `companions`, which are complete where the
+   !> solution has converged on the domain that they have.
+   subroutine solve_beside(contact, case, companions, watcher, state, report, error)
+      type(line_contact_t), intent(inout) :: contact
+      type(case_t), intent(in) :: case
+      type(companions_t), intent(out), target :: companions
+      type(run_observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(out) :: state
+      type(report_t), intent(out) :: report
+      type(error_t), allocatable, intent(out) :: error
+      logical :: is_off
+
+      companions = new_companions(contact, case%solver, case%time)
+      !$omp parallel num_threads(2) private(is_off)
+      ! the first thread alone writes and takes signals
+      !$omp master
+      call solve_contact(contact, case%solver, case%time, watcher, state, report, error)
+      is_off = allocated(error) .or. .not. report%converged
+      if (.not. is_off) is_off = abs(contact%domain%x_outlet - companions%contact%domain%x_outlet) &
+         > 0.0_wp
+      call begin_activity('coarse runs')
+      if (is_off) then
+         !$omp atomic write
+         companions%are_off = .true.
+      end if
+      !$omp end master
+      call help(companions)
+      !$omp end parallel
+      call watcher%look_outside()
+   end subroutine solve_beside
+
+   !> The part of one thread in the coarse runs.
+   subroutine help(companions)
+      type(companions_t), intent(inout), target :: companions
+      type(onlooker_t) :: onlooker
+
+      onlooker%are_off => companions%are_off
+      call make_companion_runs(companions, onlooker)
+   end subroutine help
+
+   !> Whether the run is of any use.
+   subroutine look_outside(self)
+      class(onlooker_t), intent(inout) :: self
+      logical :: are_off
+
+      !$omp atomic read
+      are_off = self%are_off
+      self%wants_stop = self%wants_stop .or. are_off .or. is_interrupted()
+   end subroutine look_outside
+
+end module side_by_side
