@@ -277,11 +277,8 @@ contains
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
       watcher%space_scheme = case%solver%space_scheme
-      if (case%time%is_transient .and. watcher%has_coarse_runs .and. can_run_beside(case, whole, &
-         threads)) then
-         allocate (companions)
+      if (can_run_beside(case, whole, watcher%has_coarse_runs, threads)) then
          call solve_beside(contact, case, companions, watcher, state, report, error)
-         if (companions%are_off) deallocate (companions)
       else
          call solve_contact(contact, case%solver, case%time, watcher, state, report, error)
       end if

@@ -29,34 +29,38 @@ module side_by_side
 
 contains
 
-   !> Whether coarse runs shall have a thread of their own: `threads` are allowed, and there are
-   !> processors and memory for it.
-   function can_run_beside(case, whole, threads)
+   !> Whether coarse runs, if wanted, shall have a thread of their own: in a transient, where
+   !> `threads` are allowed, and there are processors and memory for it.
+   function can_run_beside(case, whole, has_coarse_runs, threads)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: whole
+      logical, intent(in) :: has_coarse_runs
       integer, intent(in) :: threads
       logical :: can_run_beside
       type(memory_t) :: need
 
+      can_run_beside = has_coarse_runs .and. case%time%is_transient .and. min(threads, &
+         processors()) > 1
+      if (.not. can_run_beside) return
       need = lubricated_memory(2*whole%domain%intervals, 2*case%time%end_time/case%time%time_step, &
          is_dense=.false., layers=case%layers)
       need%reserved = need%reserved + thread_memory(2)
-      can_run_beside = min(threads, processors()) > 1
-      if (can_run_beside) can_run_beside = memory_fault('two runs', need) == ''
+      can_run_beside = memory_fault('two runs', need) == ''
    end function can_run_beside
 
-   !> Solves the case as `solve_contact` does, beside its `companions`, which are complete where the
-   !> solution has converged on the domain that they have.
+   !> Solves the case as `solve_contact` does, beside its `companions`; these are there afterwards if
+   !> the solution has converged on the domain that they have.
    subroutine solve_beside(contact, case, companions, watcher, state, report, error)
       type(line_contact_t), intent(inout) :: contact
       type(case_t), intent(in) :: case
-      type(companions_t), intent(out), target :: companions
+      type(companions_t), allocatable, target, intent(out) :: companions
       type(run_observer_t), intent(inout) :: watcher
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       logical :: is_off
 
+      allocate (companions)
       companions = new_companions(contact, case%solver, case%time)
       !$omp parallel num_threads(2) private(is_off)
       ! the first thread alone writes and takes signals
@@ -73,6 +77,7 @@ contains
       !$omp end master
       call help(companions)
       !$omp end parallel
+      if (companions%are_off) deallocate (companions)
       call watcher%look_outside()
    end subroutine solve_beside
 
