@@ -3,6 +3,7 @@
 import h5py
 import numpy as np
 import pytest
+import xarray
 from cases import STEADY, write
 from dry_cases import case_text
 from test_height_tables import FILE, SPACING, heights, read_back
@@ -178,3 +179,100 @@ def test_a_long_profile_that_falls(asperity, tmp_path, ending):
             films.append(file["transient/h_min"][()])
             assert np.ptp(films[-1]) > 0
     assert np.array_equal(*films)
+
+
+def store_with_scales(path, library, z, axes, units=("mm", "um"), group="", extra=()):
+    """Heights `z` with coordinates {name: values}, the slowest first, attached as netCDF-4 has them."""
+    if library == "xarray":
+        data = xarray.Dataset(
+            {"relief": (list(axes), z, {"units": units[1]})},
+            coords={name: (name, values, {"units": units[0]}) for name, values in axes.items()},
+        )
+        data.to_netcdf(path, engine="netcdf4", group=group or None)
+        return
+    with h5py.File(path, "w") as file:
+        parent = file.require_group(group) if group else file
+        relief = parent.create_dataset("relief", data=z)
+        if units[1]:
+            relief.attrs["units"] = units[1]
+        for i, (name, values) in enumerate(axes.items()):
+            parent[name] = values
+            if units[0]:
+                parent[name].attrs["units"] = units[0]
+            parent[name].make_scale(name)
+            relief.dims[i].attach_scale(parent[name])
+        for name, values in extra:
+            parent[name] = values
+
+
+def relief(asperity, folder, dataset="relief", keys="", refused=None):
+    return read_back(asperity, folder, "z.h5", f", dataset = '{dataset}', detrend = 'none'" + keys, refused)
+
+
+@pytest.mark.parametrize("library", ["xarray", "h5py"])
+@pytest.mark.parametrize("seed", range(6))
+def test_positions_are_dimension_scales(asperity, tmp_path, library, seed):
+    """Whatever their names, units, group, start and direction."""
+    rng = np.random.default_rng([23, seed])
+    factors = {"m": 1.0, "mm": 1e3, "um": 1e6, "nm": 1e9}
+    units = rng.choice(list(factors), 2)
+    group, name = rng.choice(["", "scan", "scan/first"]), rng.choice(["distance", "lateral", "X"])
+    step = rng.choice([-1, 1])
+    x = (X + rng.uniform(-1e-3, 1e-3))[::step] * factors[units[0]]
+    store_with_scales(tmp_path / "z.h5", library, Z * factors[units[1]], {str(name): x}, tuple(map(str, units)), str(group))
+    assert_profile(relief(asperity, tmp_path, f"{group}/relief".lstrip("/")), Z[::step])
+
+
+@pytest.mark.parametrize("library", ["xarray", "h5py"])
+def test_dimension_scales_of_an_area(asperity, tmp_path, library):
+    ny, nx = 24, 36
+    z = 1e-7 * np.random.default_rng(29).standard_normal((ny, nx))
+    axes = {"across": 3e-3 * np.arange(ny)[::-1], "along": 2e-3 * np.arange(nx)}
+    store_with_scales(tmp_path / "z.h5", library, 1e6 * z, axes)
+    surface = FILE.format("z.h5") + ", dataset = 'relief', detrend = 'none'"
+    more = "&output adequacy = .false. /\n&accuracy error_bars = .false. /"
+    write(tmp_path, "case.nml", case_text(surface, [1e6], "", more, problem="dry_area"))
+    done = asperity("case.nml", "--quiet")
+    assert done.returncode == 0, done.stderr
+    with h5py.File(tmp_path / "case.h5") as file:
+        np.testing.assert_allclose(file["solution/height_undeformed"][()], z[::-1], rtol=1e-10, atol=1e-20)
+        assert np.diff(file["solution/x"][()]) == pytest.approx(2e-6, rel=1e-9)
+        assert np.diff(file["solution/y"][()]) == pytest.approx(3e-6, rel=1e-9)
+
+
+def test_a_scale_without_unit_needs_the_key(asperity, tmp_path):
+    """It may count pixels; x beside the heights goes before it."""
+    pixels = {"pixel": np.arange(NODES)}
+    store_with_scales(tmp_path / "z.h5", "h5py", Z, pixels, ("", ""))
+    assert "spacing" in relief(asperity, tmp_path, refused=True)
+    store_with_scales(tmp_path / "z.h5", "h5py", Z, pixels, ("", ""), extra=[("x", X)])
+    assert_profile(relief(asperity, tmp_path))
+    store_with_scales(tmp_path / "z.h5", "h5py", 1e6 * Z, {"distance": 1e3 * X}, ("", ""))
+    assert_profile(relief(asperity, tmp_path, keys=", x_unit = 'mm', z_unit = 'um'"))
+
+
+@pytest.mark.parametrize(
+    ("units", "message"),
+    [
+        (("mm", ""), "(/distance): found a unit of positions only, expected both, or the key z_unit"),
+        (("pixel", "um"), "found the unit pixel in the attributes of /distance"),
+    ],
+)
+def test_units_of_scales_that_say_too_little(asperity, tmp_path, units, message):
+    store_with_scales(tmp_path / "z.h5", "h5py", Z, {"distance": X}, units)
+    assert message in relief(asperity, tmp_path, refused=True)
+
+
+@pytest.mark.parametrize("kind", ["text", "numbers", "gone", "none attached"])
+def test_lists_of_scales_that_are_none(asperity, tmp_path, kind):
+    """Then there are no positions, and nothing else is said."""
+    store_with_scales(tmp_path / "z.h5", "h5py", Z, {"distance": X})
+    with h5py.File(tmp_path / "z.h5", "a") as file:
+        if kind == "gone":
+            del file["distance"]
+        elif kind == "none attached":
+            file["relief"].dims[0].detach_scale(file["distance"])
+        else:
+            del file["relief"].attrs["DIMENSION_LIST"]
+            file["relief"].attrs["DIMENSION_LIST"] = "distance" if kind == "text" else np.arange(3)
+    assert "spacing" in relief(asperity, tmp_path, refused=True)

@@ -151,9 +151,26 @@ def test_area_of_plain_columns(tmp_path):
         assert file["z"].attrs["spacing_y"] == 2e-6
 
 
+def test_falling_positions_are_mirrored(tmp_path):
+    """As by the program, so that both read the same heights."""
+    table = np.column_stack([0.5 * np.arange(20)[::-1] + 3, np.arange(20) ** 2])
+    np.savetxt(tmp_path / "scan.txt", table)
+    done = call("scan.txt", "--unit", "um,nm", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    with h5py.File(tmp_path / "heights.h5") as file:
+        np.testing.assert_allclose(file["z"][()], 1e-9 * np.arange(20)[::-1] ** 2, rtol=1e-12)
+        assert file["z"].attrs["spacing_x"] == pytest.approx(5e-7, rel=1e-12)
+
+
+@pytest.mark.parametrize("positions", ["0 1 3", "3 1 0", "1 1 1", "0 1 0"])
+def test_plain_columns_of_uneven_positions(tmp_path, positions):
+    (tmp_path / "scan.txt").write_text("".join(f"{x} 1\n" for x in positions.split()), encoding="utf-8")
+    assert "neither rise nor fall evenly" in call("scan.txt", "--unit", "mm", cwd=tmp_path).stderr
+    assert not (tmp_path / "heights.h5").exists()
+
+
 def test_plain_columns_that_are_none(tmp_path):
-    (tmp_path / "scan.txt").write_text("0 1\n1 2\n3 4\n", encoding="utf-8")
-    assert "do not rise evenly" in call("scan.txt", "--unit", "mm", cwd=tmp_path).stderr
+    (tmp_path / "scan.txt").write_text("0 1\n1 2\n2 4\n", encoding="utf-8")
     assert "--unit: found 'mm,furlong'" in call("scan.txt", "--unit", "mm,furlong", cwd=tmp_path).stderr
     (tmp_path / "scan.txt").write_text("0 1\n1 x\n", encoding="utf-8")
     assert "scan.txt:2: could not convert string to float: 'x'" in call("scan.txt", "--unit", "mm", cwd=tmp_path).stderr

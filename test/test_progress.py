@@ -40,8 +40,8 @@ def test_closing_table(asperity, tmp_path):
     names = [
         "h_min",
         "h_central",
-        "p_max",
         "p_central",
+        "p_max",
         "friction",
         "formulas",
         "residual",
@@ -54,8 +54,8 @@ def test_closing_table(asperity, tmp_path):
     lines = lines[:2] + [line for line in lines[2:] if not line.startswith(12 * " ")]
     assert [line.split()[0] for line in lines[2:]] == names
     assert re.match(r"  h_min +\S+ nm +0\.\d+ +\+- \S+ %$", lines[2])
-    assert re.match(r"  p_max +\S+ MPa +0\.\d+ +\+- \S+ %$", lines[4])
-    assert re.match(r"  p_central +\S+ MPa +0\.\d+ +\+- \S+ %$", lines[5])
+    assert re.match(r"  p_central +\S+ MPa +0\.\d+ +\+- \S+ %$", lines[4])
+    assert re.match(r"  p_max +\S+ MPa +0\.\d+ +\+- \S+ %$", lines[5])
     assert re.match(r"  formulas  h_min \S+ nm, \+\d+ %: Dowson-Higginson", lines[7])
     assert re.match(r"  inlet +starves the film by \S+ %", lines[9])
     assert re.match(r"  limit +sliding would heat the film by \S+ K", lines[10])

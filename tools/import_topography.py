@@ -7,7 +7,7 @@
 
 With --unit the file is a table of plain columns: positions and heights in these units, or with --spacing (in the first unit)
 rows of heights, one column a profile, more an area; separated by commas, semicolons, tabs or blanks, with decimal points or
-commas. Lines above the numbers are left out. This needs no library.
+commas. Lines above the numbers are left out; positions may rise or fall. This needs no library.
 
 SurfaceTopography (https://pypi.org/project/SurfaceTopography) reads the formats of the instruments; it is not needed for anything
 else: `.venv/bin/pip install SurfaceTopography`. The heights are written in m as /z (ny, nx) or (nx) with the spacing of the nodes;
@@ -133,9 +133,10 @@ def import_table(options: argparse.Namespace) -> tuple[np.ndarray, tuple[float, 
     x = table[:, 0] / per_metre[0]
     steps = np.diff(x)
     spacing = (x[-1] - x[0]) / (len(x) - 1)
-    if not (spacing > 0 and np.all(np.abs(steps - spacing) <= 1e-3 * spacing)):
-        raise ImportFailure(f"{options.measurement}: the positions in the first column do not rise evenly")
-    return table[:, column - 1] / per_metre[1], (spacing,)
+    if not (spacing != 0 and np.all(np.abs(steps - spacing) <= 1e-3 * abs(spacing))):
+        raise ImportFailure(f"{options.measurement}: the positions in the first column neither rise nor fall evenly")
+    heights = table[:, column - 1] / per_metre[1]
+    return (heights if spacing > 0 else heights[::-1]), (abs(spacing),)
 
 
 def flattened(heights: np.ndarray, word: str | None) -> np.ndarray:

@@ -48,6 +48,8 @@ module hdf5_input
       procedure :: text
       !> The text of an attribute that may be missing, or be something else.
       procedure :: text_of
+      !> The path of the dataset that is attached to a dimension as its scale.
+      procedure :: scale_of
       procedure :: check
       procedure :: refuse
       !> Closes the file; `error` is the first failure.
@@ -284,6 +286,28 @@ contains
       end if
       call source%close()
    end function text_of
+
+   !> Path of the dataset that is the first dimension scale of the `dimension` of the dataset at
+   !> `path` (1: the fastest); empty if there is none.
+   function scale_of(self, path, dimension) result(scale)
+      class(hdf5_input_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      integer, intent(in) :: dimension
+      character(:), allocatable :: scale
+      type(hdf5_source_t) :: source
+      logical :: exists
+      integer :: status
+
+      scale = ''
+      if (allocated(self%failure)) return
+      call h5aexists_by_name_f(self%id, path, 'DIMENSION_LIST', exists, status)
+      call self%check(status, 'DIMENSION_LIST')
+      if (allocated(self%failure) .or. .not. exists) return
+      call self%open(source, path, 'DIMENSION_LIST')
+      if (allocated(self%failure)) return
+      call source%read_reference(dimension, scale)
+      call source%close()
+   end function scale_of
 
    !> Closes the file; twice does nothing.
    subroutine close_reader(self, error)

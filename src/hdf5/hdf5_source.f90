@@ -7,11 +7,14 @@ module hdf5_source
    use, intrinsic :: iso_fortran_env, only: int64
    use hdf5, only: h5aclose_f, h5aget_space_f, h5aget_type_f, h5aread_f, h5d_chunked_f, &
       h5d_virtual_f, h5dclose_f, h5dget_create_plist_f, h5dget_space_f, h5dget_storage_size_f, &
-      h5dget_type_f, h5dread_f, h5dvlen_reclaim_f, h5p_default_f, h5pclose_f, h5pget_chunk_f, &
+      h5dget_type_f, h5dread_f, h5dvlen_reclaim_f, h5iget_name_f, h5oclose_f, h5p_default_f, &
+      h5pclose_f, h5pget_chunk_f, &
       h5pget_external_count_f, &
-      h5pget_layout_f, h5sclose_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
+      h5pget_layout_f, h5rdereference_f, h5sclose_f, &
+      h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
       h5sget_simple_extent_npoints_f, h5t_float_f, h5t_integer_f, h5t_string_f, h5tclose_f, &
-      h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, hid_t, hsize_t, size_t
+      h5t_std_ref_obj, h5tequal_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, &
+      h5tvlen_create_f, hid_t, hobj_ref_t_f, hsize_t, hvl_t, size_t
    use kinds, only: wp
    use text, only: to_text
    implicit none (type, external)
@@ -26,6 +29,8 @@ module hdf5_source
    integer(size_t), parameter :: largest_number = 16_size_t, largest_text = 16777216_size_t
    !> Longest text of variable length that is read [bytes].
    integer, parameter :: longest_name = 256
+   !> Most lists of references: HDF5 has no more dimensions.
+   integer(int64), parameter :: max_lists = 32_int64
    !> Largest chunk: the library holds a whole one [bytes].
    integer(int64), parameter :: largest_chunk = 1073741824_int64
    !> Datasets from this size on must be stored, not only declared [bytes]. Largest compression
@@ -49,7 +54,7 @@ module hdf5_source
       logical :: is_variable = .false.
    contains
       procedure :: fault, fault_of_size, fault_of_storage
-      procedure :: read_into, read_variable
+      procedure :: read_into, read_reference, read_variable
       procedure :: close => close_source
    end type hdf5_source_t
 
@@ -225,6 +230,59 @@ contains
       call h5dvlen_reclaim_f(self%type_id, space, h5p_default_f, place, status)
       call h5sclose_f(space, status)
    end subroutine read_variable
+
+   !> Path of the object to which the first reference in a list points: the attribute has lists of
+   !> references, of which the last is number 1. Empty: it is no such attribute, its lists are fewer
+   !> or this one is empty, or the object has no path.
+   subroutine read_reference(self, number, path)
+      class(hdf5_source_t), intent(in) :: self
+      integer, intent(in) :: number
+      character(:), allocatable, intent(out) :: path
+      type(hvl_t), allocatable, target :: lists(:)
+      type(c_ptr) :: place
+      integer(hid_t) :: list_type, space
+      integer :: status
+      logical :: is_list
+
+      path = ''
+      call h5tvlen_create_f(h5t_std_ref_obj, list_type, status)
+      if (status < 0) return
+      call h5tequal_f(self%type_id, list_type, is_list, status)
+      if (status >= 0 .and. is_list .and. number <= self%values .and. self%values <= max_lists) then
+         allocate (lists(self%values))
+         place = c_loc(lists)
+         call h5aread_f(self%id, list_type, place, status)
+         if (status >= 0) then
+            path = first_path(self%id, lists(size(lists) + 1 - number))
+            call h5aget_space_f(self%id, space, status)
+            call h5dvlen_reclaim_f(list_type, space, h5p_default_f, place, status)
+            call h5sclose_f(space, status)
+         end if
+      end if
+      call h5tclose_f(list_type, status)
+   end subroutine read_reference
+
+   !> Path of the object to which the first reference of a list points, in the file of the object
+   !> `id`; empty if there is none.
+   function first_path(id, list) result(path)
+      integer(hid_t), intent(in) :: id
+      type(hvl_t), intent(in) :: list
+      character(:), allocatable :: path
+      type(hobj_ref_t_f), pointer :: references(:)
+      character(len=longest_name) :: name
+      integer(hid_t) :: object
+      integer(size_t) :: length
+      integer :: status
+
+      path = ''
+      if (list%len < 1_size_t) return
+      call c_f_pointer(list%p, references, [1])
+      call h5rdereference_f(id, references(1), object, status)
+      if (status < 0) return
+      call h5iget_name_f(object, name, len(name, kind=size_t), length, status)
+      if (status >= 0 .and. length < longest_name) path = name(:length)
+      call h5oclose_f(object, status)
+   end function first_path
 
    !> Closes the source and its type.
    subroutine close_source(self)

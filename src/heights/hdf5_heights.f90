@@ -54,10 +54,11 @@ contains
 
    !> Heights of `dataset` in `file`, in the unit of its attribute `units` or `unit`, or times its
    !> attribute `si_scale`. `spacing` (2) [m] from its attributes `spacing_x`, `spacing_y` or
-   !> `spacing`, in the unit of `spacing_units` or `spacing_unit`, or else from the positions in the
-   !> datasets x and y beside it, in theirs; 0 where there are none. `units` are those that the keys
-   !> say. Errors (input_error): no such file or dataset, another number of dimensions; units that
-   !> are unknown, contradict each other or are said of one only; positions that are uneven.
+   !> `spacing`, in the unit of `spacing_units` or `spacing_unit`, or else from the positions in its
+   !> dimension scales or in the datasets x and y beside it, in theirs; 0 where there are none.
+   !> `units` are those that the keys say. Errors (input_error): no such file or dataset, another
+   !> number of dimensions; units that are unknown, contradict each other or are said of one only;
+   !> positions that are uneven.
    subroutine open_hdf5_heights(source, file, dataset, units, spacing, error)
       type(hdf5_heights_t), intent(out) :: source
       character(*), intent(in) :: file, dataset
@@ -166,9 +167,9 @@ contains
          ' [m] beside the unit '//word//fault//', expected the same of both')
    end subroutine find_scale
 
-   !> Spacings of the dimensions that have none yet, from the datasets x and y beside the heights,
-   !> if they hold a number for each node. Failures: the positions are uneven or no positions; only
-   !> they or only the heights have a unit.
+   !> Spacings of the dimensions that have none yet, from dimension scales or the datasets x and y
+   !> beside the heights, if they hold a number for each node. Failures: the positions are uneven or
+   !> no positions; only they or only the heights have a unit.
    subroutine look_for_positions(reader, source, extents, units, spacing)
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(inout) :: source
@@ -182,11 +183,10 @@ contains
       integer :: i
 
       do i = 1, min(size(extents), 2)
-         path = source%dataset(:index(source%dataset, '/', back=.true.))//position_names(i)
          if (.not. ieee_is_finite(spacing(i))) cycle
-         if (spacing(i) > 0.0_wp .or. extents(i) < 2 .or. path == source%dataset) cycle
-         if (.not. reader%has(path)) cycle
-         if (index(reader%text_of(path, 'NAME'), no_positions) == 1) cycle
+         if (spacing(i) > 0.0_wp .or. extents(i) < 2) cycle
+         path = path_of_positions(reader, source%dataset, i, units)
+         if (path == '') cycle
          call reader%open(values, path)
          if (allocated(reader%failure)) return
          is_one = size(values%extents) == 1 .and. values%values == extents(i)
@@ -203,6 +203,43 @@ contains
          source%falls(i) = range%falls
       end do
    end subroutine look_for_positions
+
+   !> Path of the dataset with the positions along dimension `i` of the heights in `dataset`: the
+   !> dimension scale attached to it, if its attributes say a unit, since other scales may count
+   !> pixels; x or y beside the heights; a scale whose unit the key says. Empty: there is none.
+   function path_of_positions(reader, dataset, i, units) result(path)
+      type(hdf5_input_t), intent(inout) :: reader
+      character(*), intent(in) :: dataset
+      integer, intent(in) :: i
+      type(height_units_t), intent(in) :: units
+      character(:), allocatable :: path, scale
+
+      scale = reader%scale_of(dataset, i)
+      if (scale /= '') then
+         if (index(reader%text_of(scale, 'NAME'), no_positions) == 1) scale = ''
+      end if
+      path = scale
+      if (path /= '') then
+         if (has_unit(reader, path, '')) return
+      end if
+      path = dataset(:index(dataset, '/', back=.true.))//position_names(i)
+      if (path /= dataset .and. reader%has(path)) then
+         if (index(reader%text_of(path, 'NAME'), no_positions) /= 1) return
+      end if
+      path = ''
+      if (units%x /= '') path = scale
+   end function path_of_positions
+
+   !> Whether something says the unit of a dataset: its attributes, or `wanted`, that of a key.
+   logical function has_unit(reader, dataset, wanted)
+      type(hdf5_input_t), intent(inout) :: reader
+      character(*), intent(in) :: dataset, wanted
+      real(wp) :: scale
+
+      scale = reader%number_of(dataset, 'si_scale', no_spacing)
+      has_unit = wanted /= '' .or. unit_in(reader, dataset, '') /= ''
+      if (ieee_is_finite(scale)) has_unit = has_unit .or. scale > no_spacing
+   end function has_unit
 
    !> Reads `count` positions [m] in blocks. Failures: one of them cannot be one, or they are
    !> uneven.
@@ -252,7 +289,8 @@ contains
       real(wp) :: per_metre, si_scale
       logical :: is_silent(2)
 
-      is_silent = [is_unknown(path, units%x), is_unknown(source%dataset, units%z)]
+      is_silent = [.not. has_unit(reader, path, units%x), &
+         .not. has_unit(reader, source%dataset, units%z)]
       if (all(is_silent) .or. .not. any(is_silent)) return
       if (is_silent(1)) then
          call find_scale(reader, source%dataset, units%z, 'z_unit', si_scale, per_metre)
@@ -263,19 +301,6 @@ contains
       call reader%refuse(path, 'found a unit of '//trim(merge('heights  ', 'positions', &
          is_silent(1)))//' only, expected both, or the key '//merge('x_unit', 'z_unit', &
          is_silent(1)))
-
-   contains
-
-      !> Whether nothing says the unit of a dataset.
-      logical function is_unknown(dataset, wanted)
-         character(*), intent(in) :: dataset, wanted
-         real(wp) :: scale
-
-         scale = reader%number_of(dataset, 'si_scale', no_spacing)
-         is_unknown = wanted == '' .and. unit_in(reader, dataset, '') == ''
-         if (ieee_is_finite(scale)) is_unknown = is_unknown .and. scale <= no_spacing
-      end function is_unknown
-
    end subroutine refuse_silence
 
    !> The unit that an attribute of a dataset says: `units` or `unit`, behind `front`.

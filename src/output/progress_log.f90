@@ -17,8 +17,8 @@ module progress_log
    use missing_value, only: exceeds
    use operating_system, only: is_terminal
    use passage_times, only: passage_times_t
-   use quantities, only: friction_coefficient, h_min, p_central, p_max, parabola_minimum, &
-      quantity_count, quantity_rows
+   use quantities, only: friction_coefficient, h_central, h_min, p_central, p_max, &
+      parabola_minimum, quantity_rows
    use quantity_text, only: duration_text, number_text, prefixed_text, shortened, wrapped
    use result_labels, only: row_label
    use scaling, only: scaling_t
@@ -35,6 +35,8 @@ module progress_log
 
    !> Columns of a terminal that are used.
    integer, parameter :: columns = 80
+   !> Rows of the closing table: the pressure away from a spike before that of the spike.
+   integer, parameter :: table_rows(*) = [h_min, h_central, p_central, p_max, friction_coefficient]
    !> Longest name of a case in front of a progress line [columns].
    integer, parameter :: name_columns = 20
    !> A largest pressure with a smaller relative error needs no other beside it.
@@ -241,8 +243,9 @@ contains
       ! else no start was found: there is nothing to show
       if (exceeds(summary%of(p_max)%value, 0.0_wp)) then
          call self%add_to_summary('            SI              dimensionless')
-         do i = 1, quantity_count
-            if (is_in_table(summary, i)) call self%add_to_summary(row_of_table(i))
+         do i = 1, size(table_rows)
+            if (is_in_table(summary, table_rows(i))) call self%add_to_summary( &
+               row_of_table(table_rows(i)))
          end do
          if (present(words)) call self%add_words(words%formulas)
          call self%add_to_summary('  residual  '//number_text(report%residual, 2) &
@@ -303,14 +306,14 @@ contains
 
    end subroutine write_table
 
-   !> Whether a quantity has a row: all with a short name, but friction where nothing slides, and
-   !> the central pressure where the largest one is well known.
+   !> Whether a quantity of the table has its row: not friction where nothing slides, nor the
+   !> central pressure where the largest one is well known.
    pure function is_in_table(summary, i)
       type(line_summary_t), intent(in) :: summary
       integer, intent(in) :: i
       logical :: is_in_table
 
-      is_in_table = len_trim(quantity_rows(i)%short) > 0
+      is_in_table = .true.
       if (i == friction_coefficient) is_in_table = exceeds(summary%of(i)%value, &
          0.0_wp)
       if (i == p_central) then
