@@ -12,8 +12,8 @@ module run_case
    use chosen_values, only: fill_chosen, fill_passage
    use command_line, only: command_t
    use coarse_passages, only: scene_t
-   use coarse_runs, only: make_coarse_runs, run_apart
-   use companion_runs, only: companions_t, make_companion_runs, new_companions, take_companions
+   use coarse_runs, only: companions_t, make_coarse_runs, make_companion_runs, new_companions, &
+      run_apart, take_companions
    use decision_section, only: decision_lines, solved_text
    use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t, new_error_bars
@@ -42,9 +42,8 @@ module run_case
    use result_start, only: find_complete_result, start_result
    use run_dry_case, only: solve_and_write
    use run_observer, only: run_observer_t
-   use side_by_side, only: can_run_beside, solve_beside
+   use side_by_side, only: solve_beside
    use solver_settings, only: max_intervals_of, max_refined_intervals, time_settings_t
-   use steady_target, only: solve_contact
    use system_limits, only: memory_fault
    use text, only: to_text
    use wall_clock, only: wall_seconds
@@ -116,6 +115,7 @@ contains
       type(error_t), allocatable :: error
 
       watcher%log = log
+      watcher%threads = threads
       call build_line_contact(case, watcher%scaling, contact)
       whole = contact
       case%solver = scaled_solver(case, watcher%scaling)
@@ -129,8 +129,7 @@ contains
       if (.not. allocated(error)) then
          call prepare_momentum(case, watcher)
          call take_lean_model(case, contact, watcher, error)
-         if (.not. allocated(error)) call solve(case, contact, watcher, threads, state, report, &
-            error)
+         if (.not. allocated(error)) call solve(case, contact, watcher, state, report, error)
          if (.not. allocated(error)) call look_at_model(case, contact, watcher, state, report, &
             error)
          if (.not. allocated(error)) call follow_momentum(case, contact, watcher, state, report, &
@@ -224,12 +223,11 @@ contains
    end subroutine check_grid
 
    !> The case itself and its coarse runs, which come after it unless they choose its grid, or are
-   !> made beside it on another of its `threads`.
-   subroutine solve(case, contact, watcher, threads, state, report, error)
+   !> made beside it on another thread.
+   subroutine solve(case, contact, watcher, state, report, error)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(inout) :: contact
       type(run_observer_t), intent(inout) :: watcher
-      integer, intent(in) :: threads
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
@@ -277,11 +275,7 @@ contains
       watcher%intervals = contact%domain%intervals
       watcher%time_step = case%time%time_step
       watcher%space_scheme = case%solver%space_scheme
-      if (can_run_beside(case, whole, watcher%has_coarse_runs, threads)) then
-         call solve_beside(contact, case, companions, watcher, state, report, error)
-      else
-         call solve_contact(contact, case%solver, case%time, watcher, state, report, error)
-      end if
+      call solve_beside(contact, case, companions, watcher, state, report, error)
       if (allocated(error)) return
       report%nodes_per_wave = nodes_in_wave(contact)
       report%steps_per_wave = steps_in_wave(contact, case%time)

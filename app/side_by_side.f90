@@ -2,7 +2,8 @@
 module side_by_side
    use case_memory, only: lubricated_memory
    use case_record, only: case_t
-   use companion_runs, only: companions_t, make_companion_runs, new_companions
+   use coarse_runs, only: companions_t, make_companion_runs, new_companions
+   use domain_choice, only: choose_domain
    use errors, only: error_t
    use interruption, only: is_interrupted
    use iteration_report, only: report_t
@@ -17,7 +18,7 @@ module side_by_side
    implicit none (type, external)
    private
 
-   public :: can_run_beside, solve_beside
+   public :: solve_beside
 
    !> Listens to coarse runs, which tell nothing: they end when the program is interrupted or when
    !> the run itself has made them useless.
@@ -29,27 +30,30 @@ module side_by_side
 
 contains
 
-   !> Whether coarse runs, if wanted, shall have a thread of their own: in a transient, where
-   !> `threads` are allowed, and there are processors and memory for it.
-   function can_run_beside(case, whole, has_coarse_runs, threads)
+   !> Whether coarse runs, where they are wanted in a transient, shall have a thread of their own:
+   !> two are allowed, and there are processors and memory for them.
+   function can_run_beside(contact, case, watcher)
+      type(line_contact_t), intent(in) :: contact
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: whole
-      logical, intent(in) :: has_coarse_runs
-      integer, intent(in) :: threads
+      type(run_observer_t), intent(in) :: watcher
       logical :: can_run_beside
+      type(line_contact_t) :: whole
       type(memory_t) :: need
 
-      can_run_beside = has_coarse_runs .and. case%time%is_transient .and. min(threads, &
-         processors()) > 1
+      can_run_beside = watcher%has_coarse_runs .and. case%time%is_transient &
+         .and. min(watcher%threads, processors()) > 1
       if (.not. can_run_beside) return
+      whole = contact
+      call choose_domain(whole, case%solver%target)
       need = lubricated_memory(2*whole%domain%intervals, 2*case%time%end_time/case%time%time_step, &
          is_dense=.false., layers=case%layers)
       need%reserved = need%reserved + thread_memory(2)
       can_run_beside = memory_fault('two runs', need) == ''
    end function can_run_beside
 
-   !> Solves the case as `solve_contact` does, beside its `companions`; these are there afterwards if
-   !> the solution has converged on the domain that they have.
+   !> Solves the case as `solve_contact` does, with two threads beside its `companions`; these are
+   !> there afterwards if they were made and the solution has converged on the domain that they
+   !> have.
    subroutine solve_beside(contact, case, companions, watcher, state, report, error)
       type(line_contact_t), intent(inout) :: contact
       type(case_t), intent(in) :: case
@@ -60,6 +64,11 @@ contains
       type(error_t), allocatable, intent(out) :: error
       logical :: is_off
 
+      if (.not. can_run_beside(contact, case, watcher)) then
+         call solve_contact(contact, case%solver, case%time, watcher, state, report, &
+            error)   ! error: the caller looks
+         return
+      end if
       allocate (companions)
       companions = new_companions(contact, case%solver, case%time)
       !$omp parallel num_threads(2) private(is_off)

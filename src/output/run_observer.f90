@@ -49,6 +49,8 @@ module run_observer
       character(len=word_length) :: space_scheme = 'auto'
       !> Wall time between checkpoints [s].
       real(wp) :: checkpoint_interval = huge(1.0_wp)
+      !> Threads that the run may have.
+      integer :: threads = 1
       !> Coarse runs are still wanted.
       logical :: has_coarse_runs = .false.
       !> The same time steps by the full momentum equations, where they are wanted, and where they
