@@ -282,8 +282,9 @@ OpenBLAS without threads linked into the program and the inputs as attributes:
 | a further case on 256 intervals without these three | 8.1 ms | 4.3 ms |
 
 Profiles of passages were compressed (deflate 4). That made the files smaller by a fourth, 27.1 to 19.2 MB for `input/case3.nml`,
-and the whole run longer by 17 to 44 % (case3 44, rough_passage 21, overtaking 18, case3_demo 33, rolling_sinusoid 31 %); level 1 saved
-3 % of that. They are not compressed any more; `h5repack` does it. `&output si_copies = .false.` halves these files.
+and the whole run longer by 17 to 44 % (case3 44, rough_passage 21, overtaking 18, case3_demo 33, rolling_sinusoid 31 %); with
+level 1 the run was 3 % shorter. They are not compressed any more; `h5repack` does it. `&output si_copies = .false.` halves these
+files.
 """
 
 ADEQUACY_HEAD = """
