@@ -11,6 +11,7 @@ from __future__ import annotations
 import csv
 import math
 import os
+import re
 import shutil
 import statistics
 import subprocess
@@ -35,9 +36,10 @@ DENSE = {"method": "newton_dense"}
 # Far below every tolerance: cycles go on to the limit given by max_cycles.
 NEVER = 1e-15
 
-# Procedures and libraries by what they do, for the shares; the first match counts.
+# Routines of FFTW where it is linked into the program: codelets have a size at their end.
+FFTW = re.compile(r"[a-z][a-z0-9]*_\d+|apply\w*|dobatch|bytwiddle\w*|fftwf?_\w+")
+# Other procedures and libraries by what they do, for the shares; the first match counts.
 SHARES = (
-    ("FFT", ("libfftw3",)),
     ("factor and solve", ("__semiseparable_MOD", "fill_factors", "solve_semiseparable_system", "precondition_bordered")),
     (
         "laws",
@@ -313,6 +315,32 @@ def process_rows(table: Table, runs: int) -> None:
     )
 
 
+def further_rows(table: Table, runs: int) -> None:
+    """Whole processes that do nothing but solve, and two threads beside one."""
+    bare = {"accuracy": {"error_bars": False}, "output": {"adequacy": False, "si_copies": False}}
+    with tempfile.TemporaryDirectory() as folder:
+        many = [Path(folder) / f"{i}.nml" for i in range(21)]
+        for i, path in enumerate(many):
+            path.write_text(namelists.case_1(256, load={"load_per_length": 5e4 + 2.5e3 * i}, **bare), encoding="utf-8")
+        case = Path(folder) / "case.nml"
+        case.write_text(namelists.case_1(1024, **bare), encoding="utf-8")
+        passage = Path(folder) / "passage.nml"
+        passage.write_text(namelists.case_3(1024), encoding="utf-8")
+        end = ["--output", folder, "--quiet"]
+        cold, further, walls = [], [], []
+        for _ in range(runs):
+            cold.append(process([str(case), *end])[2])
+            first, all_of_them = (process([str(path) for path in paths] + end)[2] for paths in (many[:1], many))
+            further.append((all_of_them - first) / (len(many) - 1))
+            walls.append([process([str(passage), *end, "--threads", str(threads)])[0] for threads in (1, 2)])
+    words = "processor time; no adequacy, error bars, SI copies"
+    table.add(Row("whole process, Case 1, 1024", 0.010, min(cold), statistics.median(cold), aim=0.006, note=words))
+    table.add(Row("a further case of 256 in it", 0.004, min(further), statistics.median(further), aim=0.002, note=words))
+    ratios = [two / one for one, two in walls]
+    note = f"wall, {show(min(one for one, _ in walls), 's')} and {show(min(two for _, two in walls), 's')}; with error bars"
+    table.add(Row("Case 3, 812 steps: two threads over one", 0.55, min(ratios), statistics.median(ratios), "", aim=0.45, note=note))
+
+
 def momentum_rows(table: Table, runs: int) -> None:
     """Case 1 by the full momentum equations: processor time of a whole process, Reynolds' equation included."""
     least = {}
@@ -399,12 +427,14 @@ def sampled_shares(jobs: list[Job]) -> dict[str, float]:
             return {}
         report = ["perf", "report", "-q", "-i", data, "--stdio", "--sort", "dso,symbol", "--percent-limit", "0"]
         lines = subprocess.run(report, capture_output=True, text=True, check=False).stdout.splitlines()
-    shares = dict.fromkeys([name for name, _ in SHARES] + ["rest"], 0.0)
+    shares = dict.fromkeys(["FFT", *(name for name, _ in SHARES), "rest"], 0.0)
     for line in lines:
         words = line.split()
         if not words or not words[0].endswith("%"):
             continue
         found = next((name for name, marks in SHARES if any(mark in line for mark in marks)), "rest")
+        if "libfftw3" in line or FFTW.fullmatch(line.partition("[.]")[2].split()[0]):
+            found = "FFT"
         shares[found] += float(words[0].rstrip("%"))
     total = sum(shares.values())
     return {name: share / total for name, share in shares.items()} if total > 0 else {}
@@ -430,6 +460,7 @@ def main() -> int:
     momentum_rows(table, 3 if options.quick else 7)
     table.title("Whole program, map")
     process_rows(table, max(runs // 10, 10))
+    further_rows(table, 3 if runs < 100 else 9)
     map_row(table, 100 if options.quick else 400)
     table.title("Where the time goes")
     share_rows(table)

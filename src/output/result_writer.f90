@@ -363,7 +363,6 @@ contains
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: reason
-      integer :: i
 
       call write_inputs(self%file, self%inputs)
       if (report%converged .and. allocated(self%file%nonsense)) then
