@@ -49,7 +49,7 @@ module key_row
       !> Range as a comma-separated list of comparisons, each of which must hold.
       character(len=56) :: range = ''
       !> Words that are built, separated by blanks.
-      character(len=80) :: words = ''
+      character(len=96) :: words = ''
       !> Words that are known but not built yet, separated by blanks.
       character(len=40) :: later_words = ''
       !> With what the key is used, and with what it must be given: rules of module key_rules;

@@ -124,23 +124,40 @@ contains
          extents = extents_of(group//trim(names(i)))
          if (size(extents) /= merge(2, 1, is_flat)) cycle
          if (any(extents /= nodes(:size(extents)))) cycle
+         ! ParaView reads as many numbers as the extents say for the dimensions that the grid has
          fields = fields//'<Attribute Name="'//trim(names(i)) &
-            //'" AttributeType="Scalar" Center="Node">'//nl//item(group//trim(names(i)), extents) &
-            //'</Attribute>'//nl
+            //'" AttributeType="Scalar" Center="Node">'//nl//item(group//trim(names(i)), [nodes, &
+            1_int64])//'</Attribute>'//nl
       end do
       if (fields == '') return
       text = text//'<Grid Name="'//trim(row%group)//'" GridType="Uniform">'//nl// &
          '<Topology TopologyType="3DRectMesh" Dimensions="'//'1 '//to_text(nodes(2))//' ' &
          //to_text(nodes(1))//'"/>'//nl//'<Geometry GeometryType="VXVYVZ">'//nl &
-         //item(group//trim(row%fast), nodes(1:1))
+         //item(path_of(row%fast), nodes(1:1))
       if (is_flat) then
-         text = text//item(group//trim(row%slow), nodes(2:2))
+         text = text//item(path_of(row%slow), nodes(2:2))
       else
          text = text//zero
       end if
       text = text//zero//'</Geometry>'//nl//fields//'</Grid>'//nl
 
    contains
+
+      !> Where an axis is stored: its name in this group may be a link, through which ParaView does
+      !> not read.
+      function path_of(axis) result(path)
+         character(*), intent(in) :: axis
+         character(:), allocatable :: path
+
+         select case (axis)
+         case ('x')
+            path = '/solution/x'
+         case ('profile_time')
+            path = '/transient/profile_time'
+         case default
+            path = group//trim(axis)
+         end select
+      end function path_of
 
       !> Extents of a dataset, the fastest first; none if it cannot be read.
       function extents_of(path) result(extents)
