@@ -31,22 +31,19 @@ module side_by_side
 contains
 
    !> Whether coarse runs, where they are wanted in a transient, shall have a thread of their own:
-   !> two are allowed, and there are processors and memory for them.
+   !> two are allowed, and there are processors and memory for them. `contact` has its domain.
    function can_run_beside(contact, case, watcher)
       type(line_contact_t), intent(in) :: contact
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(in) :: watcher
       logical :: can_run_beside
-      type(line_contact_t) :: whole
       type(memory_t) :: need
 
       can_run_beside = watcher%has_coarse_runs .and. case%time%is_transient &
          .and. min(watcher%threads, processors()) > 1
       if (.not. can_run_beside) return
-      whole = contact
-      call choose_domain(whole, case%solver%target)
-      need = lubricated_memory(2*whole%domain%intervals, 2*case%time%end_time/case%time%time_step, &
-         is_dense=.false., layers=case%layers)
+      need = lubricated_memory(2*contact%domain%intervals, &
+         2*case%time%end_time/case%time%time_step, is_dense=.false., layers=case%layers)
       need%reserved = need%reserved + thread_memory(2)
       can_run_beside = memory_fault('two runs', need) == ''
    end function can_run_beside
@@ -62,22 +59,24 @@ contains
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
+      type(line_contact_t) :: whole
       logical :: is_off
 
-      if (.not. can_run_beside(contact, case, watcher)) then
+      whole = contact
+      call choose_domain(whole, case%solver%target)
+      if (.not. can_run_beside(whole, case, watcher)) then
          call solve_contact(contact, case%solver, case%time, watcher, state, report, &
             error)   ! error: the caller looks
          return
       end if
       allocate (companions)
-      companions = new_companions(contact, case%solver, case%time)
+      companions = new_companions(whole, case%solver, case%time)
       !$omp parallel num_threads(2) private(is_off)
       ! the first thread alone writes and takes signals
       !$omp master
       call solve_contact(contact, case%solver, case%time, watcher, state, report, error)
       is_off = allocated(error) .or. .not. report%converged
-      if (.not. is_off) is_off = abs(contact%domain%x_outlet - companions%contact%domain%x_outlet) &
-         > 0.0_wp
+      if (.not. is_off) is_off = abs(contact%domain%x_outlet - whole%domain%x_outlet) > 0.0_wp
       call begin_activity('coarse runs')
       if (is_off) then
          !$omp atomic write

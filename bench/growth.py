@@ -43,7 +43,7 @@ def measure_process(nodes: int, folder: Path) -> tuple[float, float, float]:
     (folder / "case.nml").write_text(CASE.format(nodes=nodes, wave=4e-4 * 8 / nodes), encoding="utf-8")
     command = [sys.executable, "-c", MEASURED, str(PROGRAM), "case.nml", "--quiet", "--threads", "1"]
     done = subprocess.run(command, cwd=folder, env=ONE_THREAD, check=True, capture_output=True, text=True)
-    memory = float(done.stdout) * 1024
+    memory = float(done.stdout.split()[0]) * 1024
     with h5py.File(folder / "case.h5") as file:
         pairs, seconds = float(file["sweep/fft_pairs"][0]), float(file["report/wall_solve_seconds"][()])
         contact = float(np.ravel(file["sweep/contact_area_fraction"][()])[0])
