@@ -245,8 +245,12 @@ DRY_HEAD = """
 tamaas and ContactMechanics on the same surface, each with the loosest tolerance that makes its answer as good by the same measure.
 Planning of transforms is counted against asperity. `over transforms`: time of the solution without planning over the sum, for all
 its transforms, of FFTW's own time at their size and precision with plans measured beforehand. A row names the peers that it
-was measured beside; nothing was asked of two threads but to print them beside FFTW's own. A solution takes few transforms (6 to 11
-pairs), and most of its time goes into the network that saves the others and into the lists of nodes in contact.
+was measured beside; nothing was asked of two threads but to print them beside FFTW's own. `whole process`: the same time of the
+peer over the processor time of our whole process, which reads the heights from HDF5 and writes all fields in double precision,
+without error bars and adequacy. A solution takes few transforms (6 to 11 pairs). Of the instructions of a whole process of 1024²
+nodes FFTW takes 28 %, the network that saves transforms 11 %, lists of nodes in contact 9 %, copies and the symbol 9 %, memory 8 %,
+roughness statistics 8 % at 5 % of contact; at 15 % the network takes 25 % and FFTW 21 %. So no single part is the bound; FFTW is
+the largest one up to about 10 % of contact.
 
 """
 
@@ -285,6 +289,30 @@ Profiles of passages were compressed (deflate 4). That made the files smaller by
 and the whole run longer by 17 to 44 % (case3 44, rough_passage 21, overtaking 18, case3_demo 33, rolling_sinusoid 31 %); with
 level 1 the run was 3 % shorter. They are not compressed any more; `h5repack` does it. `&output si_copies = .false.` halves these
 files.
+
+## The whole process
+
+What was asked of whole processes, and what they take; 2 cores of an AMD EPYC, nothing else running, load 0.4 to 1.5, `make bench`
+and `bench/dry.py --peers PYTHON` (aspher, the fastest peer). Processor times, but for the wall time of two threads.
+
+| work | asked | measured | what holds it |
+|---|---|---|---|
+| Case 1 from start to result, nothing but the solution | 10 ms | 10.0 ms at best, median 10.6 ms | HDF5 and the namelist |
+| a further case of 256 intervals in the process | 4 ms | 4.3 to 4.8 ms | HDF5: 54 datasets, 433 attributes |
+| elastic area, peer over our process: 256², 1/5/15 % | 5 | 1.0/1.8/1.6 | files, statistics of roughness |
+| 512² | 5 | 1.5/3.3/3.0 | the same |
+| 1024² | 7 | 2.7/4.9/5.8 | the same |
+| 2048² | 10 | 5.7/6.5/8.5 | writing 200 MB, pages cleared by the system |
+| peer over our solution: 256² | 6 | 3.0/4.3/3.2 | network and lists; planning is a third at 1 % |
+| 512² | 8 | 3.9/6.6/5.0 | the same |
+| 1024² | 10 | 9.7/9.2/8.8 | network and transforms |
+| two threads, 4096² | 1.5 | 1.09 in one run (1.45 on another machine), FFTW alone 1.65 | what is not transforms |
+| Case 3, 812 steps, error bars, two cores, wall over that of before | 0.55 | **0.39** (0.57 s for 1.45 s) | |
+| the same over one thread of today | - | 0.61 | the march itself, adequacy |
+| a time step on 1024 intervals | 0.75 of 0.57 to 0.74 ms | 0.38 ms | |
+
+`&output fields` and `precision = 'single'` shorten what is written of areas. Memory that is kept (see above) raises the peak by 2 %
+(1024²) to 7 % (2048², 15 %); 4096² takes 2.25 GB.
 """
 
 ADEQUACY_HEAD = """
