@@ -43,6 +43,7 @@ debug: prepare ## the checked program, build/bin/asperity-debug (bounds, NaN ini
 	@fpm install --flag "$(DEBUG)" --prefix build/debug > build/install.log
 	@mkdir -p build/bin && cp build/debug/bin/asperity build/bin/asperity-debug
 
+sanitize: export FPM_LDFLAGS :=
 sanitize: prepare generate ## build/bin/asperity-sanitize (addresses, undefined behaviour, leaks); unit tests and 200 random cases with it
 	@tools/fpm_build.sh --tests --flag "$(SANITIZE)"
 	@fpm install --flag "$(SANITIZE)" --prefix build/sanitize > build/install.log
