@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 from bench_program import ENVIRONMENT
 from families import PROGRAM, Family, Member
-from family_dry import LENGTH, MODULUS, hdf5, heights, hertz, hertz_pressure, rough, sizes, text, waves
+from family_dry import FILE, LENGTH, MODULUS, hdf5, heights, hertz, hertz_pressure, rough, sizes, text, waves
 
 FIGURES = ("summary/contact_area_fraction",)
 # Nodes a side of the truth.
@@ -28,7 +28,6 @@ FINE = {1: 2**17, 2: 2048}
 FIRST = {1: (64, 96, 128, 256, 512, 1024), 2: (32, 40, 48, 56, 64)}
 # Wanted accuracy of a line and of an area: the truth of an area must be finer by far than the grid.
 TARGETS = {1: (0.01, 0.05), 2: (0.02, 0.05)}
-FILE = "shape = 'file', file = 'z.h5', dataset = 'z'"
 
 
 def aimed(lines: int, draw):
