@@ -7,7 +7,8 @@
 !> much coarser ones would tell how rough it is, not how large the error. Edges of patches lie
 !> anywhere between nodes, so that one difference may vanish by chance; the weighted root mean
 !> square of those of several grids hardly does. Areas count nodes: to their error comes a share of
-!> the nodes at the edges.
+!> the nodes at the edges. Of the largest pressures the crests between the nodes are compared; to
+!> their error comes how far the highest node lies below.
 module dry_errors
    use dry_problem, only: dry_grid_t, kernel_open
    use dry_resampling, only: dry_sweep_t, is_too_coarse, resample, resample_pressures
@@ -19,10 +20,15 @@ module dry_errors
    implicit none (type, external)
    private
 
-   public :: estimate_dry_errors, has_few_nodes
+   public :: estimate_dry_errors, goes_finer, has_few_nodes
 
    !> Most nodes of a line and of an area that are compared with finer grids.
    integer, parameter :: max_nodes_for_finer(2) = [2**17, 2**14]
+   !> The same where the surface has short waves.
+   integer, parameter :: max_nodes_for_short_waves = 2**18
+   !> Measure of waves that are short: 1 on a smooth surface, 1.37 for a wave of 8 nodes, 4 for one
+   !> of 4.
+   real(wp), parameter :: short_waves = 1.3_wp
    !> How much coarser the grids are that a grid is compared with, and what the squares of their
    !> differences weigh: of one with few nodes, and of one with many, an area with the first two.
    real(wp), parameter :: finer_ratios(3) = [0.5_wp, 2.0_wp/3.0_wp, 4.0_wp/3.0_wp], &
@@ -38,14 +44,14 @@ module dry_errors
       periodic_tolerances(2) = [3.0e-3_wp, 1.0e-3_wp], open_tolerance = 3.0e-5_wp, &
       separation_tolerances(2) = [1.0e-7_wp, 1.0e-5_wp]
    !> Quantities that are compared: contact, corrected and plastic area, plasticity index, mean
-   !> separation, separation, datum, p_max, dp_max, dp_mean, elastic and dissipated energy, load.
+   !> separation, separation, datum, p_crest, dp_max, dp_mean, elastic and dissipated energy, load.
    integer, parameter :: quantity_count = 13
    !> What the root mean square is multiplied by: areas, corrected area, separations and load,
    !> p_max, deformations and energies; of lines and areas with few nodes, then with many.
-   real(wp), parameter :: safety(5, 4) = reshape([1.0_wp, 1.6_wp, 2.3_wp, 3.0_wp, 2.3_wp, &
-      1.0_wp, 1.6_wp, 2.4_wp, 2.6_wp, 2.0_wp, &
-      1.0_wp, 1.6_wp, 1.4_wp, 2.0_wp, 1.6_wp, &
-      1.0_wp, 1.6_wp, 2.2_wp, 3.0_wp, 2.0_wp], [5, 4])
+   real(wp), parameter :: safety(5, 4) = reshape([1.0_wp, 1.6_wp, 2.3_wp, 2.0_wp, 2.3_wp, &
+      1.0_wp, 1.6_wp, 2.4_wp, 2.0_wp, 2.0_wp, &
+      1.0_wp, 1.6_wp, 1.4_wp, 1.5_wp, 1.6_wp, &
+      1.0_wp, 1.6_wp, 2.2_wp, 1.5_wp, 2.0_wp], [5, 4])
    !> Which of these holds for each of them.
    integer, parameter :: safety_of(quantity_count) = [1, 2, 1, 1, 3, 3, 3, 4, 5, 5, 5, 5, 3]
    !> Share of the nodes at the edges of patches that comes to the errors of areas: of a line, of an
@@ -71,13 +77,15 @@ contains
       real(wp) :: compared(quantity_count), squares(quantity_count, size(outcome%rows)), &
          sums(size(outcome%rows)), ratios(3), weights(3)
       integer :: count(size(outcome%rows)), i, k
+      logical :: is_finer
 
       squares = 0.0_wp
       sums = 0.0_wp
       count = 0
-      ratios = merge(finer_ratios, coarser_ratios, has_few_nodes(sweep%grid))
-      weights = merge(finer_weights, coarser_weights, has_few_nodes(sweep%grid))
-      grids: do k = 1, merge(3, 2, has_few_nodes(sweep%grid) .or. sweep%grid%ny == 1)
+      is_finer = goes_finer(sweep%grid, sweep%height)
+      ratios = merge(finer_ratios, coarser_ratios, is_finer)
+      weights = merge(finer_weights, coarser_weights, is_finer)
+      grids: do k = 1, merge(3, 2, is_finer .or. sweep%grid%ny == 1)
          if (is_too_coarse(sweep%grid, ratios(k))) cycle grids
          comparison = sweep
          comparison%settings = comparison_settings(sweep)
@@ -99,15 +107,15 @@ contains
       end do grids
       allocate (errors(size(outcome%rows)))
       associate (rows => outcome%rows, factors => safety(safety_of, kind_of(sweep%grid) &
-         + merge(0, 2, has_few_nodes(sweep%grid))))
+         + merge(0, 2, is_finer)))
          do i = 1, size(rows)
             compared = not_known()
             if (count(i) >= min_grids .and. rows(i)%is_converged) compared = factors &
                *sqrt(squares(:, i)/sums(i)) + rows(i)%kkt*abs(values_of(rows(i)))
             call fill_errors(rows(i), compared, errors(i))
             call add_edges(sweep%grid, rows(i), errors(i))
-            errors(i)%p_max = errors(i)%p_max + pressure_noise*sqrt(real(sweep%grid%nx, wp)) &
-               *rows(i)%kkt*rows(i)%p_max
+            errors(i)%p_max = errors(i)%p_max + rows(i)%p_crest - rows(i)%p_max &
+               + pressure_noise*sqrt(real(sweep%grid%nx, wp))*rows(i)%kkt*rows(i)%p_max
          end do
       end associate
    end subroutine estimate_dry_errors
@@ -119,6 +127,35 @@ contains
 
       has_few_nodes = real(grid%nx, wp)*grid%ny <= max_nodes_for_finer(kind_of(grid))
    end function has_few_nodes
+
+   !> Whether the surface of these heights (nx*ny) is compared with finer grids: where it has few
+   !> nodes, and with more of them where coarser grids would lose its shortest waves.
+   pure function goes_finer(grid, heights)
+      type(dry_grid_t), intent(in) :: grid
+      real(wp), intent(in) :: heights(:)
+      logical :: goes_finer
+
+      goes_finer = has_few_nodes(grid)
+      if (goes_finer .or. real(grid%nx, wp)*grid%ny > max_nodes_for_short_waves) return
+      goes_finer = 16.0_wp*bending(grid, heights, 1) > short_waves*bending(grid, heights, 2)
+   end function goes_finer
+
+   !> Sum of the squares of the second differences of `heights` (nx*ny) over so many spacings. Twice
+   !> as many spacings make it 16 times as large where the surface is smooth, less where it has
+   !> short waves.
+   pure function bending(grid, heights, spacings)
+      type(dry_grid_t), intent(in) :: grid
+      real(wp), intent(in) :: heights(grid%nx, grid%ny)
+      integer, intent(in) :: spacings
+      real(wp) :: bending
+
+      associate (nx => grid%nx, ny => grid%ny, s => spacings)
+         bending = sum((heights(1 + 2*s:, :) + heights(:nx - 2*s, :) &
+            - 2.0_wp*heights(1 + s:nx - s, :))**2)
+         if (ny > 2*s) bending = bending + sum((heights(:, 1 + 2*s:) + heights(:, :ny - 2*s) &
+            - 2.0_wp*heights(:, 1 + s:ny - s))**2)
+      end associate
+   end function bending
 
    !> 1 of a line, 2 of an area.
    pure function kind_of(grid) result(kind)
@@ -173,7 +210,7 @@ contains
 
       values = [row%contact_area_fraction, row%contact_area_corrected, row%plastic_area_fraction, &
          row%plasticity_index, &
-                row%mean_separation, row%separation, row%datum, row%p_max, row%dp_max, &
+                row%mean_separation, row%separation, row%datum, row%p_crest, row%dp_max, &
                    row%dp_mean, row%elastic_energy, &
                 row%dissipated_energy, row%mean_pressure]
    end function values_of

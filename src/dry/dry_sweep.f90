@@ -16,7 +16,7 @@ module dry_sweep
    implicit none (type, external)
    private
 
-   public :: dry_fields_t, dry_outcome_t, dry_row_t, solve_dry_sweep
+   public :: crest_of, dry_fields_t, dry_outcome_t, dry_row_t, solve_dry_sweep
 
    !> Quantities of one load, SI; loads and energies of a line per metre of its length.
    type :: dry_row_t
@@ -32,6 +32,8 @@ module dry_sweep
       !> Mean of u - z under 0 < p < H [m].
       real(wp) :: datum
       real(wp) :: p_max
+      !> Largest pressure between the nodes [Pa].
+      real(wp) :: p_crest
       !> Largest and mean plastic deformation [m].
       real(wp) :: dp_max, dp_mean
       real(wp) :: elastic_energy, dissipated_energy
@@ -74,6 +76,9 @@ module dry_sweep
    !> in and out of contact (V. A. Yastrebov, G. Anciaux and J.-F. Molinari, Tribol. Lett. 56, 2014,
    !> 171).
    real(wp), parameter :: border_share = (pi - 1.0_wp + log(2.0_wp))/24.0_wp
+
+   !> Nodes with less of the largest pressure have no vertex above it.
+   real(wp), parameter :: crest_share = 0.5_wp
 
 contains
 
@@ -230,6 +235,9 @@ contains
       row%plastic_area_fraction = real(solution%capped, wp)/n
       row%plasticity_index = real(solution%capped, wp)/solution%contacts
       row%p_max = maxval(fields%pressure)
+      row%p_crest = crest_of(problem%grid, fields%pressure)
+      if (problem%is_capped()) row%p_crest = min(row%p_crest, &
+         scaling%pressure_in_si(problem%hardness))
       row%dp_max = maxval(fields%plastic_deformation)
       row%dp_mean = sum(fields%plastic_deformation)/n
       ! The problem's heights have no mean; the datum is that of the heights as given.
@@ -276,6 +284,41 @@ contains
       row%is_converged = .false.
       call move_alloc(reason, row%reason)
    end subroutine check_border
+
+   !> The highest vertex of the parabolas in x and y through those nodes of the `pressure` (nx*ny)
+   !> that are not lower than their neighbours.
+   pure function crest_of(grid, pressure) result(crest)
+      type(dry_grid_t), intent(in) :: grid
+      real(wp), intent(in) :: pressure(:)
+      real(wp) :: crest
+      real(wp) :: least, x(3), y(3)
+      integer :: i, j, row
+
+      crest = maxval(pressure)
+      least = crest_share*crest
+      do j = 0, grid%ny - 1
+         row = j*grid%nx
+         do i = 0, grid%nx - 1
+            if (.not. pressure(row + i + 1) > least) cycle
+            x = pressure(row + modulo(i + [-1, 0, 1], grid%nx) + 1)
+            y = pressure(modulo(j + [-1, 0, 1], grid%ny)*grid%nx + i + 1)
+            if (x(2) < max(x(1), x(3), y(1), y(3))) cycle
+            crest = max(crest, x(2) + vertex_above(x) + vertex_above(y))
+         end do
+      end do
+   end function crest_of
+
+   !> How far the vertex of the parabola through three values lies above the middle one, which is
+   !> the largest.
+   pure function vertex_above(values) result(height)
+      real(wp), intent(in) :: values(3)
+      real(wp) :: height
+      real(wp) :: bend
+
+      height = 0.0_wp
+      bend = 2.0_wp*values(2) - values(1) - values(3)
+      if (bend > 0.0_wp) height = (values(3) - values(1))**2/(8.0_wp*bend)
+   end function vertex_above
 
    !> Number of neighbours in x and y one of which is `inside` (nx*ny) and the other not, of the
    !> periodic grid.
