@@ -11,15 +11,15 @@ module case_notes
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use progress_log, only: progress_log_t
-   use quantities, only: h_min
+   use quantities, only: h_min, p_max
    use run_observer, only: run_observer_t
    use text, only: add_sentence, to_text
    use wave_resolution, only: coarse_waves
    implicit none (type, external)
    private
 
-   public :: tell, tell_coarse_waves, tell_measured_error, tell_missed_target, tell_unusual, &
-      note_unusual, unusual_lines
+   public :: tell, tell_coarse_waves, tell_measured_error, tell_missed_target, &
+      tell_pressure_error, tell_unusual, note_unusual, unusual_lines
 
    !> Relative excess of an error over the target that counts as rounding.
    real(wp), parameter :: rounding = 1.0e-6_wp
@@ -137,6 +137,31 @@ contains
          //to_text(measured, 2)//' is estimated, '//to_text(case%accuracy%target, 2) &
          //' was wanted', report%note)
    end subroutine tell_measured_error
+
+   !> Says where the error of p_max of a steady contact stays above the wanted one on the finest grid
+   !> that there is, behind what the `report` notes already.
+   subroutine tell_pressure_error(case, watcher, state, report)
+      type(case_t), intent(in) :: case
+      type(run_observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
+      type(line_summary_t) :: summary
+      character(:), allocatable :: found
+
+      if (.not. (case%accuracy%target_p_max > 0.0_wp .and. report%converged)) return
+      summary = watcher%writer%quantities_at_end(state, report)
+      found = 'no error is estimated'
+      associate (largest => summary%of(p_max))
+         if (ieee_is_finite(largest%error_estimate)) then
+            if (largest%error_estimate <= (1.0_wp + rounding)*case%accuracy%target_p_max &
+               *largest%value) return
+            found = 'a relative error of '//to_text(largest%error_estimate/largest%value, 2) &
+               //' is estimated'
+         end if
+      end associate
+      call tell(case, watcher, 'the wanted accuracy of p_max is not shown: '//found//', ' &
+         //to_text(case%accuracy%target_p_max, 2)//' was wanted', report%note)
+   end subroutine tell_pressure_error
 
    !> Says `words`, if there are any, and puts them behind what `note` says already.
    subroutine tell(case, watcher, words, note)

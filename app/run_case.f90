@@ -7,7 +7,7 @@ module run_case
    use case_outcome, only: case_outcome_t, give_up, outcome_of, status_converged, &
       status_interrupted, status_not_converged, status_not_written
    use case_notes, only: tell, tell_coarse_waves, tell_measured_error, tell_missed_target, &
-      tell_unusual, note_unusual
+      tell_pressure_error, tell_unusual, note_unusual
    use case_record, only: case_t, result_path, set_effective
    use chosen_values, only: fill_chosen, fill_passage
    use command_line, only: command_t
@@ -242,6 +242,7 @@ contains
       open = contact
       watcher%writer%passage%times = new_passage_times(contact, case%time)
       case%solver%target = case%accuracy%target
+      case%solver%target_p_max = case%accuracy%target_p_max
       case%solver%wants_coarse_runs = case%accuracy%has_error_bars
       ! the solver chooses the grid
       is_open = case%accuracy%target > 0.0_wp .and. .not. case%time%is_transient
@@ -289,8 +290,9 @@ contains
       end if
       call check_ends(case, open, contact, watcher, report, error)
       if (allocated(error)) return
-      call check_forecast(case, whole, watcher, state, report, seconds, &
-         error)   ! error: the caller looks
+      call check_forecast(case, whole, watcher, state, report, seconds, error)
+      if (allocated(error)) return
+      call tell_pressure_error(case, watcher, state, report)
       call fill_chosen(case, contact, report)
       call fill_passage(case, contact, watcher%writer%passage%times)
       call complete_report(watcher, seconds, report)

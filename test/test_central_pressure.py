@@ -23,13 +23,44 @@ def test_first_run_has_a_pressure_that_is_good_to_one_per_cent(asperity, tmp_pat
     assert all(row(lines, name) < 1 for name in ("h_min", "h_central", "p_central"))
     with h5py.File(tmp_path / "minimal.h5") as file:
         value, error = file["summary/p_central"][()], file["summary/p_central"].attrs["error_estimate"]
-    fine = asperity(MINIMAL, "--set", "domain.intervals=65536")
+    fine = asperity(MINIMAL, "--set", "accuracy.target=0.01", "--set", "accuracy.target_p_max=0.01")
     lines = fine.stdout.splitlines()
     assert row(lines, "p_max") < 1
+    assert not any(line.startswith("  note") for line in lines)
     assert not any(line.startswith("  p_central") for line in lines)
     with h5py.File(tmp_path / "minimal.h5") as file:
         assert abs(value - file["summary/p_central"][()]) <= error
         assert file["summary/p_max"][()] > 1.5 * value
+
+
+# Largest pressure of the spike of minimal.nml on 2^20 intervals and on infinitely many, by the first order in which it rises
+# there: 988.908, 989.373 MPa on 2^19 and 2^20.
+SPIKE = 989.84e6
+
+
+@pytest.mark.parametrize("intervals", [16384, 32768, 65536, 131072])
+def test_spike_rises_on_finer_grids_by_no_more_than_its_error(asperity, tmp_path, intervals):
+    """From 65536 intervals on the grid resolves the flanks, and the vertices of parabolas rise by less than the nodes."""
+    assert asperity(MINIMAL, "--quiet", "--set", f"domain.intervals={intervals}").returncode == 0
+    with h5py.File(tmp_path / "minimal.h5") as file:
+        found = file["summary/p_max"]
+        assert 0.001 * SPIKE < SPIKE - found[()] < found.attrs["error_estimate"]
+
+
+def test_wanted_accuracy_of_the_spike_beyond_all_grids_is_told(asperity):
+    wanted = ("--set", "accuracy.target=0.01", "--set", "accuracy.target_p_max=1e-7", "--set", "load.hertz_pressure=2e8")
+    done = asperity(MINIMAL, *wanted)
+    assert done.returncode == 0
+    assert "the wanted accuracy of p_max is not shown: " in done.stderr
+    assert "1.0E-07 was wanted" in done.stdout
+
+
+@pytest.mark.parametrize("other", ["", "accuracy.target=0.01 time.transient=.true. time.end_time=1.0"])
+def test_target_of_the_pressure_is_for_steady_contacts_with_a_target(asperity, other):
+    words = [word for setting in other.split() for word in ("--set", setting)]
+    done = asperity(MINIMAL, "--set", "accuracy.target_p_max=0.01", *words)
+    assert done.returncode == 1
+    assert "&accuracy target_p_max: found a key that is not used with" in done.stderr
 
 
 def test_template_has_every_number_to_one_per_cent(asperity, tmp_path):

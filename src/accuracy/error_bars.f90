@@ -304,7 +304,7 @@ contains
       type(error_bars_t), intent(in) :: bars
       logical, intent(in) :: is_transient
       type(line_summary_t), intent(inout) :: summary
-      real(wp) :: tops(3)
+      real(wp) :: tops(3), nodes(3)
 
       tops = not_known()
       tops(1) = top_of(summary%crests)
@@ -315,7 +315,8 @@ contains
          call estimate_crest_in_time(bars%is_first_order, tops, summary%crests%highest, &
             summary%of(p_max))
       else if (all(ieee_is_finite(tops))) then
-         call estimate_crest(tops, summary%of(p_max))
+         nodes = [summary%of(p_max)%value, bars%half%of(p_max)%value, bars%quarter%of(p_max)%value]
+         call estimate_crest(tops, nodes, summary%of(p_max))
       end if
    end subroutine estimate_pressure
 

@@ -37,9 +37,12 @@ contains
       if (crests%spike < crests%other) top = crests%other
    end function top_of
 
-   !> Error of a nodal maximum: that of the parabola's, and what the node is below it.
-   pure subroutine estimate_crest(values, quantity)
-      real(wp), intent(in) :: values(3)
+   !> Error of a nodal maximum: that of the parabola's, `values` on n, n/2, n/4 intervals, and what
+   !> the node is below it. Where the nodal maxima themselves, `nodes`, rise from grid to grid their
+   !> error is the least: a parabola through the nodes of a narrow spike overshoots, by less and
+   !> less, so that its vertex rises too little.
+   pure subroutine estimate_crest(values, nodes, quantity)
+      real(wp), intent(in) :: values(3), nodes(3)
       type(quantity_t), intent(inout) :: quantity
       real(wp) :: order
 
@@ -49,6 +52,9 @@ contains
       quantity%error_grid = pressure_safety/safety*quantity%error_grid + abs(values(1) &
          - quantity%value)
       quantity%extrapolated = values(1) + (values(1) - values(2))/(2.0_wp**order - 1.0_wp)
+      if (.not. (nodes(1) > nodes(2) .and. nodes(2) > nodes(3))) return
+      order = observed_order(nodes(1), nodes(2), nodes(3), orders)
+      quantity%error_grid = max(quantity%error_grid, error_from_levels(nodes(1), nodes(2), order))
    end subroutine estimate_crest
 
    !> Error of a nodal maximum of a transient: that of the parabola's, `top`, from those of the

@@ -1,15 +1,18 @@
-!> The grid of a steady contact for a wanted accuracy of h_min: exact solutions on level after
-!> level, each the start of the next and a coarse run of its error estimate, until the estimate is
-!> small enough. Nothing is solved twice.
+!> The grid of a steady contact for a wanted accuracy of h_min, and of p_max where that is wanted:
+!> exact solutions on level after level, each the start of the next and a coarse run of its error
+!> estimate, until the estimate is small enough. Nothing is solved twice.
 module steady_target
    use domain_choice, only: choose_domain
    use ehl_line_solver, only: solve_ehl_line
    use ehl_line_steady, only: solve_steady
-   use error_bars, only: domain_error, error_bars_t, estimated_error, new_error_bars, take_coarser
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use error_bars, only: apply_error_bars, domain_error, error_bars_t, estimated_error, &
+      new_error_bars, take_coarser
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: intervals_for_waves, line_contact_t
+   use line_level, only: line_level_t
    use level_summaries, only: coarser_summaries, level_summary
    use line_hierarchy, only: add_level, line_hierarchy_t, new_growing_hierarchy, new_hierarchy, &
       pose_steady_problem, relaxation_t
@@ -17,6 +20,7 @@ module steady_target
    use line_summary, only: line_summary_t
    use nested_start, only: coarse_run_tolerance, first_guess, max_firsts, solve_level
    use observer, only: is_stopped, observer_t
+   use quantities, only: p_max
    use solver_choice, only: adopt, steady_attempts
    use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
    use text, only: to_text
@@ -24,6 +28,16 @@ module steady_target
    private
 
    public :: solve_contact
+
+   !> When the climb may end.
+   type :: goal_t
+      !> Relative error of h_min because of the grid.
+      real(wp) :: film = 0.0_wp
+      !> Relative error of p_max, of the inlet too; zero: any will do.
+      real(wp) :: pressure = 0.0_wp
+      !> What is known of the inlet.
+      type(report_t) :: report
+   end type goal_t
 
 contains
 
@@ -49,8 +63,9 @@ contains
    end subroutine solve_contact
 
    !> Solves the steady contact on the coarsest grid of 2^k intervals whose estimated relative error
-   !> of h_min is below `settings%target`, of which an inlet of the program takes a part, or on the
-   !> finest that there is; `contact%domain%intervals` becomes its number.
+   !> of h_min is below `settings%target`, of which an inlet of the program takes a part, and that of
+   !> p_max below `settings%target_p_max`, or on the finest that there is;
+   !> `contact%domain%intervals` becomes its number.
    subroutine solve_to_accuracy(hierarchy, contact, settings, watcher, report, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
@@ -60,12 +75,14 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
       type(relaxation_t), allocatable :: ways(:)
-      type(solver_settings_t) :: rest
+      type(goal_t) :: goal
       logical :: is_sound
       integer :: i
 
-      rest = settings
-      if (contact%domain%inlet_is_chosen) rest%target = &
+      goal = goal_t(settings%target, settings%target_p_max, report)
+      goal%report%residual = 0.0_wp   ! what the iteration leaves does not count
+      goal%report%load_error = 0.0_wp
+      if (contact%domain%inlet_is_chosen) goal%film = &
          max(settings%target - domain_error(report%inlet_error), 0.0_wp)
       bars = new_error_bars(contact, time_settings_t(), settings%space_scheme)
       allocate (ways, source=steady_attempts(contact, solver_settings_t(method='newton_krylov')))
@@ -75,12 +92,12 @@ contains
          if (allocated(error)) return
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
          call adopt(hierarchy, ways(i))
-         call climb(hierarchy, contact, rest%target, watcher, bars, is_sound, error)
+         call climb(hierarchy, contact, goal, watcher, bars, is_sound, error)
          if (allocated(error) .or. watcher%wants_stop) return
          if (is_sound) exit
       end do
       if (.not. is_sound) then
-         call double_grid(hierarchy, contact, rest, watcher, bars, report, &
+         call double_grid(hierarchy, contact, settings, goal, watcher, bars, report, &
             error)   ! error: the caller looks
          return
       end if
@@ -96,12 +113,12 @@ contains
    end subroutine solve_to_accuracy
 
    !> Exact solutions on level after level, from the coarsest that carries a film, until the
-   !> estimate is below `target`; the hierarchy grows as far as that needs, or as it can. `is_sound`
+   !> `goal` is reached; the hierarchy grows as far as that needs, or as it can. `is_sound`
    !> is false if a level finds no solution and the next finer ones neither.
-   subroutine climb(hierarchy, contact, target, watcher, bars, is_sound, error)
+   subroutine climb(hierarchy, contact, goal, watcher, bars, is_sound, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: target
+      type(goal_t), intent(in) :: goal
       class(observer_t), intent(inout) :: watcher
       type(error_bars_t), intent(inout) :: bars
       logical, intent(out) :: is_sound
@@ -119,13 +136,13 @@ contains
          end if
          call first_guess(hierarchy, contact, k, first)
          call watcher%on_stage('steady on '//to_text(hierarchy%levels(k)%n)//' intervals')
-         call solve_level(hierarchy, k, min(coarse_run_tolerance, target), is_sound, &
+         call solve_level(hierarchy, k, min(coarse_run_tolerance, goal%film), is_sound, &
             watcher)
          if (is_sound) then
             call take_coarser(bars, coarser_summaries(hierarchy))
             if (hierarchy%levels(k)%n >= intervals_for_waves(contact) &
                .and. hierarchy%levels(k)%is_coarse_run .and. &
-                estimated_error(bars, level_summary(hierarchy%levels(k))) <= target) return
+                is_reached(goal, bars, hierarchy%levels(k))) return
             if (k == size(hierarchy%levels)) return
          else
             first = k + 1
@@ -136,11 +153,12 @@ contains
    end subroutine climb
 
    !> Where the climb fails: solutions of their own on grids doubled from the program's choice,
-   !> until the estimate is below the target.
-   subroutine double_grid(hierarchy, contact, settings, watcher, bars, report, error)
+   !> until the goal is reached.
+   subroutine double_grid(hierarchy, contact, settings, goal, watcher, bars, report, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
+      type(goal_t), intent(in) :: goal
       class(observer_t), intent(inout) :: watcher
       type(error_bars_t), intent(inout) :: bars
       type(report_t), intent(inout) :: report
@@ -160,9 +178,11 @@ contains
          if (watcher%wants_stop) return
          if (2*contact%domain%intervals > max_chosen(settings)) return
          if (report%converged) then
-            summary = level_summary(hierarchy%levels(hierarchy%finest))
-            if (contact%domain%intervals >= intervals_for_waves(contact) .and. &
-                estimated_error(bars, summary) <= settings%target) return
+            associate (level => hierarchy%levels(hierarchy%finest))
+               if (contact%domain%intervals >= intervals_for_waves(contact) .and. &
+                   is_reached(goal, bars, level)) return
+               summary = level_summary(level)
+            end associate
             bars%has_eighth = bars%has_quarter
             if (bars%has_quarter) bars%eighth = bars%quarter
             bars%has_quarter = bars%has_half
@@ -173,5 +193,23 @@ contains
          contact%domain%intervals = 2*contact%domain%intervals
       end do
    end subroutine double_grid
+
+   !> Whether the estimated errors on a `level` are small enough.
+   function is_reached(goal, bars, level)
+      type(goal_t), intent(in) :: goal
+      type(error_bars_t), intent(in) :: bars
+      type(line_level_t), intent(in) :: level
+      logical :: is_reached
+      type(line_summary_t) :: summary
+
+      summary = level_summary(level)
+      is_reached = estimated_error(bars, summary) <= goal%film
+      if (.not. is_reached .or. .not. goal%pressure > 0.0_wp) return
+      call apply_error_bars(bars, goal%report, level%dx, summary)
+      associate (largest => summary%of(p_max))
+         is_reached = ieee_is_finite(largest%error_estimate)
+         if (is_reached) is_reached = largest%error_estimate <= goal%pressure*largest%value
+      end associate
+   end function is_reached
 
 end module steady_target

@@ -74,6 +74,8 @@ module solver_settings
       !> Relative error of h_min for which the grid of a steady contact is chosen; zero: the grid is
       !> that of the domain.
       real(wp) :: target = 0.0_wp
+      !> The same of p_max; zero: its error does not count.
+      real(wp) :: target_p_max = 0.0_wp
       !> The grids of n/2 and n/4 intervals on the way to a steady solution are solved well enough
       !> for error bars.
       logical :: wants_coarse_runs = .false.

@@ -281,6 +281,7 @@ contains
          output%velocity_layers = values%integer_value('output', 'velocity_layers')
       end associate
       case%accuracy%target = values%real_value('accuracy', 'target')
+      case%accuracy%target_p_max = values%real_value('accuracy', 'target_p_max')
       case%accuracy%has_error_bars = values%logical_value('accuracy', 'error_bars')
    end subroutine fill_numerics
 

@@ -57,6 +57,8 @@ module case_record
       !> Relative error of h_min for which the program chooses intervals and time step; 0: not
       !> asked.
       real(wp) :: target
+      !> The same of p_max of a steady contact; 0: not asked.
+      real(wp) :: target_p_max
       !> Errors are estimated, from coarse runs.
       logical :: has_error_bars
    end type accuracy_t

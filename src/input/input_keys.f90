@@ -436,6 +436,9 @@ module input_keys
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, &
          'relative error of h_min, in dry cases of the contact area, for which intervals and '// &
             'time step are chosen', range='>= 1e-7, <= 0.1', problems=every), &
+      key_row_t('accuracy', 'target_p_max', real_kind, '-', is_optional, &
+         'relative error of p_max, for which a steady contact goes on to finer grids', &
+         range='>= 1e-7, <= 0.1', used='target, time%transient = .false.'), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', &
          'compares with fewer intervals, for error estimates', problems=every)]
 

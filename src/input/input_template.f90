@@ -94,7 +94,8 @@ module input_template
       example_t('output', 'film_thresholds', '50e-9, 100e-9', .false.), &
       example_t('solver', 'film_floor', '5e-9', .false.), &
       example_t('solver', 'on_film_breakdown', "'stop'", .false.), &
-      example_t('accuracy', 'target', '1e-3', .false.)]
+      example_t('accuracy', 'target', '1e-3', .false.), &
+      example_t('accuracy', 'target_p_max', '0.01', .false.)]
 
    !> A synthetic rough surface, elastic-perfectly plastic, against a rigid plane, under three
    !> loads. The keys of &surface_2 are shown like those of &surface_1, all as comments.
