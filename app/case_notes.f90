@@ -138,8 +138,8 @@ contains
          //' was wanted', report%note)
    end subroutine tell_measured_error
 
-   !> Says where the error of p_max of a steady contact stays above the wanted one on the finest grid
-   !> that there is, behind what the `report` notes already.
+   !> Says where the error of p_max of a steady contact stays above the wanted one on the finest
+   !> grid that there is, behind what the `report` notes already.
    subroutine tell_pressure_error(case, watcher, state, report)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: watcher

@@ -290,9 +290,8 @@ contains
       end if
       call check_ends(case, open, contact, watcher, report, error)
       if (allocated(error)) return
-      call check_forecast(case, whole, watcher, state, report, seconds, error)
-      if (allocated(error)) return
-      call tell_pressure_error(case, watcher, state, report)
+      call check_forecast(case, whole, watcher, state, report, seconds, &
+         error)   ! error: the caller looks
       call fill_chosen(case, contact, report)
       call fill_passage(case, contact, watcher%writer%passage%times)
       call complete_report(watcher, seconds, report)
@@ -418,8 +417,8 @@ contains
       seconds = wall_seconds() - start
    end subroutine compare_grids
 
-   !> Coarse runs of a solution whose `contact` has a grid, and whose time step is one, that pilots
-   !> chose: is it as good as they foretold?
+   !> Whether a solution is as good as wanted: by coarse runs where pilots chose the grid of its
+   !> `contact` and its time step.
    subroutine check_forecast(case, contact, watcher, state, report, seconds, error)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
@@ -430,6 +429,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: start
 
+      call tell_pressure_error(case, watcher, state, report)
       if (.not. (case%accuracy%has_error_bars .and. watcher%writer%bars%forecast%is_known &
          .and. report%converged)) return
       start = wall_seconds()

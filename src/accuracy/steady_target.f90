@@ -33,8 +33,8 @@ module steady_target
    type :: goal_t
       !> Relative error of h_min because of the grid.
       real(wp) :: film = 0.0_wp
-      !> Relative error of p_max, of the inlet too; zero: any will do.
-      real(wp) :: pressure = 0.0_wp
+      !> With the relative error of p_max, of the inlet too; zero: any will do.
+      type(solver_settings_t) :: settings
       !> What is known of the inlet.
       type(report_t) :: report
    end type goal_t
@@ -63,8 +63,8 @@ contains
    end subroutine solve_contact
 
    !> Solves the steady contact on the coarsest grid of 2^k intervals whose estimated relative error
-   !> of h_min is below `settings%target`, of which an inlet of the program takes a part, and that of
-   !> p_max below `settings%target_p_max`, or on the finest that there is;
+   !> of h_min is below `settings%target`, of which an inlet of the program takes a part, and that
+   !> of p_max below `settings%target_p_max`, or on the finest that there is;
    !> `contact%domain%intervals` becomes its number.
    subroutine solve_to_accuracy(hierarchy, contact, settings, watcher, report, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
@@ -79,7 +79,7 @@ contains
       logical :: is_sound
       integer :: i
 
-      goal = goal_t(settings%target, settings%target_p_max, report)
+      goal = goal_t(settings%target, settings, report)
       goal%report%residual = 0.0_wp   ! what the iteration leaves does not count
       goal%report%load_error = 0.0_wp
       if (contact%domain%inlet_is_chosen) goal%film = &
@@ -97,7 +97,7 @@ contains
          if (is_sound) exit
       end do
       if (.not. is_sound) then
-         call double_grid(hierarchy, contact, settings, goal, watcher, bars, report, &
+         call double_grid(hierarchy, contact, goal, watcher, bars, report, &
             error)   ! error: the caller looks
          return
       end if
@@ -154,10 +154,9 @@ contains
 
    !> Where the climb fails: solutions of their own on grids doubled from the program's choice,
    !> until the goal is reached.
-   subroutine double_grid(hierarchy, contact, settings, goal, watcher, bars, report, error)
+   subroutine double_grid(hierarchy, contact, goal, watcher, bars, report, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
-      type(solver_settings_t), intent(in) :: settings
       type(goal_t), intent(in) :: goal
       class(observer_t), intent(inout) :: watcher
       type(error_bars_t), intent(inout) :: bars
@@ -171,12 +170,12 @@ contains
       bars%has_quarter = .false.
       bars%has_eighth = .false.
       do
-         call new_hierarchy(hierarchy, contact, settings%levels, error)
+         call new_hierarchy(hierarchy, contact, goal%settings%levels, error)
          if (allocated(error)) return
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
-         call solve_steady(hierarchy, contact, settings, watcher, report)
+         call solve_steady(hierarchy, contact, goal%settings, watcher, report)
          if (watcher%wants_stop) return
-         if (2*contact%domain%intervals > max_chosen(settings)) return
+         if (2*contact%domain%intervals > max_chosen(goal%settings)) return
          if (report%converged) then
             associate (level => hierarchy%levels(hierarchy%finest))
                if (contact%domain%intervals >= intervals_for_waves(contact) .and. &
@@ -204,11 +203,12 @@ contains
 
       summary = level_summary(level)
       is_reached = estimated_error(bars, summary) <= goal%film
-      if (.not. is_reached .or. .not. goal%pressure > 0.0_wp) return
+      if (.not. is_reached .or. .not. goal%settings%target_p_max > 0.0_wp) return
       call apply_error_bars(bars, goal%report, level%dx, summary)
       associate (largest => summary%of(p_max))
          is_reached = ieee_is_finite(largest%error_estimate)
-         if (is_reached) is_reached = largest%error_estimate <= goal%pressure*largest%value
+         if (is_reached) is_reached = largest%error_estimate <= goal%settings%target_p_max &
+            *largest%value
       end associate
    end function is_reached
 

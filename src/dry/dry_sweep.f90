@@ -298,13 +298,13 @@ contains
       least = crest_share*crest
       do j = 0, grid%ny - 1
          row = j*grid%nx
-         do i = 0, grid%nx - 1
-            if (.not. pressure(row + i + 1) > least) cycle
+         nodes: do i = 0, grid%nx - 1
+            if (.not. pressure(row + i + 1) > least) cycle nodes
             x = pressure(row + modulo(i + [-1, 0, 1], grid%nx) + 1)
             y = pressure(modulo(j + [-1, 0, 1], grid%ny)*grid%nx + i + 1)
-            if (x(2) < max(x(1), x(3), y(1), y(3))) cycle
+            if (x(2) < max(x(1), x(3), y(1), y(3))) cycle nodes
             crest = max(crest, x(2) + vertex_above(x) + vertex_above(y))
-         end do
+         end do nodes
       end do
    end function crest_of
 
