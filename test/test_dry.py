@@ -344,3 +344,20 @@ def test_bisinusoid(asperity, tmp_path, row):
     assert sweep["contact_area_fraction_corrected"] == pytest.approx(float(row["area_perimeter_corrected"]), rel=1e-6)
     assert sweep["mean_separation"] / height == pytest.approx(float(row["mean_gap_over_D"]), abs=1e-6)
     assert sweep["p_max"] / full == pytest.approx(float(row["pmax_over_pstar"]), rel=1e-6)
+
+
+@pytest.mark.parametrize(("bodies", "stored"), [("", 0), (", hardness = 2e8", 8)])
+def test_zeros_take_no_room_and_are_read_as_zeros(asperity, tmp_path, bodies, stored):
+    """The plastic deformation of an elastic contact; where something yields all nodes are stored."""
+    surface = "shape = 'synthetic', rms_height = 1e-7, wavelength_short = 2e-5"
+    more = "&domain length_x = 4e-4, length_y = 4e-4, intervals_x = 80, intervals_y = 72 /"
+    with solve(asperity, tmp_path, surface, [1e7], bodies, more, problem="dry_area") as file:
+        field = file["solution/plastic_deformation"]
+        assert field.id.get_storage_size() == stored * field.size
+        assert (field[()].max() > 0) == (stored > 0)
+        assert field.shape == (72, 80)
+        assert field[()].min() == 0
+        assert file["solution/height_unloaded"].id.get_storage_size() == 8 * field.size
+        assert np.array_equal(file["solution/height_unloaded"][()], file["solution/height_undeformed"][()] - field[()])
+        for quantity in ("rq", "rsk", "rz"):
+            assert (file[f"sweep/{quantity}_unloaded"][0] == file[f"sweep/{quantity}_undeformed"][0]) == (stored == 0)

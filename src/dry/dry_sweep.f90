@@ -95,6 +95,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(dry_problem_t) :: problem
       type(dry_solver_t) :: solver
+      type(roughness_t) :: undeformed
       real(wp), allocatable :: plastic(:), yielded(:)
       real(wp) :: area, cpu_start, cpu_stop, top, wall_start
       integer :: i, n
@@ -106,6 +107,7 @@ contains
       if (loads%hardness < huge(1.0_wp)) problem%hardness = scaling%scaled_pressure(loads%hardness)
       n = size(z)
       top = maxval(problem%height)
+      if (.not. settings%is_rough) undeformed = roughness_of(z, grid%ny == 1)
       area = scaling%domain_area(grid%aspect, grid%ny == 1)
       if (allocated(loads%separation)) then
          allocate (outcome%rows(size(loads%separation)))
@@ -144,7 +146,8 @@ contains
             call fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
             where (solution%pressure >= problem%hardness) fields%pressure = loads%hardness
             call fill_row(problem, scaling, area, solution, plastic, fields, rows(i))
-            if (.not. settings%is_rough) call fill_roughness(fields, grid%ny == 1, rows(i))
+            if (.not. settings%is_rough) call fill_roughness(fields, grid%ny == 1, undeformed, &
+               rows(i))
             rows(i)%mean_pressure = scaling%pressure_in_si(problem%load/n)
             if (allocated(loads%mean_pressure)) rows(i)%mean_pressure = loads%mean_pressure(i)
             rows(i)%load = rows(i)%mean_pressure*area
@@ -260,15 +263,19 @@ contains
          - border_share*row%contact_edges/real(n, wp)
    end subroutine fill_row
 
-   !> Roughness of the surface of one load from its fields.
-   subroutine fill_roughness(fields, is_line, row)
+   !> Roughness of the surface of one load from its fields and from that of the `undeformed` one,
+   !> which is left where nothing has yielded.
+   subroutine fill_roughness(fields, is_line, undeformed, row)
       type(dry_fields_t), intent(in) :: fields
       logical, intent(in) :: is_line
+      type(roughness_t), intent(in) :: undeformed
       type(dry_row_t), intent(inout) :: row
 
-      row%undeformed = roughness_of(fields%height_undeformed, is_line)
+      row%undeformed = undeformed
       row%loaded = roughness_of(fields%height_loaded, is_line)
-      row%unloaded = roughness_of(fields%height_unloaded, is_line)
+      row%unloaded = undeformed
+      if (any(fields%plastic_deformation > 0.0_wp)) row%unloaded = &
+         roughness_of(fields%height_unloaded, is_line)
    end subroutine fill_roughness
 
    !> A contact that reaches the border of an open domain is no solution.

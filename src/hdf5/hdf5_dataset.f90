@@ -3,7 +3,9 @@
 !> Shapes are as Fortran sees them; h5py shows them reversed. Strings have a fixed length and are
 !> UTF-8.
 module hdf5_dataset
-   use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_ptr
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_loc, c_null_ptr, &
+      c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use hdf5, only: h5dclose_f, h5dcreate_f, h5dwrite_f, h5iinc_ref_f, hid_t
    use hdf5_attribute, only: close_space, new_space, stored_text, write_attribute
@@ -17,6 +19,8 @@ module hdf5_dataset
    !> Numbers that are stored in the header of their dataset, at most: no place in the file to look
    !> up and to write.
    integer, parameter :: few = 16
+   !> Zeros that are written, at most.
+   integer, parameter :: many = 4096
 
    !> What a stored value is. value * si_scale = value in si_units; attribute `units`: of the value.
    type :: label_t
@@ -46,7 +50,8 @@ contains
       if (present(si_scale)) label%si_scale = si_scale
    end function new_label
 
-   !> Reals of any rank; with `is_single` the file has them in single precision.
+   !> Reals of any rank; with `is_single` the file has them in single precision. Many zeros are not
+   !> written: HDF5 gives zeros for what a file does not have.
    subroutine write_reals(file, path, value, label, is_single)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
@@ -54,12 +59,34 @@ contains
       type(label_t), intent(in) :: label
       logical, intent(in), optional :: is_single
       integer(hid_t) :: stored_type
+      real(wp), pointer :: flat(:)
+      logical :: is_blank
 
       call file%look_at(path, value)
       stored_type = file%real_type
       if (present(is_single)) stored_type = merge(file%single_type, stored_type, is_single)
-      call write_values(file, path, file%real_type, shape(value), c_loc(value), label, stored_type)
+      is_blank = size(value) > many
+      if (is_blank) then
+         call c_f_pointer(c_loc(value), flat, [size(value)])
+         is_blank = are_zero(flat)
+      end if
+      call write_values(file, path, file%real_type, shape(value), merge(c_null_ptr, c_loc(value), &
+         is_blank), label, stored_type)
    end subroutine write_reals
+
+   !> Whether all `values` are zero.
+   pure function are_zero(values)
+      real(wp), intent(in) :: values(:)
+      logical :: are_zero
+      integer :: i
+
+      are_zero = .false.
+      do i = 1, size(values)
+         if (.not. ieee_is_finite(values(i))) return
+         if (abs(values(i)) > 0.0_wp) return
+      end do
+      are_zero = .true.
+   end function are_zero
 
    !> Integers of 64 bits, of any rank.
    subroutine write_integers(file, path, value, label)
@@ -84,7 +111,8 @@ contains
    end subroutine write_string
 
    !> Creates, writes and closes a dataset of the `extents` (none: one value), and labels it. HDF5
-   !> converts the values from their type to `stored_type`, which is the same if absent.
+   !> converts the values from their type to `stored_type`, which is the same if absent. Null in
+   !> place of `values`: they stay unwritten.
    subroutine write_values(file, path, type_id, extents, values, label, stored_type)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
@@ -107,7 +135,8 @@ contains
             file%creation, is_small), label, dataset)
       end associate
       if (allocated(file%failure)) return
-      if (all(extents > 0)) call h5dwrite_f(dataset, type_id, values, status)
+      if (all(extents > 0) .and. c_associated(values)) call h5dwrite_f(dataset, type_id, values, &
+         status)
       if (status >= 0) call h5dclose_f(dataset, status)
       if (status >= 0) call close_space(extents, space, status)
       call file%check(status, path)

@@ -116,19 +116,18 @@ contains
 
    contains
 
-      !> One field, if it is to be stored: (nx), or (nx, ny).
+      !> One field (nx, ny), if it is to be stored.
       subroutine write_field(name, values, long_name, units)
          character(*), intent(in) :: name, long_name, units
-         real(wp), intent(in) :: values(:)
+         real(wp), intent(in) :: values(dry%grid%nx, dry%grid%ny)
 
          if (size(dry%stored_fields) > 0 .and. .not. any(dry%stored_fields == name)) return
          if (dry%grid%ny == 1) then
-            call write_dataset(file, '/solution/' // name, values, new_label(long_name, units), &
-               dry%is_single)
+            call write_dataset(file, '/solution/'//name, values(:, 1), &
+               new_label(long_name, units), dry%is_single)
             call name_axes(file, '/solution/'//name, '/solution/x')
          else
-            call write_dataset(file, '/solution/' // name, &
-               reshape(values, [dry%grid%nx, dry%grid%ny]), new_label(long_name, units), &
+            call write_dataset(file, '/solution/'//name, values, new_label(long_name, units), &
                dry%is_single)
             call name_axes(file, '/solution/'//name, '/solution/x', '/solution/y')
          end if
@@ -301,26 +300,34 @@ contains
       if (.not. allocated(error)) call write_state(file, 'unloaded', state)
    end subroutine write_surface
 
-   !> What is stored of the heights `z` of a state.
+   !> What is stored of the heights `z` (nx*ny) of a state.
    subroutine find_state(dry, z, levels, edges, state, error)
       type(dry_case_t), intent(in) :: dry
-      real(wp), intent(in) :: z(:), levels(:), edges(:)
+      real(wp), contiguous, intent(in) :: z(:)
+      real(wp), intent(in) :: levels(:), edges(:)
       type(surface_state_t), intent(out) :: state
       type(error_t), allocatable, intent(out) :: error
-      real(wp), allocatable :: map(:, :)
-      real(wp) :: dx, dy
 
       state%bearing_ratio = bearing_ratio(z, levels)
       state%height_density = height_density(z, edges)
-      if (.not. dry%is_periodic) return
+      if (dry%is_periodic) call find_slopes(dry, z, state, error)   ! error: the caller looks
+   end subroutine find_state
+
+   !> Slope, curvature and spectrum of the heights `z` (nx, ny) of a state, which are periodic.
+   subroutine find_slopes(dry, z, state, error)
+      type(dry_case_t), intent(in) :: dry
+      real(wp), intent(in) :: z(dry%grid%nx, dry%grid%ny)
+      type(surface_state_t), intent(inout) :: state
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: dx, dy
+
       dx = dry%lengths(1)/dry%grid%nx
       dy = dx
       if (dry%grid%ny > 1) dy = dry%lengths(2)/dry%grid%ny
-      map = reshape(z, [dry%grid%nx, dry%grid%ny])
-      state%rms_slope = rms_slope(map, dx, dy)
-      state%rms_curvature = rms_curvature(map, dx, dy)
-      call power_spectrum(map, state%power, error)   ! error: the caller looks
-   end subroutine find_state
+      state%rms_slope = rms_slope(z, dx, dy)
+      state%rms_curvature = rms_curvature(z, dx, dy)
+      call power_spectrum(z, state%power, error)   ! error: the caller looks
+   end subroutine find_slopes
 
    !> One state of the surface: '/surface/<quantity>_<name>'.
    subroutine write_state(file, name, state)

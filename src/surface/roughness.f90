@@ -33,18 +33,38 @@ contains
       real(wp), intent(in) :: z(:)
       logical, intent(in) :: is_line
       type(roughness_t) :: values
-      real(wp) :: mean
+      real(wp) :: highest, lowest, mean, ra, rq, rsk, rku
       integer :: first, i, n, nodes
 
       n = size(z)
-      mean = sum(z)/n
-      values%ra = sum(abs(z - mean))/n
-      values%rq = sqrt(sum((z - mean)**2)/n)
+      mean = 0.0_wp
+      highest = -huge(1.0_wp)
+      lowest = huge(1.0_wp)
+      do i = 1, n
+         mean = mean + z(i)
+         highest = max(highest, z(i))
+         lowest = min(lowest, z(i))
+      end do
+      mean = mean/n
+      ra = 0.0_wp
+      rq = 0.0_wp
+      do i = 1, n
+         ra = ra + abs(z(i) - mean)
+         rq = rq + (z(i) - mean)**2
+      end do
+      values%ra = ra/n
+      values%rq = sqrt(rq/n)
       if (values%rq > 0.0_wp) then
-         values%rsk = sum(((z - mean)/values%rq)**3)/n
-         values%rku = sum(((z - mean)/values%rq)**4)/n
+         rsk = 0.0_wp
+         rku = 0.0_wp
+         do i = 1, n
+            rsk = rsk + ((z(i) - mean)/values%rq)**3
+            rku = rku + ((z(i) - mean)/values%rq)**4
+         end do
+         values%rsk = rsk/n
+         values%rku = rku/n
       end if
-      values%rz = maxval(z) - minval(z)
+      values%rz = highest - lowest
       if (.not. is_line .or. n < parts) return
       values%rz = 0.0_wp
       first = 1
@@ -108,10 +128,17 @@ contains
    pure function rms_slope(z, dx, dy) result(slope)
       real(wp), intent(in) :: z(:, :), dx, dy
       real(wp) :: slope
+      real(wp) :: across, along
+      integer :: j, ny
 
-      slope = sum(((cshift(z, 1, 1) - z)/dx)**2)
-      if (size(z, 2) > 1) slope = slope + sum(((cshift(z, 1, 2) - z)/dy)**2)
-      slope = sqrt(slope/size(z))
+      ny = size(z, 2)
+      along = 0.0_wp
+      across = 0.0_wp
+      do j = 1, ny
+         call add_squares((cshift(z(:, j), 1) - z(:, j))/dx, along)
+         if (ny > 1) call add_squares((z(:, modulo(j, ny) + 1) - z(:, j))/dy, across)
+      end do
+      slope = sqrt((along + across)/size(z))
    end function rms_slope
 
    !> Root mean square of the second difference of a periodic surface (nx, ny); of an area of half
@@ -119,13 +146,32 @@ contains
    pure function rms_curvature(z, dx, dy) result(curvature)
       real(wp), intent(in) :: z(:, :), dx, dy
       real(wp) :: curvature
-      real(wp) :: second(size(z, 1), size(z, 2))
+      real(wp) :: second(size(z, 1)), total
+      integer :: j, ny
 
-      second = (cshift(z, 1, 1) - 2.0_wp*z + cshift(z, -1, 1))/dx**2
-      if (size(z, 2) > 1) second = 0.5_wp*(second + (cshift(z, 1, 2) - 2.0_wp*z + cshift(z, -1, &
-         2))/dy**2)
-      curvature = sqrt(sum(second**2)/size(z))
+      ny = size(z, 2)
+      total = 0.0_wp
+      do j = 1, ny
+         associate (row => z(:, j), before => z(:, modulo(j - 2, ny) + 1), &
+            after => z(:, modulo(j, ny) + 1))
+            second = (cshift(row, 1) - 2.0_wp*row + cshift(row, -1))/dx**2
+            if (ny > 1) second = 0.5_wp*(second + (after - 2.0_wp*row + before)/dy**2)
+         end associate
+         call add_squares(second, total)
+      end do
+      curvature = sqrt(total/size(z))
    end function rms_curvature
+
+   !> Adds the squares of `values` to `total`, one after the other.
+   pure subroutine add_squares(values, total)
+      real(wp), intent(in) :: values(:)
+      real(wp), intent(inout) :: total
+      integer :: i
+
+      do i = 1, size(values)
+         total = total + values(i)**2
+      end do
+   end subroutine add_squares
 
    !> Mean square of the heights in harmonic 1 ... nx/2 along x of a periodic surface (nx, ny),
    !> averaged over y: its sum is the variance of the profiles. Fails (internal_error) if FFTW does.
