@@ -7,7 +7,8 @@ module dry_target
    use dry_errors, only: estimate_dry_errors
    use dry_resampling, only: dry_sweep_t
    use dry_resolution, only: area_doubt, dry_rung_t, finer_nodes, is_met
-   use dry_scaling, only: new_dry_scaling
+   use dry_scaling, only: dry_scaling_t, new_dry_scaling
+   use dry_settings, only: dry_settings_t
    use dry_surfaces, only: is_refinable, refine_heights
    use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
    use errors, only: error_t, input_error
@@ -76,22 +77,23 @@ contains
       type(dry_outcome_t), intent(out) :: outcome
       type(dry_row_t), allocatable, intent(out) :: errors(:)
       type(error_t), allocatable, intent(out) :: error
-      type(dry_sweep_t) :: sweep
+      type(dry_scaling_t) :: scaling
+      type(dry_settings_t) :: settings
       real(wp) :: start
 
       allocate (errors(0))
       start = wall_seconds()
       call begin_activity('solving')
-      sweep = dry_sweep_t(dry%grid, dry%height, new_dry_scaling(dry%height, dry%lengths(1), &
-         dry%reduced_modulus), dry%loads, dry%settings)
-      sweep%settings%keeps_pressures = dry%has_error_bars .or. dry%wants_adequacy
-      call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, sweep%settings, &
-         outcome, error)
+      scaling = new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus)
+      settings = dry%settings
+      settings%keeps_pressures = dry%has_error_bars .or. dry%wants_adequacy
+      call solve_dry_sweep(dry%grid, dry%height, scaling, dry%loads, settings, outcome, error)
       if (allocated(error)) return
       associate (report => outcome%solution%report)
          report%phase_seconds(phase_steady) = wall_seconds() - start
          call begin_activity('error bars on other grids')
-         if (dry%has_error_bars) call estimate_dry_errors(sweep, outcome, errors, error)
+         if (dry%has_error_bars) call estimate_dry_errors(dry_sweep_t(dry%grid, dry%height, &
+            scaling, dry%loads, settings), outcome, errors, error)
          if (allocated(error)) return
          report%wall_seconds = wall_seconds() - start
          report%phase_seconds(phase_error_bars) = report%wall_seconds &

@@ -118,7 +118,7 @@ contains
       if (allocated(error)) return
       call cpu_time(cpu_stop)
       outcome%cpu_prepare = cpu_stop - cpu_start
-      allocate (yielded(n), plastic(n), source=0.0_wp)
+      if (loads%has_history) allocate (yielded(n), source=0.0_wp)
       allocate (outcome%transforms(4, 0))
       if (settings%keeps_pressures) allocate (outcome%pressures(n, size(outcome%rows)))
       associate (rows => outcome%rows, fields => outcome%fields, solution => outcome%solution)
@@ -140,10 +140,10 @@ contains
             outcome%wall_solve = outcome%wall_solve + wall_seconds() - wall_start
             outcome%transforms = reshape([outcome%transforms, solution%transforms], &
                [4, size(outcome%transforms, 2) + size(solution%transforms, 2)])
-            plastic = 0.0_wp
+            allocate (plastic(n), source=0.0_wp)   ! only now: the solver needs the memory
             where (solution%pressure >= problem%hardness) plastic = max(solution%datum &
                - solution%v, 0.0_wp)
-            call fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
+            call fill_fields(problem, scaling, z, solution, plastic, fields, yielded)
             where (solution%pressure >= problem%hardness) fields%pressure = loads%hardness
             call fill_row(problem, scaling, area, solution, plastic, fields, rows(i))
             if (.not. settings%is_rough) call fill_roughness(fields, grid%ny == 1, undeformed, &
@@ -163,6 +163,7 @@ contains
                solution%v = solution%v + plastic
                call solver%forget_surface()
             end if
+            deallocate (plastic)
          end do
       end associate
    end subroutine solve_dry_sweep
@@ -204,19 +205,24 @@ contains
    end function separation_of
 
    !> Pressure, gap and profiles in SI. `plastic` is the deformation of this load, `yielded` that of
-   !> the loads before which the heights of `problem` already have (history).
-   pure subroutine fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
+   !> the loads before which the heights of `problem` already have (history; else it is absent).
+   pure subroutine fill_fields(problem, scaling, z, solution, plastic, fields, yielded)
       type(dry_problem_t), intent(in) :: problem
       type(dry_scaling_t), intent(in) :: scaling
-      real(wp), intent(in) :: z(:), plastic(:), yielded(:)
+      real(wp), intent(in) :: z(:), plastic(:)
       type(dry_solution_t), intent(in) :: solution
       type(dry_fields_t), intent(inout) :: fields
+      real(wp), intent(in), optional :: yielded(:)
 
       fields%pressure = scaling%pressure_in_si(solution%pressure)
       fields%gap = scaling%height_in_si(max(solution%v + plastic - solution%datum, 0.0_wp))
       where (solution%pressure > 0.0_wp) fields%gap = 0.0_wp
       fields%height_undeformed = z(:)
-      fields%plastic_deformation = scaling%height_in_si(plastic + yielded)
+      if (present(yielded)) then
+         fields%plastic_deformation = scaling%height_in_si(plastic + yielded)
+      else
+         fields%plastic_deformation = scaling%height_in_si(plastic)
+      end if
       fields%height_unloaded = z - fields%plastic_deformation
       fields%height_loaded = fields%height_unloaded &
          - scaling%height_in_si(solution%v + problem%height)
