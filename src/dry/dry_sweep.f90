@@ -118,7 +118,7 @@ contains
       if (allocated(error)) return
       call cpu_time(cpu_stop)
       outcome%cpu_prepare = cpu_stop - cpu_start
-      if (loads%has_history) allocate (yielded(n), source=0.0_wp)
+      allocate (yielded(merge(n, 0, loads%has_history)), source=0.0_wp)
       allocate (outcome%transforms(4, 0))
       if (settings%keeps_pressures) allocate (outcome%pressures(n, size(outcome%rows)))
       associate (rows => outcome%rows, fields => outcome%fields, solution => outcome%solution)
@@ -143,7 +143,7 @@ contains
             allocate (plastic(n), source=0.0_wp)   ! only now: the solver needs the memory
             where (solution%pressure >= problem%hardness) plastic = max(solution%datum &
                - solution%v, 0.0_wp)
-            call fill_fields(problem, scaling, z, solution, plastic, fields, yielded)
+            call fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
             where (solution%pressure >= problem%hardness) fields%pressure = loads%hardness
             call fill_row(problem, scaling, area, solution, plastic, fields, rows(i))
             if (.not. settings%is_rough) call fill_roughness(fields, grid%ny == 1, undeformed, &
@@ -205,20 +205,19 @@ contains
    end function separation_of
 
    !> Pressure, gap and profiles in SI. `plastic` is the deformation of this load, `yielded` that of
-   !> the loads before which the heights of `problem` already have (history; else it is absent).
-   pure subroutine fill_fields(problem, scaling, z, solution, plastic, fields, yielded)
+   !> the loads before which the heights of `problem` already have (history; else it is empty).
+   pure subroutine fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
       type(dry_problem_t), intent(in) :: problem
       type(dry_scaling_t), intent(in) :: scaling
-      real(wp), intent(in) :: z(:), plastic(:)
+      real(wp), intent(in) :: z(:), plastic(:), yielded(:)
       type(dry_solution_t), intent(in) :: solution
       type(dry_fields_t), intent(inout) :: fields
-      real(wp), intent(in), optional :: yielded(:)
 
       fields%pressure = scaling%pressure_in_si(solution%pressure)
       fields%gap = scaling%height_in_si(max(solution%v + plastic - solution%datum, 0.0_wp))
       where (solution%pressure > 0.0_wp) fields%gap = 0.0_wp
       fields%height_undeformed = z(:)
-      if (present(yielded)) then
+      if (size(yielded) > 0) then
          fields%plastic_deformation = scaling%height_in_si(plastic + yielded)
       else
          fields%plastic_deformation = scaling%height_in_si(plastic)
