@@ -100,25 +100,37 @@ contains
       type(condition_t), intent(in) :: condition
       character(*), intent(in) :: group
       integer :: truth
-      type(value_t) :: slot
+      logical :: holds
+      integer :: row
+
+      if (condition%key == '') then
+         holds = values%has_group(group)
+         if (holds) holds = has_word(group_rows(find_group(group))%problems, trim(values%problem))
+         if (condition%relation == 'without') holds = .not. holds
+         truth = merge(yes, no, holds)
+      else
+         truth = unknown
+         row = find_key(group, trim(condition%key), values%problem)
+         if (row > 0) truth = truth_of(values%slots(row), condition)
+      end if
+   end function truth_in
+
+   !> Whether a condition holds for the key of a `slot`.
+   function truth_of(slot, condition) result(truth)
+      type(value_t), intent(in) :: slot
+      type(condition_t), intent(in) :: condition
+      integer :: truth
       real(wp) :: number
       logical, allocatable :: among(:)
       logical :: holds
       integer :: i
 
       truth = unknown
-      if (condition%key == '') then
-         holds = values%has_group(group) &
-            .and. has_word(group_rows(find_group(group))%problems, trim(values%problem))
-      else
-         if (find_key(group, trim(condition%key), values%problem) == 0) return
-         slot = values%slot(group, trim(condition%key))
-         holds = slot%is_given
-      end if
       select case (condition%relation)
       case ('with')
+         holds = slot%is_given
       case ('without')
-         holds = .not. holds
+         holds = .not. slot%is_given
       case ('/=')
          if (.not. slot%has_value) return
          call read_real(trim(condition%values), number, holds)
@@ -130,7 +142,7 @@ contains
          holds = all(among)
       end select
       truth = merge(yes, no, holds)
-   end function truth_in
+   end function truth_of
 
    !> What is the case where a condition does not hold: "with shape = 'smooth'".
    function opposite(values, condition) result(text)

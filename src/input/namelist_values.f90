@@ -16,6 +16,8 @@ module namelist_values
 
    !> Most values of one key.
    integer, parameter, public :: max_values = 2000
+   !> Room for values that an entry begins with.
+   integer, parameter :: few = 4
 
 contains
 
@@ -26,12 +28,12 @@ contains
       character(*), intent(in) :: values
       type(piece_t), allocatable, intent(out) :: pieces(:)
       character(:), allocatable, intent(out) :: problem
-      type(piece_t), allocatable :: list(:)
+      type(piece_t), allocatable :: list(:), longer(:)
       type(piece_t) :: piece
       integer :: position, blanks, count, repeats
       logical :: comma_before
 
-      allocate (list(max_values))
+      allocate (list(few))
       count = 0
       comma_before = .true.
       position = 1
@@ -61,6 +63,11 @@ contains
          if (repeats < 1 .or. count + repeats > max_values) then
             problem = 'a repeat count or list outside 1 to ' // to_text(max_values) // ' values'
             return
+         end if
+         if (count + repeats > size(list)) then
+            allocate (longer(2*(count + repeats)))
+            longer(:count) = list(:count)
+            call move_alloc(longer, list)
          end if
          list(count + 1:count + repeats) = piece
          count = count + repeats
