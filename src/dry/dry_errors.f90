@@ -47,11 +47,14 @@ module dry_errors
    !> separation, separation, datum, p_crest, dp_max, dp_mean, elastic and dissipated energy, load.
    integer, parameter :: quantity_count = 13
    !> What the root mean square is multiplied by: areas, corrected area, separations and load,
-   !> p_max, deformations and energies; of lines and areas with few nodes, then with many.
-   real(wp), parameter :: safety(5, 4) = reshape([1.0_wp, 1.6_wp, 2.3_wp, 2.0_wp, 2.3_wp, &
+   !> p_max, deformations and energies; of lines, periodic and open areas by finer grids, then by
+   !> coarser ones.
+   real(wp), parameter :: safety(5, 6) = reshape([1.0_wp, 1.6_wp, 2.3_wp, 2.0_wp, 2.3_wp, &
       1.0_wp, 1.6_wp, 2.4_wp, 2.0_wp, 2.0_wp, &
+      1.0_wp, 1.6_wp, 3.0_wp, 3.0_wp, 2.0_wp, &
       1.0_wp, 1.6_wp, 1.4_wp, 1.5_wp, 1.6_wp, &
-      1.0_wp, 1.6_wp, 2.2_wp, 1.5_wp, 2.0_wp], [5, 4])
+      1.0_wp, 1.6_wp, 2.2_wp, 1.5_wp, 2.0_wp, &
+      1.0_wp, 1.6_wp, 2.2_wp, 1.5_wp, 2.0_wp], [5, 6])
    !> Which of these holds for each of them.
    integer, parameter :: safety_of(quantity_count) = [1, 2, 1, 1, 3, 3, 3, 4, 5, 5, 5, 5, 3]
    !> Share of the nodes at the edges of patches that comes to the errors of areas: of a line, of an
@@ -106,8 +109,8 @@ contains
          end do loads
       end do grids
       allocate (errors(size(outcome%rows)))
-      associate (rows => outcome%rows, factors => safety(safety_of, kind_of(sweep%grid) &
-         + merge(0, 2, is_finer)))
+      associate (rows => outcome%rows, factors => safety(safety_of, column_of(sweep%grid, &
+         is_finer)))
          do i = 1, size(rows)
             compared = not_known()
             if (count(i) >= min_grids .and. rows(i)%is_converged) compared = factors &
@@ -156,6 +159,16 @@ contains
             - 2.0_wp*heights(:, 1 + s:ny - s))**2)
       end associate
    end function bending
+
+   !> Column of `safety`.
+   pure function column_of(grid, is_finer) result(column)
+      type(dry_grid_t), intent(in) :: grid
+      logical, intent(in) :: is_finer
+      integer :: column
+
+      column = kind_of(grid) + merge(0, 3, is_finer)
+      if (grid%ny > 1 .and. grid%kernel == kernel_open) column = column + 1
+   end function column_of
 
    !> 1 of a line, 2 of an area.
    pure function kind_of(grid) result(kind)
