@@ -10,7 +10,7 @@ a run that takes more than PATIENCE of it is ended, so that a loaded machine jud
     honest     the truth is within the error bars of 'auto' and its own
 
 Asked for: 95 % met. --seed draws another sample, for fitting. Every scene that is done is kept in auto_SEED.csv: the same command
-goes on where an earlier one was ended. Writes auto_SEED.txt and auto_SEED.png; --page puts what is stored into docs/images/.
+goes on where an earlier one was ended. Writes auto_SEED.txt and auto_SEED.png; --page puts what is stored into docs/.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ import h5py
 import namelists
 from adequacy import PROGRAM, STILL, Groups, passage_scene, scales, steady_scene
 from bench_program import ENVIRONMENT, ROOT, new_parser, output_folder
+from page import fenced, put_block
 
 sys.path.insert(0, str(ROOT / "postproc"))
 import figure_style as style
@@ -294,7 +295,7 @@ def main() -> int:
     parser = new_parser(__doc__, f"{QUICK} scenes", "results/auto")
     parser.add_argument("--seed", type=int, default=SEED, help="another sample, for fitting")
     parser.add_argument("--processes", type=int, default=1, help="scenes side by side")
-    parser.add_argument("--page", action="store_true", help="figure, table and scenes that are stored into docs/images/")
+    parser.add_argument("--page", action="store_true", help="figure, table and scenes that are stored into docs/")
     options = parser.parse_args()
     folder = output_folder(options)
     path = folder / f"auto_{options.seed}{'_quick' if options.quick else ''}.csv"
@@ -305,7 +306,7 @@ def main() -> int:
         text = conclude(rows, options.seed, folder)
         shutil.copy(folder / f"auto_{options.seed}.png", IMAGES / "auto.png")
         shutil.copy(path, IMAGES / "performance" / "auto.csv")
-        (IMAGES / "performance" / "auto.txt").write_text(text, encoding="utf-8")
+        put_block("auto", fenced(text))
         print(text, end="")
         return 0
     scenes = drawn(options.seed, QUICK if options.quick else COUNTS)
