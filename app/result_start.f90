@@ -34,9 +34,9 @@ contains
       type(error_t), allocatable, intent(out) :: error
       logical :: has_checkpoint
 
-      watcher%case = case_identity(case)
       watcher%checkpoint_interval = case%output_settings%checkpoint_interval
       inquire (file=path//'.ckpt', exist=has_checkpoint)
+      if (case%time%is_transient .or. has_checkpoint) watcher%case = case_identity(case)
       if (is_resume .and. has_checkpoint) then
          call go_on(case, path, watcher, error)
       else

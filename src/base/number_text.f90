@@ -16,6 +16,12 @@ module number_text
    integer, parameter :: longest_number = 60
    !> Decimal exponents that a number in working precision can have, one kept as a reserve.
    integer, parameter :: largest_exponent = 307
+   !> Digits of which working precision holds every integer.
+   integer, parameter :: most_digits = 15
+   !> The powers of ten that it holds exactly.
+   real(wp), parameter :: powers_of_ten(0:22) = [1e0_wp, 1e1_wp, 1e2_wp, 1e3_wp, 1e4_wp, 1e5_wp, &
+      1e6_wp, 1e7_wp, 1e8_wp, 1e9_wp, 1e10_wp, 1e11_wp, 1e12_wp, 1e13_wp, 1e14_wp, 1e15_wp, &
+      1e16_wp, 1e17_wp, 1e18_wp, 1e19_wp, 1e20_wp, 1e21_wp, 1e22_wp]
 
 contains
 
@@ -29,6 +35,7 @@ contains
       character(len=longest_number + 10) :: buffer
       integer :: letter, status
       integer(int64) :: exponent
+      logical :: is_short
 
       value = 0.0_wp
       good = .false.
@@ -49,11 +56,45 @@ contains
          else
             exponent = 0
          end if
+         call read_short(mantissa, int(exponent), value, is_short)
+         if (is_short) then
+            good = .true.
+            return
+         end if
          write (buffer, '(a,a,ss,i0)') mantissa, 'e', exponent
       end associate
       read (buffer, '(f70.0)', iostat=status) value
       good = status == 0
    end subroutine read_real
+
+   !> A number of few digits, as nearly all are, without the input of Fortran, which takes fifty
+   !> times as long: an integer that is held exactly, times or over a power of ten that is too, has
+   !> one rounding, so that the value is the nearest one. Of others `is_short` is false.
+   pure subroutine read_short(mantissa, exponent, value, is_short)
+      character(*), intent(in) :: mantissa
+      integer, intent(in) :: exponent
+      real(wp), intent(inout) :: value
+      logical, intent(out) :: is_short
+      integer :: digit, i, power
+      integer(int64) :: number
+
+      is_short = len(mantissa) <= most_digits
+      if (.not. is_short) return
+      number = 0_int64
+      power = exponent
+      do i = 1, len(mantissa)
+         digit = iachar(mantissa(i:i)) - iachar('0')
+         if (digit >= 0 .and. digit <= 9) number = 10_int64*number + digit
+      end do
+      i = index(mantissa, '.')
+      if (i > 0) power = power - (len(mantissa) - i)
+      is_short = abs(power) <= ubound(powers_of_ten, 1)
+      if (.not. is_short) return
+      value = real(number, wp)
+      if (mantissa(1:1) == '-') value = -value
+      if (power < 0) value = value/powers_of_ten(-power)
+      if (power > 0) value = value*powers_of_ten(power)
+   end subroutine read_short
 
    !> True for [+-]digits[.digits] with at least one digit.
    pure function is_mantissa(string)
@@ -103,7 +144,7 @@ contains
       integer(int64), intent(out) :: value
       logical, intent(out) :: good
       character(len=longest_number) :: buffer
-      integer :: start, status
+      integer :: i, start, status
 
       value = 0_int64
       good = .false.
@@ -112,6 +153,14 @@ contains
       if (scan(string(1:1), '+-') == 1) start = 2
       if (start > len(string)) return
       if (verify(string(start:), '0123456789') > 0) return
+      if (len(string) <= most_digits) then
+         do i = start, len(string)
+            value = 10_int64*value + (iachar(string(i:i)) - iachar('0'))
+         end do
+         if (string(1:1) == '-') value = -value
+         good = .true.
+         return
+      end if
       buffer = string
       read (buffer, '(i60)', iostat=status) value
       good = status == 0

@@ -248,11 +248,26 @@ contains
       do place = 1, size(case%effective)
          if (case%effective(place)%group == group .and. case%effective(place)%key == key) exit
       end do
-      if (place > size(case%effective)) then
-         case%effective = [case%effective, entry]
-      else
-         case%effective(place) = entry
-      end if
+      if (place > size(case%effective)) call make_room(case%effective)
+      case%effective(place) = entry
    end subroutine make_place
+
+   !> One more entry; the values of the others are moved, not copied.
+   pure subroutine make_room(entries)
+      type(effective_t), allocatable, intent(inout) :: entries(:)
+      type(effective_t), allocatable :: more(:)
+      integer :: i
+
+      allocate (more(size(entries) + 1))
+      do i = 1, size(entries)
+         more(i)%group = entries(i)%group
+         more(i)%key = entries(i)%key
+         more(i)%unit = entries(i)%unit
+         call move_alloc(entries(i)%reals, more(i)%reals)
+         call move_alloc(entries(i)%integer, more(i)%integer)
+         call move_alloc(entries(i)%text, more(i)%text)
+      end do
+      call move_alloc(more, entries)
+   end subroutine make_room
 
 end module case_record

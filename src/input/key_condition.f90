@@ -11,6 +11,7 @@
 !> &group. Words after a colon go into the message of the last condition.
 module key_condition
    use key_row, only: key_row_t, word_list
+   use text, only: count_of
    implicit none (type, external)
    private
 
@@ -36,14 +37,15 @@ contains
    pure function conditions_of(rule, group) result(conditions)
       character(*), intent(in) :: rule, group
       type(condition_t), allocatable :: conditions(:)
-      integer :: first, last
+      integer :: i, first, length, whole
 
-      allocate (conditions(0))
+      whole = len_trim(rule)
+      allocate (conditions(merge(1 + count_of(',', rule(:whole)), 0, whole > 0)))
       first = 1
-      do while (first <= len_trim(rule))
-         last = first + index(rule(first:)//',', ',') - 2
-         conditions = [conditions, new_condition(adjustl(rule(first:last)), group)]
-         first = last + 2
+      do i = 1, size(conditions)
+         length = index(rule(first:whole)//',', ',') - 1
+         conditions(i) = new_condition(trim(adjustl(rule(first:first + length - 1))), group)
+         first = first + length + 1
       end do
    end function conditions_of
 
