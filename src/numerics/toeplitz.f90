@@ -10,8 +10,8 @@
 !>
 !> for the transforms of even and odd places, E and O, make X(k) = E + exp(-it) O and X(k+n) =
 !> E - exp(-it) O. FFTW plans complex transforms in a tenth of the time that it takes for real ones.
-!> Plans are made once, by FFTW_ESTIMATE: its choice does not depend on timing, so that a repeated
-!> run gives the same bits.
+!> Plans are made by FFTW_ESTIMATE: its choice does not depend on timing, so that a repeated
+!> run gives the same bits. Those of short transforms are made once in a process, for all matrices.
 module toeplitz
    use, intrinsic :: iso_c_binding, only: c_associated, c_double_complex, c_f_pointer, &
       c_int, c_loc, c_null_ptr, c_ptr, c_size_t
@@ -26,14 +26,22 @@ module toeplitz
 
    public :: toeplitz_t, new_toeplitz
 
+   !> The two transforms of a length.
+   type :: plans_t
+      type(c_ptr) :: forward = c_null_ptr
+      type(c_ptr) :: backward = c_null_ptr
+   end type plans_t
+
+   !> Longest transform whose plans are kept: they hold some numbers for each of its places.
+   integer, parameter :: longest_kept = 4096
+
    !> The matrix T(i,j) = column(|i-j|), i = 0..n, applied to vectors that are zero at both ends,
-   !> x(0) = x(n) = 0: a transform of length 2n is then enough. Not to be copied: it owns FFTW
-   !> plans.
+   !> x(0) = x(n) = 0: a transform of length 2n is then enough. Not to be copied: it owns memory
+   !> of FFTW and long plans.
    type :: toeplitz_t
       private
       integer :: n = 0
-      type(c_ptr) :: forward = c_null_ptr
-      type(c_ptr) :: backward = c_null_ptr
+      type(plans_t) :: plans
       !> Values by pairs, and their transform (0:n-1).
       complex(c_double_complex), pointer, contiguous :: pairs(:) => null()
       complex(c_double_complex), pointer, contiguous :: spectrum(:) => null()
@@ -53,24 +61,19 @@ contains
       real(wp), intent(in) :: column(0:)
       type(error_t), allocatable, intent(out) :: error
       integer :: n
-      integer(c_int) :: length
       logical :: is_planned
 
       call destroy_toeplitz(self)
       n = ubound(column, 1)
-      length = int(n, c_int)
       self%n = n
       self%pairs => new_complex(n)
       self%spectrum => new_complex(n)
       is_planned = associated(self%pairs) .and. associated(self%spectrum)
       if (is_planned) then
          !$omp critical (fftw_planner)
-         self%forward = fftw_plan_dft_1d(length, self%pairs, self%spectrum, fftw_forward, &
-            fftw_estimate)
-         self%backward = fftw_plan_dft_1d(length, self%spectrum, self%pairs, fftw_backward, &
-            fftw_estimate)
+         call find_plans(self)
          !$omp end critical (fftw_planner)
-         is_planned = c_associated(self%forward) .and. c_associated(self%backward)
+         is_planned = c_associated(self%plans%forward) .and. c_associated(self%plans%backward)
       end if
       if (is_planned) then
          call find_coefficients(self, column)
@@ -79,6 +82,23 @@ contains
             //to_text(n))
       end if
    end subroutine new_toeplitz
+
+   !> Plans for the length of the matrix, from those that are kept if it is short: FFTW needs 40 000
+   !> instructions even for a plan that it has made before. One thread at a time may call this.
+   subroutine find_plans(self)
+      type(toeplitz_t), intent(inout) :: self
+      type(plans_t), save :: kept(longest_kept)
+
+      if (self%n <= longest_kept) self%plans = kept(self%n)
+      if (c_associated(self%plans%backward)) return
+      associate (length => int(self%n, c_int), plans => self%plans)
+         plans%forward = fftw_plan_dft_1d(length, self%pairs, self%spectrum, fftw_forward, &
+            fftw_estimate)
+         plans%backward = fftw_plan_dft_1d(length, self%spectrum, self%pairs, fftw_backward, &
+            fftw_estimate)
+      end associate
+      if (self%n <= longest_kept .and. c_associated(self%plans%forward)) kept(self%n) = self%plans
+   end subroutine find_plans
 
    !> Memory of FFTW's for (0:n-1), where its transforms are fastest; not associated: there is none.
    function new_complex(n) result(values)
@@ -104,7 +124,7 @@ contains
          circulant(:n) = column
          circulant(n + 1:) = column(n - 1:1:-1)
          self%pairs = cmplx(circulant(0::2), circulant(1::2), wp)
-         call fftw_execute_dft(self%forward, self%pairs, self%spectrum)
+         call fftw_execute_dft(self%plans%forward, self%pairs, self%spectrum)
          do k = 0, n
             associate (z => self%spectrum(modulo(k, n)), c => conjg(self%spectrum(modulo(-k, n))))
                even = 0.5_wp*(z + c)
@@ -132,9 +152,9 @@ contains
       half = (n + 1)/2
       self%pairs(:half - 1) = cmplx(x(0:2*half - 2:2), x(1:2*half - 1:2), wp)
       self%pairs(half:) = (0.0_wp, 0.0_wp)
-      call fftw_execute_dft(self%forward, self%pairs, self%spectrum)
+      call fftw_execute_dft(self%plans%forward, self%pairs, self%spectrum)
       call multiply(self%spectrum, self%own, self%mirrored, self%crossed)
-      call fftw_execute_dft(self%backward, self%spectrum, self%pairs)
+      call fftw_execute_dft(self%plans%backward, self%spectrum, self%pairs)
       y(0:n:2) = self%pairs(:n/2)%re
       y(1:n:2) = self%pairs(:half - 1)%im
    end subroutine apply
@@ -163,12 +183,13 @@ contains
    subroutine destroy_toeplitz(self)
       type(toeplitz_t), intent(inout) :: self
 
-      !$omp critical (fftw_planner)
-      if (c_associated(self%forward)) call fftw_destroy_plan(self%forward)
-      if (c_associated(self%backward)) call fftw_destroy_plan(self%backward)
-      !$omp end critical (fftw_planner)
-      self%forward = c_null_ptr
-      self%backward = c_null_ptr
+      if (self%n > longest_kept) then
+         !$omp critical (fftw_planner)
+         if (c_associated(self%plans%forward)) call fftw_destroy_plan(self%plans%forward)
+         if (c_associated(self%plans%backward)) call fftw_destroy_plan(self%plans%backward)
+         !$omp end critical (fftw_planner)
+      end if
+      self%plans = plans_t()
       if (associated(self%pairs)) call fftw_free(c_loc(self%pairs))
       if (associated(self%spectrum)) call fftw_free(c_loc(self%spectrum))
       nullify (self%pairs, self%spectrum)
