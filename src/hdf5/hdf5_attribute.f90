@@ -81,7 +81,7 @@ contains
       integer(hid_t), intent(out) :: space
       integer, intent(out) :: status
 
-      space = file%scalar_space
+      space = file%shared%scalar_space
       status = 0
       ! gfortran 12: where an expression like int(x, int64) is empty its `shape` here has a -1.
       if (size(extents) > 0) call h5screate_simple_f(size(extents), int(max(extents, 0), &

@@ -9,10 +9,10 @@ module hdf5_axes
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_null_char, &
       c_sizeof
    use, intrinsic :: iso_fortran_env, only: int64
-   use hdf5, only: h5lcreate_soft_f, h5offsetof, h5rcreate_f, h5t_c_s1, h5t_compound_f, &
-      h5t_native_integer, h5t_std_ref_obj, h5t_str_nullterm_f, h5tclose_f, h5tcopy_f, &
-      h5tcreate_f, h5tinsert_f, h5tset_size_f, h5tset_strpad_f, h5tvlen_create_f, hid_t, &
-      hobj_ref_t_f, hvl_t, size_t
+   use hdf5, only: h5iinc_ref_f, h5lcreate_soft_f, h5offsetof, h5rcreate_f, h5t_c_s1, &
+      h5t_compound_f, h5t_native_integer, h5t_std_ref_obj, h5t_str_nullterm_f, h5tclose_f, &
+      h5tcopy_f, h5tcreate_f, h5tinsert_f, h5tset_size_f, h5tset_strpad_f, h5tvlen_create_f, &
+      hid_t, hobj_ref_t_f, hvl_t, size_t
    use hdf5_attribute, only: attach_values
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: axis_t, hdf5_file_t
@@ -36,11 +36,16 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
       type(axis_t) :: axis
+      integer :: references, status
 
       call attach_name(file, path, 'CLASS', 'DIMENSION_SCALE')
       call attach_name(file, path, 'NAME', path(index(path, '/', back=.true.) + 1:))
       axis%path = path
       axis%place = place_of(file, path)
+      if (allocated(file%failure)) return
+      axis%object = file%object_at(path)
+      call h5iinc_ref_f(axis%object, references, status)   ! it stays open for `write_users`
+      call file%check(status, path)
       allocate (axis%users(0), axis%dimensions(0))
       if (.not. allocated(file%axes)) allocate (file%axes(0))
       file%axes = [file%axes, axis]
@@ -132,12 +137,13 @@ contains
       integer :: k, status
 
       if (allocated(file%failure)) return
-      call h5lcreate_soft_f(path, file%id, second, status, lcpl_id=file%link_creation)
+      call h5lcreate_soft_f(path, file%id, second, status, lcpl_id=file%shared%link_creation)
       call file%check(status, second)
       k = axis_at(file, path)
       if (k == 0 .or. allocated(file%failure)) return
       axis = file%axes(k)
       axis%path = second
+      axis%object = -1_hid_t
       axis%users = axis%users(:0)
       axis%dimensions = axis%dimensions(:0)
       file%axes = [file%axes, axis]
@@ -162,6 +168,7 @@ contains
       call file%check(status, 'type of the users of an axis')
       do i = 1, size(file%axes)
          if (any(file%axes(:i - 1)%place == file%axes(i)%place)) cycle   ! another name
+         call file%keep_object(file%axes(i)%path, file%axes(i)%object)
          allocate (users(0), dimensions(0))
          do k = i, size(file%axes)
             if (file%axes(k)%place == file%axes(i)%place) then

@@ -131,8 +131,8 @@ contains
          file%real_type .or. type_id == file%integer_type))
          file_type = type_id
          if (present(stored_type)) file_type = stored_type
-         call create_labelled(file, path, file_type, space, merge(file%small_creation, &
-            file%creation, is_small), label, dataset)
+         call create_labelled(file, path, file_type, space, merge(file%shared%small_creation, &
+            file%shared%creation, is_small), label, dataset)
       end associate
       if (allocated(file%failure)) return
       if (all(extents > 0) .and. c_associated(values)) call h5dwrite_f(dataset, type_id, values, &
@@ -157,7 +157,7 @@ contains
       if (allocated(file%failure)) return
       call file%find_parent(path, parent, first)
       call h5dcreate_f(parent, path(first:), type_id, space, dataset, status, &
-         dcpl_id=properties, lcpl_id=file%link_creation)
+         dcpl_id=properties, lcpl_id=file%shared%link_creation)
       call file%check(status, path)
       if (.not. present(label) .or. allocated(file%failure)) return
       call h5iinc_ref_f(dataset, references, status)   ! the caller has one, the file another
@@ -165,8 +165,8 @@ contains
       call write_attribute(file, path, 'long_name', label%long_name)
       call write_attribute(file, path, 'si_units', label%si_units)
       call write_attribute(file, path, 'si_scale', label%si_scale)
-      if (stored_unit(label) /= '1' .or. space /= file%scalar_space) call write_attribute(file, &
-         path, 'units', stored_unit(label))
+      if (stored_unit(label) /= '1' .or. space /= file%shared%scalar_space) call &
+         write_attribute(file, path, 'units', stored_unit(label))
    end subroutine create_labelled
 
    !> The unit of the numbers as they are stored: '1' for those that `si_scale` turns into SI.

@@ -9,28 +9,22 @@ module hdf5_file
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
    use, intrinsic :: iso_fortran_env, only: int64, real32
    use errors, only: error_t, output_error
-   use hdf5, only: h5_integer_kind, h5_real_kind, h5d_compact_f, h5f_acc_trunc_f, &
-      h5f_close_strong_f, h5f_libver_earliest_f, h5f_libver_latest_f, h5f_scope_global_f, &
+   use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_trunc_f, h5f_scope_global_f, &
       h5fclose_f, h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5gopen_f, h5kind_to_type, &
-      h5oclose_f, h5oopen_f, h5p_dataset_create_f, h5p_file_access_f, h5p_link_create_f, &
-      h5pclose_f, h5pcreate_f, h5pset_create_inter_group_f, h5pset_fclose_degree_f, &
-      h5pset_layout_f, h5pset_libver_bounds_f, h5pset_obj_track_times_f, h5s_scalar_f, &
-      h5sclose_f, h5screate_f, h5t_c_s1, h5t_cset_utf8_f, h5t_str_nullpad_f, h5tclose_f, &
-      h5tcopy_f, h5tset_cset_f, h5tset_size_f, h5tset_strpad_f, hid_t, size_t
-   use hdf5_library, only: start_hdf5
+      h5oclose_f, h5oopen_f, hid_t
+   use hdf5_library, only: get_string_type, hdf5_shared_t, shared_hdf5, start_hdf5
    use hdf5_reason, only: keep_hdf5_failure
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: axis_t, create_hdf5_file, hdf5_file_t, new_properties
-
-   !> Longest string whose type is kept for the next string of its length.
-   integer, parameter :: longest_kept = 256
+   public :: axis_t, create_hdf5_file, hdf5_file_t
 
    !> A coordinate of datasets in a file (see `hdf5_axes`).
    type :: axis_t
       character(:), allocatable :: path
+      !> The open dataset; -1: it is another name.
+      integer(hid_t) :: object = -1_hid_t
       !> What stands for it in references, and for the datasets of which it is a dimension; the
       !> numbers of these dimensions, 0 = the slowest.
       integer(int64) :: place = 0
@@ -44,21 +38,13 @@ module hdf5_file
       character(:), allocatable :: path
       !> The first thing that went wrong; allocated = nothing is written any more.
       type(error_t), allocatable :: failure
-      !> HDF5 identifiers, for the hdf5_* modules only: the file, and properties of new links
-      !> (groups above are made as well).
+      !> HDF5 identifiers, for the hdf5_* modules only: the file, and what all files share.
       integer(hid_t) :: id = -1_hid_t
-      integer(hid_t) :: link_creation = -1_hid_t
-      !> Properties of new datasets, and of small ones, whose values stand in their header.
-      integer(hid_t) :: creation = -1_hid_t
-      integer(hid_t) :: small_creation = -1_hid_t
-      !> The dataspace of one value.
-      integer(hid_t) :: scalar_space = -1_hid_t
+      type(hdf5_shared_t) :: shared
       !> HDF5 types of real(wp), real(real32) and integer(int64).
       integer(hid_t) :: real_type = -1_hid_t
       integer(hid_t) :: single_type = -1_hid_t
       integer(hid_t) :: integer_type = -1_hid_t
-      !> Types of strings by their length; at 0 that of the last one that is longer.
-      integer(hid_t), private :: string_types(0:longest_kept) = -1_hid_t
       !> Coordinates so far; unallocated: none.
       type(axis_t), allocatable :: axes(:)
       !> The first dataset whose values are no answer, and why; unallocated: none so far.
@@ -100,7 +86,6 @@ contains
       type(hdf5_file_t), intent(out) :: file
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
-      integer(hid_t) :: access
       integer :: status
 
       file%path = path
@@ -110,34 +95,14 @@ contains
          file%real_type = h5kind_to_type(wp, h5_real_kind)
          file%single_type = h5kind_to_type(real32, h5_real_kind)
          file%integer_type = h5kind_to_type(int64, h5_integer_kind)
-         call h5pcreate_f(h5p_file_access_f, access, status)
-         if (status >= 0) call h5pset_fclose_degree_f(access, h5f_close_strong_f, status)
-         if (status >= 0) call h5pset_libver_bounds_f(access, h5f_libver_earliest_f, &
-            h5f_libver_latest_f, status)
-         if (status >= 0) call h5pcreate_f(h5p_link_create_f, file%link_creation, status)
-         if (status >= 0) call h5pset_create_inter_group_f(file%link_creation, 1, status)
-         if (status >= 0) call new_properties(file%creation, status)
-         if (status >= 0) call new_properties(file%small_creation, status)
-         if (status >= 0) call h5pset_layout_f(file%small_creation, h5d_compact_f, status)
-         if (status >= 0) call h5screate_f(h5s_scalar_f, file%scalar_space, status)
+         call shared_hdf5(file%shared, status)
          if (status >= 0) call h5fcreate_f(path, h5f_acc_trunc_f, file%id, status, &
-            access_prp=access)
+            access_prp=file%shared%access)
          file%is_open = status >= 0
-         if (status >= 0) call h5pclose_f(access, status)
          call file%check(status, 'creating the file')
       end if
       if (allocated(file%failure)) error = file%failure
    end subroutine create_hdf5_file
-
-   !> Properties of a new dataset, for `create_labelled`: without a time stamp; `status` < 0:
-   !> failed.
-   subroutine new_properties(properties, status)
-      integer(hid_t), intent(out) :: properties
-      integer, intent(out) :: status
-
-      call h5pcreate_f(h5p_dataset_create_f, properties, status)
-      if (status >= 0) call h5pset_obj_track_times_f(properties, .false., status)
-   end subroutine new_properties
 
    !> The type of UTF-8 strings of `length` > 0 bytes, to be left open; nothing sensible after a
    !> failure.
@@ -145,19 +110,10 @@ contains
       class(hdf5_file_t), intent(inout) :: self
       integer, intent(in) :: length
       integer(hid_t) :: type_id
-      integer :: slot, status
+      integer :: status
 
-      slot = merge(length, 0, length <= longest_kept)
-      type_id = self%string_types(slot)
-      if (slot > 0 .and. type_id >= 0_hid_t) return
-      status = 0
-      if (type_id >= 0_hid_t) call h5tclose_f(type_id, status)
-      if (status >= 0) call h5tcopy_f(h5t_c_s1, type_id, status)
-      if (status >= 0) call h5tset_size_f(type_id, int(length, size_t), status)
-      if (status >= 0) call h5tset_strpad_f(type_id, h5t_str_nullpad_f, status)
-      if (status >= 0) call h5tset_cset_f(type_id, h5t_cset_utf8_f, status)
+      call get_string_type(length, type_id, status)
       call self%check(status, 'string type')
-      self%string_types(slot) = type_id
    end function string_type
 
    !> Keeps the first failure: `status` < 0 while `doing`.
@@ -166,6 +122,7 @@ contains
       integer, intent(in) :: status
       character(*), intent(in) :: doing
 
+      if (status >= 0) return
       call keep_hdf5_failure(self%failure, output_error, 'cannot write ' // self%path, status, &
          doing)
    end subroutine check
@@ -196,7 +153,7 @@ contains
       integer :: status
 
       if (allocated(self%failure)) return
-      call h5gcreate_f(self%id, path, group, status, lcpl_id=self%link_creation)
+      call h5gcreate_f(self%id, path, group, status, lcpl_id=self%shared%link_creation)
       call self%check(status, path)
       if (.not. allocated(self%failure)) call self%keep_object(path, group)
    end subroutine create_group
@@ -276,22 +233,6 @@ contains
       deallocate (self%object_path)
    end subroutine close_object
 
-   !> Closes properties, types and the dataspace that all datasets share.
-   subroutine close_shared(self)
-      class(hdf5_file_t), intent(inout) :: self
-      integer :: i, status
-
-      call h5pclose_f(self%link_creation, status)
-      if (status >= 0) call h5pclose_f(self%creation, status)
-      if (status >= 0) call h5pclose_f(self%small_creation, status)
-      if (status >= 0) call h5sclose_f(self%scalar_space, status)
-      do i = 0, longest_kept
-         if (self%string_types(i) >= 0_hid_t .and. status >= 0) call h5tclose_f( &
-            self%string_types(i), status)
-      end do
-      call self%check(status, 'properties and types')
-   end subroutine close_shared
-
    !> Hands everything written so far to the operating system.
    subroutine flush_file(self)
       class(hdf5_file_t), intent(inout) :: self
@@ -314,7 +255,6 @@ contains
          self%is_open = .false.
          call close_object(self)
          call close_group(self)
-         call close_shared(self)
          call h5fclose_f(self%id, status)
          call self%check(status, 'closing the file')
       end if

@@ -48,7 +48,8 @@ contains
          call h5screate_simple_f(3 - first, extents(first:), space, status)
       end associate
       call file%check(status, path)
-      call create_labelled(file, path, file%real_type, space, file%creation, label, series%id)
+      call create_labelled(file, path, file%real_type, space, file%shared%creation, label, &
+         series%id)
       if (allocated(file%failure)) return
       call h5sclose_f(space, status)
       call file%check(status, path)

@@ -283,13 +283,13 @@ contains
       call name_axes(file, '/report/load_error_history', '/report/cycle')
       call write_dataset(file, '/report/wall_seconds', report%wall_seconds, &
          new_label('wall time of the solution', 's'))
+      call make_counter(file, '/report/phase', size(phase_names), 'number of: '//phases)
       call write_dataset(file, '/report/phase_seconds', report%phase_seconds, &
          new_label('wall time of: '//phases, 's'))
       call write_attribute(file, '/report/phase_seconds', 'phases', phases)
+      call name_axes(file, '/report/phase_seconds', '/report/phase')
       if (report%peak_memory > 0.0_wp) call write_dataset(file, '/report/peak_memory', &
          report%peak_memory, new_label('most memory of the process', 'B'))
-      call make_counter(file, '/report/phase', size(phase_names), 'number of: '//phases)
-      call name_axes(file, '/report/phase_seconds', '/report/phase')
    end subroutine write_report
 
 end module result_sections
