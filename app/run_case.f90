@@ -358,10 +358,12 @@ contains
          return
       end if
       associate (writer => watcher%writer)
-         words%formulas = formula_lines(writer%formulas, writer%summary, watcher%scaling)
-         if (allocated(writer%adequacy%rows)) words%model = &
-            model_line(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)
-         words%decision = decision_lines(writer%choice, writer%adequacy)
+         if (.not. watcher%log%is_quiet) then
+            words%formulas = formula_lines(writer%formulas, writer%summary, watcher%scaling)
+            if (allocated(writer%adequacy%rows)) words%model = &
+               model_line(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)
+            words%decision = decision_lines(writer%choice, writer%adequacy)
+         end if
          call watcher%log%close_case(writer%summary, report, writer%name%path, &
             writer%passage%times, writer%limits, words)
       end associate

@@ -28,11 +28,14 @@ contains
 
       do i = 1, size(key_rows)
          associate (row => key_rows(i), slot => values%slots(i))
+            if (.not. slot%has_value) then
+               if (row%default /= is_chosen .or. row%key == 'output') cycle
+            end if
             if (.not. has_word(row%problems, trim(values%problem))) cycle
             if (.not. is_used(values, row)) cycle
             if (slot%has_value) then
                call list_value(case, row, slot)
-            else if (row%default == is_chosen .and. row%key /= 'output') then
+            else
                call set_effective(case, trim(row%group), trim(row%key), 'chosen by the program')
             end if
          end associate

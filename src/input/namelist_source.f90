@@ -18,8 +18,7 @@ module namelist_source
    end type source_t
 
    character(*), parameter, public :: line_feed = achar(10)
-   !> Tab, form feed, carriage return.
-   character(*), parameter :: blanks = achar(9) // achar(12) // achar(13)
+   character(*), parameter :: tab = achar(9), form_feed = achar(12), carriage_return = achar(13)
    character(*), parameter :: byte_order_mark = char(239) // char(187) // char(191)
    character(*), &
       parameter :: name_characters = &
@@ -62,7 +61,8 @@ contains
             else if (mark /= ' ') then
                source%in_string(i) = .true.
                if (byte == mark) mark = ' '
-            else if (in_comment .or. index(blanks, byte) > 0) then
+            else if (in_comment .or. byte == tab .or. byte == form_feed &
+               .or. byte == carriage_return) then
                byte = ' '
             else if (byte == '!') then
                in_comment = .true.

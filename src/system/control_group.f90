@@ -69,10 +69,13 @@ contains
       character(*), intent(in) :: file
       real(wp) :: number, value
       character(len=32) :: line
-      logical :: is_number
+      logical :: exists, is_number
       integer :: status, unit
 
       number = huge(number)
+      ! a failing `open` loads the files of the system with words for it
+      inquire (file=file, exist=exists)
+      if (.not. exists) return
       open (newunit=unit, file=file, action='read', status='old', iostat=status)
       if (status /= 0) return
       read (unit, '(a)', iostat=status) line

@@ -91,7 +91,8 @@ contains
          'the memory of this machine')
       call compare(need%used, own_group_memory(), 'the limit of its control group')
       call compare(need%reserved, limit_of(limit_data), 'the limit of data (ulimit -d)')
-      call compare(need%reserved, limit_of(limit_memory) - library_memory(), &
+      if (limit_of(limit_memory) < huge(1.0_wp)) call compare(need%reserved, &
+         limit_of(limit_memory) - library_memory(), &
          'what the limit of the address space (ulimit -v) leaves beside the libraries')
 
    contains
