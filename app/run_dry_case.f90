@@ -11,7 +11,6 @@ module run_dry_case
    use dry_case, only: dry_case_t
    use dry_influences, only: dry_adequacy_t
    use dry_resampling, only: dry_sweep_t
-   use dry_scaling, only: new_dry_scaling
    use dry_result, only: write_dry_result
    use dry_solution, only: dry_solution_t
    use dry_sweep, only: dry_outcome_t, dry_row_t
@@ -81,7 +80,7 @@ contains
       writer%inputs = case%effective
       call set_patience(.true.)
       call begin_activity('writing the result')
-      call write_dry_result(writer%file, case%dry, outcome%rows, errors, outcome%fields, error)
+      call write_dry_result(writer%file, case%dry, outcome, errors, error)
       if (allocated(error)) then
          call writer%discard()
          call give_up(error, log, ending)
@@ -115,9 +114,9 @@ contains
 
       if (.not. dry%wants_adequacy) return
       call begin_activity('looking at the model')
-      call measure_dry_adequacy(dry_sweep_t(dry%grid, dry%height, new_dry_scaling(dry%height, &
-         dry%lengths(1), dry%reduced_modulus), dry%loads, dry%settings), outcome, &
-         errors, dry%target, any(has_shape(dry%values, surfaces, 'parabola')), adequacy, error)
+      call measure_dry_adequacy(dry_sweep_t(dry%grid, dry%height, outcome%scaling, dry%loads, &
+         dry%settings), outcome, errors, dry%target, any(has_shape(dry%values, surfaces, &
+         'parabola')), adequacy, error)
    end subroutine look_at_model
 
    !> Error (input_error): there is not enough memory for the grid and the threads.

@@ -182,7 +182,7 @@ contains
       type(dry_problem_t), intent(inout) :: problem
       real(wp), contiguous, intent(inout) :: p(:)
       type(work_t), intent(inout) :: work
-      real(wp) :: length, scale
+      real(wp) :: largest, length, scale
       logical :: is_clipped
       integer :: k, n
 
@@ -200,17 +200,19 @@ contains
          call elastic%single%apply_listed(node, work%set%begin, work%q(:n), scale)
          call elastic%single%gather(node, work%set%begin, scale, work%kd(:n))
          call find_length(problem, p, is_clipped, work, length)
+         largest = 0.0_wp
          do k = 1, n
             work%d(k) = length*work%q(k)
             ! but for rounding it is within
             p(node(k)) = min(max(p(node(k)) + work%d(k), 0.0_wp), problem%hardness)
             work%kd(k) = length*work%kd(k)
+            largest = max(largest, abs(work%kd(k)))
          end do
       end associate
       work%old_node(:n) = work%set%node(:n)
       work%old_count = n
       work%scale = length*scale
-      work%path = work%path + maxval(abs(work%kd(:n)))
+      work%path = work%path + largest
       call work%set%follow(problem, work%scale, work%kd(:n), p, work%v)
    end subroutine step
 
@@ -230,32 +232,37 @@ contains
    subroutine find_direction(work, length)
       type(work_t), intent(inout) :: work
       real(wp), intent(out) :: length
-      real(wp) :: beta, mean_d
-      integer :: n
+      real(wp) :: beta, descent, mean_d, overlap
+      integer :: k, n
 
       n = work%set%count
-      associate (s => work%s(:n), q => work%q(:n), r => work%set%residual(:n))
+      associate (s => work%s, q => work%q, r => work%set%residual)
          length = work%first
          if (work%curvature > 0.0_wp) then
             length = work%expected
-            call find_old_change(work, mean_d)
-            beta = max(0.0_wp, -dot_product(s, work%kd(:n))/work%curvature)
-            q = s + beta*(q - mean_d)
-            if (dot_product(q, r) > 0.0_wp) return
+            call find_old_change(work, mean_d, overlap)
+            beta = max(0.0_wp, -overlap/work%curvature)
+            descent = 0.0_wp
+            do k = 1, n
+               q(k) = s(k) + beta*(q(k) - mean_d)
+               descent = descent + q(k)*r(k)
+            end do
+            if (descent > 0.0_wp) return
          end if
-         q = s
+         q(:n) = s(:n)
       end associate
    end subroutine find_direction
 
-   !> The last change of p on the present list, q, and its mean.
-   pure subroutine find_old_change(work, mean)
+   !> The last change of p on the present list, q, and its mean; `overlap`: s.K d.
+   pure subroutine find_old_change(work, mean, overlap)
       type(work_t), intent(inout) :: work
-      real(wp), intent(out) :: mean
+      real(wp), intent(out) :: mean, overlap
       integer :: k, n, old
 
       n = work%set%count
       old = 1
       mean = 0.0_wp
+      overlap = 0.0_wp
       ! A node past the end of the old list stops the search.
       work%old_node(work%old_count + 1) = huge(1)
       do k = 1, n
@@ -265,6 +272,7 @@ contains
          work%q(k) = 0.0_wp
          if (work%old_node(old) == work%set%node(k)) work%q(k) = work%d(old)
          mean = mean + work%q(k)
+         overlap = overlap + work%s(k)*work%kd(k)
       end do
       mean = mean/n
    end subroutine find_old_change
@@ -277,7 +285,7 @@ contains
       real(wp), intent(in) :: length
       type(work_t), intent(inout) :: work
       logical, intent(out) :: is_clipped
-      real(wp) :: load, total
+      real(wp) :: load, share, total
       integer :: k, n
 
       n = work%set%count
@@ -295,10 +303,13 @@ contains
             call bring_back(problem%hardness, work%network, q, work%back(:n), work%s(:n), &
                work%is_back(:n))
             call settle_load(problem%hardness, load, q)
+            q = q - p(node)
          else
-            q = q + (load - total)/n
+            share = (load - total)/n
+            do k = 1, n
+               q(k) = (q(k) + share) - p(node(k))
+            end do
          end if
-         q = q - p(node)
       end associate
    end subroutine find_change
 
@@ -321,6 +332,7 @@ contains
       do turn = 1, max_returns
          outside = 0.0_wp
          do k = 1, size(q)
+            if (turn > 1) q(k) = q(k) + change(k)
             back(k) = min(max(q(k), 0.0_wp), hardness) - q(k)
             is_back(k) = is_back(k) .or. abs(back(k)) > 0.0_wp
             outside = outside + abs(back(k))
@@ -328,8 +340,8 @@ contains
          if (turn == 1) first = outside
          if (.not. outside > worth_a_return*first) exit
          call network%solve(back, change, is_back)
-         q = q + change
       end do
+      if (turn > max_returns) q = q + change
    end subroutine bring_back
 
    !> Makes `q` add up to `load`: nodes between the bounds share the rounding error that is missing,
@@ -368,10 +380,15 @@ contains
       type(work_t), intent(inout) :: work
       real(wp), intent(out) :: length
       real(wp) :: best, curvature, slope
+      integer :: k
 
       associate (n => work%set%count)
-         slope = dot_product(work%set%residual(:n), work%q(:n))
-         curvature = dot_product(work%q(:n), work%kd(:n))
+         slope = 0.0_wp
+         curvature = 0.0_wp
+         do k = 1, n
+            slope = slope + work%set%residual(k)*work%q(k)
+            curvature = curvature + work%q(k)*work%kd(k)
+         end do
          best = 1.0_wp
          if (curvature > 0.0_wp) best = slope/curvature
          length = 1.0_wp

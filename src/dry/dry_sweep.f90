@@ -11,12 +11,13 @@ module dry_sweep
    use errors, only: error_t
    use kinds, only: wp
    use load_search, only: solve_for_datum
+   use pressure_shape, only: crest_of, edges_of
    use roughness, only: roughness_of, roughness_t
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: crest_of, dry_fields_t, dry_outcome_t, dry_row_t, solve_dry_sweep
+   public :: dry_fields_t, dry_outcome_t, dry_row_t, solve_dry_sweep
 
    !> Quantities of one load, SI; loads and energies of a line per metre of its length.
    type :: dry_row_t
@@ -51,18 +52,25 @@ module dry_sweep
       type(roughness_t) :: undeformed, loaded, unloaded
    end type dry_row_t
 
-   !> Fields of the last load, SI, each (nx*ny).
+   !> Fields of the last load, SI, each (nx*ny). Without a hardness the last two are not allocated:
+   !> the unloaded surface is the undeformed one.
    type :: dry_fields_t
-      real(wp), allocatable :: pressure(:), gap(:), height_undeformed(:), height_loaded(:), &
-         height_unloaded(:), &
-         plastic_deformation(:)
+      real(wp), allocatable :: pressure(:), gap(:), height_loaded(:)
+      real(wp), allocatable :: height_unloaded(:), plastic_deformation(:)
    end type dry_fields_t
+
+   !> Largest pressure and plastic deformation [Pa, m]; sums of plastic deformation and undeformed
+   !> heights [m], of v and of pressure times deflection, dimensionless.
+   type :: totals_t
+      real(wp) :: p_max, dp_max, dp, z, v, work
+   end type totals_t
 
    !> Quantities of all loads, fields and solution of the last.
    type :: dry_outcome_t
       type(dry_row_t), allocatable :: rows(:)
       type(dry_fields_t) :: fields
       type(dry_solution_t) :: solution
+      type(dry_scaling_t) :: scaling
       !> Pressures of all loads (nx*ny, loads), dimensionless, if the settings ask for them.
       real(real32), allocatable :: pressures(:, :)
       !> Processor time of preparing (planning of transforms) and of solving, wall time of solving,
@@ -77,9 +85,6 @@ module dry_sweep
    !> 171).
    real(wp), parameter :: border_share = (pi - 1.0_wp + log(2.0_wp))/24.0_wp
 
-   !> Nodes with less of the largest pressure have no vertex above it.
-   real(wp), parameter :: crest_share = 0.5_wp
-
 contains
 
    !> Solves all `loads` of the heights `z` (nx*ny) [m] on `grid`. Not converging is told in rows
@@ -87,7 +92,7 @@ contains
    !> (input_error); FFTW (internal_error).
    subroutine solve_dry_sweep(grid, z, scaling, loads, settings, outcome, error)
       type(dry_grid_t), intent(in) :: grid
-      real(wp), intent(in) :: z(:)
+      real(wp), contiguous, intent(in) :: z(:)
       type(dry_scaling_t), intent(in) :: scaling
       type(dry_loads_t), intent(in) :: loads
       type(dry_settings_t), intent(in) :: settings
@@ -96,13 +101,14 @@ contains
       type(dry_problem_t) :: problem
       type(dry_solver_t) :: solver
       type(roughness_t) :: undeformed
-      real(wp), allocatable :: plastic(:), yielded(:)
+      real(wp), allocatable :: plastic(:), yielded(:)   ! 0 nodes where nothing yields
       real(wp) :: area, cpu_start, cpu_stop, top, wall_start
       integer :: i, n
 
       call cpu_time(cpu_start)
       solver%settings = settings
-      call new_dry_problem(problem, grid, scaling%scaled_height(z), error)
+      outcome%scaling = scaling
+      call new_dry_problem(problem, grid, z/scaling%height, error)
       if (allocated(error)) return
       if (loads%hardness < huge(1.0_wp)) problem%hardness = scaling%scaled_pressure(loads%hardness)
       n = size(z)
@@ -140,33 +146,57 @@ contains
             outcome%wall_solve = outcome%wall_solve + wall_seconds() - wall_start
             outcome%transforms = reshape([outcome%transforms, solution%transforms], &
                [4, size(outcome%transforms, 2) + size(solution%transforms, 2)])
-            allocate (plastic(n), source=0.0_wp)   ! only now: the solver needs the memory
-            where (solution%pressure >= problem%hardness) plastic = max(solution%datum &
-               - solution%v, 0.0_wp)
+            call find_plastic(problem, solution, plastic)   ! only now: the solver needs the memory
             call fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
-            where (solution%pressure >= problem%hardness) fields%pressure = loads%hardness
-            call fill_row(problem, scaling, area, solution, plastic, fields, rows(i))
+            if (problem%is_capped()) then
+               where (solution%pressure >= problem%hardness) fields%pressure = loads%hardness
+            end if
+            call fill_row(problem, scaling, z, solution, plastic, fields, rows(i))
             if (.not. settings%is_rough) call fill_roughness(fields, grid%ny == 1, undeformed, &
                rows(i))
             rows(i)%mean_pressure = scaling%pressure_in_si(problem%load/n)
             if (allocated(loads%mean_pressure)) rows(i)%mean_pressure = loads%mean_pressure(i)
             rows(i)%load = rows(i)%mean_pressure*area
-            call check_border(grid, scaling, fields, rows(i))
+            call check_border(grid, scaling, z, fields, rows(i))
             rows(i)%separation = separation_of(problem%grid, scaling, top, solution%datum)
             rows(i)%dissipated_energy = 0.0_wp
             if (problem%is_capped()) rows(i)%dissipated_energy = loads%hardness*area &
                *rows(i)%dp_mean
             if (settings%keeps_pressures) outcome%pressures(:, i) = real(solution%pressure, real32)
             if (loads%has_history) then
-               yielded = yielded + plastic
-               problem%height = problem%height - plastic
-               solution%v = solution%v + plastic
+               call carry_on(plastic, problem, solution, yielded)
                call solver%forget_surface()
             end if
             deallocate (plastic)
          end do
       end associate
    end subroutine solve_dry_sweep
+
+   !> The plastic deformation (nx*ny) under the load of `solution`, dimensionless; empty without a
+   !> hardness.
+   pure subroutine find_plastic(problem, solution, plastic)
+      type(dry_problem_t), intent(in) :: problem
+      type(dry_solution_t), intent(in) :: solution
+      real(wp), allocatable, intent(out) :: plastic(:)
+
+      allocate (plastic(merge(size(solution%pressure), 0, problem%is_capped())), source=0.0_wp)
+      if (.not. problem%is_capped()) return
+      where (solution%pressure >= problem%hardness) plastic = max(solution%datum - solution%v, &
+         0.0_wp)
+   end subroutine find_plastic
+
+   !> The next load meets the surface that this one has left.
+   pure subroutine carry_on(plastic, problem, solution, yielded)
+      real(wp), intent(in) :: plastic(:)
+      type(dry_problem_t), intent(inout) :: problem
+      type(dry_solution_t), intent(inout) :: solution
+      real(wp), intent(inout) :: yielded(:)
+
+      if (size(plastic) == 0) return
+      yielded = yielded + plastic
+      problem%height = problem%height - plastic
+      solution%v = solution%v + plastic
+   end subroutine carry_on
 
    !> Makes the `pressure` (nx*ny) the start of `solution`.
    pure subroutine start_from(pressure, problem, solution)
@@ -205,68 +235,115 @@ contains
    end function separation_of
 
    !> Pressure, gap and profiles in SI. `plastic` is the deformation of this load, `yielded` that of
-   !> the loads before which the heights of `problem` already have (history; else it is empty).
-   pure subroutine fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
+   !> the loads before which the heights of `problem` already have (history); empty: there is none.
+   subroutine fill_fields(problem, scaling, z, solution, plastic, yielded, fields)
       type(dry_problem_t), intent(in) :: problem
       type(dry_scaling_t), intent(in) :: scaling
-      real(wp), intent(in) :: z(:), plastic(:), yielded(:)
+      real(wp), contiguous, intent(in) :: z(:), plastic(:), yielded(:)
       type(dry_solution_t), intent(in) :: solution
       type(dry_fields_t), intent(inout) :: fields
+      real(wp) :: deformation, gap, unloaded
+      integer :: i, n
 
-      fields%pressure = scaling%pressure_in_si(solution%pressure)
-      fields%gap = scaling%height_in_si(max(solution%v + plastic - solution%datum, 0.0_wp))
-      where (solution%pressure > 0.0_wp) fields%gap = 0.0_wp
-      fields%height_undeformed = z(:)
-      if (size(yielded) > 0) then
-         fields%plastic_deformation = scaling%height_in_si(plastic + yielded)
-      else
-         fields%plastic_deformation = scaling%height_in_si(plastic)
+      n = size(z)
+      if (.not. allocated(fields%pressure)) then
+         allocate (fields%pressure(n), fields%gap(n), fields%height_loaded(n))
+         if (problem%is_capped()) allocate (fields%height_unloaded(n), &
+            fields%plastic_deformation(n))
       end if
-      fields%height_unloaded = z - fields%plastic_deformation
-      fields%height_loaded = fields%height_unloaded &
-         - scaling%height_in_si(solution%v + problem%height)
+      ! One pass, since these fields do not fit into the cache; the nodes are independent.
+      !$omp parallel do num_threads(problem%grid%threads) private(deformation, gap, unloaded) &
+      !$omp    schedule(static)
+      do i = 1, n
+         deformation = 0.0_wp
+         if (size(plastic) > 0) deformation = plastic(i)
+         gap = solution%v(i) + deformation - solution%datum
+         fields%gap(i) = scaling%height*merge(gap, 0.0_wp, gap > 0.0_wp &
+            .and. .not. solution%pressure(i) > 0.0_wp)
+         fields%pressure(i) = scaling%pressure*solution%pressure(i)
+         unloaded = z(i)
+         if (size(plastic) > 0) then
+            if (size(yielded) > 0) deformation = deformation + yielded(i)
+            fields%plastic_deformation(i) = scaling%height*deformation
+            unloaded = z(i) - fields%plastic_deformation(i)
+            fields%height_unloaded(i) = unloaded
+         end if
+         fields%height_loaded(i) = unloaded - scaling%height*(solution%v(i) + problem%height(i))
+      end do
+      !$omp end parallel do
    end subroutine fill_fields
 
-   !> Quantities of one load from its fields, the `area` of the domain and the `plastic` deformation
-   !> of this load alone, dimensionless.
-   subroutine fill_row(problem, scaling, area, solution, plastic, fields, row)
+   !> Quantities of one load from its fields, the heights `z` [m] and the `plastic` deformation of
+   !> this load alone, dimensionless.
+   subroutine fill_row(problem, scaling, z, solution, plastic, fields, row)
       type(dry_problem_t), intent(in) :: problem
       type(dry_scaling_t), intent(in) :: scaling
-      real(wp), intent(in) :: area, plastic(:)
+      real(wp), contiguous, intent(in) :: z(:)
+      real(wp), intent(in) :: plastic(:)
       type(dry_solution_t), intent(in) :: solution
       type(dry_fields_t), intent(in) :: fields
       type(dry_row_t), intent(out) :: row
+      type(totals_t) :: total
+      real(wp) :: area
       integer :: n
 
       n = size(fields%pressure)
+      area = scaling%domain_area(problem%grid%aspect, problem%grid%ny == 1)
+      total = totals_of(problem, z, solution, fields)
       row%contact_area_fraction = real(solution%contacts, wp)/n
       row%plastic_area_fraction = real(solution%capped, wp)/n
       row%plasticity_index = real(solution%capped, wp)/solution%contacts
-      row%p_max = maxval(fields%pressure)
+      row%p_max = total%p_max
       row%p_crest = crest_of(problem%grid, fields%pressure)
       if (problem%is_capped()) row%p_crest = min(row%p_crest, &
          scaling%pressure_in_si(problem%hardness))
-      row%dp_max = maxval(fields%plastic_deformation)
-      row%dp_mean = sum(fields%plastic_deformation)/n
+      row%dp_max = total%dp_max
+      row%dp_mean = total%dp/n
       ! The problem's heights have no mean; the datum is that of the heights as given.
-      row%datum = scaling%height_in_si(solution%datum) - sum(fields%height_undeformed)/n
-      row%mean_separation = scaling%height_in_si(sum(solution%v)/n - solution%datum &
-         + sum(plastic)/n)
-      row%elastic_energy = scaling%energy_in_si(0.5_wp*area/n, dot_product(solution%pressure, &
-         solution%v + problem%height))
+      row%datum = scaling%height_in_si(solution%datum) - total%z/n
+      row%mean_separation = scaling%height_in_si(total%v/n - solution%datum + sum(plastic)/n)
+      row%elastic_energy = scaling%energy_in_si(0.5_wp*area/n, total%work)
       row%kkt = solution%kkt
       row%fft_pairs = int(solution%report%fft_pairs)
       row%cycles = solution%report%cycles
       row%is_converged = solution%report%converged
       row%reason = solution%report%reason
       row%contact_area_corrected = row%contact_area_fraction
-      row%contact_edges = edges_of(problem%grid, solution%pressure > 0.0_wp)
+      row%contact_edges = edges_of(problem%grid%nx, problem%grid%ny, solution%pressure, &
+         nearest(0.0_wp, 1.0_wp))
       row%plastic_edges = 0
-      if (problem%is_capped()) row%plastic_edges = edges_of(problem%grid, &
-         solution%pressure >= problem%hardness)
+      if (problem%is_capped()) row%plastic_edges = edges_of(problem%grid%nx, &
+         problem%grid%ny, solution%pressure, problem%hardness)
       if (problem%grid%ny > 1) row%contact_area_corrected = row%contact_area_fraction &
          - border_share*row%contact_edges/real(n, wp)
    end subroutine fill_row
+
+   !> Adds up a solution, its `fields` and the heights `z` in one pass, each sum in the order of the
+   !> nodes.
+   pure function totals_of(problem, z, solution, fields) result(total)
+      type(dry_problem_t), intent(in) :: problem
+      real(wp), contiguous, intent(in) :: z(:)
+      type(dry_solution_t), intent(in) :: solution
+      type(dry_fields_t), intent(in) :: fields
+      type(totals_t) :: total
+      real(wp) :: p_max, v, work, z_sum
+      integer :: i
+
+      p_max = fields%pressure(1)
+      z_sum = 0.0_wp
+      v = 0.0_wp
+      work = 0.0_wp
+      do i = 1, size(z)
+         if (fields%pressure(i) > p_max) p_max = fields%pressure(i)
+         z_sum = z_sum + z(i)
+         v = v + solution%v(i)
+         work = work + solution%pressure(i)*(solution%v(i) + problem%height(i))
+      end do
+      total = totals_t(p_max, 0.0_wp, 0.0_wp, z_sum, v, work)
+      if (.not. allocated(fields%plastic_deformation)) return
+      total%dp_max = maxval(fields%plastic_deformation)
+      total%dp = sum(fields%plastic_deformation)
+   end function totals_of
 
    !> Roughness of the surface of one load from its fields and from that of the `undeformed` one,
    !> which is left where nothing has yielded.
@@ -279,69 +356,23 @@ contains
       row%undeformed = undeformed
       row%loaded = roughness_of(fields%height_loaded, is_line)
       row%unloaded = undeformed
-      if (any(fields%plastic_deformation > 0.0_wp)) row%unloaded = &
+      if (row%dp_max > 0.0_wp) row%unloaded = &
          roughness_of(fields%height_unloaded, is_line)
    end subroutine fill_roughness
 
    !> A contact that reaches the border of an open domain is no solution.
-   subroutine check_border(grid, scaling, fields, row)
+   subroutine check_border(grid, scaling, z, fields, row)
       type(dry_grid_t), intent(in) :: grid
       type(dry_scaling_t), intent(in) :: scaling
+      real(wp), intent(in) :: z(:)
       type(dry_fields_t), intent(in) :: fields
       type(dry_row_t), intent(inout) :: row
       character(:), allocatable :: reason
 
-      reason = border_reason(grid, scaling, fields%height_undeformed, fields%pressure, row%load)
+      reason = border_reason(grid, scaling, z, fields%pressure, row%load)
       if (reason == '' .or. .not. row%is_converged) return
       row%is_converged = .false.
       call move_alloc(reason, row%reason)
    end subroutine check_border
-
-   !> The highest vertex of the parabolas in x and y through those nodes of the `pressure` (nx*ny)
-   !> that are not lower than their neighbours.
-   pure function crest_of(grid, pressure) result(crest)
-      type(dry_grid_t), intent(in) :: grid
-      real(wp), intent(in) :: pressure(:)
-      real(wp) :: crest
-      real(wp) :: least, x(3), y(3)
-      integer :: i, j, row
-
-      crest = maxval(pressure)
-      least = crest_share*crest
-      do j = 0, grid%ny - 1
-         row = j*grid%nx
-         nodes: do i = 0, grid%nx - 1
-            if (.not. pressure(row + i + 1) > least) cycle nodes
-            x = pressure(row + modulo(i + [-1, 0, 1], grid%nx) + 1)
-            y = pressure(modulo(j + [-1, 0, 1], grid%ny)*grid%nx + i + 1)
-            if (x(2) < max(x(1), x(3), y(1), y(3))) cycle nodes
-            crest = max(crest, x(2) + vertex_above(x) + vertex_above(y))
-         end do nodes
-      end do
-   end function crest_of
-
-   !> How far the vertex of the parabola through three values lies above the middle one, which is
-   !> the largest.
-   pure function vertex_above(values) result(height)
-      real(wp), intent(in) :: values(3)
-      real(wp) :: height
-      real(wp) :: bend
-
-      height = 0.0_wp
-      bend = 2.0_wp*values(2) - values(1) - values(3)
-      if (bend > 0.0_wp) height = (values(3) - values(1))**2/(8.0_wp*bend)
-   end function vertex_above
-
-   !> Number of neighbours in x and y one of which is `inside` (nx*ny) and the other not, of the
-   !> periodic grid.
-   pure function edges_of(grid, inside) result(edges)
-      type(dry_grid_t), intent(in) :: grid
-      logical, intent(in) :: inside(:)
-      integer :: edges
-      logical, allocatable :: map(:, :)
-
-      map = reshape(inside, [grid%nx, grid%ny])
-      edges = count(map .neqv. cshift(map, 1, 1)) + count(map .neqv. cshift(map, 1, 2))
-   end function edges_of
 
 end module dry_sweep

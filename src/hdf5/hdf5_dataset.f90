@@ -14,7 +14,8 @@ module hdf5_dataset
    implicit none (type, external)
    private
 
-   public :: create_labelled, label_t, new_label, write_dataset, write_string, write_values
+   public :: create_labelled, label_t, new_label, write_dataset, write_string, write_values, &
+      write_zeros
 
    !> Numbers that are stored in the header of their dataset, at most: no place in the file to look
    !> up and to write.
@@ -73,6 +74,25 @@ contains
       call write_values(file, path, file%real_type, shape(value), merge(c_null_ptr, c_loc(value), &
          is_blank), label, stored_type)
    end subroutine write_reals
+
+   !> Reals of the `extents` that are all zero, as `write_reals`.
+   subroutine write_zeros(file, path, extents, label, is_single)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      integer, intent(in) :: extents(:)
+      type(label_t), intent(in) :: label
+      logical, intent(in) :: is_single
+      real(wp), target :: zeros(many)
+      type(c_ptr) :: values
+
+      values = c_null_ptr
+      if (product(int(extents, int64)) <= many) then
+         zeros = 0.0_wp
+         values = c_loc(zeros)
+      end if
+      call write_values(file, path, file%real_type, extents, values, label, &
+         merge(file%single_type, file%real_type, is_single))
+   end subroutine write_zeros
 
    !> Whether all `values` are zero.
    pure function are_zero(values)

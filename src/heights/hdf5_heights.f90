@@ -324,7 +324,6 @@ contains
       integer(int64) :: offset
       integer(hsize_t) :: extents(2)
 
-      z = 0.0_wp
       call open_hdf5_input(reader, self%file, error)
       if (allocated(error)) return
       offset = first
@@ -332,8 +331,11 @@ contains
       extents = [size(z, kind=hsize_t), 1_hsize_t]
       if (self%grid(2) > 1) extents = self%grid
       call read_stretch(reader, self%dataset, [offset, 0_int64], extents, z)
-      z = z*self%si_scale/self%per_metre
-      if (any(self%falls)) call turn(int(extents), self%falls, z)
+      if (.not. allocated(reader%failure)) then
+         if (any(abs([self%si_scale, self%per_metre] - 1.0_wp) > 0.0_wp)) z = z*self%si_scale &
+            /self%per_metre
+         if (any(self%falls)) call turn(int(extents), self%falls, z)
+      end if
       call reader%close(error)   ! error: handed up
    end subroutine get
 
@@ -354,18 +356,15 @@ contains
       character(*), intent(in) :: dataset
       integer(int64), intent(in) :: offset(2)
       integer(hsize_t), intent(in) :: extents(2)
-      real(wp), intent(out) :: z(:)
-      real(wp), allocatable, target :: values(:)
+      real(wp), contiguous, target, intent(out) :: z(:)
       type(hdf5_source_t) :: source
       integer(hid_t) :: file_space, memory_space
       integer(hsize_t) :: start(2)
       type(c_ptr) :: place
       integer :: status
 
-      z = 0.0_wp
       start = offset
-      allocate (values(size(z)))
-      place = c_loc(values)
+      place = c_loc(z)
       call reader%open(source, dataset)
       if (allocated(reader%failure)) return
       call h5dget_space_f(source%id, file_space, status)
@@ -377,7 +376,6 @@ contains
       if (.not. allocated(reader%failure)) then
          call h5dread_f(source%id, h5t_native_double, place, status, memory_space, file_space)
          call reader%check(status, dataset//' as real numbers')
-         z = values
       end if
       call h5sclose_f(memory_space, status)
       call h5sclose_f(file_space, status)

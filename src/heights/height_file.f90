@@ -1,17 +1,18 @@
 !> Measured heights from a file: a CSV table, or HDF5.
 module height_file
    use, intrinsic :: iso_fortran_env, only: int64
-   use case_memory, only: file_memory
+   use case_memory, only: area_memory, file_memory
    use checksum, only: checksum_t
    use csv_heights, only: csv_heights_t, open_csv_heights
    use errors, only: error_t, fail, input_error
    use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
    use height_form, only: new_sums
-   use height_limits, only: height_fault, is_height, range_fault
+   use height_limits, only: first_fault, height_fault, range_fault
    use height_source, only: height_source_t
    use measured_heights, only: heights_t
    use kinds, only: wp
    use length_units, only: height_units_t
+   use large_pages, only: prefer_large_pages
    use life_sign, only: begin_activity
    use system_limits, only: memory_fault
    use text, only: to_lower, to_text
@@ -45,6 +46,7 @@ contains
          call fail(error, input_error, file//': '//fault)
          return
       end if
+      if (grid(2) > 1) call prefer_large_pages(area_memory(source%nodes))
       heights%grid = int(grid)
       heights%file = file
       call look_through(source, source%nodes, grid, heights, error)   ! error: handed up
@@ -90,7 +92,7 @@ contains
          associate (piece => heights%z(:min(block, source%nodes - first)))
             call source%get(first, piece, error)
             if (allocated(error)) return
-            bad = findloc(is_height(piece), .false., dim=1)
+            bad = first_fault(piece)
             if (bad > 0) then
                call fail(error, input_error, heights%file//': node '//to_text(first + bad)//': ' &
                   //height_fault(piece(bad)))

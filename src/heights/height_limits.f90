@@ -10,8 +10,8 @@ module height_limits
    implicit none (type, external)
    private
 
-   public :: height_fault, is_height, is_position, position_fault, range_fault, scale_fault, &
-      spacing_fault
+   public :: first_fault, height_fault, is_height, is_position, position_fault, range_fault, &
+      scale_fault, spacing_fault
 
    !> Largest height and position [m].
    real(wp), parameter :: largest_height = 1.0e3_wp, largest_position = 1.0e9_wp
@@ -31,6 +31,17 @@ contains
 
       is_height = lies_within(abs(z), tiny(z), largest_height) .or. lies_within(z, 0.0_wp, 0.0_wp)
    end function is_height
+
+   !> Number of the first of the heights `z` [m] that cannot be one; 0: all can.
+   pure function first_fault(z) result(place)
+      real(wp), intent(in) :: z(:)
+      integer :: place
+
+      do place = 1, size(z)
+         if (.not. is_height(z(place))) return
+      end do
+      place = 0
+   end function first_fault
 
    !> Whether `x` [m] can be a position.
    pure elemental function is_position(x)

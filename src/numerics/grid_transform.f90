@@ -51,8 +51,8 @@ contains
       call fftw_destroy_plan(plan)
    end subroutine transform_back
 
-   !> Mean over all rows z(:, j) of |sum of z exp(-2 pi i k m/nx)|^2 for k = 0 ... nx/2. Fails
-   !> (internal_error) if FFTW does.
+   !> Mean over all rows z(:, j) of |sum of z exp(-2 pi i k m/nx)|^2 for k = 0 ... nx/2. Threads may
+   !> call it at the same time. Fails (internal_error) if FFTW does.
    subroutine power_of_rows(z, power, error)
       real(wp), intent(in) :: z(:, :)
       real(wp), allocatable, intent(out) :: power(:)
@@ -65,7 +65,9 @@ contains
       grid = [size(z, 1), 1]
       allocate (row(grid(1)), spectrum(0:grid(1)/2))
       allocate (power(0:grid(1)/2), source=0.0_wp)
+      !$omp critical (planning)
       plan = fftw_plan_dft_r2c(1_c_int, int(grid(:1), c_int), row, spectrum, fftw_estimate)
+      !$omp end critical (planning)
       call check_plan(plan, grid, error)
       if (allocated(error)) return
       do j = 1, size(z, 2)
@@ -73,7 +75,9 @@ contains
          call fftw_execute_dft_r2c(plan, row, spectrum)
          power = power + (spectrum%re**2 + spectrum%im**2)/size(z, 2)
       end do
+      !$omp critical (planning)
       call fftw_destroy_plan(plan)
+      !$omp end critical (planning)
    end subroutine power_of_rows
 
    !> Error if FFTW has given no plan.

@@ -39,11 +39,15 @@ module tree_network
       integer, allocatable :: row(:)
       !> Place of each node in the list of nodes.
       integer, allocatable :: place(:)
-      !> Column of each cell on its level; the cell that it is joined to.
+      !> Column of each cell on its level; the cell that it is joined to, counted from the first one
+      !> above the nodes.
       integer, allocatable :: column(:), parent(:)
-      !> Seen from beyond the resistor above each cell: conductance, and current at no potential.
-      real(wp), allocatable :: conductance(:), current(:)
+      !> Seen from beyond the resistor above each cell but the nodes: conductance, and current at no
+      !> potential (2, cells).
+      real(wp), allocatable :: seen(:, :)
       real(wp), allocatable :: potential(:)
+      !> Currents into the nodes, in the order of the tree.
+      real(wp), allocatable :: current(:)
    end type tree_t
 
    !> The trees over a grid.
@@ -139,14 +143,13 @@ contains
 
       if (allocated(tree%place)) then
          if (size(tree%place) >= n .and. size(tree%parent) >= cells) return
-         deallocate (tree%place, tree%column, tree%parent, tree%conductance, tree%current, &
-            tree%potential)
+         deallocate (tree%place, tree%column, tree%parent, tree%seen, tree%potential, tree%current)
       end if
       ! A set that grows does not ask for more each time.
       room = int(min(1.2_wp*cells, real(huge(1), wp)))
-      allocate (tree%place(n + n/5), tree%column(room), tree%parent(room), &
-         tree%conductance(room), tree%current(room), &
-         tree%potential(room))
+      allocate (tree%place(n + n/5), tree%column(room), tree%parent(room))
+      room = int(min(1.2_wp*(cells - n), real(huge(1), wp)))
+      allocate (tree%seen(2, room), tree%potential(room), tree%current(n + n/5))
    end subroutine make_room
 
    !> The nodes in the order of the tree: with the shift, rows and columns that it moves past the
@@ -222,44 +225,42 @@ contains
          ends(2) = ends(1)
          if (is_joined(2)) ends(2) = tree%row(min(2*row + 2, rows))
          tree%row(row) = here + 1
-         call join_rows(tree, next, ends, shift, here)
+         call join_rows(tree%column, tree%parent, tree%first(1) - 1, next, ends, shift, here)
       end do
       tree%row(rows_above) = here + 1
       tree%first(level + 2) = here + 1
       rows = rows_above
    end subroutine join_cells
 
-   !> Joins the cells of one row, or of two: `next` ... `ends` - 1; columns are moved by `shift`
-   !> bits.
-   pure subroutine join_rows(tree, next, ends, shift, here)
-      type(tree_t), intent(inout) :: tree
-      integer, intent(in) :: ends(2), shift
+   !> Joins the cells of one row, or of two: `next` ... `ends` - 1 of the columns `cell`, of which
+   !> the first `nodes` are nodes; columns are moved by `shift` bits.
+   pure subroutine join_rows(cell, parent, nodes, next, ends, shift, here)
+      integer, contiguous, intent(inout) :: cell(:), parent(:)
+      integer, intent(in) :: nodes, ends(2), shift
       integer, intent(inout) :: next(2), here
       integer :: above, column, k
 
-      associate (cell => tree%column, parent => tree%parent)
-         do while (next(1) < ends(1) .and. next(2) < ends(2))
-            here = here + 1
-            above = min(ishft(cell(next(1)), shift), ishft(cell(next(2)), shift))
-            cell(here) = above
-            do k = 1, 2
-               same: do while (next(k) < ends(k))
-                  if (ishft(cell(next(k)), shift) > above) exit same
-                  parent(next(k)) = here
-                  next(k) = next(k) + 1
-               end do same
-            end do
+      do while (next(1) < ends(1) .and. next(2) < ends(2))
+         here = here + 1
+         above = min(ishft(cell(next(1)), shift), ishft(cell(next(2)), shift))
+         cell(here) = above
+         do k = 1, 2
+            same: do while (next(k) < ends(k))
+               if (ishft(cell(next(k)), shift) > above) exit same
+               parent(next(k)) = here - nodes
+               next(k) = next(k) + 1
+            end do same
          end do
-         ! What is left of one row.
-         above = -1
-         do k = minval(merge(next, huge(1), next < ends)), maxval(merge(ends, 0, next < ends)) - 1
-            column = ishft(cell(k), shift)
-            here = here + merge(0, 1, column == above)
-            cell(here) = column
-            parent(k) = here
-            above = column
-         end do
-      end associate
+      end do
+      ! What is left of one row.
+      above = -1
+      do k = minval(merge(next, huge(1), next < ends)), maxval(merge(ends, 0, next < ends)) - 1
+         column = ishft(cell(k), shift)
+         here = here + merge(0, 1, column == above)
+         cell(here) = column
+         parent(k) = here - nodes
+         above = column
+      end do
    end subroutine join_rows
 
    !> Currents into the nodes of the last `settle`, in its order, that give them the potentials
@@ -270,96 +271,162 @@ contains
       real(wp), contiguous, intent(in) :: given(:)
       real(wp), contiguous, intent(out) :: current(:)
       logical, contiguous, intent(in), optional :: is_given(:)
-      integer :: k, tree
+      integer :: tree
 
-      current = 0.0_wp
-      if (size(given) == 0 .or. self%levels == 0) return
-      !$omp parallel do num_threads(min(self%threads, trees)) private(k) schedule(static)
+      if (size(given) == 0 .or. self%levels == 0) then
+         current = 0.0_wp
+         return
+      end if
+      !$omp parallel do num_threads(min(self%threads, trees)) schedule(static)
       do tree = 1, trees
-         associate (t => self%tree(tree))
-            call begin_sweep(t, 1.0_wp/self%resistance(0), given, is_given)
-            call sweep_up(t, self%levels, self%resistance)
-            call sweep_down(t, self%levels, self%resistance)
-            do k = 1, size(given)
-               t%current(k) = (t%current(k) - t%conductance(k)*t%potential(t%parent(k)))/trees
-            end do
-         end associate
+         call solve_tree(self%tree(tree), self%levels, self%resistance, given, is_given)
       end do
       !$omp end parallel do
-      do tree = 1, trees
-         associate (t => self%tree(tree))
-            do k = 1, size(given)
-               current(t%place(k)) = current(t%place(k)) + t%current(k)
-            end do
-         end associate
-      end do
+      ! The first tree is not shifted: its nodes are in the order of the list.
+      call add_trees(self%tree(1)%current, self%tree(2)%current, self%tree(2)%place, current)
    end subroutine solve
 
-   !> The nodes, seen from beyond their resistors of the `conductance`.
-   pure subroutine begin_sweep(tree, conductance, given, is_given)
+   !> current = first + second, the latter at its `place`.
+   pure subroutine add_trees(first, second, place, current)
+      real(wp), contiguous, intent(in) :: first(:), second(:)
+      integer, contiguous, intent(in) :: place(:)
+      real(wp), contiguous, intent(out) :: current(:)
+      integer :: k
+
+      do k = 1, size(current)
+         current(place(k)) = first(place(k)) + second(k)
+      end do
+   end subroutine add_trees
+
+   !> The share of one tree in `solve`: `tree%current`.
+   pure subroutine solve_tree(tree, levels, resistance, given, is_given)
       type(tree_t), intent(inout) :: tree
-      real(wp), intent(in) :: conductance
+      integer, intent(in) :: levels
+      real(wp), intent(in) :: resistance(0:)
       real(wp), contiguous, intent(in) :: given(:)
       logical, contiguous, intent(in), optional :: is_given(:)
+      integer :: first(levels + 1), level, nodes
+
+      nodes = tree%first(1) - 1
+      first = tree%first(1:levels + 1) - nodes
+      tree%seen(:, :first(levels + 1) - 1) = 0.0_wp
+      if (present(is_given)) then
+         call leave_mixed(1.0_wp/resistance(0), given, is_given, tree%place, tree%parent, tree%seen)
+      else
+         call leave_nodes(1.0_wp/resistance(0), given, tree%place, tree%parent, tree%seen)
+      end if
+      do level = 1, levels - 1
+         call lift(first(level), first(level + 1) - 1, resistance(level), &
+            tree%parent(nodes + 1:), tree%seen)
+      end do
+      ! No current goes into the root, which has no resistor.
+      associate (root => first(levels))
+         tree%potential(root) = 0.0_wp
+         if (tree%seen(1, root) > 0.0_wp) tree%potential(root) = tree%seen(2, root) &
+            /tree%seen(1, root)
+      end associate
+      do level = levels - 1, 1, -1
+         call lower(first(level), first(level + 1) - 1, resistance(level), &
+            tree%parent(nodes + 1:), tree%seen, tree%potential)
+      end do
+      if (present(is_given)) then
+         call reach_mixed(1.0_wp/resistance(0), given, is_given, tree%place, tree%parent, &
+            tree%potential, tree%current)
+      else
+         call reach_nodes(1.0_wp/resistance(0), given, tree%place, tree%parent, tree%potential, &
+            tree%current)
+      end if
+   end subroutine solve_tree
+
+   !> From the nodes, seen from beyond their resistors of the `conductance`, to the cells above.
+   pure subroutine leave_nodes(conductance, given, place, parent, seen)
+      real(wp), intent(in) :: conductance
+      real(wp), contiguous, intent(in) :: given(:)
+      integer, contiguous, intent(in) :: place(:), parent(:)
+      real(wp), contiguous, intent(inout) :: seen(:, :)
       integer :: k
 
       do k = 1, size(given)
-         tree%conductance(k) = conductance
-         tree%current(k) = conductance*given(tree%place(k))
+         seen(1, parent(k)) = seen(1, parent(k)) + conductance
+         seen(2, parent(k)) = seen(2, parent(k)) + conductance*given(place(k))
       end do
-      if (.not. present(is_given)) return
+   end subroutine leave_nodes
+
+   !> The same where some currents are given.
+   pure subroutine leave_mixed(conductance, given, is_given, place, parent, seen)
+      real(wp), intent(in) :: conductance
+      real(wp), contiguous, intent(in) :: given(:)
+      logical, contiguous, intent(in) :: is_given(:)
+      integer, contiguous, intent(in) :: place(:), parent(:)
+      real(wp), contiguous, intent(inout) :: seen(:, :)
+      integer :: k
+
       do k = 1, size(given)
-         if (.not. is_given(tree%place(k))) cycle
-         tree%conductance(k) = 0.0_wp
-         tree%current(k) = given(tree%place(k))
+         seen(1, parent(k)) = seen(1, parent(k)) + merge(0.0_wp, conductance, is_given(place(k)))
+         seen(2, parent(k)) = seen(2, parent(k)) + merge(1.0_wp, conductance, &
+            is_given(place(k)))*given(place(k))
       end do
-   end subroutine begin_sweep
+   end subroutine leave_mixed
 
-   !> From the nodes to the root, which has no resistor.
-   pure subroutine sweep_up(tree, levels, resistance)
-      type(tree_t), intent(inout) :: tree
-      integer, intent(in) :: levels
-      real(wp), intent(in) :: resistance(0:)
+   !> From the cells `begin` ... `end` of a level through their resistors to those above.
+   pure subroutine lift(begin, end, resistance, parent, seen)
+      integer, intent(in) :: begin, end
+      real(wp), intent(in) :: resistance
+      integer, contiguous, intent(in) :: parent(:)
+      real(wp), contiguous, intent(inout) :: seen(:, :)
       real(wp) :: factor
-      integer :: k, level
+      integer :: k
 
-      associate (g => tree%conductance, current => tree%current, first => tree%first)
-         do level = 1, levels
-            g(first(level):first(level + 1) - 1) = 0.0_wp
-            current(first(level):first(level + 1) - 1) = 0.0_wp
-            do k = first(level - 1), first(level) - 1
-               g(tree%parent(k)) = g(tree%parent(k)) + g(k)
-               current(tree%parent(k)) = current(tree%parent(k)) + current(k)
-            end do
-            if (level == levels) exit
-            do k = first(level), first(level + 1) - 1
-               factor = 1.0_wp/(1.0_wp + resistance(level)*g(k))
-               g(k) = factor*g(k)
-               current(k) = factor*current(k)
-            end do
-         end do
-      end associate
-   end subroutine sweep_up
+      do k = begin, end
+         factor = 1.0_wp/(1.0_wp + resistance*seen(1, k))
+         seen(1, k) = factor*seen(1, k)
+         seen(2, k) = factor*seen(2, k)
+         seen(1, parent(k)) = seen(1, parent(k)) + seen(1, k)
+         seen(2, parent(k)) = seen(2, parent(k)) + seen(2, k)
+      end do
+   end subroutine lift
 
-   !> From the root, into which no current goes, to the smallest cells.
-   pure subroutine sweep_down(tree, levels, resistance)
-      type(tree_t), intent(inout) :: tree
-      integer, intent(in) :: levels
-      real(wp), intent(in) :: resistance(0:)
-      integer :: k, level
+   !> Potentials of the cells `begin` ... `end` from those above.
+   pure subroutine lower(begin, end, resistance, parent, seen, potential)
+      integer, intent(in) :: begin, end
+      real(wp), intent(in) :: resistance
+      integer, contiguous, intent(in) :: parent(:)
+      real(wp), contiguous, intent(in) :: seen(:, :)
+      real(wp), contiguous, intent(inout) :: potential(:)
+      integer :: k
 
-      associate (g => tree%conductance, current => tree%current, potential => tree%potential, &
-         first => tree%first, &
-         root => tree%first(levels))
-         potential(root) = 0.0_wp
-         if (g(root) > 0.0_wp) potential(root) = current(root)/g(root)
-         do level = levels - 1, 1, -1
-            do k = first(level), first(level + 1) - 1
-               potential(k) = potential(tree%parent(k)) &
-                              + resistance(level)*(current(k) - g(k)*potential(tree%parent(k)))
-            end do
-         end do
-      end associate
-   end subroutine sweep_down
+      do k = begin, end
+         potential(k) = potential(parent(k)) + resistance*(seen(2, k) - seen(1, k) &
+            *potential(parent(k)))
+      end do
+   end subroutine lower
+
+   !> Currents into the nodes from the potentials above them.
+   pure subroutine reach_nodes(conductance, given, place, parent, potential, current)
+      real(wp), intent(in) :: conductance
+      real(wp), contiguous, intent(in) :: given(:), potential(:)
+      integer, contiguous, intent(in) :: place(:), parent(:)
+      real(wp), contiguous, intent(inout) :: current(:)
+      integer :: k
+
+      do k = 1, size(given)
+         current(k) = (conductance*given(place(k)) - conductance*potential(parent(k)))/trees
+      end do
+   end subroutine reach_nodes
+
+   !> The same where some currents are given.
+   pure subroutine reach_mixed(conductance, given, is_given, place, parent, potential, current)
+      real(wp), intent(in) :: conductance
+      real(wp), contiguous, intent(in) :: given(:), potential(:)
+      logical, contiguous, intent(in) :: is_given(:)
+      integer, contiguous, intent(in) :: place(:), parent(:)
+      real(wp), contiguous, intent(inout) :: current(:)
+      integer :: k
+
+      do k = 1, size(given)
+         current(k) = (merge(1.0_wp, conductance, is_given(place(k)))*given(place(k)) &
+            - merge(0.0_wp, conductance, is_given(place(k)))*potential(parent(k)))/trees
+      end do
+   end subroutine reach_mixed
 
 end module tree_network

@@ -5,12 +5,12 @@ module dry_result
    use analytic_heights, only: node_positions
    use dry_case, only: dry_case_t
    use dry_problem, only: no_hardness
-   use dry_scaling, only: dry_scaling_t, load_number, new_dry_scaling
-   use dry_sweep, only: dry_fields_t, dry_row_t
+   use dry_scaling, only: dry_scaling_t, load_number
+   use dry_sweep, only: dry_fields_t, dry_outcome_t, dry_row_t
    use errors, only: error_t
    use hdf5_attribute, only: write_attribute
    use hdf5_axes, only: link_object, make_axis, make_counter, name_axes
-   use hdf5_dataset, only: label_t, new_label, write_dataset
+   use hdf5_dataset, only: label_t, new_label, write_dataset, write_zeros
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use missing_value, only: not_known
@@ -38,37 +38,38 @@ module dry_result
 
 contains
 
-   !> Writes the quantities of every load with their estimated `errors` (none: not estimated) and
-   !> the fields of the last. Fails (internal_error) if FFTW does.
-   subroutine write_dry_result(file, dry, rows, errors, fields, error)
+   !> Writes the quantities of every load of an `outcome` with their estimated `errors` (none: not
+   !> estimated) and the fields of the last. Fails (internal_error) if FFTW does.
+   subroutine write_dry_result(file, dry, outcome, errors, error)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
-      type(dry_row_t), intent(in) :: rows(:), errors(:)
-      type(dry_fields_t), intent(in) :: fields
+      type(dry_outcome_t), intent(in) :: outcome
+      type(dry_row_t), intent(in) :: errors(:)
       type(error_t), allocatable, intent(out) :: error
 
-      call write_scaling(file, dry, rows(size(rows))%mean_pressure)
-      call write_fields(file, dry, fields)
-      call write_sweep(file, dry, rows, errors)
-      call write_roughness(file, 'undeformed', 'before loading', rows%undeformed, dry%grid%ny == 1)
-      call write_roughness(file, 'loaded', 'under load', rows%loaded, dry%grid%ny == 1)
-      call write_roughness(file, 'unloaded', 'after unloading', rows%unloaded, dry%grid%ny == 1)
-      call write_surface(file, dry, fields, error)
+      associate (rows => outcome%rows, is_line => dry%grid%ny == 1)
+         call write_scaling(file, dry, outcome%scaling, rows(size(rows))%mean_pressure)
+         call write_fields(file, dry, outcome%fields)
+         call write_sweep(file, dry, rows, errors)
+         call write_roughness(file, 'undeformed', 'before loading', rows%undeformed, is_line)
+         call write_roughness(file, 'loaded', 'under load', rows%loaded, is_line)
+         call write_roughness(file, 'unloaded', 'after unloading', rows%unloaded, is_line)
+      end associate
+      call write_surface(file, dry, outcome%fields, error)
    end subroutine write_dry_result
 
    !> /scaling: E', and of a periodic rough surface the numbers of the last load on which a contact
    !> of its shape depends, by (3.19) of the thesis E' s/(4 w), with a hardness H_s L/w too; w is
    !> the mean pressure times L. Without load there are none.
-   subroutine write_scaling(file, dry, mean_pressure)
+   subroutine write_scaling(file, dry, scaling, mean_pressure)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
+      type(dry_scaling_t), intent(in) :: scaling
       real(wp), intent(in) :: mean_pressure
-      type(dry_scaling_t) :: scaling
 
       call file%create_group('/scaling')
       call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus)
       call write_attribute(file, '/scaling', 'reduced_modulus_units', 'Pa')
-      scaling = new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus)
       if (.not. dry%is_periodic .or. scaling%is_flat .or. .not. mean_pressure > 0.0_wp) return
       call write_number('similarity_number', load_number(scaling%pressure, mean_pressure))
       if (dry%loads%hardness < no_hardness) call write_number('hardness_number', &
@@ -104,13 +105,17 @@ contains
       end if
       call write_field('pressure', fields%pressure, 'contact pressure', 'Pa')
       call write_field('gap', fields%gap, 'gap between the surfaces', 'm')
-      call write_field('height_undeformed', fields%height_undeformed, &
-         'composite height before loading', 'm')
+      call write_field('height_undeformed', dry%height, 'composite height before loading', 'm')
       call write_field('height_loaded', fields%height_loaded, 'composite height under load', 'm')
-      call write_field('height_unloaded', fields%height_unloaded, &
-         'composite height after unloading', 'm')
-      call write_field('plastic_deformation', fields%plastic_deformation, 'plastic deformation', &
-         'm')
+      if (allocated(fields%plastic_deformation)) then
+         call write_field('height_unloaded', fields%height_unloaded, &
+            'composite height after unloading', 'm')
+         call write_field('plastic_deformation', fields%plastic_deformation, &
+            'plastic deformation', 'm')
+      else
+         call write_field('height_unloaded', dry%height, 'composite height after unloading', 'm')
+         call write_no_field('plastic_deformation', 'plastic deformation', 'm')
+      end if
       call file%create_group('/si')
       call link_object(file, '/solution', '/si/solution')
 
@@ -121,19 +126,53 @@ contains
          character(*), intent(in) :: name, long_name, units
          real(wp), intent(in) :: values(dry%grid%nx, dry%grid%ny)
 
-         if (size(dry%stored_fields) > 0 .and. .not. any(dry%stored_fields == name)) return
+         if (.not. is_stored(dry, name)) return
          if (dry%grid%ny == 1) then
             call write_dataset(file, '/solution/'//name, values(:, 1), &
                new_label(long_name, units), dry%is_single)
-            call name_axes(file, '/solution/'//name, '/solution/x')
          else
             call write_dataset(file, '/solution/'//name, values, new_label(long_name, units), &
                dry%is_single)
-            call name_axes(file, '/solution/'//name, '/solution/x', '/solution/y')
          end if
+         call name_field_axes(file, dry, name)
       end subroutine write_field
 
+      !> A field that is zero everywhere.
+      subroutine write_no_field(name, long_name, units)
+         character(*), intent(in) :: name, long_name, units
+         integer, allocatable :: extents(:)
+
+         if (.not. is_stored(dry, name)) return
+         extents = [dry%grid%nx, dry%grid%ny]
+         if (dry%grid%ny == 1) extents = [dry%grid%nx]
+         call write_zeros(file, '/solution/'//name, extents, new_label(long_name, units), &
+            dry%is_single)
+         call name_field_axes(file, dry, name)
+      end subroutine write_no_field
+
    end subroutine write_fields
+
+   !> Whether the field `name` is to be stored.
+   pure function is_stored(dry, name)
+      type(dry_case_t), intent(in) :: dry
+      character(*), intent(in) :: name
+      logical :: is_stored
+
+      is_stored = size(dry%stored_fields) == 0 .or. any(dry%stored_fields == name)
+   end function is_stored
+
+   !> Names the axes of the field `name`.
+   subroutine name_field_axes(file, dry, name)
+      class(hdf5_file_t), intent(inout) :: file
+      type(dry_case_t), intent(in) :: dry
+      character(*), intent(in) :: name
+
+      if (dry%grid%ny == 1) then
+         call name_axes(file, '/solution/'//name, '/solution/x')
+      else
+         call name_axes(file, '/solution/'//name, '/solution/x', '/solution/y')
+      end if
+   end subroutine name_field_axes
 
    !> /sweep without roughness: one value for each load, and /summary of the last one.
    subroutine write_sweep(file, dry, rows, errors)
@@ -266,12 +305,12 @@ contains
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
       type(error_t), allocatable, intent(out) :: error
-      type(surface_state_t) :: state
+      type(surface_state_t) :: before, loaded, unloaded
+      type(error_t), allocatable :: failure
       real(wp) :: edges(density_steps + 1), highest, levels(bearing_levels), lowest
-      logical :: is_elastic
-      integer :: i
+      integer :: i, k
 
-      associate (z => fields%height_undeformed)
+      associate (z => dry%height)
          lowest = minval(z)
          highest = maxval(z)
       end associate
@@ -287,17 +326,27 @@ contains
       call write_dataset(file, '/surface/density_height', 0.5_wp*(edges(2:) &
          + edges(:density_steps)), new_label('middle of the steps of the height densities', 'm'))
       call make_axis(file, '/surface/density_height')
-      call find_state(dry, fields%height_undeformed, levels, edges, state, error)
+      ! Two surfaces are looked at side by side; nothing of theirs is shared.
+      !$omp parallel do num_threads(min(dry%grid%threads, 2)) schedule(static) private(failure)
+      do k = 1, 2
+         if (k == 1) then
+            call find_state(dry, dry%height, levels, edges, before, failure)
+         else
+            call find_state(dry, fields%height_loaded, levels, edges, loaded, failure)
+         end if
+         !$omp critical (surface_failure)
+         if (allocated(failure)) error = failure
+         !$omp end critical (surface_failure)
+      end do
+      !$omp end parallel do
       if (allocated(error)) return
-      call write_state(file, 'undeformed', state)
-      is_elastic = .not. any(abs(fields%height_unloaded - fields%height_undeformed) > 0.0_wp)
-      if (is_elastic) call write_state(file, 'unloaded', state)
-      call find_state(dry, fields%height_loaded, levels, edges, state, error)
+      unloaded = before
+      if (allocated(fields%height_unloaded)) call find_state(dry, fields%height_unloaded, levels, &
+         edges, unloaded, error)
       if (allocated(error)) return
-      call write_state(file, 'loaded', state)
-      if (is_elastic) return
-      call find_state(dry, fields%height_unloaded, levels, edges, state, error)
-      if (.not. allocated(error)) call write_state(file, 'unloaded', state)
+      call write_state(file, 'undeformed', before)
+      call write_state(file, 'unloaded', unloaded)
+      call write_state(file, 'loaded', loaded)
    end subroutine write_surface
 
    !> What is stored of the heights `z` (nx*ny) of a state.

@@ -36,11 +36,11 @@ contains
       real(wp) :: q(0:nx/2, 0:ny - 1)
       integer :: i, j
 
-      do j = 0, ny - 1
+      do j = 0, ny/2
          do i = 0, nx/2
-            q(i, j) = 2.0_wp*pi*hypot(real(i, wp)/length_x, real(merge(j, j - ny, 2*j <= ny), &
-               wp)/length_y)
+            q(i, j) = 2.0_wp*pi*hypot(real(i, wp)/length_x, real(j, wp)/length_y)
          end do
+         if (j > 0) q(:, ny - j) = q(:, j)
       end do
    end function wavenumbers
 

@@ -64,27 +64,29 @@ contains
    !> Adds the next heights [m], x fastest; of an area all of them at once.
    pure subroutine add(self, z)
       class(height_sums_t), intent(inout) :: self
-      real(wp), intent(in) :: z(:)
+      real(wp), contiguous, intent(in) :: z(:)
+      real(wp), allocatable :: place(:)
       integer(int64) :: j, row
+      integer :: k
 
       if (self%nodes == 0_int64) then
          self%first = z(1)
          self%before = z(1)
       end if
-      self%lowest = min(self%lowest, minval(z))
-      self%highest = max(self%highest, maxval(z))
       if (self%grid(2) == 1_int64) then
-         call add_row(self, self%nodes, 0_int64, z)
+         place = coordinate(self%nodes + [(k - 1, k=1, size(z))], self%grid(1))
+         call add_row(self, 0_int64, place, z)
          self%nodes = self%nodes + size(z, kind=int64)
          self%squared_jumps(1) = (self%first - self%before)**2
          return
       end if
       row = self%grid(1)
+      place = coordinate([(j, j=0, row - 1)], row)
       do j = 0, self%grid(2) - 1
          associate (this => z(j*row + 1:(j + 1)*row), below => z(modulo(j - 1, &
             self%grid(2))*row + 1:(modulo(j - 1, self%grid(2)) + 1)*row))
             self%before = this(1)
-            call add_row(self, 0_int64, j, this)
+            call add_row(self, j, place, this)
             self%squared_jumps(1) = self%squared_jumps(1) + (this(1) - this(row))**2
             if (j > 0) then
                self%steps(2) = self%steps(2) + sum((this - below)**2)
@@ -96,28 +98,37 @@ contains
       self%nodes = size(z, kind=int64)
    end subroutine add
 
-   !> Adds heights of row `j` from node `i` on; both count from 0.
-   pure subroutine add_row(sums, i, j, z)
+   !> Adds heights of row `j` (from 0) at the places s.
+   pure subroutine add_row(sums, j, s, z)
       type(height_sums_t), intent(inout) :: sums
-      integer(int64), intent(in) :: i, j
-      real(wp), intent(in) :: z(:)
-      real(wp) :: of_one, of_s, of_s2, s, t, value
+      integer(int64), intent(in) :: j
+      real(wp), contiguous, intent(in) :: s(:), z(:)
+      real(wp) :: highest, lowest, of_one, of_s, of_s2, squares, steps, t, value
       integer :: k
 
       of_one = 0.0_wp
       of_s = 0.0_wp
       of_s2 = 0.0_wp
+      steps = 0.0_wp
+      squares = sums%squares
+      lowest = sums%lowest
+      highest = sums%highest
       t = coordinate(j, sums%grid(2))
       do k = 1, size(z)
-         s = coordinate(i + k - 1, sums%grid(1))
+         lowest = min(lowest, z(k))
+         highest = max(highest, z(k))
          value = z(k) - sums%first
          of_one = of_one + value
-         of_s = of_s + s*value
-         of_s2 = of_s2 + s**2*value
-         sums%squares = sums%squares + value**2
+         of_s = of_s + s(k)*value
+         of_s2 = of_s2 + s(k)**2*value
+         squares = squares + value**2
+         if (k > 1) steps = steps + (z(k) - z(k - 1))**2
       end do
+      sums%lowest = lowest
+      sums%highest = highest
+      sums%squares = squares
       sums%moments = sums%moments + [of_one, of_s, t*of_one, of_s2, t*of_s, t**2*of_one]
-      sums%steps(1) = sums%steps(1) + (z(1) - sums%before)**2 + sum((z(2:) - z(:size(z) - 1))**2)
+      sums%steps(1) = sums%steps(1) + (z(1) - sums%before)**2 + steps
       sums%before = z(size(z))
    end subroutine add_row
 

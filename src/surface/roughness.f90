@@ -12,6 +12,8 @@ module roughness
 
    !> Equal parts of a profile over which Rz is averaged.
    integer, parameter :: parts = 5
+   !> Heights whose places are computed together.
+   integer, parameter :: block = 256
 
    !> Height parameters in the unit of the heights. Of an area: Sa, Sq, Sz, Ssk, Sku.
    type :: roughness_t
@@ -79,9 +81,10 @@ contains
    !> Share of the nodes that are at or above each of `levels`, which rise (Abbott and Firestone,
    !> Mech. Eng. 55, 1933, 569).
    pure function bearing_ratio(z, levels) result(ratio)
-      real(wp), intent(in) :: z(:), levels(:)
+      real(wp), contiguous, intent(in) :: z(:)
+      real(wp), intent(in) :: levels(:)
       real(wp) :: ratio(size(levels))
-      integer :: below(0:size(levels)), count, i, k
+      integer :: below(0:size(levels)), count, first, guess(block), i, k, n
       real(wp) :: lowest, steps_per_height
 
       count = size(levels)
@@ -90,17 +93,24 @@ contains
       if (levels(count) > lowest) steps_per_height = (count - 1)/(levels(count) - lowest)
       ! below(k): nodes with k levels at or below them; the guess is that of evenly spaced levels.
       below = 0
-      do i = 1, size(z)
-         k = 1 + int(min(max((z(i) - lowest)*steps_per_height, -1.0_wp), count - 1.0_wp))
-         upward: do while (k < count)
-            if (z(i) < levels(k + 1)) exit upward
-            k = k + 1
-         end do upward
-         downward: do while (k > 0)
-            if (z(i) >= levels(k)) exit downward
-            k = k - 1
-         end do downward
-         below(k) = below(k) + 1
+      do first = 0, size(z) - 1, block
+         n = min(block, size(z) - first)
+         do i = 1, n
+            guess(i) = 1 + int(min(max((z(first + i) - lowest)*steps_per_height, -1.0_wp), count &
+               - 1.0_wp))
+         end do
+         do i = 1, n
+            k = guess(i)
+            upward: do while (k < count)
+               if (z(first + i) < levels(k + 1)) exit upward
+               k = k + 1
+            end do upward
+            downward: do while (k > 0)
+               if (z(first + i) >= levels(k)) exit downward
+               k = k - 1
+            end do downward
+            below(k) = below(k) + 1
+         end do
       end do
       ratio = [(real(sum(below(i:)), wp)/size(z), i=1, size(levels))]
    end function bearing_ratio
@@ -108,35 +118,54 @@ contains
    !> Share of the nodes between each two neighbouring `edges`, which rise and are evenly spaced,
    !> over their distance.
    pure function height_density(z, edges) result(density)
-      real(wp), intent(in) :: z(:), edges(:)
+      real(wp), contiguous, intent(in) :: z(:)
+      real(wp), intent(in) :: edges(:)
       real(wp) :: density(size(edges) - 1)
-      real(wp) :: width
-      integer :: i, place
+      real(wp) :: step(block), width
+      integer :: first, i, inside(0:size(edges)), n, steps
 
-      width = (edges(size(edges)) - edges(1))/(size(edges) - 1)
+      steps = size(edges) - 1
+      width = (edges(steps + 1) - edges(1))/steps
       density = 0.0_wp
       if (.not. width > 0.0_wp) return
-      do i = 1, size(z)
-         if (z(i) < edges(1) .or. z(i) > edges(size(edges))) cycle
-         place = min(1 + int((z(i) - edges(1))/width), size(density))
-         density(place) = density(place) + 1.0_wp/(size(z)*width)
+      ! inside(k): nodes in step k; 0 and steps + 1: below and above the edges.
+      inside = 0
+      do first = 0, size(z) - 1, block
+         n = min(block, size(z) - first)
+         do i = 1, n
+            step(i) = min((z(first + i) - edges(1))/width, steps - 1.0_wp)
+            if (z(first + i) < edges(1)) step(i) = -1.0_wp
+            if (z(first + i) > edges(steps + 1)) step(i) = steps
+         end do
+         do i = 1, n
+            inside(1 + int(step(i))) = inside(1 + int(step(i))) + 1
+         end do
       end do
+      density = inside(1:steps)/(size(z)*width)
    end function height_density
 
    !> Root mean square of the slope of a periodic surface (nx, ny) from differences of neighbours;
    !> of an area of the gradient.
    pure function rms_slope(z, dx, dy) result(slope)
-      real(wp), intent(in) :: z(:, :), dx, dy
+      real(wp), contiguous, intent(in) :: z(:, :)
+      real(wp), intent(in) :: dx, dy
       real(wp) :: slope
-      real(wp) :: across, along
-      integer :: j, ny
+      real(wp) :: across, along, in_x(size(z, 1)), in_y(size(z, 1))
+      integer :: i, j, nx, ny
 
+      nx = size(z, 1)
       ny = size(z, 2)
       along = 0.0_wp
       across = 0.0_wp
       do j = 1, ny
-         call add_squares((cshift(z(:, j), 1) - z(:, j))/dx, along)
-         if (ny > 1) call add_squares((z(:, modulo(j, ny) + 1) - z(:, j))/dy, across)
+         in_x(:nx - 1) = (z(2:, j) - z(:nx - 1, j))/dx
+         in_x(nx) = (z(1, j) - z(nx, j))/dx
+         in_y = 0.0_wp
+         if (ny > 1) in_y = (z(:, modulo(j, ny) + 1) - z(:, j))/dy
+         do i = 1, nx
+            along = along + in_x(i)**2
+            across = across + in_y(i)**2
+         end do
       end do
       slope = sqrt((along + across)/size(z))
    end function rms_slope
@@ -144,34 +173,33 @@ contains
    !> Root mean square of the second difference of a periodic surface (nx, ny); of an area of half
    !> the Laplacian.
    pure function rms_curvature(z, dx, dy) result(curvature)
-      real(wp), intent(in) :: z(:, :), dx, dy
+      real(wp), contiguous, intent(in) :: z(:, :)
+      real(wp), intent(in) :: dx, dy
       real(wp) :: curvature
       real(wp) :: second(size(z, 1)), total
-      integer :: j, ny
+      integer :: i, j, nx, ny
 
+      nx = size(z, 1)
       ny = size(z, 2)
       total = 0.0_wp
       do j = 1, ny
-         associate (row => z(:, j), before => z(:, modulo(j - 2, ny) + 1), &
-            after => z(:, modulo(j, ny) + 1))
-            second = (cshift(row, 1) - 2.0_wp*row + cshift(row, -1))/dx**2
-            if (ny > 1) second = 0.5_wp*(second + (after - 2.0_wp*row + before)/dy**2)
-         end associate
-         call add_squares(second, total)
+         second(1) = z(modulo(1, nx) + 1, j) - 2.0_wp*z(1, j) + z(nx, j)
+         do i = 2, nx - 1
+            second(i) = z(i + 1, j) - 2.0_wp*z(i, j) + z(i - 1, j)
+         end do
+         second(nx) = z(1, j) - 2.0_wp*z(nx, j) + z(modulo(nx - 2, nx) + 1, j)
+         second = second/dx**2
+         if (ny > 1) then
+            associate (before => z(:, modulo(j - 2, ny) + 1), after => z(:, modulo(j, ny) + 1))
+               second = 0.5_wp*(second + (after - 2.0_wp*z(:, j) + before)/dy**2)
+            end associate
+         end if
+         do i = 1, nx
+            total = total + second(i)**2
+         end do
       end do
       curvature = sqrt(total/size(z))
    end function rms_curvature
-
-   !> Adds the squares of `values` to `total`, one after the other.
-   pure subroutine add_squares(values, total)
-      real(wp), intent(in) :: values(:)
-      real(wp), intent(inout) :: total
-      integer :: i
-
-      do i = 1, size(values)
-         total = total + values(i)**2
-      end do
-   end subroutine add_squares
 
    !> Mean square of the heights in harmonic 1 ... nx/2 along x of a periodic surface (nx, ny),
    !> averaged over y: its sum is the variance of the profiles. Fails (internal_error) if FFTW does.

@@ -4,12 +4,13 @@
 !> The numbers are the highest measured peaks of processes of every size and method
 !> (docs/decisions.md).
 module case_memory
+   use, intrinsic :: iso_fortran_env, only: int64
    use kinds, only: wp
    use system_limits, only: memory_t, of_program
    implicit none (type, external)
    private
 
-   public :: dry_memory, file_memory, lubricated_memory
+   public :: area_memory, dry_memory, file_memory, lubricated_memory
 
    !> Largest number of nodes of an area: the padded transforms of an open one count four times as
    !> many in 32 bits.
@@ -41,6 +42,15 @@ contains
          nodes(2) == 1)
       need%reserved = need%used
    end function dry_memory
+
+   !> What a periodic area of so many nodes usually takes of it [bytes], elastic and in one load.
+   pure function area_memory(nodes) result(bytes)
+      integer(int64), intent(in) :: nodes
+      real(wp) :: bytes
+      real(wp), parameter :: of_node = 125.0_wp
+
+      bytes = of_node*real(nodes, wp)
+   end function area_memory
 
    !> Of a lubricated case with `steps` time steps (0: steady); `is_dense`: with a full matrix;
    !> `layers` > 0: with so many across the film, whose unknowns stand in a band matrix.

@@ -22,28 +22,37 @@ module checksum
    integer(int64), parameter :: modulus = 4294967291_int64
    !> Numbers after which the sums are reduced: below 2^60 by then.
    integer, parameter :: stretch = 4096
+   !> The lower half of 64 bits.
+   integer(int64), parameter :: half = 4294967295_int64
 
 contains
 
-   !> Adds `values` (n).
+   !> Adds `values`. Of the n numbers of a stretch, with halves a and b each, the second sum gets
+   !> 2 n times the first, and 2 n a_1 + (2 n - 1) b_1 + (2 n - 2) a_2 + ...; sums of the a and of
+   !> the b alone, which do not wait for each other, give that.
    pure subroutine add(self, values)
       class(checksum_t), intent(inout) :: self
       real(wp), intent(in) :: values(:)
-      integer(int64) :: bits
-      integer :: i
+      integer(int64) :: bits, high, high_sums, low, low_sums
+      integer :: begin, end, i
 
-      do i = 1, size(values)
-         bits = transfer(values(i), bits)
-         self%first = self%first + ibits(bits, 0, 32)
-         self%second = self%second + self%first
-         self%first = self%first + ibits(bits, 32, 32)
-         self%second = self%second + self%first
-         if (modulo(i, stretch) /= 0) cycle
-         self%first = modulo(self%first, modulus)
-         self%second = modulo(self%second, modulus)
+      do begin = 1, size(values), stretch
+         end = min(begin + stretch - 1, size(values))
+         low = 0_int64
+         low_sums = 0_int64
+         high = 0_int64
+         high_sums = 0_int64
+         do i = begin, end
+            bits = transfer(values(i), bits)
+            low = low + iand(bits, half)
+            low_sums = low_sums + low
+            high = high + shiftr(bits, 32)
+            high_sums = high_sums + high
+         end do
+         self%second = modulo(self%second + 2*(end - begin + 1)*self%first + 2*low_sums &
+            + 2*high_sums - high, modulus)
+         self%first = modulo(self%first + low + high, modulus)
       end do
-      self%first = modulo(self%first, modulus)
-      self%second = modulo(self%second, modulus)
    end subroutine add
 
    !> The second and the first sum.

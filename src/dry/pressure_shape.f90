@@ -1,0 +1,71 @@
+!> What the shape of a contact pressure says: its crest between the nodes, the border of contact.
+module pressure_shape
+   use dry_problem, only: dry_grid_t
+   use kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: crest_of, edges_of
+
+   !> Nodes with less of the largest pressure have no vertex above it.
+   real(wp), parameter :: crest_share = 0.5_wp
+
+contains
+
+   !> The highest vertex of the parabolas in x and y through those nodes of the `pressure` (nx*ny)
+   !> that are not lower than their neighbours.
+   pure function crest_of(grid, pressure) result(crest)
+      type(dry_grid_t), intent(in) :: grid
+      real(wp), intent(in) :: pressure(:)
+      real(wp) :: crest
+      real(wp) :: least, x(3), y(3)
+      integer :: i, j, row
+
+      crest = maxval(pressure)
+      least = crest_share*crest
+      do j = 0, grid%ny - 1
+         row = j*grid%nx
+         nodes: do i = 0, grid%nx - 1
+            if (.not. pressure(row + i + 1) > least) cycle nodes
+            x = pressure(row + modulo(i + [-1, 0, 1], grid%nx) + 1)
+            y = pressure(modulo(j + [-1, 0, 1], grid%ny)*grid%nx + i + 1)
+            if (x(2) < max(x(1), x(3), y(1), y(3))) cycle nodes
+            crest = max(crest, x(2) + vertex_above(x) + vertex_above(y))
+         end do nodes
+      end do
+   end function crest_of
+
+   !> How far the vertex of the parabola through three values lies above the middle one, which is
+   !> the largest.
+   pure function vertex_above(values) result(height)
+      real(wp), intent(in) :: values(3)
+      real(wp) :: height
+      real(wp) :: bend
+
+      height = 0.0_wp
+      bend = 2.0_wp*values(2) - values(1) - values(3)
+      if (bend > 0.0_wp) height = (values(3) - values(1))**2/(8.0_wp*bend)
+   end function vertex_above
+
+   !> Number of neighbours in x and y one of which has at least the pressure `least` and the other
+   !> not, of the periodic grid.
+   pure function edges_of(nx, ny, pressure, least) result(edges)
+      integer, intent(in) :: nx, ny
+      real(wp), intent(in) :: pressure(nx, ny), least
+      integer :: edges
+      integer :: i, j, next
+
+      edges = 0
+      do j = 1, ny
+         next = modulo(j, ny) + 1
+         edges = edges + merge(1, 0, pressure(nx, j) >= least .neqv. pressure(1, j) >= least)
+         do i = 1, nx - 1
+            edges = edges + merge(1, 0, pressure(i, j) >= least .neqv. pressure(i + 1, j) >= least)
+         end do
+         do i = 1, nx
+            edges = edges + merge(1, 0, pressure(i, j) >= least .neqv. pressure(i, next) >= least)
+         end do
+      end do
+   end function edges_of
+
+end module pressure_shape
