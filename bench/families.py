@@ -283,6 +283,7 @@ def main() -> int:
     parser = new_parser(__doc__, f"{QUICK} members of each family", "results/accuracy")
     parser.add_argument("names", nargs="*", metavar="NAME", help="modules (family_NAME.py); default: all")
     parser.add_argument("--seed", type=int, default=SEED, help="another sample, for fitting")
+    parser.add_argument("--members", type=int, default=0, help="members of each family; default: those of the family")
     parser.add_argument("--processes", type=int, default=1, help="members side by side")
     options = parser.parse_args()
     folder = output_folder(options)
@@ -290,7 +291,8 @@ def main() -> int:
     rows: list[Row] = []
     text = ""
     for k, family in enumerate(families):
-        members = family.draw(random.Random(f"{family.name} {options.seed}"), QUICK if options.quick else family.count)
+        count = options.members or (QUICK if options.quick else family.count)
+        members = family.draw(random.Random(f"{family.name} {options.seed}"), count)
         with ThreadPoolExecutor(options.processes) as pool:
             for i, own in enumerate(pool.map(lambda member, family=family: judge(family, member), members)):
                 rows += own

@@ -4,7 +4,7 @@
 !> and what the differences tell (modules grid_errors, transient_errors, pressure_errors).
 module error_bars
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use grid_errors, only: error_on_grids, orders, safety
+   use grid_errors, only: error_on_grids, kappa_share, orders, safety
    use inlet_change, only: change_by_inlet, inlet_change_t
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -14,7 +14,7 @@ module error_bars
    use pressure_errors, only: allow_for_spike, doubt_shear, estimate_crest, &
       estimate_crest_in_time, pressure_safety, top_of
    use pressure_spike, only: spike_law_t
-   use quantities, only: h_central, h_min, p_max, quantity_count, quantity_rows, &
+   use quantities, only: h_central, h_min, is_chance, p_max, quantity_count, quantity_rows, &
       rule_between, rule_crest, rule_node, sliding_rows
    use solver_settings, only: time_settings_t
    use split_errors, only: apart_t, apply_forecast, forecast_t
@@ -34,10 +34,6 @@ module error_bars
    !> Forces err as films do, that of sliding by up to this many times the share of the pressures
    !> more.
    real(wp), parameter :: shear_safety = 1.5_wp
-
-   !> At rest h_min of the kappa scheme errs by at most this share of what the thesis's scheme errs
-   !> on the same grid.
-   real(wp), parameter :: kappa_share = 0.35_wp
 
    !> The coarse runs of a result and what is known of the order of the scheme.
    type :: error_bars_t
@@ -333,6 +329,7 @@ contains
       levels = on_levels(bars, i, quantity)
       own = error_on_grids(levels%value, bounds)
       between = error_on_grids(levels%between, bounds)
+      if (i == h_central) own = [error_of_line(quantity, between), between(2)]
       between(1) = between(1) + abs(quantity%value - quantity%between)
       select case (quantity_rows(i)%rule)
       case (rule_node)
@@ -340,22 +337,26 @@ contains
       case (rule_between)
          own = [between(1) + exit_jitter*dx, quantity%between]
       case default
-         ! its own values are enough
+         ! its own values are enough, or what is known of them
       end select
-      if (allocated(bars%other_scheme) .and. is_chance(i)) own(1) = error_by_other_scheme(bars, i) &
-         + abs(quantity%value - quantity%between)
+      if (allocated(bars%other_scheme) .and. is_chance(quantity_rows(i))) own(1) = &
+         error_by_other_scheme(bars, i) + abs(quantity%value - quantity%between)
       quantity%error_grid = own(1)
       quantity%extrapolated = own(2)
    end subroutine estimate_at_rest
 
-   !> Whether the order of row `i` in the kappa scheme is chance: what a finer grid changes of it
-   !> tells little then.
-   pure function is_chance(i)
-      integer, intent(in) :: i
-      logical :: is_chance
+   !> Error of a value on the line between two nodes, from that of the one between the nodes and its
+   !> limit (NaN: not known), `between`: what the line is off changes with the place of the nodes,
+   !> and has a sign.
+   pure function error_of_line(quantity, between) result(error)
+      type(quantity_t), intent(in) :: quantity
+      real(wp), intent(in) :: between(2)
+      real(wp) :: error
 
-      is_chance = quantity_rows(i)%kappa_orders(2) <= quantity_rows(i)%kappa_orders(1)
-   end function is_chance
+      error = between(1) + abs(quantity%value - quantity%between)
+      if (ieee_is_finite(between(2))) error = max(between(1)/(2*safety), between(1) &
+         + abs(quantity%value - between(2)) - abs(quantity%between - between(2)))
+   end function error_of_line
 
    !> Error of row `i` in the kappa scheme between the nodes: a share of that of the thesis's
    !> scheme, which falls regularly.

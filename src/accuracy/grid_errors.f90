@@ -17,6 +17,9 @@ module grid_errors
    !> In its place where four grids change a quantity in one direction, the order being the lower
    !> one of the two that they show.
    real(wp), parameter :: steady_safety = 1.3_wp
+   !> h_min of the kappa scheme errs by at most this share of what the thesis's scheme errs on the
+   !> same grid.
+   real(wp), parameter, public :: kappa_share = 0.35_wp
    !> Bounds of the observed order in space.
    real(wp), parameter, public :: orders(2) = [1.0_wp, 2.0_wp]
 

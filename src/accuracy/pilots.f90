@@ -2,19 +2,20 @@
 !> resolution they foretell to be good enough.
 module pilots
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use grid_errors, only: kappa_share
    use kinds, only: wp
    use line_contact, only: min_in_wave, intervals_for_waves, line_contact_t, shortest_passage
    use line_hierarchy, only: coarsest_for_film
    use missing_value, only: not_known
-   use quantities, only: h_min, quantity_count
+   use quantities, only: h_min, is_chance, quantity_count, quantity_rows
    use solver_settings, only: time_settings_t
-   use split_errors, only: doubts_at, error_at, forecast_t, new_split_error, orders_in_time, &
-      shift_at, split_error_t
+   use split_errors, only: doubts_at, error_at, forecast_t, least_doubt_at, new_split_error, &
+      orders_in_time, shift_at, split_error_t
    implicit none (type, external)
    private
 
-   public :: add_pilot, begun_anew, cheapest_resolution, forecast_at, has_forecast, new_pilots, &
-      next_direction, pilots_t, refined, resolution_t
+   public :: add_other_scheme, add_pilot, begun_anew, cheapest_resolution, forecast_at, &
+      has_forecast, new_pilots, next_direction, pilots_t, refined, resolution_t
 
    !> What a pilot refines.
    integer, parameter, public :: nothing = 0, space = 1, time_step = 2
@@ -57,6 +58,10 @@ module pilots
       real(wp) :: values(quantity_count) = 0.0_wp
       !> Their last change and the one before, by space and by time step; NaN: not known.
       real(wp) :: changes(quantity_count, 2, 2) = 0.0_wp
+      !> Size of what the thesis's scheme finds less what the kappa scheme does, on the grid of the
+      !> last one, if that is known.
+      real(wp) :: beside(quantity_count) = 0.0_wp
+      logical :: is_beside_known = .false.
       !> Size of the changes of h_min (the last, the one before; by space, by time step), over time;
       !> 0: not known.
       real(wp) :: sizes(2, 2) = 0.0_wp
@@ -127,6 +132,10 @@ contains
          pilots%changes = not_known()
          pilots%sizes = 0.0_wp
       else
+         if (direction == space) then
+            pilots%beside = 0.0_wp
+            pilots%is_beside_known = .false.
+         end if
          pilots%changes(:, 2, direction) = pilots%changes(:, 1, direction)
          pilots%changes(:, 1, direction) = values - pilots%values
          pilots%sizes(2, direction) = pilots%sizes(1, direction)
@@ -139,6 +148,17 @@ contains
       pilots%values = values
       pilots%films = films
    end subroutine add_pilot
+
+   !> What the thesis's scheme has found at the resolution of the last pilot, which took the kappa
+   !> scheme; NaN: it has no solution there.
+   pure subroutine add_other_scheme(pilots, values)
+      type(pilots_t), intent(inout) :: pilots
+      real(wp), intent(in) :: values(quantity_count)
+
+      pilots%is_beside_known = .true.
+      pilots%beside = 0.0_wp
+      where (ieee_is_finite(values)) pilots%beside = abs(values - pilots%values)
+   end subroutine add_other_scheme
 
    !> Root mean square of the relative change from `old` to `new` smallest films of the same times,
    !> where these are nearly the least one, times that: the smallest of all may have changed by
@@ -196,6 +216,8 @@ contains
       if (row == h_min) sizes = pilots%sizes
       error = new_split_error(pilots%changes(row, :, space), pilots%changes(row, :, time_step), &
          pilots%time_orders, sizes)
+      if (is_chance(quantity_rows(row))) error%least_doubt = kappa_share/(1.0_wp - kappa_share) &
+         *pilots%beside(row)
    end function error_of
 
    !> How many times finer than the last pilot the forecast goes, in space and in time.
@@ -232,6 +254,7 @@ contains
          forecast%error(i) = error_at(error, dx_ratio, dt_ratio)
          forecast%pilot_error(i) = error_at(error, 1.0_wp, 1.0_wp)
          forecast%shift(i) = shift_at(error, dx_ratio, dt_ratio)
+         forecast%least_doubt(i) = least_doubt_at(error, dx_ratio)
       end do
    end function forecast_at
 

@@ -8,7 +8,8 @@
 !> is done once. A pilot may not take more than `max_work` times the nodes and steps of the first
 !> one; if that does not do, the last resolution is taken, and its forecast says how far it may be
 !> off. Unless the user wants another one, all use the kappa space scheme, whose error is the
-!> smaller one; where only the thesis's scheme finds a solution, they go on with that.
+!> smaller one; where only the thesis's scheme finds a solution, they go on with that. Before a
+!> forecast of the kappa scheme is believed its last pilot is run with the thesis's scheme too.
 !>
 !> How often the target is met and at what cost is measured by `make accuracy-time`; what else was
 !> tried is in docs/decisions.md.
@@ -19,9 +20,11 @@ module resolution_choice
    use errors, only: error_t, fail, input_error
    use kinds, only: wp
    use line_contact, only: line_contact_t
+   use missing_value, only: not_known
    use observer, only: observer_t
-   use pilots, only: add_pilot, begun_anew, cheapest_resolution, forecast_at, has_forecast, &
-      new_pilots, next_direction, nothing, pilots_t, refined, resolution_t
+   use pilots, only: add_other_scheme, add_pilot, begun_anew, cheapest_resolution, forecast_at, &
+      has_forecast, new_pilots, next_direction, nothing, pilots_t, refined, resolution_t
+   use quantities, only: quantity_count
    use run_collector, only: collector_t
    use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
    use split_errors, only: foretold_values
@@ -81,6 +84,7 @@ contains
       type(search_t) :: search
       type(resolution_t) :: chosen
       real(wp) :: target
+      logical :: is_last
 
       bars = new_error_bars(contact, time, settings%space_scheme)
       target = settings%target
@@ -101,8 +105,14 @@ contains
          if (watcher%wants_stop) return
          if (.not. search%has_solution .and. is_finest(search%pilots)) exit
          call learn(search)
+         is_last = is_finest(search%pilots) .or. is_dear(search)
          chosen = cheapest_resolution(search%pilots, target)
-         if (chosen%intervals > 0 .or. is_finest(search%pilots) .or. is_dear(search)) exit
+         if (chosen%intervals > 0 .or. is_last) then
+            call look_beside(search, error)
+            if (allocated(error)) return
+            chosen = cheapest_resolution(search%pilots, target)
+         end if
+         if (chosen%intervals > 0 .or. is_last) exit
       end do
       if (chosen%intervals == 0) chosen = search%pilots%last
       contact%domain%intervals = chosen%intervals
@@ -204,6 +214,25 @@ contains
       end if
       search%direction = next_direction(search%pilots)
    end subroutine learn
+
+   !> Runs the last pilot, which took the kappa scheme, with the thesis's scheme, if that is not
+   !> known on its grid yet: whether the kappa scheme only seems to change nothing any more.
+   subroutine look_beside(search, error)
+      type(search_t), intent(inout) :: search
+      type(error_t), allocatable, intent(out) :: error
+      type(search_t) :: beside
+      real(wp) :: values(quantity_count)
+
+      if (search%settings%space_scheme /= 'kappa' .or. search%pilots%is_beside_known) return
+      if (.not. has_forecast(search%pilots) .or. search%collector%watcher%wants_stop) return
+      beside = search
+      beside%settings%space_scheme = 'upwind2'
+      call run(beside, error)
+      if (allocated(error)) return
+      values = not_known()
+      if (beside%has_solution) values = foretold_values(beside%collector%summary)
+      call add_other_scheme(search%pilots, values)
+   end subroutine look_beside
 
    !> Whether there may be no pilot of twice as many intervals.
    pure function is_finest(pilots)

@@ -14,8 +14,8 @@ module quantities
    implicit none (type, external)
    private
 
-   public :: central_by_cubic, central_value, exit_between_nodes, exit_position, node_minimum, &
-      parabola_minimum, peak_value, quantity_values
+   public :: central_by_cubic, central_value, exit_between_nodes, exit_position, is_chance, &
+      node_minimum, parabola_minimum, peak_value, quantity_values
 
    !> Rows of the table.
    integer, parameter, public :: h_min = 1, h_min_node = 2, h_central = 3, p_max = 4, &
@@ -80,6 +80,15 @@ module quantities
    integer, parameter, public :: sliding_rows(*) = [friction_coefficient, sliding_power]
 
 contains
+
+   !> Whether the order of a quantity in the kappa scheme is chance: what a finer grid changes of it
+   !> tells little then.
+   pure function is_chance(row)
+      type(quantity_row_t), intent(in) :: row
+      logical :: is_chance
+
+      is_chance = row%kappa_orders(2) <= row%kappa_orders(1)
+   end function is_chance
 
    !> A quantity of pressure `p` and film `h` on the nodes `x` of a rising grid, each (nx), or of
    !> what their stresses add up to: its value and that between the nodes, which does not change

@@ -31,7 +31,7 @@ module checkpoint
    public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 14
+   integer, parameter :: format_number = 15
    !> What to do about a checkpoint that cannot be used.
    character(*), parameter :: way_out = '; delete it, and the run starts at the beginning'
 
@@ -199,6 +199,7 @@ contains
       call file%visit('/forecast/pilot_error', forecast%pilot_error)
       call file%visit('/forecast/error', forecast%error)
       call file%visit('/forecast/shift', forecast%shift)
+      call file%visit('/forecast/least_doubt', forecast%least_doubt)
    end subroutine visit_forecast
 
    !> Sums over the time steps so far.
