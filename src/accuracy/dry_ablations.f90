@@ -252,9 +252,9 @@ contains
       change = sum(found, dim=2)/profiles
       error_of = students_t*sqrt(sum((found - spread(change, 2, profiles))**2, &
          dim=2)/(profiles*(profiles - 1.0_wp)))
-      ! where all that touches yields, edges of all profiles may err alike
+      ! where all that touches yields, edges of all profiles may err alike, and make all of a change
       if (ieee_is_finite(error_of(1))) error_of(1) = larger(error_of(1), &
-         deviations*sum(edges)/profiles)
+         min(deviations*sum(edges)/profiles, abs(change(1))))
    end subroutine measure_profiles
 
    !> Nodes of the shorter side.
