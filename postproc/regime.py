@@ -90,6 +90,12 @@ def read_films(path: Path = TABLE) -> Films:
     return Films(moes_m, moes_l, films)
 
 
+def is_dry(path: Path) -> bool:
+    """Whether a result is that of a dry contact."""
+    with opened(path) as file:
+        return np.bytes_(file.attrs.get("problem", b"")).startswith(b"dry_")
+
+
 def read_point(path: Path) -> Point:
     """M, L and the smallest film of a result, in the units of the chart (results have films with the mean of the speeds)."""
     result = read_result(path)
@@ -154,7 +160,12 @@ def describe(films: Films, point: Point) -> str:
 def draw(options: argparse.Namespace) -> list[Path]:
     """All results in one figure; returns its names."""
     films = read_films()
-    points = [read_point(Path(name)) for name in options.results]
+    dry = [name for name in options.results if is_dry(Path(name))]
+    for name in dry:
+        print(f"{Path(name).stem}: dry, without a film: it lies nowhere on the chart of Moes")
+    points = [read_point(Path(name)) for name in options.results if name not in dry]
+    if not points:
+        return []
     figure, (left, right) = style.new_figure(style.TWO_COLUMNS, 82, ncols=2)
     draw_films(left, films)
     draw_regimes(right, films)

@@ -511,3 +511,27 @@ def test_values_that_are_not_finite(tmp_path: Path) -> None:
         assert run(script, result, "--output", tmp_path / "out").returncode == 0
     done = run("transient", result, "--output", tmp_path / "out", "--frames", 3)
     assert done.returncode == 0
+
+
+DRY = """&case problem = 'dry_line' /
+&bodies reduced_radius = 0.01, reduced_modulus = 226e9 /
+&load hertz_pressure = 0.5e9 /
+&surface_1 shape = 'parabola' /
+&domain length = 1e-3, intervals = 128 /
+"""
+
+
+def test_regime_of_any_result(asperity, tmp_path: Path) -> None:
+    """A contact by the full momentum equations has its place; of a dry one the command says that it has none."""
+    stokes = STEADY.replace("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'").replace("256", "128")
+    write(tmp_path, "stokes.nml", stokes)
+    write(tmp_path, "dry.nml", DRY)
+    assert asperity("stokes.nml", "dry.nml", "--quiet").returncode == 0
+    both = run("regime", tmp_path / "stokes.h5", tmp_path / "dry.h5", "--output", tmp_path, "--format", "png")
+    assert both.returncode == 0, both.stderr
+    assert "dry: dry, without a film" in both.stdout
+    assert "stokes: M 5.1" in both.stdout
+    assert (tmp_path / "stokes_regime.png").exists()
+    alone = run("regime", tmp_path / "dry.h5", "--output", tmp_path / "none")
+    assert (alone.returncode, alone.stdout.count("\n")) == (0, 1)
+    assert not (tmp_path / "none").exists()

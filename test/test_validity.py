@@ -145,6 +145,76 @@ def limits_from_fields(file, pressure, film):
     return float(number.max()), float(slopes[loaded].max())
 
 
+def limits_by_definition(file):
+    """What every limit of a steady contact with a wave on a surface at rest compares, from its fields and its input in SI."""
+    given = file["input/effective"]
+    oil, bodies, wave = (given[group].attrs for group in ("lubricant", "bodies", "surface_1"))
+    scales = file["scaling"].attrs
+    x = file["solution/x"][()] * scales["half_width"]
+    p = file["solution/pressure"][()] * scales["hertz_pressure"]
+    h = file["solution/film_thickness"][()] * scales["film_thickness"]
+    stress = np.abs(file["solution/shear_stress_mean"][()]) * scales["shear_stress"]
+    film = float(np.interp(0.0, x, h))
+    speeds = np.array([bodies["speed_1"], bodies["speed_2"]])
+    mean, sliding = speeds.mean(), abs(speeds[1] - speeds[0])
+    # Jaeger's and Archard's surfaces, heat constant over each interval, and Fourier's film with heat set free evenly
+    heat, spacing = stress * sliding, x[1] - x[0]
+    ways = np.sqrt(np.arange(len(x) + 1.0)) * np.sqrt(spacing)
+    surfaces = 2 * np.convolve(heat, np.diff(ways))[: len(x)] / np.sqrt(np.pi)
+    surfaces /= bodies["thermal_effusivity"] * np.sqrt(np.abs(speeds)).sum()
+    middle = surfaces + heat * h / (8 * oil["thermal_conductivity"])
+    loading = oil["thermal_viscosity"] * oil["viscosity"] * mean**2 / oil["thermal_conductivity"]
+    strain = scales["hertz_pressure"] / scales["reduced_modulus"]
+    inlet = 1 + 0.213 * (1 + 2.23 * (sliding / mean) ** 0.83) * loading**0.64
+    width = 2 * max(scales["half_width"], np.sqrt(2 * scales["reduced_radius"] * film))
+    number, slope = limits_from_fields(file, file["solution/pressure"][()], file["solution/film_thickness"][()])
+    return {
+        "mixed_lubrication": float(file["summary/h_min"][()]) / (wave["amplitude"] / np.sqrt(2)),
+        "viscosity_data": p.max(),
+        "limiting_stress": (stress / np.maximum(p, 1.0))[p > 0.1 * p.max()].max(),
+        "hardness": p.max(),
+        "shakedown": scales["hertz_pressure"],
+        "shear_heating": middle.max(),
+        "inlet_heating": 1 - (1 - 13.2 * strain * loading**0.42) / inlet,
+        "side_flow": np.exp(-0.68 * bodies["contact_length"] / width),
+        "stokes_number": number,
+        "surface_slope": slope,
+        "film_over_wave": film / wave["wavelength"],
+        "turbulence": oil["density"] * mean * film / oil["viscosity"],
+    }
+
+
+def test_every_limit_by_its_definition(asperity, tmp_path):
+    """Values from the result file alone; starvation against a domain that is far longer: its rule is good to a factor of two."""
+    case = changed(
+        wavy(0.05e-6, 1e-4), ("speed_2 = 1.1", "speed_2 = 1.1, hardness = 0.9e9, contact_length = 1e-3"), ("4096", "512")
+    )
+    far = changed(case, ("x_inlet = -4.0", "x_inlet = -15.0"), ("intervals = 512", "intervals = 1536"))
+    write(tmp_path, "a.nml", case)
+    write(tmp_path, "far.nml", far + "&accuracy error_bars = .false. /&output adequacy = .false. /\n")
+    assert asperity("a.nml", "far.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "far.h5") as whole:
+        found = {name: item[()] for name, item in file["adequacy/validity"].items()}
+        assert set(found) == set(SCENES)
+        starved = 1 - file["summary/h_central"][()] / whole["summary/h_central"][()]
+        assert 0.5 < found.pop("starvation") / starved < 2.0
+        expected = limits_by_definition(file)
+        # on 513 nodes the program averages heat over pairs of them
+        assert found.pop("shear_heating") == pytest.approx(expected.pop("shear_heating"), rel=0.02)
+        assert found == pytest.approx(expected, rel=1e-9)
+
+
+def test_length_that_a_contact_needs(asperity, tmp_path):
+    """Where the length is not given the result says below which one it would matter."""
+    write(tmp_path, "a.nml", STEADY)
+    assert asperity("a.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file:
+        words = file["adequacy/validity"].attrs["not_evaluated"].decode().split("side_flow: ")[1].split(";")[0]
+        width = 2 * file["scaling"].attrs["half_width"]
+    length, unit = words.split("shorter than ")[1].split(" would lose 1")[0].split()
+    assert float(length) * {"mm": 1e-3, "um": 1e-6}[unit] == pytest.approx(np.log(100) / 0.68 * width, rel=1e-3)
+
+
 KINDS = {
     "reynolds": STEADY,
     "stokes": changed(STEADY, ("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'"), ("256", "128")),

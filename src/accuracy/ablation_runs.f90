@@ -7,10 +7,10 @@
 module ablation_runs
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use ablations, only: ingredient_t
-   use adequacy, only: adequacy_t, influence_t, new_influence
+   use adequacy, only: adequacy_t, influence_t, is_plainly_needed, new_influence
    use errors, only: error_t
    use kinds, only: wp
-   use lean_solution, only: lean_level_t, pressure_on, solve_from, solve_without
+   use lean_solution, only: add_kappa, lean_level_t, pressure_on, solve_from, solve_without
    use line_contact, only: line_contact_t
    use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
@@ -24,15 +24,13 @@ module ablation_runs
    public :: change_between, doubt_between, measure_at_rest, set_change
 
    !> The error of a change: so many times its own change from the coarser grid, a share of itself,
-   !> and a share of the largest change of a quantity.
-   real(wp), parameter :: widths(3) = [1.5_wp, 0.05_wp, 0.0_wp]
+   !> a share of the largest change of a film, and what iterations leave at least.
+   real(wp), parameter :: widths(4) = [1.5_wp, 0.05_wp, 0.0_wp, 2.0e-5_wp]
    !> Spikes that may add more to both pressures make their change not known.
    real(wp), parameter :: largest_doubt = 0.01_wp
    !> Where only the lean contact has a spike, the change of its friction is at least this share of
    !> the smaller one of both grids.
    real(wp), parameter :: least_share = 0.5_wp
-   !> No change is known better than that.
-   real(wp), parameter :: least_error = 2.0e-5_wp
    !> Newton steps that a solution from a neighbour takes, about, with the cost of its grid.
    real(wp), parameter :: usual_steps = 11.0_wp
    !> Newton steps of one ingredient on a grid at most.
@@ -43,19 +41,25 @@ module ablation_runs
 contains
 
    !> Measures the ingredients of a steady `contact`, whose domain is complete, from the pressure of
-   !> `state` on n intervals: a row each. `budget`: nodes times Newton steps that may be spent, of
-   !> which what is left is returned.
-   subroutine measure_at_rest(contact, state, list, budget, adequacy, watcher, error)
+   !> `state` on n intervals: a row each. `ends_early`: with what is plainly needed for the accuracy
+   !> of `adequacy` as soon as that is known. `budget`: nodes times Newton steps that may be spent,
+   !> of which what is left is returned.
+   ! allow(too-many-arguments)  what is measured, the bound, and what every run has
+   subroutine measure_at_rest(contact, state, list, ends_early, budget, adequacy, watcher, error)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
       type(ingredient_t), intent(in) :: list(:)
+      logical, intent(in) :: ends_early
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
       class(observer_t), intent(inout) :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(lean_level_t) :: full(2)
+      real(wp) :: enough
       integer :: g, i
 
+      enough = huge(1.0_wp)
+      if (ends_early) enough = adequacy%accuracy
       adequacy%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
       adequacy%at_rest = grids_for(contact, size(state%x) - 1, size(list), budget)
       associate (grids => adequacy%at_rest)
@@ -64,56 +68,60 @@ contains
             call solve_from(full(g), contact, grids(g), pressure_on(state, grids(g)), &
                budget, watcher, error)
             if (allocated(error) .or. watcher%wants_stop) return
+            if (full(g)%is_solved) call add_kappa(full(g), budget - full(g)%work, watcher)
             budget = budget - full(g)%work
          end do
          if (.not. full(1)%is_solved) return
          do i = 1, size(list)
             if (budget < usual_steps*sum(grids)) cycle
-            call measure_one(contact, list(i), full, budget, adequacy%rows(i), watcher, &
+            call measure_one(contact, list(i), full, enough, budget, adequacy%rows(i), watcher, &
                error)
             if (allocated(error) .or. watcher%wants_stop) return
          end do
       end associate
    end subroutine measure_at_rest
 
-   !> One ingredient, on the finer grid first, which tells how much of it can be left out.
-   subroutine measure_one(contact, ingredient, full, budget, row, watcher, error)
+   !> One ingredient, on the finer grid first, which tells how much of it can be left out: by the
+   !> scheme of the thesis and, unless it is plainly needed for the accuracy `enough` already, by
+   !> kappa.
+   ! allow(too-many-arguments)  what is measured, the bound, and what every run has
+   subroutine measure_one(contact, ingredient, full, enough, budget, row, watcher, error)
       type(line_contact_t), intent(in) :: contact
       type(ingredient_t), intent(in) :: ingredient
       type(lean_level_t), intent(in) :: full(2)
+      real(wp), intent(in) :: enough
       real(wp), intent(inout) :: budget
       type(influence_t), intent(inout) :: row
       class(observer_t), intent(inout) :: watcher
       type(error_t), allocatable, intent(out) :: error
-      type(lean_level_t) :: lean
+      type(lean_level_t) :: lean(2)
       real(wp) :: rest
-      ! by the thesis's scheme and by kappa
-      real(wp), dimension(quantity_count, 2) :: changes, doubt, kappa_changes, kappa_doubt
-      logical :: has_kappa
+      real(wp), dimension(quantity_count, 2) :: changes, doubt
       integer :: g
 
       rest = -1.0_wp
-      has_kappa = all(full%has_kappa)
       do g = 1, 2
          if (.not. full(g)%is_solved) return
-         call solve_without(lean, contact, ingredient, full(g), &
+         call solve_without(lean(g), contact, ingredient, full(g), &
             min(budget, most_steps*full(g)%level%n), rest, watcher, error)
          if (allocated(error) .or. watcher%wants_stop) return
-         budget = budget - lean%work
-         if (.not. lean%is_solved) return
-         changes(:, g) = change_between(lean%summary, full(g)%summary)
-         if (g == 1) doubt = doubt_between(lean%summary, full(g)%summary)
-         has_kappa = has_kappa .and. lean%has_kappa
-         if (.not. has_kappa) cycle
-         kappa_changes(:, g) = change_between(lean%kappa, full(g)%kappa)
-         if (g == 1) kappa_doubt = doubt_between(lean%kappa, full(g)%kappa)
+         budget = budget - lean(g)%work
+         if (.not. lean(g)%is_solved) return
+         changes(:, g) = change_between(lean(g)%summary, full(g)%summary)
       end do
+      doubt = doubt_between(lean(1)%summary, full(1)%summary)
       row%left_out = 1 - rest
-      if (has_kappa) then
-         call set_change(row, kappa_changes, kappa_doubt, widths)
-      else
-         call set_change(row, changes, doubt, widths)
-      end if
+      call set_change(row, changes, doubt, widths)
+      if (is_plainly_needed(row, enough) .or. .not. all(full%has_kappa)) return
+      do g = 1, 2
+         budget = budget + lean(g)%work
+         call add_kappa(lean(g), min(budget, most_steps*full(g)%level%n) - lean(g)%work, watcher)
+         budget = budget - lean(g)%work
+         if (.not. lean(g)%has_kappa) return
+         changes(:, g) = change_between(lean(g)%kappa, full(g)%kappa)
+      end do
+      doubt = doubt_between(lean(1)%kappa, full(1)%kappa)
+      call set_change(row, changes, doubt, widths)
    end subroutine measure_one
 
    !> The change of a row and its error from those on the finer (1) and the coarser grid; `factors`
@@ -121,7 +129,7 @@ contains
    !> not known; but a spike only adds to friction, without it there is less.
    pure subroutine set_change(row, changes, doubt, factors)
       type(influence_t), intent(inout) :: row
-      real(wp), intent(in) :: changes(:, :), doubt(:, :), factors(3)
+      real(wp), intent(in) :: changes(:, :), doubt(:, :), factors(4)
       logical :: is_sure(2)
       real(wp) :: error
       integer :: i
@@ -134,7 +142,7 @@ contains
          is_sure = ieee_is_finite(doubt(i, :))
          if (i == p_max) is_sure = is_sure .and. .not. exceeds(sum(doubt(i, :)), largest_doubt)
          error = factors(1)*abs(changes(i, 1) - changes(i, 2)) + factors(2)*abs(changes(i, 1)) &
-            + factors(3)*largest_change(changes(:, 1)) + least_error
+            + factors(3)*largest_change(changes(:, 1)) + factors(4)
          if (all(is_sure)) then
             row%change(i) = changes(i, 1)
             row%error(i) = error + abs(1 + changes(i, 1))*sum(doubt(i, :))

@@ -27,7 +27,7 @@ module coarse_passages
    !> No passage has fewer intervals.
    integer, parameter :: least_intervals = 32
    !> Bound on the residuals of time steps; cycles of a solution.
-   real(wp), parameter :: coarse_tolerance = 1.0e-4_wp
+   real(wp), parameter, public :: coarse_tolerance = 1.0e-4_wp
    integer, parameter :: max_cycles = 40
 
    !> Newton steps of a time step, about.
@@ -42,9 +42,10 @@ module coarse_passages
    !> below: 0.63 to 0.71 of the finer ones.
    integer, parameter :: families(4) = [14, 12, 10, 8], coarser_families(4) = [10, 8, 7, 5]
    !> The error of a change: so many times its change from the coarser of these grids (an error that
-   !> falls with the spacing is twice that), a share of itself, and a share of the largest change of
-   !> a film: a wave passes the nodes of two coarse grids alike by chance.
-   real(wp), parameter, public :: widths(3) = [3.0_wp, 0.1_wp, 0.15_wp]
+   !> falls with the spacing is twice that), a share of itself, a share of the largest change of a
+   !> film, for a wave passes the nodes of two coarse grids alike by chance, and what iterations
+   !> leave of both.
+   real(wp), parameter, public :: widths(4) = [3.0_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
    !> By which scheme a passage is run, and by which where that finds no solution: what errs least
    !> on coarse grids, and what is solved most often.
    character(len=*), parameter, public :: schemes(2) = [character(len=7) :: 'kappa', 'upwind2']
@@ -180,6 +181,8 @@ contains
       integer :: g
 
       do g = 1, 2
+         if (g == 2) call start_from_finer(passages%smooth, &
+            passages%scenes%contact%domain%intervals)
          call run_without(passages%scenes(g), ingredient, passages%smooth(g), lean, is_known, &
             passages%work, watcher, error)
          if (allocated(error) .or. .not. is_known) return
@@ -187,6 +190,20 @@ contains
          if (g == 1) doubt = doubt_between(lean, passages%full(g))
       end do
    end subroutine changes_without
+
+   !> Where only the finer one of two grids has its smooth contact, the other one starts from its
+   !> nodes, if they have them in common.
+   pure subroutine start_from_finer(smooth, intervals)
+      type(film_state_t), intent(inout) :: smooth(2)
+      integer, intent(in) :: intervals(2)
+
+      if (.not. allocated(smooth(1)%pressure) .or. allocated(smooth(2)%pressure)) return
+      associate (stride => intervals(1)/intervals(2))
+         if (stride*intervals(2) /= intervals(1)) return
+         smooth(2)%pressure = smooth(1)%pressure(::stride)
+         smooth(2)%film = smooth(1)%film(::stride)
+      end associate
+   end subroutine start_from_finer
 
    !> Time steps on a coarser grid: as many times fewer as intervals, but none longer than dX unless
    !> those of the scene are.

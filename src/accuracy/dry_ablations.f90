@@ -35,8 +35,10 @@ module dry_ablations
    real(wp), parameter :: safety = 1.5_wp, own_share = 0.05_wp, deviations = 2.0_wp
    !> Variance of a place between two nodes, in spacings.
    real(wp), parameter :: uniform_variance = 1.0_wp/12.0_wp
-   !> Profiles of an area that are solved as lines.
+   !> Profiles of an area that are solved as lines, and Student's t for so many: the mean of all is
+   !> within that many standard errors of theirs in 95 of 100 areas.
    integer, parameter :: profiles = 8
+   real(wp), parameter :: students_t = 2.365_wp
 
    !> What is known before anything is left out, and where it is.
    type :: known_t
@@ -220,15 +222,15 @@ contains
    end subroutine solve_one
 
    !> Relative `change` of the quantities of an area, `values`, where profiles along x take its
-   !> place, the mean of several, each under the same mean pressure; `error_of` is the standard
-   !> error of that mean. Fails (internal_error) if FFTW does.
+   !> place, the mean of several, each under the same mean pressure; `error_of` is that of the mean.
+   !> Fails (internal_error) if FFTW does.
    subroutine measure_profiles(sweep, values, change, error_of, error)
       type(dry_sweep_t), intent(in) :: sweep
       real(wp), intent(in) :: values(compared_count)
       real(wp), intent(out) :: change(compared_count), error_of(compared_count)
       type(error_t), allocatable, intent(out) :: error
       type(dry_sweep_t) :: line
-      real(wp) :: found(compared_count, profiles)
+      real(wp) :: found(compared_count, profiles), edges(profiles)
       type(dry_row_t) :: row
       integer :: i, y
 
@@ -245,10 +247,14 @@ contains
          call solve_one(line, row, error)
          if (allocated(error)) return
          found(:, i) = quotient(compared_values(row), values) - 1.0_wp
+         edges(i) = quotient(sqrt(row%contact_edges*uniform_variance), values(1)*sweep%grid%nx)
       end do
       change = sum(found, dim=2)/profiles
-      error_of = sqrt(sum((found - spread(change, 2, profiles))**2, dim=2)/(profiles*(profiles &
-         - 1.0_wp)))
+      error_of = students_t*sqrt(sum((found - spread(change, 2, profiles))**2, &
+         dim=2)/(profiles*(profiles - 1.0_wp)))
+      ! where all that touches yields, edges of all profiles may err alike, and make all of a change
+      if (ieee_is_finite(error_of(1))) error_of(1) = larger(error_of(1), &
+         min(deviations*sum(edges)/profiles, abs(change(1))))
    end subroutine measure_profiles
 
    !> Nodes of the shorter side.

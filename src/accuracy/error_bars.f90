@@ -10,12 +10,14 @@ module error_bars
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_summary, only: line_summary_t, new_quantity, quantity_t
+   use lubricant, only: fluid_t, fluid_viscosity
    use missing_value, only: exceeds, larger, not_known
    use pressure_errors, only: allow_for_spike, doubt_shear, estimate_crest, &
       estimate_crest_in_time, pressure_safety, top_of
    use pressure_spike, only: spike_law_t
    use quantities, only: h_central, h_min, is_chance, p_max, quantity_count, quantity_rows, &
       rule_between, rule_crest, rule_node, sliding_rows
+   use rheology, only: thins
    use solver_settings, only: time_settings_t
    use split_errors, only: apart_t, apply_forecast, forecast_t
    use transient_errors, only: error_by_reference, error_in_time, limit_in_time
@@ -32,8 +34,9 @@ module error_bars
    !> as far as the film is thick (M 0.5-500, L 0-30, against four times the domain).
    real(wp), parameter :: film_safety = 2.0_wp
    !> Forces err as films do, that of sliding by up to this many times the share of the pressures
-   !> more.
-   real(wp), parameter :: shear_safety = 1.5_wp
+   !> more; that of a Newtonian oil as its viscosity does, where the largest pressure changes by a
+   !> third of that share (M 2-70, L 3-9, against a domain twice as long).
+   real(wp), parameter :: shear_safety = 1.5_wp, pressure_part = 1.0_wp/3.0_wp
 
    !> The coarse runs of a result and what is known of the order of the scheme.
    type :: error_bars_t
@@ -146,8 +149,21 @@ contains
       where (quantity_rows%field == 'film_thickness') shares = domain_error(report%inlet_error)
       where (quantity_rows%field == 'friction_coefficient' .or. quantity_rows%field == 'power') &
          shares = domain_error(report%inlet_error)
-      shares(sliding_rows) = shares(sliding_rows) + shear_safety*report%inlet_pressure_error
+      shares(sliding_rows) = shares(sliding_rows) + shear_response(bars%spike_law%fluid, &
+         summary%of(p_max)%value)*report%inlet_pressure_error
    end function inlet_shares
+
+   !> By how many times the share of the pressures that an inlet is missing sliding errs.
+   pure function shear_response(fluid, pressure) result(response)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: pressure
+      real(wp) :: response, ln_mu(1)
+
+      response = shear_safety
+      if (thins(fluid) .or. .not. ieee_is_finite(pressure)) return
+      call fluid_viscosity(fluid, [pressure], ln_mu)
+      response = max(response, pressure_part*ln_mu(1))
+   end function shear_response
 
    !> Whether the surfaces have waves that coarse runs do not see; a forecast has seen them.
    pure function has_unseen_waves(bars)

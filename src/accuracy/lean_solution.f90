@@ -3,12 +3,13 @@
 module lean_solution
    use, intrinsic :: ieee_exceptions, only: ieee_get_halting_mode, ieee_set_halting_mode, &
       ieee_usual
-   use ablations, only: contact_without, ingredient_t
+   use ablations, only: contact_without, has_roughness, ingredient_t, &
+      without_surfaces
    use errors, only: error_t
    use film_equation, only: take_film
    use film_state, only: film_state_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t, move_profiles
+   use line_contact, only: finest_wave, line_contact_t, move_profiles
    use level_summaries, only: level_summary
    use line_hierarchy, only: coarsest_for_film, roughness_at
    use line_level, only: line_level_t, new_level, set_plain_problem
@@ -29,12 +30,16 @@ module lean_solution
    implicit none (type, external)
    private
 
-   public :: doubt_spike, follow_waves, lean_level_t, pressure_on, solve_from, solve_without
+   public :: add_kappa, doubt_spike, follow_waves, lean_level_t, pressure_on, solve_from, &
+      solve_without
 
-   !> Accuracy of P, H0 and (ten times that) H.
-   real(wp), parameter :: lean_tolerance = 1.0e-5_wp
+   !> Last step of P, H0 and (ten times that) H: what it leaves is about the square of it.
+   real(wp), parameter :: lean_tolerance = 1.0e-3_wp
    !> Newton steps at most.
    integer, parameter :: max_newton_steps = 18
+   !> What waves have made of the pressure moves with them to a place that is farther than this
+   !> share of the finest one; to a nearer one it stays: beside a spike not all of it moves.
+   real(wp), parameter :: far_share = 0.2_wp
    !> How much of an ingredient is left where it cannot be left out.
    real(wp), parameter :: largest_rest = 0.75_wp
 
@@ -52,8 +57,8 @@ module lean_solution
 contains
 
    !> Poses `contact`, whose domain is complete, on `intervals` with its surfaces of time 0, and
-   !> solves it from `start` (0:intervals) in at most `work` nodes times Newton steps: by the scheme
-   !> of the thesis and, if that can be, from there by the kappa scheme, which errs less.
+   !> solves it from `start` (0:intervals) by the scheme of the thesis, in at most `work` nodes
+   !> times Newton steps.
    subroutine solve_from(self, contact, intervals, start, work, watcher, error)
       type(lean_level_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
@@ -62,26 +67,32 @@ contains
       real(wp), intent(in) :: work
       class(observer_t), intent(inout) :: watcher
       type(error_t), allocatable, intent(out) :: error
-      type(film_state_t) :: thesis
-      real(wp) :: most
 
-      most = self%work + work
       call pose(self, contact, intervals, 0.0_wp, error)
       if (allocated(error)) return
       self%level%state%pressure = start%pressure
       call place_film(self%level, minval(start%film))
       call solve_level_of(self, work, watcher)
-      if (.not. self%is_solved) return
+      if (self%is_solved) self%summary = summary_with_doubt(self%level)
+   end subroutine solve_from
+
+   !> From a solution by the scheme of the thesis that by the kappa scheme, which errs less, if
+   !> there is one; the state stays.
+   subroutine add_kappa(self, work, watcher)
+      type(lean_level_t), intent(inout) :: self
+      real(wp), intent(in) :: work
+      class(observer_t), intent(inout) :: watcher
+      type(film_state_t) :: thesis
+
       thesis = self%level%state
-      self%summary = summary_with_doubt(self%level)
       self%level%is_kappa = .true.
-      call solve_level_of(self, most - self%work, watcher)
+      call solve_level_of(self, work, watcher)
       self%has_kappa = self%is_solved
       if (self%has_kappa) self%kappa = summary_with_doubt(self%level)
       self%is_solved = .true.
       self%level%is_kappa = .false.
       self%level%state = thesis
-   end subroutine solve_from
+   end subroutine add_kappa
 
    !> The steady problem on one grid, with the surfaces of `time`.
    subroutine pose(self, contact, intervals, time, error)
@@ -204,7 +215,8 @@ contains
       type(line_contact_t) :: own
       type(lean_level_t) :: lean
       type(passage_extremes_t) :: passage
-      real(wp) :: now
+      real(wp), allocatable :: smooth(:)
+      real(wp) :: last, now
       integer :: k, steps
 
       own = contact
@@ -216,18 +228,23 @@ contains
          call move_profiles(own, now, error)
          if (allocated(error)) return
          if (lean%level%n == 0) then
-            call pose(lean, own, size(start%pressure) - 1, now, error)
+            call pose(lean, without_surfaces(own), size(start%pressure) - 1, now, error)
             if (allocated(error)) return
             lean%level%state%pressure = start%pressure
-            lean%level%state%film = start%film
+            lean%level%is_kappa = is_kappa
+            call place_film(lean%level, minval(start%film))
+            if (is_kappa) call solve_level_of(lean, huge(1.0_wp), watcher)
+            smooth = lean%level%state%pressure
+            last = now
          end if
+         associate (distance => wave_speed(own)*(now - last))
+            if (distance > far_share*finest_wave(own)) call carry_waves(lean%level, smooth, &
+               distance)
+         end associate
+         last = now
          lean%level%rhs_film = 0.5_wp*lean%level%x**2 - roughness_at(own, lean%level, now)
          call place_film(lean%level, minval(lean%level%state%film))
          call solve_level_of(lean, huge(1.0_wp), watcher)
-         if (lean%is_solved .and. (is_kappa .neqv. lean%level%is_kappa)) then
-            lean%level%is_kappa = is_kappa
-            call solve_level_of(lean, huge(1.0_wp), watcher)
-         end if
          is_known = lean%is_solved
          if (.not. is_known) work = work + lean%work
          if (.not. is_known) return
@@ -236,6 +253,33 @@ contains
       work = work + lean%work
       summary = passage%extremes(level_summary(lean%level))
    end subroutine follow_waves
+
+   !> Speed dX/dT of the only surface that is rough; 0 where both are.
+   pure function wave_speed(contact) result(speed)
+      type(line_contact_t), intent(in) :: contact
+      real(wp) :: speed
+
+      speed = 0.0_wp
+      if (.not. has_roughness(contact%surface_1)) speed = contact%surface_2%speed
+      if (.not. has_roughness(contact%surface_2)) speed = contact%surface_1%speed
+   end function wave_speed
+
+   !> Moves what waves have made of the `smooth` pressure by a `distance`, as they move.
+   pure subroutine carry_waves(level, smooth, distance)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: smooth(0:), distance
+      real(wp) :: change(0:level%n), place, part
+      integer :: i, k
+
+      change = level%state%pressure - smooth
+      do i = 1, level%n - 1
+         place = min(max(i - distance/level%dx, 0.0_wp), real(level%n, wp))
+         k = min(int(place), level%n - 1)
+         part = place - k
+         level%state%pressure(i) = max(0.0_wp, smooth(i) + (1 - part)*change(k) + part*change(k &
+            + 1))
+      end do
+   end subroutine carry_waves
 
    !> Nothing is solved yet, but what it has cost so far stays.
    subroutine start_anew(lean)

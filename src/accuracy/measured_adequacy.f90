@@ -14,8 +14,8 @@ module measured_adequacy
    use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, roughness, squeeze, &
       without_surfaces
    use adequacy, only: adequacy_t, influence_t, new_influence, tell_at_rest
-   use coarse_passages, only: changes_without, cost_of, known_passages, march_weight, &
-      passage_grids, passages_t, run_grid, run_passages, scene_t, schemes, sees_all, &
+   use coarse_passages, only: changes_without, coarse_tolerance, cost_of, known_passages, &
+      march_weight, passage_grids, passages_t, run_grid, run_passages, scene_t, schemes, sees_all, &
       solve_steadily, steps_on, steps_to_start, widths
    use error_bars, only: error_bars_t
    use errors, only: error_t
@@ -33,8 +33,9 @@ module measured_adequacy
 
    public :: measure_adequacy, own_runs_t
 
-   !> Share of the cost of the run, and what a small run may take, 20 ms (2700 instructions each).
-   real(wp), parameter :: share = 0.1_wp, small_run = 5.3e4_wp
+   !> Share of the cost of the run, and what a small run may take: 20 ms, 2700 instructions each,
+   !> but what writing the rows takes.
+   real(wp), parameter :: share = 0.1_wp, small_run = 5.0e4_wp
    !> Newton steps of a steady run on its finest grid, coarser ones and error bars counted.
    real(wp), parameter :: steady_steps = 12.0_wp
    !> Coarse runs of error bars over the cost of a passage: n/2 and n/4; the passage once more by
@@ -52,17 +53,18 @@ module measured_adequacy
    end type own_runs_t
 
    !> The error of a change: so many times its own change from the grid with twice the spacing, of
-   !> first order 1.5 times the error; a share of itself; and on n/8 a share of the largest change
-   !> of a film, for a wave passes the nodes of two coarse grids alike by chance.
-   real(wp), parameter :: own_widths(3) = [1.5_wp, 0.05_wp, 0.0_wp], &
-      coarse_widths(3) = [1.5_wp, 0.1_wp, 0.15_wp]
+   !> first order 1.5 times the error; a share of itself; on n/8 a share of the largest change of a
+   !> film, for a wave passes the nodes of two coarse grids alike by chance; and what iterations
+   !> leave.
+   real(wp), parameter :: own_widths(4) = [1.5_wp, 0.05_wp, 0.0_wp, 2.0e-5_wp], &
+      coarse_widths(4) = [1.5_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
    !> Newton steps from one place of the waves to the next.
    real(wp), parameter :: steps_to_next = 5.0_wp
    !> Times at which waves are looked at while the finest one passes its own length: for the grids
    !> of roughness, and at least.
    real(wp), parameter :: places_on_finest = 8.0_wp, least_places = 3.0_wp
    !> A time step on a coarse grid takes so many times the Newton steps of one of the run.
-   real(wp), parameter :: longer_steps = 2.0_wp
+   real(wp), parameter :: longer_steps = 1.3_wp
 
 contains
 
@@ -94,7 +96,7 @@ contains
                error)   ! error: the caller looks
          else
             budget = max(share*steady_steps*n, small_run)
-            call measure_at_rest(scene%contact, state, list, budget, adequacy, watcher, &
+            call measure_at_rest(scene%contact, state, list, .false., budget, adequacy, watcher, &
                error)   ! error: the caller looks
          end if
       end associate
@@ -206,8 +208,9 @@ contains
          if (allocated(error) .or. .not. is_solved) return
          budget = budget - steps_to_start*n
       end associate
-      call measure_at_rest(smooth%contact, state, pack(list, .not. is_of_surfaces(list)), budget, &
-         own, watcher, error)
+      own%accuracy = adequacy%accuracy
+      call measure_at_rest(smooth%contact, state, pack(list, .not. is_of_surfaces(list)), .true., &
+         budget, own, watcher, error)
       if (allocated(error)) return
       adequacy%at_rest = own%at_rest
       k = 0
@@ -311,7 +314,7 @@ contains
       class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: passages
-      real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), cost, widths(3)
+      real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), cost, widths(4)
 
       is_known = .false.
       widths = own_widths
@@ -379,7 +382,7 @@ contains
       type(passages_t), intent(inout) :: passages
       real(wp), intent(out) :: cost
       real(wp) :: from, share
-      integer :: g, steps
+      integer :: steps
 
       associate (times => new_passage_times(scene%contact, scene%time), &
          grids => passages%scenes%contact%domain%intervals, end_time => scene%time%end_time)
@@ -388,9 +391,7 @@ contains
          ! only times that count are solved
          share = max(1 - from/end_time, epsilon(1.0_wp))
          cost = 0.0_wp
-         do g = 1, 2
-            if (.not. allocated(passages%smooth(g)%pressure)) cost = cost + steps_to_start*grids(g)
-         end do
+         if (.not. allocated(passages%smooth(1)%pressure)) cost = steps_to_start*grids(1)
          steps = int(max(1.0_wp, min((budget - cost)/(steps_to_next*share*sum(grids)), &
             real(steps_on(scene, grids(1)), wp))))
          cost = cost + steps_to_next*share*steps*sum(grids)

@@ -16,8 +16,9 @@ module validity
    use lubricant, only: lubricant_t, viscosity_barus, viscosity_constant
    use missing_value, only: not_known
    use model_limits, only: film_reynolds_number, film_temperatures, flash_temperatures, &
-      inlet_heating_loss, side_flow_loss
+      inlet_heating_loss, shortest_length, side_flow_loss
    use quantities, only: h_central, h_min, p_max
+   use quantity_text, only: number_text, prefixed_text
    use scaling, only: scaling_t
    use validity_table, only: film_over_wave, hardness, inlet_heating, limit_count, limit_rows, &
       limiting_stress, mixed_lubrication, shakedown, shear_heating, side_flow, starvation, &
@@ -151,13 +152,15 @@ contains
                *mean_speed**2/given%conductivity, abs(of%bodies%speed_2 - of%bodies%speed_1) &
                /mean_speed, scaling%hertz_pressure/scaling%reduced_modulus)
          case (side_flow)
-            if (.not. given%length > 0.0_wp) then
-               limit%missing = '&bodies contact_length is not given'
-            else
-               ! where pressure builds up: the Hertzian contact, or the wedge of rigid bodies
-               length = 2.0_wp*max(scaling%half_width, sqrt(2.0_wp*scaling%reduced_radius &
-                  *scaling%film*summary%of(h_central)%value))
+            ! where pressure builds up: the Hertzian contact, or the wedge of rigid bodies
+            length = 2.0_wp*max(scaling%half_width, sqrt(2.0_wp*scaling%reduced_radius &
+               *scaling%film*summary%of(h_central)%value))
+            if (given%length > 0.0_wp) then
                limit%value = side_flow_loss(given%length, length)
+            else
+               limit%missing = '&bodies contact_length is not given, a contact shorter than '// &
+                  prefixed_text(shortest_length(limit%threshold, length), 'm')//' would lose '// &
+                  number_text(100.0_wp*limit%threshold, 2)//' % of its film to the sides'
             end if
          case (stokes_number)
             limit%value = summary%limits%stokes_number*scaling%slope

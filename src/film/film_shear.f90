@@ -12,6 +12,7 @@ module film_shear
    use friction_sums, only: friction_t
    use kinds, only: wp
    use line_level, only: line_level_t
+   use missing_value, only: not_known
    use quantities, only: exit_between_nodes
    use reynolds_line, only: mass_flux
    use rheology, only: block_size => slip_block, evaluate_slip, evaluate_stress, &
@@ -28,9 +29,6 @@ module film_shear
    !> X_a/X of these points, and what follows from it.
    real(wp), parameter :: share(points) = [1, 3, 5, 7, 9, 11, 13, 15]/16.0_wp, &
       inverse_square(points) = 1/share**2, ln_share(points) = log(share)
-   !> Part of a spacing by which the exit between two nodes is taken to be off: a quarter of its
-   !> error in the mean square, for what changes from grid to grid comes on top of it.
-   real(wp), parameter :: exit_jitter = 0.05_wp
    !> Bound of alpha_bar Q in front of the domain: no solution comes near it.
    real(wp), parameter :: largest_reduced = 0.9_wp
 
@@ -50,6 +48,7 @@ contains
 
       associate (p => level%state%pressure, h => level%state%film, rho => level%density)
          friction = oil_in_front(level, h(maxloc(p, 1) - 1))
+         flux = mass_flux(level)
          exit_node = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1
          do first = 0, exit_node, block_size
             last = min(first + block_size - 1, exit_node)
@@ -58,13 +57,10 @@ contains
                level%n)), h, level%ln_mu, first + 1, block)
             weights(:m) = merge(level%dx, 0.0_wp, p(first:last) > 0.0_wp)
             if (first == 0) weights(1) = 0.5_wp*level%dx
-            if (last == exit_node) then
-               weights(m) = last_weight(level, exit_node)
-               friction%exit_doubt = exit_jitter*level%dx*block%stress(m)
-            end if
+            if (last == exit_node) weights(m) = last_weight(level, exit_node, flux(max(exit_node, &
+               1)))
             friction%sliding = friction%sliding + sum(weights(:m)*block%stress(:m))
          end do
-         flux = mass_flux(level)
          do i = 1, min(exit_node + 1, level%n)
             rise = p(i) - p(i - 1)
             friction%rolling = friction%rolling + 0.25_wp*(h(i - 1) + h(i))*rise
@@ -76,16 +72,48 @@ contains
    end function friction_of
 
    !> Weight of the last node with P > 0: half of the interval in front of it, and as far as the
-   !> exit behind it.
-   pure function last_weight(level, node) result(weight)
+   !> exit behind it, where the stress has fallen as the film has grown. `flux`: the mass flux in
+   !> front of it.
+   pure function last_weight(level, node, flux) result(weight)
       type(line_level_t), intent(in) :: level
       integer, intent(in) :: node
-      real(wp) :: weight, position
+      real(wp), intent(in) :: flux
+      real(wp) :: weight, rest, film
 
       weight = 0.5_wp*level%dx
-      position = exit_between_nodes(level%x, level%state%pressure)
-      if (ieee_is_finite(position)) weight = weight + position - level%x(node)
+      associate (x => level%x, h => level%state%film)
+         film = flux
+         rest = exit_by_flux(x, level%density*h, node, flux) - x(node)
+         if (.not. ieee_is_finite(rest)) then
+            film = h(node)
+            rest = exit_between_nodes(x, level%state%pressure) - x(node)
+         end if
+         if (ieee_is_finite(rest)) weight = weight + 0.5_wp*rest*(1 + h(node)/film)
+      end associate
    end function last_weight
+
+   !> X where a `film` (times its density) carries its `flux` without a slope of the pressure, which
+   !> is how it ends: from the interval in front of the last `node` with P > 0 to the second one
+   !> behind it, by the parabola through it; NaN if it does not there. The film errs by dX^2 there,
+   !> smoothly, the pressures of the last nodes by as much as they are.
+   pure function exit_by_flux(x, film, node, flux) result(position)
+      real(wp), intent(in) :: x(0:), film(0:), flux
+      integer, intent(in) :: node
+      real(wp) :: position
+      real(wp) :: bend, part, rise
+      integer :: i
+
+      position = not_known()
+      do i = max(node - 1, 1), min(node + 1, ubound(x, 1) - 1)
+         if (film(i) > flux .or. film(i + 1) <= flux) cycle
+         rise = film(i + 1) - film(i)
+         bend = 0.5_wp*(film(i + 1) - 2*film(i) + film(i - 1))
+         part = (flux - film(i))/rise
+         ! one Newton step from the line to the parabola
+         part = part - bend*part*(part - 1)/max(rise + bend*(2*part - 1), 0.5_wp*rise)
+         position = x(i) + (x(i + 1) - x(i))*part
+      end do
+   end function exit_by_flux
 
    !> lambda/6 (u2 - u1)/(u1 + u2).
    pure function couette_of(level) result(couette)

@@ -11,8 +11,6 @@ module friction_sums
    type, public :: friction_t
       !> Int T_m dX, positive where u2 > u1; NaN where the speeds are not known.
       real(wp) :: sliding = 0.0_wp
-      !> By how much the place of the nodes at the exit may change that; of its sign.
-      real(wp) :: exit_doubt = 0.0_wp
       !> Int (H/2) dP/dX dX: rolling holds back each surface with it.
       real(wp) :: rolling = 0.0_wp
       !> (u2 - u1)/(u1 + u2): times the force of sliding it is the sliding power.
@@ -27,7 +25,7 @@ contains
    pure function unknown_friction() result(friction)
       type(friction_t) :: friction
 
-      friction = friction_t(not_known(), not_known(), not_known(), not_known(), not_known())
+      friction = friction_t(not_known(), not_known(), not_known(), not_known())
    end function unknown_friction
 
 end module friction_sums

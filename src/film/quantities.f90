@@ -64,12 +64,12 @@ module quantities
          [1.0_wp, 2.0_wp], 1.0_wp, &
          'last node with P > 0 (extrapolated: exit between nodes)'), &
       quantity_row_t('friction_coefficient', 'friction', 'friction_coefficient', 'largest', &
-         rule_node, [1.0_wp, 2.0_wp], 1.0_wp, &
+         rule_value, [1.0_wp, 2.0_wp], 1.0_wp, &
          'force of sliding over the load (dimensionless: times R/b)'), &
       quantity_row_t('rolling_friction_coefficient', '', 'friction_coefficient', 'largest', &
          rule_value, [1.0_wp, 2.0_wp], 1.0_wp, &
          'force of rolling on each surface over the load (dimensionless: times R/b)'), &
-      quantity_row_t('sliding_power', '', 'power', 'largest', rule_node, &
+      quantity_row_t('sliding_power', '', 'power', 'largest', rule_value, &
          [1.0_wp, 2.0_wp], 1.0_wp, 'power that sliding turns into heat, per length'), &
       quantity_row_t('rolling_power', '', 'power', 'largest', rule_value, &
          [1.0_wp, 2.0_wp], 1.5_wp, 'power that flow by the pressure turns into heat, per length')]
@@ -93,7 +93,7 @@ contains
    !> A quantity of pressure `p` and film `h` on the nodes `x` of a rising grid, each (nx), or of
    !> what their stresses add up to: its value and that between the nodes, which does not change
    !> with the place of the nodes. The same number twice where there is no other; of the pressure
-   !> the crests are used in its place, of sliding it is that with an exit farther by its error.
+   !> the crests are used in its place.
    pure function quantity_values(row, x, p, h, friction) result(values)
       integer, intent(in) :: row
       real(wp), intent(in) :: x(:), p(:), h(:)
@@ -114,11 +114,11 @@ contains
       case (x_cavitation)
          values = [exit_position(x, p), exit_between_nodes(x, p)]
       case (friction_coefficient)
-         values = abs(friction%sliding + [0.0_wp, friction%exit_doubt])*2/pi
+         values = abs(friction%sliding)*2/pi
       case (rolling_coefficient)
          values = friction%rolling*2/pi
       case (sliding_power)
-         values = friction%sliding_speed*(friction%sliding + [0.0_wp, friction%exit_doubt])
+         values = friction%sliding_speed*friction%sliding
       case (rolling_power)
          values = friction%rolling_power
       case default

@@ -8,11 +8,13 @@ module model_limits
    private
 
    public :: film_reynolds_number, film_temperatures, flash_temperatures, inlet_heating_loss, &
-      pressure_derivative_of_stress, side_flow_loss
+      pressure_derivative_of_stress, shortest_length, side_flow_loss
 
    !> Cells over which the heat of a contact is averaged at most: enough for 1 % of its largest
    !> temperature.
    integer, parameter :: max_cells = 256
+   !> How what is lost to the sides falls with length over width.
+   real(wp), parameter :: end_decay = 0.68_wp
 
 contains
 
@@ -79,8 +81,16 @@ contains
       real(wp), intent(in) :: length, width
       real(wp) :: loss
 
-      loss = exp(-0.68_wp*length/width)
+      loss = exp(-end_decay*length/width)
    end function side_flow_loss
+
+   !> The length [m] at which a contact loses this share, `loss` > 0, to its sides.
+   pure elemental function shortest_length(loss, width) result(length)
+      real(wp), intent(in) :: loss, width
+      real(wp) :: length
+
+      length = -log(loss)*width/end_decay
+   end function shortest_length
 
    !> d tau/dp [-] of the flow between two walls at a given shear rate: what the derivation of
    !> Reynolds' equation takes for small. It is d tau/d ln mu times `slope` = d ln mu/dp [1/Pa].
