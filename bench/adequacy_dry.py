@@ -36,7 +36,7 @@ import numpy as np
 from adequacy import Groups
 from bench_program import new_parser, output_folder
 
-SEED = 518207
+SEED = 640093
 COUNT, QUICK = 40, 6
 FINER = {"dry_line": 8, "dry_area": 4}
 QUANTITIES = ("contact_area_fraction", "mean_separation", "p_max")

@@ -81,9 +81,11 @@ contains
       real(wp) :: weight, rest, film
 
       weight = 0.5_wp*level%dx
-      associate (x => level%x, h => level%state%film)
+      associate (x => level%x, h => level%state%film, first => max(node - 2, 0), &
+         last => min(node + 2, level%n))
          film = flux
-         rest = exit_by_flux(x, level%density*h, node, flux) - x(node)
+         rest = exit_by_flux(x(first:last), level%density(first:last)*h(first:last), node - first, &
+            flux) - x(node)
          if (.not. ieee_is_finite(rest)) then
             film = h(node)
             rest = exit_between_nodes(x, level%state%pressure) - x(node)
