@@ -2,6 +2,7 @@
 module dry_sweep
    use, intrinsic :: iso_fortran_env, only: real32
    use constants, only: pi
+   use contact_edges, only: edge_load, edges_of, line_excess
    use domain_border, only: border_reason
    use dry_contact_solver, only: dry_solver_t
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open, new_dry_problem
@@ -43,11 +44,14 @@ module dry_sweep
       logical :: is_converged
       !> Why the iteration ended.
       character(:), allocatable :: reason
-      !> Contact area less `border_share` of its perimeter (areas), as a fraction.
+      !> Contact area, as a fraction, less `border_share` of its perimeter (areas), or between edges
+      !> that may lie between the nodes (lines).
       real(wp) :: contact_area_corrected
       !> Neighbours one of which is in contact (at the hardness) and the other not, of the periodic
       !> grid.
       integer :: contact_edges, plastic_edges
+      !> Share of the load that is chance, if that of the nodes at the edges is.
+      real(wp) :: edge_load
       type(roughness_t) :: undeformed, loaded, unloaded
    end type dry_row_t
 
@@ -259,13 +263,18 @@ contains
       row%cycles = solution%report%cycles
       row%is_converged = solution%report%converged
       row%reason = solution%report%reason
-      row%contact_area_corrected = row%contact_area_fraction
       row%contact_edges = edges_of(problem%grid, solution%pressure > 0.0_wp)
       row%plastic_edges = 0
       if (problem%is_capped()) row%plastic_edges = edges_of(problem%grid, &
          solution%pressure >= problem%hardness)
-      if (problem%grid%ny > 1) row%contact_area_corrected = row%contact_area_fraction &
-         - border_share*row%contact_edges/real(n, wp)
+      row%edge_load = edge_load(problem%grid, solution%pressure, solution%pressure > 0.0_wp)
+      if (problem%grid%ny > 1) then
+         row%contact_area_corrected = row%contact_area_fraction &
+            - border_share*row%contact_edges/real(n, wp)
+      else
+         row%contact_area_corrected = row%contact_area_fraction &
+            - line_excess(solution%pressure)/n
+      end if
    end subroutine fill_row
 
    !> Roughness of the surface of one load from its fields and from that of the `undeformed` one,
@@ -331,17 +340,5 @@ contains
       bend = 2.0_wp*values(2) - values(1) - values(3)
       if (bend > 0.0_wp) height = (values(3) - values(1))**2/(8.0_wp*bend)
    end function vertex_above
-
-   !> Number of neighbours in x and y one of which is `inside` (nx*ny) and the other not, of the
-   !> periodic grid.
-   pure function edges_of(grid, inside) result(edges)
-      type(dry_grid_t), intent(in) :: grid
-      logical, intent(in) :: inside(:)
-      integer :: edges
-      logical, allocatable :: map(:, :)
-
-      map = reshape(inside, [grid%nx, grid%ny])
-      edges = count(map .neqv. cshift(map, 1, 1)) + count(map .neqv. cshift(map, 1, 2))
-   end function edges_of
 
 end module dry_sweep
