@@ -235,20 +235,20 @@ def boxed(source: random.Random, count: int) -> list[Member]:
 
 
 FAMILIES = [
-    Family("dry_hertz_line", "Hertz, line", FIGURES, hertz(1, hardness=False)),
+    Family("dry_hertz_line", "Hertz, line", FIGURES, hertz(1, hardness=False), 48),
     Family("dry_hertz_area", "Hertz, point", FIGURES, hertz(2, hardness=False)),
-    Family("dry_waves", "Sinusoids", FIGURES, waves),
-    Family("dry_line", "Rough profiles, periodic, elastic", FIGURES, rough(1, hardness=False)),
+    Family("dry_waves", "Sinusoids", FIGURES, waves, 48),
+    Family("dry_line", "Rough profiles, periodic, elastic", FIGURES, rough(1, hardness=False), 48),
     Family("dry_area", "Rough areas, periodic, elastic", FIGURES, rough(2, hardness=False)),
-    Family("dry_open_line", "Rough rollers, open", FIGURES, rough_body(1)),
+    Family("dry_open_line", "Rough rollers, open", FIGURES, rough_body(1), 48),
     Family("dry_open_area", "Rough balls, open", FIGURES, rough_body(2)),
-    Family("dry_plastic_line", "Rough profiles that yield", PLASTIC, rough(1, hardness=True)),
+    Family("dry_plastic_line", "Rough profiles that yield", PLASTIC, rough(1, hardness=True), 48),
     Family("dry_plastic_area", "Rough areas that yield", PLASTIC, rough(2, hardness=True)),
     Family("dry_plastic_ball", "A ball that yields", PLASTIC, hertz(2, hardness=True)),
     Family("dry_many_line", "Rough profiles of 140 to 180 thousand nodes", FIGURES, rough(1, hardness=False, many=True), 12),
-    Family("dry_many_area", "Rough areas of 137 to 315 nodes a side", FIGURES, rough(2, hardness=False, many=True), 12),
+    Family("dry_many_area", "Rough areas of 137 to 315 nodes a side", FIGURES, rough(2, hardness=False, many=True)),
     Family("dry_many_open_area", "Rough balls, as many", FIGURES, rough_body(2, many=True), 12),
-    Family("dry_many_plastic_area", "Rough areas that yield, as many", PLASTIC, rough(2, hardness=True, many=True), 12),
+    Family("dry_many_plastic_area", "Rough areas that yield, as many", PLASTIC, rough(2, hardness=True, many=True)),
     Family("dry_too_small", "Open domains inside the contact", ("summary/p_max",), too_small),
     Family("dry_boxed", "Parabolas in a box", ("summary/p_max",), boxed),
 ]

@@ -63,15 +63,16 @@ contains
       n = size(pressure)
       nodes = 0.0_wp
       do side = -1, 1, 2
-         do i = 0, n - 1
-            if (.not. pressure(i) > 0.0_wp .or. pressure(modulo(i + side, n)) > 0.0_wp) cycle
+         along: do i = 0, n - 1
+            if (.not. pressure(i) > 0.0_wp) cycle along
+            if (pressure(modulo(i + side, n)) > 0.0_wp) cycle along
             inner = modulo(i - side, n)
             if (pressure(inner) > pressure(i)) then
                nodes = nodes + excess_at(pressure(i)/pressure(inner))
             else
                nodes = nodes + mean_excess
             end if
-         end do
+         end do along
       end do
    end function line_excess
 

@@ -67,10 +67,11 @@ module dry_errors
    !> Which of them are separations.
    integer, parameter :: separations(3) = [5, 6, 7]
    !> What the chance in separations is multiplied by: in its square beside differences to finer
-   !> grids (of a line), which miss some of it; where it is the error and the differences to coarser
-   !> grids only say that there is more, by how much of them and beyond which share of it.
-   real(wp), parameter :: chance_beside = 0.005_wp, chance_alone = 0.06_wp, &
-      differences_beside = 0.3_wp, differences_by_chance = 0.1_wp
+   !> grids (of an elastic line), which miss some of it; where it is the error and the differences
+   !> to coarser grids only say that there is more, by how much of them and beyond which share of
+   !> it. Second: how much more where all contact nodes yield.
+   real(wp), parameter :: chance_beside = 0.005_wp, chance_alone(2) = [0.06_wp, 0.3_wp], &
+      differences_beside = 0.3_wp, differences_by_chance(2) = [0.1_wp, 0.35_wp]
    !> Share of the nodes at the edges of patches that comes to the errors of areas: of a line, of an
    !> area, of the corrected area of either.
    real(wp), parameter :: edge_share(2) = [0.4_wp, 0.1_wp], &
@@ -197,32 +198,53 @@ contains
 
       factors = safety(safety_of, column_of(sweep%grid, is_finer))
       estimates = factors*differences
-      if (allocated(sweep%loads%mean_pressure) .and. row%plastic_area_fraction <= 0.0_wp) &
-         estimates(separations) = separation_errors(sweep%grid, row, is_finer, &
-         factors(separations), differences(separations))
+      if (allocated(sweep%loads%mean_pressure)) estimates(separations) = &
+         separation_errors(sweep%grid, row, is_finer, factors(separations), &
+         differences(separations))
       estimates = estimates + row%kkt*abs(values_of(row))
    end function estimates_of
 
-   !> Those of the separations of an elastic `row` under a given load. The load of each edge is
-   !> wrong by chance; separations rise with the logarithm of the load, so that a share of the load
-   !> is that share of elastic energy over load.
+   !> Those of the separations of a `row` under a given load.
    pure function separation_errors(grid, row, is_finer, factors, differences) result(estimates)
       type(dry_grid_t), intent(in) :: grid
       type(dry_row_t), intent(in) :: row
       logical, intent(in) :: is_finer
       real(wp), intent(in) :: factors(:), differences(:)
       real(wp) :: estimates(size(factors))
+
+      estimates = factors*differences
+      associate (yields => [1.0_wp, row%plasticity_index])
+         if (knows_chance(grid, row, is_finer)) then
+            estimates = hypot(dot_product(chance_alone, yields)*chance_of(row), &
+               differences_beside*differences) + factors*max(differences &
+               - dot_product(differences_by_chance, yields)*chance_of(row), 0.0_wp)
+         else if (is_finer .and. grid%ny == 1 .and. row%plastic_area_fraction <= 0.0_wp) then
+            estimates = hypot(estimates, chance_beside*chance_of(row))
+         end if
+      end associate
+   end function separation_errors
+
+   !> Whether the errors of the separations of a `row` are known by chance, hardly by other grids:
+   !> of periodic surfaces by coarser ones. (Lines that yield were not measured.)
+   pure function knows_chance(grid, row, is_finer)
+      type(dry_grid_t), intent(in) :: grid
+      type(dry_row_t), intent(in) :: row
+      logical, intent(in) :: is_finer
+      logical :: knows_chance
+
+      knows_chance = .not. is_finer .and. grid%kernel /= kernel_open &
+         .and. (grid%ny > 1 .or. row%plastic_area_fraction <= 0.0_wp)
+   end function knows_chance
+
+   !> Chance in the separations of a `row` under a given load. The load of each edge is wrong by
+   !> chance; separations rise with the logarithm of the load, so that a share of the load is that
+   !> share of work over load.
+   pure function chance_of(row) result(chance)
+      type(dry_row_t), intent(in) :: row
       real(wp) :: chance
 
-      chance = row%elastic_energy/row%load*row%edge_load
-      estimates = factors*differences
-      if (is_finer) then
-         if (grid%ny == 1) estimates = hypot(estimates, chance_beside*chance)
-      else if (grid%kernel /= kernel_open) then
-         estimates = hypot(chance_alone*chance, differences_beside*differences) &
-            + factors*max(differences - differences_by_chance*chance, 0.0_wp)
-      end if
-   end function separation_errors
+      chance = (row%elastic_energy + row%dissipated_energy)/row%load*row%edge_load
+   end function chance_of
 
    !> Column of `safety`.
    pure function column_of(grid, is_finer) result(column)
