@@ -55,8 +55,10 @@ def count_of(source: random.Random, lines: int, *, many: bool = False) -> int:
 
 
 def finer(lines: int, nodes: int) -> int:
-    """How much finer the grid of the truth is."""
-    return 8 if nodes <= (2048, 64)[lines - 1] else 4
+    """Nodes a side of the truth: at least eight times as many, of many nodes four times; 4 to 7 times a power of two."""
+    wanted = nodes * (8 if nodes <= (2048, 64)[lines - 1] else 4)
+    power = 2 ** math.floor(math.log2(wanted / 4))
+    return power * math.ceil(wanted / power)
 
 
 def hertz_pressure(lines: int, half_width: float, radius: float) -> float:
@@ -79,7 +81,7 @@ def hertz(lines: int, hardness: bool):
             exact = {"summary/p_max": peak, "summary/contact_area_fraction": (width, math.pi * width**2 / 4)[lines - 1]}
             case, truth = (
                 text(lines, f"hertz_pressure = {peak!r}", "shape = 'parabola'", sizes(lines, n), bodies=bodies, bars=bars)
-                for n, bars in ((nodes, True), (nodes * finer(lines, nodes), False))
+                for n, bars in ((nodes, True), (finer(lines, nodes), False))
             )
             found.append(Member(f"{i:03d}", case, truth, {} if hardness else exact))
         return found
@@ -166,7 +168,7 @@ def rough(lines: int, hardness: bool, *, many: bool = False):
                 bodies = f", hardness = {max(MODULUS / 2 * slope * 10 ** source.uniform(-1.3, -0.3), 1.3 * pressure)!r}"
             case, truth = (
                 text(lines, f"mean_pressure = {pressure!r}", FILE, sizes(lines, n), bodies=bodies, bars=bars)
-                for n, bars in ((nodes, True), (nodes * finer(lines, nodes), False))
+                for n, bars in ((nodes, True), (finer(lines, nodes), False))
             )
             found.append(Member(f"{i:03d}", case, truth, files={"z.h5": hdf5(z)}))
         return found
@@ -188,7 +190,7 @@ def rough_body(lines: int, *, many: bool = False):
             mean = peak * half_width * math.pi / 2 / LENGTH if lines == 1 else 2 / 3 * math.pi * peak * half_width**2 / LENGTH**2
             bodies = f", hardness = {peak * 10 ** source.uniform(-0.1, 0.7)!r}" if source.random() < 0.5 else ""
             files, cases = {}, []
-            for name, n in (("z.h5", nodes), ("fine.h5", nodes * finer(lines, nodes))):
+            for name, n in (("z.h5", nodes), ("fine.h5", finer(lines, nodes))):
                 x = ((np.arange(n) + 0.5) / n - 0.5) * LENGTH
                 square = sum(g**2 for g in np.meshgrid(*[x] * lines))
                 # Cell centres begin half a cell from the border; the series is that of the domain.
@@ -233,20 +235,20 @@ def boxed(source: random.Random, count: int) -> list[Member]:
 
 
 FAMILIES = [
-    Family("dry_hertz_line", "Hertz, line", FIGURES, hertz(1, hardness=False)),
+    Family("dry_hertz_line", "Hertz, line", FIGURES, hertz(1, hardness=False), 48),
     Family("dry_hertz_area", "Hertz, point", FIGURES, hertz(2, hardness=False)),
-    Family("dry_waves", "Sinusoids", FIGURES, waves),
-    Family("dry_line", "Rough profiles, periodic, elastic", FIGURES, rough(1, hardness=False)),
+    Family("dry_waves", "Sinusoids", FIGURES, waves, 48),
+    Family("dry_line", "Rough profiles, periodic, elastic", FIGURES, rough(1, hardness=False), 48),
     Family("dry_area", "Rough areas, periodic, elastic", FIGURES, rough(2, hardness=False)),
-    Family("dry_open_line", "Rough rollers, open", FIGURES, rough_body(1)),
+    Family("dry_open_line", "Rough rollers, open", FIGURES, rough_body(1), 48),
     Family("dry_open_area", "Rough balls, open", FIGURES, rough_body(2)),
-    Family("dry_plastic_line", "Rough profiles that yield", PLASTIC, rough(1, hardness=True)),
+    Family("dry_plastic_line", "Rough profiles that yield", PLASTIC, rough(1, hardness=True), 48),
     Family("dry_plastic_area", "Rough areas that yield", PLASTIC, rough(2, hardness=True)),
     Family("dry_plastic_ball", "A ball that yields", PLASTIC, hertz(2, hardness=True)),
     Family("dry_many_line", "Rough profiles of 140 to 180 thousand nodes", FIGURES, rough(1, hardness=False, many=True), 12),
-    Family("dry_many_area", "Rough areas of 137 to 315 nodes a side", FIGURES, rough(2, hardness=False, many=True), 12),
+    Family("dry_many_area", "Rough areas of 137 to 315 nodes a side", FIGURES, rough(2, hardness=False, many=True)),
     Family("dry_many_open_area", "Rough balls, as many", FIGURES, rough_body(2, many=True), 12),
-    Family("dry_many_plastic_area", "Rough areas that yield, as many", PLASTIC, rough(2, hardness=True, many=True), 12),
+    Family("dry_many_plastic_area", "Rough areas that yield, as many", PLASTIC, rough(2, hardness=True, many=True)),
     Family("dry_too_small", "Open domains inside the contact", ("summary/p_max",), too_small),
     Family("dry_boxed", "Parabolas in a box", ("summary/p_max",), boxed),
 ]

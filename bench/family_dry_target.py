@@ -138,7 +138,7 @@ def centred(z: np.ndarray, nodes: int) -> np.ndarray:
 
 
 FAMILIES = [
-    Family("target_hertz_line", "A target: Hertz, line", FIGURES, aimed(1, hertz(1, hardness=False))),
+    Family("target_hertz_line", "A target: Hertz, line", FIGURES, aimed(1, hertz(1, hardness=False)), 48),
     Family("target_hertz_area", "A target: Hertz, point", FIGURES, aimed(2, hertz(2, hardness=False))),
     Family("target_ball", "A target: a ball that yields", FIGURES, aimed(2, hertz(2, hardness=True))),
     Family("target_waves", "A target: sinusoids", FIGURES, aimed(1, waves)),

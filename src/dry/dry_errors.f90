@@ -7,8 +7,11 @@
 !> much coarser ones would tell how rough it is, not how large the error. Edges of patches lie
 !> anywhere between nodes, so that one difference may vanish by chance; the weighted root mean
 !> square of those of several grids hardly does. Areas count nodes: to their error comes a share of
-!> the nodes at the edges. Of the largest pressures the crests between the nodes are compared; to
-!> their error comes how far the highest node lies below.
+!> the nodes at the edges; of lines, whose edges are known between the nodes, what was counted
+!> beyond them. Of the largest pressures the crests between the nodes are compared; to their error
+!> comes how far the highest node lies below. The error of a separation is a sum over all edges,
+!> each of either sign: of a periodic surface with many nodes, whose differences to coarser grids
+!> tell little of it, its size follows from the pressures at the edges.
 module dry_errors
    use dry_problem, only: dry_grid_t, kernel_open
    use dry_resampling, only: dry_sweep_t, is_too_coarse, resample, resample_pressures
@@ -30,7 +33,9 @@ module dry_errors
    !> of 4.
    real(wp), parameter :: short_waves = 1.3_wp
    !> How much coarser the grids are that a grid is compared with, and what the squares of their
-   !> differences weigh: of one with few nodes, and of one with many, an area with the first two.
+   !> differences weigh: of one with few nodes, a periodic elastic line with the first two, and of
+   !> one with many, an area with the first two. (With the third where one of these finds no
+   !> solution.)
    real(wp), parameter :: finer_ratios(3) = [0.5_wp, 2.0_wp/3.0_wp, 4.0_wp/3.0_wp], &
       finer_weights(3) = [1.0_wp, 1.0_wp, 0.1_wp], &
       coarser_ratios(3) = [4.0_wp/3.0_wp, 2.0_wp, 1.5_wp], &
@@ -46,20 +51,31 @@ module dry_errors
    !> Quantities that are compared: contact, corrected and plastic area, plasticity index, mean
    !> separation, separation, datum, p_crest, dp_max, dp_mean, elastic and dissipated energy, load.
    integer, parameter :: quantity_count = 13
-   !> What the root mean square is multiplied by: areas, corrected area, separations and load,
-   !> p_max, deformations and energies; of lines, periodic and open areas by finer grids, then by
-   !> coarser ones.
-   real(wp), parameter :: safety(5, 6) = reshape([1.0_wp, 1.6_wp, 2.3_wp, 2.0_wp, 2.3_wp, &
+   !> What the root mean square is multiplied by: areas, corrected area of areas and of lines,
+   !> separations and load, p_max, deformations and energies; of periodic and open lines, periodic
+   !> and open areas by finer grids, then by coarser ones.
+   real(wp), parameter :: safety(5, 8) = reshape([1.0_wp, 1.5_wp, 2.3_wp, 2.3_wp, 2.3_wp, &
+      1.0_wp, 1.5_wp, 2.3_wp, 3.0_wp, 2.3_wp, &
       1.0_wp, 1.6_wp, 2.4_wp, 2.0_wp, 2.0_wp, &
       1.0_wp, 1.6_wp, 3.0_wp, 3.0_wp, 2.0_wp, &
-      1.0_wp, 1.6_wp, 1.4_wp, 1.5_wp, 1.6_wp, &
+      1.0_wp, 1.5_wp, 1.4_wp, 1.5_wp, 1.6_wp, &
+      1.0_wp, 1.5_wp, 1.4_wp, 1.5_wp, 1.6_wp, &
       1.0_wp, 1.6_wp, 2.2_wp, 1.5_wp, 2.0_wp, &
-      1.0_wp, 1.6_wp, 2.2_wp, 1.5_wp, 2.0_wp], [5, 6])
+      1.0_wp, 1.6_wp, 2.2_wp, 1.5_wp, 2.0_wp], [5, 8])
    !> Which of these holds for each of them.
    integer, parameter :: safety_of(quantity_count) = [1, 2, 1, 1, 3, 3, 3, 4, 5, 5, 5, 5, 3]
+   !> Which of them are separations.
+   integer, parameter :: separations(3) = [5, 6, 7]
+   !> What the chance in separations is multiplied by: in its square beside differences to finer
+   !> grids (of an elastic line), which miss some of it; where it is the error and the differences
+   !> to coarser grids only say that there is more, by how much of them and beyond which share of
+   !> it. Second: how much more where all contact nodes yield.
+   real(wp), parameter :: chance_beside = 0.005_wp, chance_alone(2) = [0.06_wp, 0.3_wp], &
+      differences_beside = 0.3_wp, differences_by_chance(2) = [0.1_wp, 0.35_wp]
    !> Share of the nodes at the edges of patches that comes to the errors of areas: of a line, of an
-   !> area, of the corrected area.
-   real(wp), parameter :: edge_share(2) = [0.4_wp, 0.1_wp], corrected_share = 0.03_wp
+   !> area, of the corrected area of either.
+   real(wp), parameter :: edge_share(2) = [0.4_wp, 0.1_wp], &
+      corrected_share(2) = [0.06_wp, 0.03_wp]
    !> Relative error of p_max over the violation of the contact conditions times the square root of
    !> the nodes along x, at most. (A gap that is wrong at single nodes could do more; what
    !> iterations leave is smooth.)
@@ -88,7 +104,8 @@ contains
       is_finer = goes_finer(sweep%grid, sweep%height)
       ratios = merge(finer_ratios, coarser_ratios, is_finer)
       weights = merge(finer_weights, coarser_weights, is_finer)
-      grids: do k = 1, merge(3, 2, is_finer .or. sweep%grid%ny == 1)
+      grids: do k = 1, size(ratios)
+         if (minval(count) >= least_grids(sweep, is_finer)) exit grids
          if (is_too_coarse(sweep%grid, ratios(k))) cycle grids
          comparison = sweep
          comparison%settings = comparison_settings(sweep)
@@ -109,12 +126,11 @@ contains
          end do loads
       end do grids
       allocate (errors(size(outcome%rows)))
-      associate (rows => outcome%rows, factors => safety(safety_of, column_of(sweep%grid, &
-         is_finer)))
+      associate (rows => outcome%rows)
          do i = 1, size(rows)
             compared = not_known()
-            if (count(i) >= min_grids .and. rows(i)%is_converged) compared = factors &
-               *sqrt(squares(:, i)/sums(i)) + rows(i)%kkt*abs(values_of(rows(i)))
+            if (count(i) >= min_grids .and. rows(i)%is_converged) compared = estimates_of(sweep, &
+               rows(i), is_finer, sqrt(squares(:, i)/sums(i)))
             call fill_errors(rows(i), compared, errors(i))
             call add_edges(sweep%grid, rows(i), errors(i))
             errors(i)%p_max = errors(i)%p_max + rows(i)%p_crest - rows(i)%p_max &
@@ -122,6 +138,17 @@ contains
          end do
       end associate
    end subroutine estimate_dry_errors
+
+   !> How many grids a `sweep` is compared with, at least.
+   pure function least_grids(sweep, is_finer) result(least)
+      type(dry_sweep_t), intent(in) :: sweep
+      logical, intent(in) :: is_finer
+      integer :: least
+
+      least = merge(3, min_grids, is_finer .neqv. sweep%grid%ny == 1)
+      if (is_finer .and. (sweep%loads%hardness < huge(1.0_wp) &
+         .or. sweep%grid%kernel == kernel_open)) least = 3
+   end function least_grids
 
    !> True if `grid` is compared with finer ones.
    pure function has_few_nodes(grid)
@@ -160,14 +187,73 @@ contains
       end associate
    end function bending
 
+   !> Estimated errors of the quantities of a `row` of `sweep` with these `differences` (root mean
+   !> squares) to other grids.
+   pure function estimates_of(sweep, row, is_finer, differences) result(estimates)
+      type(dry_sweep_t), intent(in) :: sweep
+      type(dry_row_t), intent(in) :: row
+      logical, intent(in) :: is_finer
+      real(wp), intent(in) :: differences(quantity_count)
+      real(wp) :: estimates(quantity_count), factors(quantity_count)
+
+      factors = safety(safety_of, column_of(sweep%grid, is_finer))
+      estimates = factors*differences
+      if (allocated(sweep%loads%mean_pressure)) estimates(separations) = &
+         separation_errors(sweep%grid, row, is_finer, factors(separations), &
+         differences(separations))
+      estimates = estimates + row%kkt*abs(values_of(row))
+   end function estimates_of
+
+   !> Those of the separations of a `row` under a given load.
+   pure function separation_errors(grid, row, is_finer, factors, differences) result(estimates)
+      type(dry_grid_t), intent(in) :: grid
+      type(dry_row_t), intent(in) :: row
+      logical, intent(in) :: is_finer
+      real(wp), intent(in) :: factors(:), differences(:)
+      real(wp) :: estimates(size(factors))
+
+      estimates = factors*differences
+      associate (yields => [1.0_wp, row%plasticity_index])
+         if (knows_chance(grid, row, is_finer)) then
+            estimates = hypot(dot_product(chance_alone, yields)*chance_of(row), &
+               differences_beside*differences) + factors*max(differences &
+               - dot_product(differences_by_chance, yields)*chance_of(row), 0.0_wp)
+         else if (is_finer .and. grid%ny == 1 .and. row%plastic_area_fraction <= 0.0_wp) then
+            estimates = hypot(estimates, chance_beside*chance_of(row))
+         end if
+      end associate
+   end function separation_errors
+
+   !> Whether the errors of the separations of a `row` are known by chance, hardly by other grids:
+   !> of periodic surfaces by coarser ones. (Lines that yield were not measured.)
+   pure function knows_chance(grid, row, is_finer)
+      type(dry_grid_t), intent(in) :: grid
+      type(dry_row_t), intent(in) :: row
+      logical, intent(in) :: is_finer
+      logical :: knows_chance
+
+      knows_chance = .not. is_finer .and. grid%kernel /= kernel_open &
+         .and. (grid%ny > 1 .or. row%plastic_area_fraction <= 0.0_wp)
+   end function knows_chance
+
+   !> Chance in the separations of a `row` under a given load. The load of each edge is wrong by
+   !> chance; separations rise with the logarithm of the load, so that a share of the load is that
+   !> share of work over load.
+   pure function chance_of(row) result(chance)
+      type(dry_row_t), intent(in) :: row
+      real(wp) :: chance
+
+      chance = (row%elastic_energy + row%dissipated_energy)/row%load*row%edge_load
+   end function chance_of
+
    !> Column of `safety`.
    pure function column_of(grid, is_finer) result(column)
       type(dry_grid_t), intent(in) :: grid
       logical, intent(in) :: is_finer
       integer :: column
 
-      column = kind_of(grid) + merge(0, 3, is_finer)
-      if (grid%ny > 1 .and. grid%kernel == kernel_open) column = column + 1
+      column = 2*kind_of(grid) + merge(0, 4, is_finer)
+      if (grid%kernel /= kernel_open) column = column - 1
    end function column_of
 
    !> 1 of a line, 2 of an area.
@@ -251,20 +337,23 @@ contains
       errors%load = errors%mean_pressure/row%mean_pressure*row%load
    end subroutine fill_errors
 
-   !> Adds the share of the nodes at the edges of patches to the `errors` of the areas of `row`.
+   !> Adds the share of the nodes at the edges of patches to the `errors` of the areas of `row`. Of
+   !> a line the contact area has the error of the corrected one, and what it differs by.
    pure subroutine add_edges(grid, row, errors)
       type(dry_grid_t), intent(in) :: grid
       type(dry_row_t), intent(in) :: row
       type(dry_row_t), intent(inout) :: errors
-      real(wp) :: contact, plastic, share
+      real(wp) :: contact, plastic
 
-      share = edge_share(kind_of(grid))/(real(grid%nx, wp)*real(grid%ny, wp))
-      contact = share*row%contact_edges
-      plastic = share*row%plastic_edges
+      associate (kind => kind_of(grid), nodes => real(grid%nx, wp)*real(grid%ny, wp))
+         contact = edge_share(kind)*row%contact_edges/nodes
+         plastic = edge_share(kind)*row%plastic_edges/nodes
+         errors%contact_area_corrected = errors%contact_area_corrected &
+            + corrected_share(kind)*row%contact_edges/nodes
+      end associate
       errors%contact_area_fraction = errors%contact_area_fraction + contact
-      errors%contact_area_corrected = errors%contact_area_corrected + contact
-      if (grid%ny > 1) errors%contact_area_corrected = errors%contact_area_corrected &
-         + (corrected_share/edge_share(2) - 1.0_wp)*contact
+      if (grid%ny == 1) errors%contact_area_fraction = errors%contact_area_corrected &
+         + abs(row%contact_area_fraction - row%contact_area_corrected)
       errors%plastic_area_fraction = errors%plastic_area_fraction + plastic
       errors%plasticity_index = errors%plasticity_index + (plastic + row%plasticity_index*contact) &
          /row%contact_area_fraction

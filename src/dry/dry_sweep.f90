@@ -2,6 +2,7 @@
 module dry_sweep
    use, intrinsic :: iso_fortran_env, only: real32
    use constants, only: pi
+   use contact_edges, only: edge_load, edges_of, line_excess
    use domain_border, only: border_reason
    use dry_contact_solver, only: dry_solver_t
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open, new_dry_problem
@@ -11,7 +12,7 @@ module dry_sweep
    use errors, only: error_t
    use kinds, only: wp
    use load_search, only: solve_for_datum
-   use pressure_shape, only: crest_of, edges_of
+   use pressure_shape, only: crest_of
    use roughness, only: roughness_of, roughness_t
    use wall_clock, only: wall_seconds
    implicit none (type, external)
@@ -44,11 +45,14 @@ module dry_sweep
       logical :: is_converged
       !> Why the iteration ended.
       character(:), allocatable :: reason
-      !> Contact area less `border_share` of its perimeter (areas), as a fraction.
+      !> Contact area, as a fraction, less `border_share` of its perimeter (areas), or between edges
+      !> that may lie between the nodes (lines).
       real(wp) :: contact_area_corrected
       !> Neighbours one of which is in contact (at the hardness) and the other not, of the periodic
       !> grid.
       integer :: contact_edges, plastic_edges
+      !> Share of the load that is chance, if that of the nodes at the edges is.
+      real(wp) :: edge_load
       type(roughness_t) :: undeformed, loaded, unloaded
    end type dry_row_t
 
@@ -308,14 +312,19 @@ contains
       row%cycles = solution%report%cycles
       row%is_converged = solution%report%converged
       row%reason = solution%report%reason
-      row%contact_area_corrected = row%contact_area_fraction
       row%contact_edges = edges_of(problem%grid%nx, problem%grid%ny, solution%pressure, &
          nearest(0.0_wp, 1.0_wp))
       row%plastic_edges = 0
       if (problem%is_capped()) row%plastic_edges = edges_of(problem%grid%nx, &
          problem%grid%ny, solution%pressure, problem%hardness)
-      if (problem%grid%ny > 1) row%contact_area_corrected = row%contact_area_fraction &
-         - border_share*row%contact_edges/real(n, wp)
+      row%edge_load = edge_load(problem%grid%nx, problem%grid%ny, solution%pressure)
+      if (problem%grid%ny > 1) then
+         row%contact_area_corrected = row%contact_area_fraction &
+            - border_share*row%contact_edges/real(n, wp)
+      else
+         row%contact_area_corrected = row%contact_area_fraction &
+            - line_excess(solution%pressure)/n
+      end if
    end subroutine fill_row
 
    !> Adds up a solution, its `fields` and the heights `z` in one pass, each sum in the order of the

@@ -1,11 +1,11 @@
-!> What the shape of a contact pressure says: its crest between the nodes, the border of contact.
+!> The crest of a contact pressure between the nodes.
 module pressure_shape
    use dry_problem, only: dry_grid_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: crest_of, edges_of
+   public :: crest_of
 
    !> Nodes with less of the largest pressure have no vertex above it.
    real(wp), parameter :: crest_share = 0.5_wp
@@ -46,26 +46,5 @@ contains
       bend = 2.0_wp*values(2) - values(1) - values(3)
       if (bend > 0.0_wp) height = (values(3) - values(1))**2/(8.0_wp*bend)
    end function vertex_above
-
-   !> Number of neighbours in x and y one of which has at least the pressure `least` and the other
-   !> not, of the periodic grid.
-   pure function edges_of(nx, ny, pressure, least) result(edges)
-      integer, intent(in) :: nx, ny
-      real(wp), intent(in) :: pressure(nx, ny), least
-      integer :: edges
-      integer :: i, j, next
-
-      edges = 0
-      do j = 1, ny
-         next = modulo(j, ny) + 1
-         edges = edges + merge(1, 0, pressure(nx, j) >= least .neqv. pressure(1, j) >= least)
-         do i = 1, nx - 1
-            edges = edges + merge(1, 0, pressure(i, j) >= least .neqv. pressure(i + 1, j) >= least)
-         end do
-         do i = 1, nx
-            edges = edges + merge(1, 0, pressure(i, j) >= least .neqv. pressure(i, next) >= least)
-         end do
-      end do
-   end function edges_of
 
 end module pressure_shape
