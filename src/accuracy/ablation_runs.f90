@@ -58,7 +58,7 @@ contains
       real(wp) :: enough
       integer :: g, i
 
-      enough = huge(1.0_wp)
+      enough = 0.0_wp
       if (ends_early) enough = adequacy%accuracy
       adequacy%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
       adequacy%at_rest = grids_for(contact, size(state%x) - 1, size(list), budget)
@@ -82,8 +82,8 @@ contains
    end subroutine measure_at_rest
 
    !> One ingredient, on the finer grid first, which tells how much of it can be left out: by the
-   !> scheme of the thesis and, unless it is plainly needed for the accuracy `enough` already, by
-   !> kappa.
+   !> scheme of the thesis and, unless it is plainly needed for the accuracy `enough` already (zero:
+   !> nothing is enough), by kappa.
    ! allow(too-many-arguments)  what is measured, the bound, and what every run has
    subroutine measure_one(contact, ingredient, full, enough, budget, row, watcher, error)
       type(line_contact_t), intent(in) :: contact
@@ -112,7 +112,8 @@ contains
       doubt = doubt_between(lean(1)%summary, full(1)%summary)
       row%left_out = 1 - rest
       call set_change(row, changes, doubt, widths)
-      if (is_plainly_needed(row, enough) .or. .not. all(full%has_kappa)) return
+      if (enough > 0.0_wp .and. is_plainly_needed(row, enough)) return
+      if (.not. all(full%has_kappa)) return
       do g = 1, 2
          budget = budget + lean(g)%work
          call add_kappa(lean(g), min(budget, most_steps*full(g)%level%n) - lean(g)%work, watcher)
