@@ -74,7 +74,7 @@ unit-debug: prepare generate ## the unit tests alone, checked build
 	@tools/fpm_build.sh --tests --flag "$(DEBUG)"
 	@fpm test --flag "$(DEBUG)" -- $(ARGS)
 
-lint: ## style of Fortran, Python and shell, order of the layers, errors that nobody looks at
+lint: ## style of Fortran, Python and shell, types of the Python package, order of the layers, errors that nobody looks at
 	fortitude check --quiet --output-format concise
 	$(PYTHON) tools/check_layers.py
 	$(PYTHON) tools/use_graph.py --most 16
@@ -83,6 +83,7 @@ lint: ## style of Fortran, Python and shell, order of the layers, errors that no
 	$(PYTHON) tools/check_public.py
 	ruff check --quiet .
 	ruff format --quiet --check .
+	$(PYTHON) -m mypy --no-error-summary python/asperity
 	shellcheck bootstrap .ci/run $(wildcard tools/*.sh packaging/*.sh cluster/*.sh cluster/*.sbatch)
 	@echo "lint: no findings"
 

@@ -6,6 +6,7 @@ module read_cases
    use case_record, only: case_t
    use command_line, only: command_t
    use errors, only: error_t, fail, input_error
+   use file_identity, only: file_fault
    use findings, only: findings_t
    use life_sign, only: begin_activity, begin_subject
    use output_names, only: output_findings
@@ -93,6 +94,8 @@ contains
       call read_text_file(file, content, error)
       if (allocated(error)) then
          found = error%message
+         if (file_fault(file) /= '' .and. file_fault(file//'.nml') == '') found = found &
+            //'; did you mean '//file//'.nml?'
          return
       end if
       call put_entries(content, command%entries)

@@ -44,6 +44,7 @@ module run_case
    use run_observer, only: run_observer_t
    use side_by_side, only: solve_beside
    use solver_settings, only: max_intervals_of, max_refined_intervals, time_settings_t
+   use spike_text, only: spike_lines
    use system_limits, only: memory_fault
    use text, only: to_text
    use wall_clock, only: wall_seconds
@@ -358,6 +359,8 @@ contains
          return
       end if
       associate (writer => watcher%writer)
+         words%spike = spike_lines(writer%summary, case%accuracy%target_p_max > 0.0_wp, &
+            .not. case%time%is_transient, case%domain%intervals > 0)
          words%formulas = formula_lines(writer%formulas, writer%summary, watcher%scaling)
          if (allocated(writer%adequacy%rows)) words%model = &
             model_line(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)

@@ -22,6 +22,8 @@ MOST_FAMILY = 40
 QUANTILES = (0.1, 0.9)
 # Longest names along an axis, in characters.
 LONGEST_LABEL = 36
+# Most names below each other along an axis.
+MOST_LINES = 3
 # Factor between the values and the end of a logarithmic axis.
 ROOM = 1.6
 
@@ -73,10 +75,12 @@ def rows_of(table: Gathered, wish: Wish) -> list[list[str]]:
 
 
 def label_of(table: Gathered, names: list[str]) -> str:
-    """Names and unit of quantities that share an axis; of long names the unit alone, since the legend has them."""
+    """Names and unit of quantities that share an axis, long ones below each other; of many the unit alone: the legend has them."""
     label = table.axis(largest(table, names)).label
     words = ", ".join(names)
-    return label if len(names) == 1 else f"{words if len(words) <= LONGEST_LABEL else ''} [{label.rpartition('[')[2]}".strip()
+    if len(words) > LONGEST_LABEL:
+        words = ",\n".join(names) if len(names) <= MOST_LINES else ""
+    return label if len(names) == 1 else f"{words} [{label.rpartition('[')[2]}".strip()
 
 
 def largest(table: Gathered, names: list[str]) -> str:

@@ -43,6 +43,7 @@ def draw_map(table: Gathered, wish: Wish) -> object:
         figure.suptitle(style.literal(table.title), fontsize=9)
     if marks := failure_marks(table):
         style.legend_below(figure, marks, len(marks))
+    style.hide_covered(figure)
     return figure
 
 

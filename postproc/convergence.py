@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws residual and load error over the cycles, with the effective tolerance."""
+"""Draws residual and load error over the cycles, with the bound on both."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
     handles = axes[0, 0].get_legend_handles_labels()[0]
     if tolerance > 0:
         for panel in axes[is_start:, 0]:
-            line = panel.axhline(tolerance, label=f"effective tolerance {power_of_ten(tolerance)}", **style.REFERENCE)
+            line = panel.axhline(tolerance, label=f"bound {power_of_ten(tolerance)}", **style.REFERENCE)
         handles.append(line)
     style.legend_below(figure, handles, 2)
     style.mark_not_converged(figure, [result])

@@ -175,8 +175,9 @@ def draw_maps(result: DryResult) -> Figure:
     if result.hardness:
         kinds += pressure >= result.hardness
     image = right.imshow(kinds, cmap=CLASSES, vmin=-0.5, vmax=2.5, **look)
-    bar = figure.colorbar(image, ax=right, ticks=[0, 1, 2], shrink=0.8)
-    bar.ax.set_yticklabels(["open", "elastic", "plastic"])
+    names = ["open", "elastic", "plastic"] if result.hardness else ["open", "contact"]
+    bar = figure.colorbar(image, ax=right, ticks=range(len(names)), boundaries=np.arange(len(names) + 1) - 0.5, shrink=0.8)
+    bar.ax.set_yticklabels(names)
     left.set(xlabel=f"$x$ [{ux}]", ylabel=f"$y$ [{ux}]")
     right.set_xlabel(f"$x$ [{ux}]")
     figure.suptitle(load_of(result), fontsize=9)
@@ -216,7 +217,7 @@ def draw_surface(result: DryResult) -> Figure:
     surface = result.surface
     has_power = "power_undeformed" in surface
     figure, panels = style.new_figure(style.TWO_COLUMNS, 66, ncols=2 + has_power)
-    fz, uz = unit(surface["level"], "m")
+    (fx, ux), (fz, uz) = unit(result.solution["x"], "m"), unit(surface["level"], "m")
     lines = []
     for state, series in zip(STATES, style.SERIES, strict=False):
         look = {key: series[key] for key in ("color", "linestyle")}
@@ -226,12 +227,12 @@ def draw_surface(result: DryResult) -> Figure:
         if has_power:
             wavelengths, power = spectrum(result, state)
             shown = power > 1e-16 * power.max()
-            panels[2].loglog(wavelengths[shown], power[shown], **look)
+            panels[2].loglog(wavelengths[shown] * fx, power[shown] * fz**2, **look)
     panels[0].set(xlabel="Bearing ratio [%]", ylabel=f"Height [{uz}]", xlim=(0, 100))
     panels[1].set(xlabel=f"Height density [1/{uz}]", ylim=panels[0].get_ylim())
     panels[1].set_xlim(left=0)
     if has_power:
-        panels[2].set(xlabel="Wavelength [m]", ylabel="Mean square height of a band [m$^2$]")
+        panels[2].set(xlabel=f"Wavelength [{ux}]", ylabel=f"Mean square height of a band [{uz}$^2$]")
     style.legend_below(figure, lines, 3)
     return figure
 
@@ -251,8 +252,9 @@ def draw_convergence(result: DryResult) -> Figure:
     figure, panel = style.new_figure(style.ONE_COLUMN, 62)
     look = {key: style.SERIES[0][key] for key in ("color", "linestyle")}
     panel.semilogy(np.arange(result.history.size), np.maximum(result.history, np.finfo(float).tiny), **look)
-    panel.axhline(result.tolerance, **style.REFERENCE)
-    panel.set(xlabel="Iteration [-]", ylabel="Violation of the contact conditions [-]")
+    panel.axhline(result.tolerance, label="bound", **style.REFERENCE)
+    panel.legend()
+    panel.set(xlabel="Iteration", ylabel="Violation of the contact conditions [-]")
     panel.xaxis.set_major_locator(MaxNLocator(integer=True))
     return figure
 

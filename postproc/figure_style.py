@@ -132,6 +132,16 @@ def label_logarithmic(axis: Axis) -> None:
         axis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}" if f"{value:e}"[0] in "25" else ""))
 
 
+def hide_covered(figure: Figure) -> None:
+    """Hides the labels of lines on which the words of a panel, those in a box, lie."""
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        boxes = [text.get_bbox_patch().get_window_extent() for text in axes.texts if text.get_bbox_patch()]
+        for label in axes.texts:
+            if not label.get_bbox_patch() and label.get_window_extent().count_overlaps(boxes):
+                label.set_visible(False)
+
+
 def legend_below(figure: Figure, handles: list, columns: int) -> None:
     """A legend below the axes, where it covers nothing."""
     figure.legend(

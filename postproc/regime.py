@@ -135,7 +135,7 @@ def draw_regimes(axes: Axes, films: Films) -> None:
         inside = regime == i
         if inside.any():
             place = (np.exp(np.log(m[inside]).mean()), np.exp(np.log(oil[inside]).mean()))
-            box = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.7}
+            box = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
             axes.annotate(words.replace(", ", "\n"), place, ha="center", va="center", fontsize=8, color="0.4", bbox=box)
     axes.set(xscale="log", yscale="log", xlim=(films.moes_m[0], films.moes_m[-1]), ylim=(LEAST, LARGEST))
     axes.set(xlabel="$M$", ylabel="$L$")
@@ -173,6 +173,7 @@ def draw(options: argparse.Namespace) -> list[Path]:
     ]
     style.legend_below(figure, handles, 3)
     style.mark_not_converged(figure, [point.result for point in points])
+    style.hide_covered(figure)
     return style.save_figure(figure, figure_command.targets(options, points[0].result.stem, "regime"))
 
 

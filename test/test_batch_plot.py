@@ -98,6 +98,30 @@ def test_a_map_has_cells_where_the_grid_is_full_and_none_where_cases_failed(tabl
     style.plt.close(figure)
 
 
+def test_no_label_of_a_line_is_under_words(table):
+    figure = draw(table, kind="map", x="u", colour="load.w", y=("h_min",), log=("x", "z"), regimes=True)
+    texts = figure.axes[0].texts
+    boxes = [text.get_bbox_patch().get_window_extent() for text in texts if text.get_bbox_patch()]
+    figure.axes[0].text(0.5, 0.5, "under", transform=figure.axes[0].transAxes)
+    figure.axes[0].text(0.5, 0.5, "over", transform=figure.axes[0].transAxes, bbox={"pad": 1})
+    figure.axes[0].text(0.01, 0.99, "apart", transform=figure.axes[0].transAxes)
+    style.hide_covered(figure)
+    assert boxes
+    shown = {text.get_text(): text.get_visible() for text in texts}
+    assert (shown["under"], shown["over"], shown["apart"]) == (False, True, True)
+    style.plt.close(figure)
+
+
+def test_long_names_stand_below_each_other_along_an_axis(table):
+    names = ["contact_area_fraction", "plastic_area_fraction"]
+    with h5py.File(table, "a") as file:
+        for name in names:
+            file.copy("h_min", name)
+    figure = draw(table, x="u", y=tuple(names))
+    assert figure.axes[0].get_ylabel().startswith("contact_area_fraction,\nplastic_area_fraction")
+    style.plt.close(figure)
+
+
 def test_grids_are_recognised():
     x, y = np.array([1.0, 2, 1, 2]), np.array([5.0, 5, 6, 6])
     columns, rows, values = on_grid(x, y, np.array([1.0, 2, 3, 4]))

@@ -47,6 +47,50 @@ def test_spike_rises_on_finer_grids_by_no_more_than_its_error(asperity, tmp_path
         assert 0.001 * SPIKE < SPIKE - found[()] < found.attrs["error_estimate"]
 
 
+def spike_words(done):
+    """What the closing table says of a spike, its lines joined."""
+    lines = done.stdout.splitlines()
+    first = [i for i, line in enumerate(lines) if line.startswith("  spike ")]
+    if not first:
+        return ""
+    last = next(i for i in range(first[0] + 1, len(lines)) if not lines[i].startswith(" " * 12))
+    assert all(len(line) <= 80 for line in lines[first[0] : last])
+    return " ".join(line.strip() for line in lines[first[0] : last])
+
+
+def test_spike_is_explained_and_the_advice_does_what_it_says(asperity):
+    words = spike_words(asperity(MINIMAL))
+    assert "p_max is the top of a pressure spike" in words
+    assert "p_central is the pressure beside it" in words
+    advice = words.partition("known to 1 %: ")[2].split()
+    assert advice[::2] == ["--set", "--set"]
+    fine = asperity(MINIMAL, *advice)
+    assert row(fine.stdout.splitlines(), "p_max") < 1
+    assert spike_words(fine) == ""
+
+
+@pytest.mark.parametrize(
+    ("settings", "expected"),
+    [
+        ("domain.intervals=512", "known to 1 %, without &domain intervals: --set"),
+        ("load.hertz_pressure=1.5e9", "on finer ones may rise above p_max"),
+        ("time.transient=.true. time.end_time=0.2 load.hertz_pressure=0.5e9", "More &domain intervals show more of it"),
+    ],
+)
+def test_words_about_a_spike_fit_the_case(asperity, settings, expected):
+    done = asperity(MINIMAL, *[word for setting in settings.split() for word in ("--set", setting)])
+    assert done.returncode == 0
+    assert expected in spike_words(done)
+    assert ("--set" in spike_words(done)) == ("transient" not in settings)
+
+
+def test_no_words_about_a_spike_where_there_is_none(asperity, tmp_path):
+    (tmp_path / "case.nml").write_text(asperity("--template", "ehl_line").stdout, encoding="utf-8")
+    assert spike_words(asperity("case.nml")) == ""
+    coarse = asperity(MINIMAL, "--set", "bodies.speed_1=20", "--set", "bodies.speed_2=20", "--set", "load.hertz_pressure=1e8")
+    assert spike_words(coarse) == ""
+
+
 def test_wanted_accuracy_of_the_spike_beyond_all_grids_is_told(asperity):
     wanted = ("--set", "accuracy.target=0.01", "--set", "accuracy.target_p_max=1e-7", "--set", "load.hertz_pressure=2e8")
     done = asperity(MINIMAL, *wanted)

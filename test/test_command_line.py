@@ -136,6 +136,28 @@ def test_output_makes_its_folder(asperity, tmp_path):
     assert (tmp_path / "deep" / "er" / "case.h5").is_file()
 
 
+def test_an_output_that_is_a_file_is_named(asperity, tmp_path):
+    write(tmp_path, "case.nml", COARSE)
+    done = asperity("case.nml", "--quiet", "--output", "case.nml")
+    assert done.returncode == 3
+    assert "case.nml is a file, not a folder" in done.stderr
+    assert (tmp_path / "case.nml").read_text(encoding="utf-8") == COARSE
+
+
+def test_a_result_in_place_of_a_namelist_is_recognised(asperity, tmp_path):
+    write(tmp_path, "case.nml", COARSE)
+    assert asperity("case.nml", "--quiet").returncode == 0
+    done = asperity("case.h5")
+    assert done.returncode == 1
+    assert done.stderr == "case.h5:1: found an HDF5 file, expected a namelist (results are shown by asperity table)\n"
+
+
+def test_a_name_without_its_ending_is_completed_in_words(asperity, tmp_path):
+    write(tmp_path, "case.nml", COARSE)
+    assert asperity("case").stderr == "case: no such file; did you mean case.nml?\n"
+    assert asperity("other").stderr == "other: no such file\n"
+
+
 def test_summary_goes_to_standard_output(asperity, tmp_path):
     """The log to standard error; beside lines for machines the summary goes with the log."""
     write(tmp_path, "case.nml", STEADY)

@@ -158,8 +158,9 @@ def broken(source, z):
         "thousands": (["x_um;z_um", *damaged], "found '1.000,5', expected a number (fields separated by semicolons"),
         "a word in the first row": (["0,0,one", *um], "found"),
         "two lines of text": (["Profile,7", "x_um,z_um", *um], "z.csv"),
-        "one column": (["z", *(str(height) for height in z)], "no row of two or more numbers"),
-        "no rows": (["x,z"], "no row of two or more numbers"),
+        "one column": (["z", *(str(height) for height in z)], "no row of two or more numbers in the two lines below"),
+        "three lines of text": (["Profile R1", "2024-01-02", "x_um,z_um", *um], "(# before other lines)"),
+        "no rows": (["x,z"], "no row of two or more numbers in the two lines below"),
         "nothing": ([""], "found no rows"),
     }
 

@@ -37,3 +37,11 @@ def test_notebook(path, program, monkeypatch):
     for (name, value), (_, shown) in zip(quantities(book), quantities(stored), strict=True):
         assert value == pytest.approx(shown, rel=1e-3), name
     assert pictures(book) == pictures(stored) != []
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_cells_are_short(path):
+    """No task needs a script of more than ten lines."""
+    cells = [cell.source for cell in nbformat.read(path, 4).cells if cell.cell_type == "code"]
+    assert len(cells) >= 5
+    assert max(source.count("\n") + 1 for source in cells) <= 10

@@ -56,6 +56,11 @@ def test_fields_and_summary_are_in_si(minimal, tmp_path):
     assert result.converged
     assert result.report["method"]
     assert re.search(r"h_min +\d+(\.\d+)?e-07 m \+- \d", repr(result))
+    assert re.search(r"p_central +5\.806e\+08 Pa \+- 0\.21 %", repr(result))
+
+
+def test_the_central_pressure_is_shown_beside_a_spike_only():
+    assert "p_central" not in repr(asperity.run(ROOT / "input" / "case1.nml"))
 
 
 def test_a_passage_has_time_and_place_as_coordinates():

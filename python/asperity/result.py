@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from functools import cached_property
 from pathlib import Path
@@ -31,6 +32,8 @@ _SHOWN = (
     "plastic_area_fraction",
     "mean_separation",
 )
+# A largest pressure with a smaller relative error needs no other beside it.
+_WELL_KNOWN = 0.01
 
 
 class Result:
@@ -52,9 +55,16 @@ class Result:
     def __repr__(self) -> str:
         """Problem, outcome and quantities of the summary."""
         state = "converged" if self.converged else f"NOT CONVERGED: {self.reason}"
-        found = [(name, _shown(item)) for name, item in self.summary.items() if name in _SHOWN]
+        found = [(str(name), _shown(item)) for name, item in self.summary.items() if self._is_shown(str(name))]
         width = max((len(name) for name, _ in found), default=0)
         return "\n".join([f"<asperity.Result {self.problem}, {state}>", *(f"  {name:<{width}}  {text}" for name, text in found)])
+
+    def _is_shown(self, name: str) -> bool:
+        """Whether the text has a quantity: the central pressure beside a largest one that is not known to 1 %."""
+        if name != "p_central":
+            return name in _SHOWN
+        errors = {key: float(self.summary[key].attrs.get("error_estimate", np.nan)) for key in (name, "p_max")}
+        return math.isfinite(errors[name]) and not errors["p_max"] <= _WELL_KNOWN * float(self.summary["p_max"])
 
     @cached_property
     def summary(self) -> xr.Dataset:

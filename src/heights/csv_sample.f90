@@ -136,8 +136,9 @@ contains
             'as in x,z, and rows of numbers')
       else
          call refuse(lines, sample(1)%number, 1, 'found '//shown(sample(1)%text)// &
-            ' and no row of two or more numbers below it, expected a header line with the '// &
-            'names of the columns, as in x,z, and rows of numbers', error)
+            ' and no row of two or more numbers in the two lines below it, expected a header '// &
+            'line with the names of the columns, as in x,z, and rows of numbers (# before '// &
+            'other lines)', error)
       end if
    end subroutine refuse_sample
 

@@ -39,7 +39,8 @@ module length_units
       unit_t('picometer', 'pm', 1.0e12_wp), &
       unit_t('inch', 'in', inches), unit_t('in', 'in', inches), &
       unit_t('mil', 'mil', 1.0e3_wp*inches), unit_t('thou', 'mil', 1.0e3_wp*inches), &
-      unit_t('uin', 'uin', 1.0e6_wp*inches), unit_t('microinch', 'uin', 1.0e6_wp*inches)]
+      unit_t('uin', 'uin', 1.0e6_wp*inches), unit_t('uinch', 'uin', 1.0e6_wp*inches), &
+      unit_t('microinch', 'uin', 1.0e6_wp*inches)]
    !> The words, for the key table and messages.
    character(*), parameter :: known_units = 'm cm mm um nm angstrom pm in mil uin'
    !> Behind an underscore, a blank, a hyphen or a point these are no units, but parts of names.

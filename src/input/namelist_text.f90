@@ -69,6 +69,11 @@ contains
       integer :: bad, position
 
       allocate (pieces%groups(max_groups), pieces%entries(max_entries))
+      if (index(content, char(137)//'HDF') == 1) then
+         call findings%add(1, '', '', 'found an HDF5 file, expected a namelist (results are shown'// &
+            ' by asperity table)')
+         return
+      end if
       bad = find_bad_byte(content)
       if (bad > 0) then
          write (byte, '(a,z2.2)') '0x', iachar(content(bad:bad))
@@ -110,26 +115,28 @@ contains
             end do extend
             call findings%add(source%line(position), '', '', &
                'found ' // quoted(source%text(position:last)) &
-               // ' outside a group, expected &group ... /' // slash_hint(source, position))
+               // ' outside a group, expected &group ... /' // place_hint(source, position))
             position = last
          end if
          position = position + 1
       end do
    end subroutine read_outside
 
-   !> A hint, if the text at `position` follows the / of a group on the same line.
-   pure function slash_hint(source, position) result(hint)
+   !> A hint, if the text at `position` is a comment of other languages, or follows the / of a group
+   !> on the same line.
+   pure function place_hint(source, position) result(hint)
       type(source_t), intent(in) :: source
       integer, intent(in) :: position
       character(:), allocatable :: hint
       integer :: before
 
       hint = ''
+      if (source%text(position:position) == '#') hint = ' (a comment begins with !)'
       before = len_trim(source%text(:position - 1))
       if (before < 1) return
       if (source%line(before) == source%line(position) .and. source%text(before:before) &
          == '/') hint = ' (a / that is not in quotes ends the group)'
-   end function slash_hint
+   end function place_hint
 
    !> Reads one group; `position` is at its `&` and ends after its `/`. Findings: no name,
    !> repeated, not closed.

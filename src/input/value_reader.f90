@@ -19,6 +19,7 @@ module value_reader
    use number_text, only: read_integer, read_real
    use solver_settings, only: word_length
    use text, only: joined, to_lower, to_text
+   use value_hints, only: form_hint
    implicit none (type, external)
    private
 
@@ -175,7 +176,7 @@ contains
       type(value_t), intent(inout) :: slot
       type(findings_t), intent(inout) :: findings
       type(piece_t), allocatable :: pieces(:)
-      character(:), allocatable :: problem
+      character(:), allocatable :: hint, problem
       logical :: is_array
       integer :: i
 
@@ -185,18 +186,20 @@ contains
       slot%line = entry%line
       if (entry%is_broken) return
       is_array = row%kind == reals_kind .or. row%kind == words_kind
+      hint = ''
       call split_values(entry%values, pieces, problem)
       if (.not. allocated(problem)) then
          if (entry%has_subscript .and. .not. is_array) then
             problem = 'a subscript'
          else if (size(pieces) > 1 .and. .not. is_array) then
             problem = to_text(size(pieces)) // ' values, ' // quoted(entry%values)
+            hint = form_hint(trim(adjustl(entry%values)))
          else if (entry%first + size(pieces) - 1 > max_values) then
             problem = 'more than ' // to_text(max_values) // ' values'
          end if
       end if
       if (allocated(problem)) then
-         call reject(entry, row, problem, findings)
+         call reject(entry, row, problem, findings, hint)
          return
       end if
       slot%has_value = .true.

@@ -23,6 +23,7 @@ module progress_log
    use result_labels, only: row_label
    use scaling, only: scaling_t
    use signal_calls, only: standard_error
+   use spike_text, only: is_central_shown
    use standard_output, only: standard_output_descriptor, write_text
    use validity, only: limit_t
    use validity_section, only: limit_sentence
@@ -39,8 +40,6 @@ module progress_log
    integer, parameter :: table_rows(*) = [h_min, h_central, p_central, p_max, friction_coefficient]
    !> Longest name of a case in front of a progress line [columns].
    integer, parameter :: name_columns = 20
-   !> A largest pressure with a smaller relative error needs no other beside it.
-   real(wp), parameter :: well_known = 0.01_wp
    !> Time between two updates on a terminal [s].
    real(wp), parameter :: update_seconds = 0.1_wp
    !> Longest silence in a log during cycles and time steps [s].
@@ -48,8 +47,9 @@ module progress_log
 
    !> What others say in the closing table; not allocated or empty: nothing.
    type :: closing_words_t
-      !> Films by formulas; what the ingredients of the model change; what was left out.
-      character(:), allocatable :: formulas, model, decision
+      !> What a spike means for p_max; films by formulas; what the ingredients of the model change;
+      !> what was left out.
+      character(:), allocatable :: spike, formulas, model, decision
    end type closing_words_t
 
    !> Progress of one case after another.
@@ -247,7 +247,10 @@ contains
             if (is_in_table(summary, table_rows(i))) call self%add_to_summary( &
                row_of_table(table_rows(i)))
          end do
-         if (present(words)) call self%add_words(words%formulas)
+         if (present(words)) then
+            call self%add_words(words%spike)
+            call self%add_words(words%formulas)
+         end if
          call self%add_to_summary('  residual  '//number_text(report%residual, 2) &
             //'   load error '//number_text(report%load_error, 2)//'   bound ' &
             //number_text(report%tolerance_effective, 2))
@@ -316,13 +319,7 @@ contains
       is_in_table = .true.
       if (i == friction_coefficient) is_in_table = exceeds(summary%of(i)%value, &
          0.0_wp)
-      if (i == p_central) then
-         associate (largest => summary%of(p_max))
-            is_in_table = ieee_is_finite(summary%of(i)%error_estimate)
-            if (is_in_table .and. ieee_is_finite(largest%error_estimate)) is_in_table = &
-               largest%error_estimate > well_known*largest%value
-         end associate
-      end if
+      if (i == p_central) is_in_table = is_central_shown(summary)
    end function is_in_table
 
    !> Adds what others say: lines that begin with a blank as they are, others wrapped.

@@ -7,7 +7,7 @@
 module result_name
    use build_info, only: program_name
    use errors, only: error_t, fail, output_error
-   use file_identity, only: file_identity_t, kind_link, kind_other, look_at_file
+   use file_identity, only: file_fault, file_identity_t, kind_link, kind_other, look_at_file
    use file_seal, only: seal_file
    use interruption, only: forget_last_words, lay_down_last_words, &
       set_patience
@@ -83,6 +83,7 @@ contains
          fault = 'it is a folder'
       else if (.not. is_folder(folder_of(path))) then
          fault = 'there is no folder '//folder_of(path)
+         if (file_fault(folder_of(path)) == '') fault = folder_of(path)//' is a file, not a folder'
       else
          do i = 1, size(working_endings)
             file = look_at_file(path//trim(working_endings(i)), follows=.false.)
