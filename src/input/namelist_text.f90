@@ -70,8 +70,8 @@ contains
 
       allocate (pieces%groups(max_groups), pieces%entries(max_entries))
       if (index(content, char(137)//'HDF') == 1) then
-         call findings%add(1, '', '', 'found an HDF5 file, expected a namelist (results are shown'// &
-            ' by asperity table)')
+         call findings%add(1, '', '', 'found an HDF5 file, expected a namelist (results are '// &
+            'shown by asperity table)')
          return
       end if
       bad = find_bad_byte(content)

@@ -38,7 +38,8 @@ contains
       entry%key = to_lower(trim(adjustl(word(point + 1:sign - 1))))
       entry%value = with_quotes(entry, trim(adjustl(word(sign + 1:))))
       if (.not. is_one_value(entry%value)) call fail(error, input_error, 'found --set '//word &
-         //', expected numbers, words or a text: one line, closed quotes, outside them none of ! / & =')
+         //', expected numbers, words or a text: one line, closed quotes, outside them none of ' &
+         //'! / & =')
    end subroutine new_set_entry
 
    !> `value` with the quotes that its key needs.
