@@ -60,11 +60,12 @@ class Result:
         return "\n".join([f"<asperity.Result {self.problem}, {state}>", *(f"  {name:<{width}}  {text}" for name, text in found)])
 
     def _is_shown(self, name: str) -> bool:
-        """Whether the text has a quantity: the central pressure beside a largest one that is not known to 1 %."""
+        """Whether the text has a quantity: the central pressure beside a largest one that is known much less."""
         if name != "p_central":
             return name in _SHOWN
         errors = {key: float(self.summary[key].attrs.get("error_estimate", np.nan)) for key in (name, "p_max")}
-        return math.isfinite(errors[name]) and not errors["p_max"] <= _WELL_KNOWN * float(self.summary["p_max"])
+        most = max(_WELL_KNOWN * float(self.summary["p_max"]), 2 * errors[name])
+        return math.isfinite(errors[name]) and not errors["p_max"] <= most
 
     @cached_property
     def summary(self) -> xr.Dataset:

@@ -17,15 +17,16 @@ module spike_text
 
 contains
 
-   !> Whether the central pressure is shown beside the largest: it is known, and that is not.
+   !> Whether the central pressure is shown beside the largest: that is not known to 1 %, and less
+   !> than half as well as the central one.
    pure function is_central_shown(summary) result(is_shown)
       type(line_summary_t), intent(in) :: summary
       logical :: is_shown
 
-      is_shown = ieee_is_finite(summary%of(p_central)%error_estimate)
-      associate (largest => summary%of(p_max))
+      associate (central => summary%of(p_central), largest => summary%of(p_max))
+         is_shown = ieee_is_finite(central%error_estimate)
          if (is_shown .and. ieee_is_finite(largest%error_estimate)) is_shown = &
-            largest%error_estimate > well_known*largest%value
+            largest%error_estimate > max(well_known*largest%value, 2*central%error_estimate)
       end associate
    end function is_central_shown
 
