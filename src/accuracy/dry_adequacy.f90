@@ -189,7 +189,7 @@ contains
       integer, intent(out) :: harmonics
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: power(:), rows(:, :)
-      real(wp) :: beyond
+      real(wp) :: beyond, most
 
       harmonics = 0
       rows = reshape(sweep%height, [sweep%grid%nx, sweep%grid%ny])
@@ -197,9 +197,10 @@ contains
       call power_spectrum(rows, power, error)
       if (allocated(error)) return
       beyond = 0.0_wp
+      most = negligible_power*sum(power)
       do harmonics = size(power), 1, -1
          beyond = beyond + power(harmonics)
-         if (beyond > negligible_power*sum(power)) exit
+         if (beyond > most) exit
       end do
    end subroutine count_harmonics
 
