@@ -150,10 +150,11 @@ contains
       integer, intent(in) :: intervals
       logical :: sees_all
 
+      ! divided: without waves the finest one is the largest number
       associate (domain => scene%contact%domain)
          sees_all = intervals >= coarsest_for_film(scene%contact, least_intervals) &
-            .and. finest_wave(scene%contact)*intervals >= least_nodes*(domain%x_outlet &
-            - domain%x_inlet)
+            .and. finest_wave(scene%contact) >= least_nodes*(domain%x_outlet &
+            - domain%x_inlet)/max(intervals, 1)
       end associate
    end function sees_all
 
