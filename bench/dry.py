@@ -18,6 +18,7 @@ import ctypes
 import ctypes.util
 import os
 import subprocess
+import sys
 import tempfile
 import time
 from dataclasses import dataclass
@@ -221,7 +222,7 @@ def ours(contact: Contact, runs: int = 2, threads: int = 1) -> Answer:
         (folder / "case.nml").write_text(text, encoding="utf-8")
         answers = []
         for _ in range(runs):
-            command = ["/usr/bin/env", "python3", "-c", MEASURED, str(PROGRAM), "case.nml", "--quiet", "--threads", str(threads)]
+            command = [sys.executable, "-c", MEASURED, str(PROGRAM), "case.nml", "--quiet", "--threads", str(threads)]
             done = subprocess.run(command, cwd=folder, env=ONE_THREAD, check=True, capture_output=True, text=True)
             with h5py.File(folder / "case.h5") as file:
                 report = file["report"]
