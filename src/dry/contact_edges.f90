@@ -47,14 +47,17 @@ contains
       integer, intent(in) :: nx, ny
       real(wp), intent(in) :: pressure(nx, ny)
       real(wp) :: share
-      integer :: i, j
+      integer :: i, j, next
 
       share = 0.0_wp
       do j = 1, ny
-         do i = 1, nx
-            share = share + jump(pressure(i, j), pressure(modulo(i, nx) + 1, j)) &
-               + jump(pressure(i, j), pressure(i, modulo(j, ny) + 1))
+         next = modulo(j, ny) + 1
+         do i = 1, nx - 1
+            share = share + jump(pressure(i, j), pressure(i + 1, j)) &
+               + jump(pressure(i, j), pressure(i, next))
          end do
+         share = share + jump(pressure(nx, j), pressure(1, j)) &
+            + jump(pressure(nx, j), pressure(nx, next))
       end do
       share = sqrt(share)/sum(pressure)
    end function edge_load
