@@ -13,7 +13,7 @@ module error_bars
    use lubricant, only: fluid_t, fluid_viscosity
    use missing_value, only: exceeds, larger, not_known
    use pressure_errors, only: allow_for_spike, doubt_shear, estimate_crest, &
-      estimate_crest_in_time, pressure_safety, top_of
+      estimate_crest_in_time, top_of
    use pressure_spike, only: spike_law_t
    use quantities, only: h_central, h_min, is_chance, p_max, quantity_count, quantity_rows, &
       rule_between, rule_crest, rule_node, sliding_rows
@@ -113,8 +113,7 @@ contains
       integer :: i
 
       if (bars%forecast%is_known) then
-         call apply_forecast(bars%forecast, bars%apart, exit_jitter*dx, pressure_safety/safety, &
-            summary)
+         call apply_forecast(bars%forecast, bars%apart, exit_jitter*dx, summary)
          call allow_for_spike(bars%spike_law, dx, summary)
       else if (bars%has_half .and. .not. has_unseen_waves(bars)) then
          call estimate_grid_errors(bars, report%steps > 0, dx, summary)

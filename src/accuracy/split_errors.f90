@@ -24,7 +24,7 @@ module split_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
    use line_summary, only: line_summary_t, quantity_t, value_between
-   use quantities, only: quantity_count, quantity_rows, rule_between, rule_crest, rule_node
+   use quantities, only: h_min, h_min_node, quantity_count, quantity_rows, rule_between, rule_node
    implicit none (type, external)
    private
 
@@ -34,15 +34,20 @@ module split_errors
    !> The doubts about the error of the grid, without and with an observed order, and about that of
    !> the time step, and how they fade: as this power of the error (chosen with the numbers of
    !> resolution_choice).
-   real(wp), parameter :: space_doubt(2) = [0.75_wp, 0.55_wp], time_doubt = 1.4_wp
+   real(wp), parameter :: space_doubts(2) = [0.75_wp, 0.55_wp], time_doubt = 1.4_wp
    real(wp), parameter :: space_fading = 0.75_wp, time_fading = 0.5_wp
    !> The error of the time step is not believed to be less than this share of that of the grid.
    real(wp), parameter :: least_time_share = 0.25_wp
    !> The order in space where none is observed, and the bounds of an observed one.
    real(wp), parameter :: space_orders(3) = [1.5_wp, 1.5_wp, 2.0_wp]
+   !> The doubts about both errors of a run with coarse runs of its own.
+   real(wp), parameter :: own_doubts(2) = [1.0_wp, 0.35_wp]
    !> The error that the coarse runs of a run show is not believed to be less than this share of the
-   !> one foretold.
-   real(wp), parameter :: least_foretold_share = 0.5_wp
+   !> one foretold, and what is doubtful at least not less than this share.
+   real(wp), parameter :: least_foretold_share = 0.35_wp, own_least_doubt = 0.25_wp
+   !> Estimates of all quantities but the smallest film, for which the resolution is chosen, are
+   !> wider by this factor.
+   real(wp), parameter :: unaimed = 1.3_wp
 
    !> Errors of one quantity in the last run, limit less value, and the orders with which they fall.
    type :: split_error_t
@@ -51,8 +56,8 @@ module split_errors
       !> Their size, not less than the changes before leave of it: a change may be small by chance.
       real(wp) :: space_size, time_size
       real(wp) :: space_order, time_order
-      !> Part of the space size that is doubtful.
-      real(wp) :: space_doubt
+      !> Parts of the sizes that are doubtful.
+      real(wp) :: space_doubt, time_doubt
       !> What is doubtful of it at least, whatever its changes.
       real(wp) :: least_doubt = 0.0_wp
    end type split_error_t
@@ -100,12 +105,11 @@ contains
    end function foretold_values
 
    !> Estimates and extrapolated values of a run from its forecast and its coarse runs.
-   !> `node_jitter`: by how much the exit jitters with the place of the nodes; `pressure_safety`:
-   !> the estimate of the largest pressure is wider by this factor.
-   pure subroutine apply_forecast(forecast, apart, node_jitter, pressure_safety, summary)
+   !> `node_jitter`: by how much the exit jitters with the place of the nodes.
+   pure subroutine apply_forecast(forecast, apart, node_jitter, summary)
       type(forecast_t), intent(in) :: forecast
       type(apart_t), intent(in) :: apart
-      real(wp), intent(in) :: node_jitter, pressure_safety
+      real(wp), intent(in) :: node_jitter
       type(line_summary_t), intent(inout) :: summary
       real(wp) :: values(quantity_count), nodal
       integer :: i
@@ -115,7 +119,7 @@ contains
          nodal = abs(summary%of(i)%value - value_between(summary, i))
          if (quantity_rows(i)%rule == rule_between) nodal = node_jitter + nodal
          call apply_to_row(forecast, apart, i, values(i), nodal, summary%of(i))
-         if (quantity_rows(i)%rule == rule_crest) summary%of(i)%error_grid = pressure_safety &
+         if (all(i /= [h_min, h_min_node])) summary%of(i)%error_grid = unaimed &
             *summary%of(i)%error_grid
       end do
    end subroutine apply_forecast
@@ -134,7 +138,7 @@ contains
       error = forecast%error(i)
       if (.not. (ieee_is_finite(value) .and. ieee_is_finite(error))) return
       own = own_error(apart, i, value)
-      own%least_doubt = forecast%least_doubt(i)
+      own%least_doubt = own_least_doubt*forecast%least_doubt(i)
       if (apart%is_known .and. ieee_is_finite(own%space) .and. ieee_is_finite(own%time)) then
          error = max(error_at(own, 1.0_wp, 1.0_wp), least_foretold_share*error)
          shift = shift_at(own, 1.0_wp, 1.0_wp)
@@ -161,7 +165,8 @@ contains
       self%time = (value - apart%slow(i))/(apart%step_ratio**self%time_order - 1.0_wp)
       self%space_size = abs(self%space)
       self%time_size = abs(self%time)
-      self%space_doubt = space_doubt(2)
+      self%space_doubt = own_doubts(1)
+      self%time_doubt = own_doubts(2)
    end function own_error
 
    !> The errors of a quantity from its last change and the one before (NaN where not known) with
@@ -178,7 +183,8 @@ contains
       if (present(sizes)) least = sizes
       call split(space, least(:, 1), space_orders, self%space, self%space_size, self%space_order)
       call split(time, least(:, 2), time_orders, self%time, self%time_size, self%time_order)
-      self%space_doubt = space_doubt(merge(2, 1, ieee_is_finite(space(2))))
+      self%space_doubt = space_doubts(merge(2, 1, ieee_is_finite(space(2))))
+      self%time_doubt = time_doubt
       if (ieee_is_finite(self%time_size) .and. ieee_is_finite(self%space_size)) then
          self%time_size = max(self%time_size, least_time_share*self%space_size)
       end if
@@ -229,7 +235,7 @@ contains
 
       doubts(1) = max(self%space_doubt*self%space_size*dx_ratio**(space_fading &
          *self%space_order), least_doubt_at(self, dx_ratio))
-      doubts(2) = time_doubt*self%time_size*dt_ratio**(time_fading*self%time_order)
+      doubts(2) = self%time_doubt*self%time_size*dt_ratio**(time_fading*self%time_order)
    end function doubts_at
 
    !> What of it is doubt about the error of the grid, whatever the changes.

@@ -10,8 +10,8 @@
 !> the nodes at the edges; of lines, whose edges are known between the nodes, what was counted
 !> beyond them. Of the largest pressures the crests between the nodes are compared; to their error
 !> comes how far the highest node lies below. The error of a separation is a sum over all edges,
-!> each of either sign: of a periodic surface with many nodes, whose differences to coarser grids
-!> tell little of it, its size follows from the pressures at the edges.
+!> each of either sign: of a periodic area with many nodes, whose differences to coarser grids tell
+!> little of it, its size follows from the pressures at the edges.
 module dry_errors
    use dry_problem, only: dry_grid_t, kernel_open
    use dry_resampling, only: dry_sweep_t, is_too_coarse, resample, resample_pressures
@@ -34,8 +34,8 @@ module dry_errors
    real(wp), parameter :: short_waves = 1.3_wp
    !> How much coarser the grids are that a grid is compared with, and what the squares of their
    !> differences weigh: of one with few nodes, a periodic elastic line with the first two, and of
-   !> one with many, an area with the first two. (With the third where one of these finds no
-   !> solution.)
+   !> one with many, a periodic elastic area with the first two. (With the third where one of these
+   !> finds no solution.)
    real(wp), parameter :: finer_ratios(3) = [0.5_wp, 2.0_wp/3.0_wp, 4.0_wp/3.0_wp], &
       finer_weights(3) = [1.0_wp, 1.0_wp, 0.1_wp], &
       coarser_ratios(3) = [4.0_wp/3.0_wp, 2.0_wp, 1.5_wp], &
@@ -54,24 +54,26 @@ module dry_errors
    !> What the root mean square is multiplied by: areas, corrected area of areas and of lines,
    !> separations and load, p_max, deformations and energies; of periodic and open lines, periodic
    !> and open areas by finer grids, then by coarser ones.
-   real(wp), parameter :: safety(5, 8) = reshape([1.0_wp, 1.5_wp, 2.3_wp, 2.3_wp, 2.3_wp, &
+   real(wp), parameter :: safety(5, 8) = reshape([1.0_wp, 1.5_wp, 2.6_wp, 2.3_wp, 2.3_wp, &
       1.0_wp, 1.5_wp, 2.3_wp, 3.0_wp, 2.3_wp, &
       1.0_wp, 1.6_wp, 2.4_wp, 2.0_wp, 2.0_wp, &
-      1.0_wp, 1.6_wp, 3.0_wp, 3.0_wp, 2.0_wp, &
-      1.0_wp, 1.5_wp, 1.4_wp, 1.5_wp, 1.6_wp, &
+      1.0_wp, 1.6_wp, 2.7_wp, 2.0_wp, 2.0_wp, &
+      1.0_wp, 1.5_wp, 2.3_wp, 1.5_wp, 1.6_wp, &
       1.0_wp, 1.5_wp, 1.4_wp, 1.5_wp, 1.6_wp, &
       1.0_wp, 1.6_wp, 2.2_wp, 1.5_wp, 2.0_wp, &
-      1.0_wp, 1.6_wp, 2.2_wp, 1.5_wp, 2.0_wp], [5, 8])
+      1.0_wp, 1.6_wp, 2.7_wp, 0.9_wp, 2.0_wp], [5, 8])
    !> Which of these holds for each of them.
    integer, parameter :: safety_of(quantity_count) = [1, 2, 1, 1, 3, 3, 3, 4, 5, 5, 5, 5, 3]
-   !> Which of them are separations.
-   integer, parameter :: separations(3) = [5, 6, 7]
-   !> What the chance in separations is multiplied by: in its square beside differences to finer
-   !> grids (of an elastic line), which miss some of it; where it is the error and the differences
-   !> to coarser grids only say that there is more, by how much of them and beyond which share of
-   !> it. Second: how much more where all contact nodes yield.
-   real(wp), parameter :: chance_beside = 0.005_wp, chance_alone(2) = [0.06_wp, 0.3_wp], &
-      differences_beside = 0.3_wp, differences_by_chance(2) = [0.1_wp, 0.35_wp]
+   !> Which of them are separations, and which the mean plastic deformation.
+   integer, parameter :: separations(3) = [5, 6, 7], dp_mean = 10
+   !> What the chance in separations is multiplied by where it is the error and the differences to
+   !> coarser grids only say that there is more, by how much of them and beyond which share of it.
+   !> Second: how much more where all contact nodes yield.
+   real(wp), parameter :: chance(2) = [0.06_wp, 0.2_wp], differences_beside = 0.3_wp, &
+      differences_beyond = 1.4_wp, differences_by_chance(2) = [0.1_wp, 0.33_wp]
+   !> What the differences of the mean plastic deformation there, and the chance in a separation
+   !> over the plastic area, are multiplied by.
+   real(wp), parameter :: yielding = 1.4_wp, chance_of_yielding = 0.14_wp
    !> Share of the nodes at the edges of patches that comes to the errors of areas: of a line, of an
    !> area, of the corrected area of either.
    real(wp), parameter :: edge_share(2) = [0.4_wp, 0.1_wp], &
@@ -139,15 +141,16 @@ contains
       end associate
    end subroutine estimate_dry_errors
 
-   !> How many grids a `sweep` is compared with, at least.
+   !> How many grids a `sweep` is compared with, at least: with two where it is elastic and periodic,
+   !> a line on finer grids or an area on coarser ones, else with three.
    pure function least_grids(sweep, is_finer) result(least)
       type(dry_sweep_t), intent(in) :: sweep
       logical, intent(in) :: is_finer
       integer :: least
 
-      least = merge(3, min_grids, is_finer .neqv. sweep%grid%ny == 1)
-      if (is_finer .and. (sweep%loads%hardness < huge(1.0_wp) &
-         .or. sweep%grid%kernel == kernel_open)) least = 3
+      least = 3
+      if (sweep%grid%kernel /= kernel_open .and. sweep%loads%hardness >= huge(1.0_wp) &
+         .and. (is_finer .eqv. sweep%grid%ny == 1)) least = min_grids
    end function least_grids
 
    !> True if `grid` is compared with finer ones.
@@ -198,52 +201,47 @@ contains
 
       factors = safety(safety_of, column_of(sweep%grid, is_finer))
       estimates = factors*differences
-      if (allocated(sweep%loads%mean_pressure)) estimates(separations) = &
-         separation_errors(sweep%grid, row, is_finer, factors(separations), &
-         differences(separations))
+      if (errs_by_chance(sweep, is_finer)) then
+         estimates(separations) = separation_errors(row, differences(separations))
+         if (row%plastic_area_fraction > 0.0_wp) estimates(dp_mean) = &
+            hypot(yielding*differences(dp_mean), &
+            chance_of_yielding*row%plastic_area_fraction*chance_of(row))
+      end if
       estimates = estimates + row%kkt*abs(values_of(row))
    end function estimates_of
 
-   !> Those of the separations of a `row` under a given load.
-   pure function separation_errors(grid, row, is_finer, factors, differences) result(estimates)
-      type(dry_grid_t), intent(in) :: grid
-      type(dry_row_t), intent(in) :: row
+   !> Whether the errors of separations are known by chance, hardly by other grids: of periodic
+   !> areas under given loads, by coarser ones.
+   pure function errs_by_chance(sweep, is_finer)
+      type(dry_sweep_t), intent(in) :: sweep
       logical, intent(in) :: is_finer
-      real(wp), intent(in) :: factors(:), differences(:)
-      real(wp) :: estimates(size(factors))
+      logical :: errs_by_chance
 
-      estimates = factors*differences
+      errs_by_chance = .not. is_finer .and. sweep%grid%ny > 1 &
+         .and. sweep%grid%kernel /= kernel_open .and. allocated(sweep%loads%mean_pressure)
+   end function errs_by_chance
+
+   !> The errors of the separations of a `row` that are known by chance.
+   pure function separation_errors(row, differences) result(estimates)
+      type(dry_row_t), intent(in) :: row
+      real(wp), intent(in) :: differences(:)
+      real(wp) :: estimates(size(differences))
+
       associate (yields => [1.0_wp, row%plasticity_index])
-         if (knows_chance(grid, row, is_finer)) then
-            estimates = hypot(dot_product(chance_alone, yields)*chance_of(row), &
-               differences_beside*differences) + factors*max(differences &
-               - dot_product(differences_by_chance, yields)*chance_of(row), 0.0_wp)
-         else if (is_finer .and. grid%ny == 1 .and. row%plastic_area_fraction <= 0.0_wp) then
-            estimates = hypot(estimates, chance_beside*chance_of(row))
-         end if
+         estimates = hypot(dot_product(chance, yields)*chance_of(row), &
+            differences_beside*differences) + differences_beyond*max(differences &
+            - dot_product(differences_by_chance, yields)*chance_of(row), 0.0_wp)
       end associate
    end function separation_errors
-
-   !> Whether the errors of the separations of a `row` are known by chance, hardly by other grids:
-   !> of periodic surfaces by coarser ones. (Lines that yield were not measured.)
-   pure function knows_chance(grid, row, is_finer)
-      type(dry_grid_t), intent(in) :: grid
-      type(dry_row_t), intent(in) :: row
-      logical, intent(in) :: is_finer
-      logical :: knows_chance
-
-      knows_chance = .not. is_finer .and. grid%kernel /= kernel_open &
-         .and. (grid%ny > 1 .or. row%plastic_area_fraction <= 0.0_wp)
-   end function knows_chance
 
    !> Chance in the separations of a `row` under a given load. The load of each edge is wrong by
    !> chance; separations rise with the logarithm of the load, so that a share of the load is that
    !> share of work over load.
-   pure function chance_of(row) result(chance)
+   pure function chance_of(row) result(size_of_error)
       type(dry_row_t), intent(in) :: row
-      real(wp) :: chance
+      real(wp) :: size_of_error
 
-      chance = (row%elastic_energy + row%dissipated_energy)/row%load*row%edge_load
+      size_of_error = (row%elastic_energy + row%dissipated_energy)/row%load*row%edge_load
    end function chance_of
 
    !> Column of `safety`.
