@@ -26,6 +26,9 @@ module ablation_runs
    !> The error of a change: so many times its own change from the coarser grid, a share of itself,
    !> a share of the largest change of a film, and what iterations leave at least.
    real(wp), parameter :: widths(4) = [1.5_wp, 0.05_wp, 0.0_wp, 2.0e-5_wp]
+   !> Where only the finer grid carries the lean film, the error of films is this share of their
+   !> change; it tells only what is plainly needed.
+   real(wp), parameter :: width_on_one = 0.5_wp
    !> Spikes that may add more to both pressures make their change not known.
    real(wp), parameter :: largest_doubt = 0.01_wp
    !> Where only the lean contact has a spike, the change of its friction is at least this share of
@@ -55,11 +58,8 @@ contains
       class(observer_t), intent(inout) :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(lean_level_t) :: full(2)
-      real(wp) :: enough
       integer :: g, i
 
-      enough = 0.0_wp
-      if (ends_early) enough = adequacy%accuracy
       adequacy%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
       adequacy%at_rest = grids_for(contact, size(state%x) - 1, size(list), budget)
       associate (grids => adequacy%at_rest)
@@ -74,22 +74,24 @@ contains
          if (.not. full(1)%is_solved) return
          do i = 1, size(list)
             if (budget < usual_steps*sum(grids)) cycle
-            call measure_one(contact, list(i), full, enough, budget, adequacy%rows(i), watcher, &
-               error)
+            call measure_one(contact, list(i), full, adequacy%accuracy, ends_early, budget, &
+               adequacy%rows(i), watcher, error)
             if (allocated(error) .or. watcher%wants_stop) return
          end do
       end associate
    end subroutine measure_at_rest
 
    !> One ingredient, on the finer grid first, which tells how much of it can be left out: by the
-   !> scheme of the thesis and, unless it is plainly needed for the accuracy `enough` already (zero:
-   !> nothing is enough), by kappa.
+   !> scheme of the thesis and, unless it is plainly needed for the `accuracy` already and
+   !> `ends_early`, by kappa.
    ! allow(too-many-arguments)  what is measured, the bound, and what every run has
-   subroutine measure_one(contact, ingredient, full, enough, budget, row, watcher, error)
+   subroutine measure_one(contact, ingredient, full, accuracy, ends_early, budget, row, watcher, &
+      error)
       type(line_contact_t), intent(in) :: contact
       type(ingredient_t), intent(in) :: ingredient
       type(lean_level_t), intent(in) :: full(2)
-      real(wp), intent(in) :: enough
+      real(wp), intent(in) :: accuracy
+      logical, intent(in) :: ends_early
       real(wp), intent(inout) :: budget
       type(influence_t), intent(inout) :: row
       class(observer_t), intent(inout) :: watcher
@@ -99,20 +101,30 @@ contains
       real(wp), dimension(quantity_count, 2) :: changes, doubt
       integer :: g
 
+      if (.not. all(full%is_solved)) return
       rest = -1.0_wp
       do g = 1, 2
-         if (.not. full(g)%is_solved) return
          call solve_without(lean(g), contact, ingredient, full(g), &
             min(budget, most_steps*full(g)%level%n), rest, watcher, error)
          if (allocated(error) .or. watcher%wants_stop) return
          budget = budget - lean(g)%work
-         if (.not. lean(g)%is_solved) return
+         if (.not. lean(1)%is_solved) return
          changes(:, g) = change_between(lean(g)%summary, full(g)%summary)
       end do
+      if (.not. lean(2)%is_solved) then
+         changes(:, 2) = not_known()
+         where (quantity_rows%field == 'film_thickness') changes(:, 2) = (1 &
+            - width_on_one/widths(1))*changes(:, 1)
+      end if
       doubt = doubt_between(lean(1)%summary, full(1)%summary)
       row%left_out = 1 - rest
       call set_change(row, changes, doubt, widths)
-      if (enough > 0.0_wp .and. is_plainly_needed(row, enough)) return
+      if (.not. lean(2)%is_solved) then
+         if (.not. is_plainly_needed(row, accuracy)) row = new_influence(trim(ingredient%name), &
+            trim(ingredient%text))
+         return
+      end if
+      if (ends_early .and. is_plainly_needed(row, accuracy)) return
       if (.not. all(full%has_kappa)) return
       do g = 1, 2
          budget = budget + lean(g)%work

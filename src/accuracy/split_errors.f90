@@ -41,10 +41,10 @@ module split_errors
    !> The order in space where none is observed, and the bounds of an observed one.
    real(wp), parameter :: space_orders(3) = [1.5_wp, 1.5_wp, 2.0_wp]
    !> The doubts about both errors of a run with coarse runs of its own.
-   real(wp), parameter :: own_doubts(2) = [1.0_wp, 0.35_wp]
+   real(wp), parameter :: own_doubts(2) = [1.1_wp, 0.4_wp]
    !> The error that the coarse runs of a run show is not believed to be less than this share of the
    !> one foretold, and what is doubtful at least not less than this share.
-   real(wp), parameter :: least_foretold_share = 0.35_wp, own_least_doubt = 0.25_wp
+   real(wp), parameter :: least_foretold_share = 0.4_wp, own_least_doubt = 0.25_wp
    !> Estimates of all quantities but the smallest film, for which the resolution is chosen, are
    !> wider by this factor.
    real(wp), parameter :: unaimed = 1.3_wp
