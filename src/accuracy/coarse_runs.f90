@@ -191,7 +191,7 @@ contains
          apart%slow = foretold_values(collector%summary)
          apart%step_ratio = real(steps, wp)/slow_steps
          orders = orders_in_time(time%scheme)
-         apart%time_order = 0.5_wp*(orders(2) + orders(3))
+         apart%time_order = orders(2)
       end associate
    end subroutine run_apart
 

@@ -24,7 +24,7 @@ module split_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
    use line_summary, only: line_summary_t, quantity_t, value_between
-   use quantities, only: quantity_count, quantity_rows, rule_between, rule_node
+   use quantities, only: h_min, h_min_node, quantity_count, quantity_rows, rule_between, rule_node
    implicit none (type, external)
    private
 
@@ -40,12 +40,14 @@ module split_errors
    real(wp), parameter :: least_time_share = 0.25_wp
    !> The order in space where none is observed, and the bounds of an observed one.
    real(wp), parameter :: space_orders(3) = [1.5_wp, 1.5_wp, 2.0_wp]
-   !> The estimate of a run with coarse runs of its own: so many times the error that they show, and
-   !> the doubts about both parts of it.
-   real(wp), parameter :: own_safety = 2.7_wp, own_doubts(2) = [0.5_wp, 0.3_wp]
-   !> It is not less than this share of the one foretold, and what is doubtful at least not less than
-   !> that share.
-   real(wp), parameter :: least_foretold_share = 0.25_wp, own_least_doubt = 0.25_wp
+   !> The doubts about both errors of a run with coarse runs of its own.
+   real(wp), parameter :: own_doubts(2) = [1.1_wp, 0.4_wp]
+   !> The error that the coarse runs of a run show is not believed to be less than this share of the
+   !> one foretold, and what is doubtful at least not less than this share.
+   real(wp), parameter :: least_foretold_share = 0.4_wp, own_least_doubt = 0.25_wp
+   !> Estimates of all quantities but the smallest film, for which the resolution is chosen, are
+   !> wider by this factor.
+   real(wp), parameter :: unaimed = 1.3_wp
 
    !> Errors of one quantity in the last run, limit less value, and the orders with which they fall.
    type :: split_error_t
@@ -77,7 +79,7 @@ module split_errors
       !> Values with twice the spacing, and with a time step that is `step_ratio` times as large.
       real(wp) :: coarse(quantity_count) = 0.0_wp, slow(quantity_count) = 0.0_wp
       real(wp) :: step_ratio = 2.0_wp
-      !> Order in time.
+      !> Order in time: the least one that pilots may show.
       real(wp) :: time_order = 1.5_wp
    end type apart_t
 
@@ -117,6 +119,8 @@ contains
          nodal = abs(summary%of(i)%value - value_between(summary, i))
          if (quantity_rows(i)%rule == rule_between) nodal = node_jitter + nodal
          call apply_to_row(forecast, apart, i, values(i), nodal, summary%of(i))
+         if (all(i /= [h_min, h_min_node])) summary%of(i)%error_grid = unaimed &
+            *summary%of(i)%error_grid
       end do
    end subroutine apply_forecast
 
@@ -136,9 +140,8 @@ contains
       own = own_error(apart, i, value)
       own%least_doubt = own_least_doubt*forecast%least_doubt(i)
       if (apart%is_known .and. ieee_is_finite(own%space) .and. ieee_is_finite(own%time)) then
+         error = max(error_at(own, 1.0_wp, 1.0_wp), least_foretold_share*error)
          shift = shift_at(own, 1.0_wp, 1.0_wp)
-         error = max(own_safety*abs(shift) + sum(doubts_at(own, 1.0_wp, 1.0_wp)), &
-            least_foretold_share*error)
       else
          change = abs(value - forecast%pilot(i))
          allowed = error + forecast%pilot_error(i)
