@@ -111,19 +111,13 @@ contains
          if (.not. lean(1)%is_solved) return
          changes(:, g) = change_between(lean(g)%summary, full(g)%summary)
       end do
-      if (.not. lean(2)%is_solved) then
-         changes(:, 2) = not_known()
-         where (quantity_rows%field == 'film_thickness') changes(:, 2) = (1 &
-            - width_on_one/widths(1))*changes(:, 1)
-      end if
       doubt = doubt_between(lean(1)%summary, full(1)%summary)
-      row%left_out = 1 - rest
-      call set_change(row, changes, doubt, widths)
       if (.not. lean(2)%is_solved) then
-         if (.not. is_plainly_needed(row, accuracy)) row = new_influence(trim(ingredient%name), &
-            trim(ingredient%text))
+         call tell_by_one(changes(:, 1), doubt, 1 - rest, accuracy, row)
          return
       end if
+      row%left_out = 1 - rest
+      call set_change(row, changes, doubt, widths)
       if (ends_early .and. is_plainly_needed(row, accuracy)) return
       if (.not. all(full%has_kappa)) return
       do g = 1, 2
@@ -136,6 +130,25 @@ contains
       doubt = doubt_between(lean(1)%kappa, full(1)%kappa)
       call set_change(row, changes, doubt, widths)
    end subroutine measure_one
+
+   !> The row of an ingredient, so much of which is `left_out`, by the `changes` of films on the
+   !> finer grid alone, if they say that it is plainly needed for the `accuracy`.
+   pure subroutine tell_by_one(changes, doubt, left_out, accuracy, row)
+      real(wp), intent(in) :: changes(:), doubt(:, :), left_out, accuracy
+      type(influence_t), intent(inout) :: row
+      type(influence_t) :: told
+      real(wp) :: both(quantity_count, 2)
+
+      both = not_known()
+      where (quantity_rows%field == 'film_thickness')
+         both(:, 1) = changes
+         both(:, 2) = (1 - width_on_one/widths(1))*changes
+      end where
+      told = row
+      told%left_out = left_out
+      call set_change(told, both, doubt, widths)
+      if (is_plainly_needed(told, accuracy)) row = told
+   end subroutine tell_by_one
 
    !> The change of a row and its error from those on the finer (1) and the coarser grid; `factors`
    !> are `widths`, `doubt` that of the lean and of the full contact, is added. What is in doubt is

@@ -141,8 +141,8 @@ contains
       end associate
    end subroutine estimate_dry_errors
 
-   !> How many grids a `sweep` is compared with, at least: with two where it is elastic and periodic,
-   !> a line on finer grids or an area on coarser ones, else with three.
+   !> How many grids a `sweep` is compared with, at least: two where it is elastic and periodic, a
+   !> line on finer grids or an area on coarser ones, else three.
    pure function least_grids(sweep, is_finer) result(least)
       type(dry_sweep_t), intent(in) :: sweep
       logical, intent(in) :: is_finer
