@@ -51,6 +51,6 @@ def wide(source: random.Random, count: int) -> list[Member]:
 
 
 FAMILIES = [
-    Family("kappa_spikes", "Spikes by the kappa scheme, given grids", (*FILMS, "summary/p_max"), spiked, estimate="error_grid"),
+    Family("kappa_spikes", "Spikes by the kappa scheme, given grids", (*FILMS, "summary/p_max"), spiked, 96, estimate="error_grid"),
     Family("wide", "Heavy, fast and sliding contacts, chosen domain and grid", FILMS, wide),
 ]
