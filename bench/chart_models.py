@@ -125,14 +125,14 @@ def draw(axes: Axes, panel: ModelPanel) -> None:
     axes.loglog(
         [1e3 * cost for _, cost, _ in numbers],
         [100 * error for *_, error in numbers],
-        label="full model, error of the numbers",
+        label="numbers, full model",
         **look,
     )
     marks = {"linestyle": "none", "marker": "*", "markersize": 8, "color": style.SERIES[1]["color"]}
     axes.loglog(
         [1e3 * cost for _, cost, _ in models],
         [100 * error for *_, error in models],
-        label="leaner models, error of the model",
+        label="model, one part left out",
         **marks,
     )
     for words, cost, error in [*numbers, *models]:
@@ -148,7 +148,7 @@ def draw(axes: Axes, panel: ModelPanel) -> None:
     axes.set(title=f"Models and numbers: ridge, Case 3 (models on {LEAN_GRID})", xlabel="Processor time [ms]")
     axes.set_ylabel("Error of the smallest film [%]")
     axes.title.set_fontsize(8.5)
-    axes.legend(loc=(0.01, 0.6), fontsize=7.5)
+    axes.legend(loc=(0.01, 0.3), fontsize=7.5)
 
 
 def conclusions(panel: ModelPanel) -> str:
