@@ -51,8 +51,8 @@ module dry_sweep
       !> Neighbours one of which is in contact (at the hardness) and the other not, of the periodic
       !> grid.
       integer :: contact_edges, plastic_edges
-      !> Share of the load that is chance, if that of the nodes at the edges is.
-      real(wp) :: edge_load
+      !> Share of the load of an area that is chance, if that of the nodes at the edges is.
+      real(wp) :: edge_load = 0.0_wp
       type(roughness_t) :: undeformed, loaded, unloaded
    end type dry_row_t
 
@@ -317,8 +317,8 @@ contains
       row%plastic_edges = 0
       if (problem%is_capped()) row%plastic_edges = edges_of(problem%grid%nx, &
          problem%grid%ny, solution%pressure, problem%hardness)
-      row%edge_load = edge_load(problem%grid%nx, problem%grid%ny, solution%pressure)
       if (problem%grid%ny > 1) then
+         row%edge_load = edge_load(problem%grid%nx, problem%grid%ny, solution%pressure)
          row%contact_area_corrected = row%contact_area_fraction &
             - border_share*row%contact_edges/real(n, wp)
       else
