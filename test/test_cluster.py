@@ -82,8 +82,12 @@ def send(signal, whom, task, environment):
 
 
 def start_now(task, environment):
-    """A task that is queued again waits for two minutes, unless somebody says otherwise."""
+    """A task that is queued again waits for two minutes, unless somebody says otherwise.
+
+    Slurm refuses a start in the same second of the clock in which it has ended the task, and then the task fails.
+    """
     until(lambda: state(task, environment) == {"PENDING"}, "the task to be queued again")
+    time.sleep(1.1)
     command = ["scontrol", "update", f"JobId={task}", "StartTime=now"]
     until(
         lambda: subprocess.run(command, env=environment, capture_output=True, timeout=HANGING, check=False).returncode == 0,
