@@ -3,6 +3,7 @@
 module case_limits
    use case_record, only: case_t
    use formulas_section, only: formulas_of
+   use inlet_change, only: film_loss
    use iteration_report, only: report_t
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
@@ -32,7 +33,9 @@ contains
       of%materials = case%materials
       of%contact = contact
       of%summary = watcher%writer%quantities_at_end(state, report)
-      of%inlet_error = report%inlet_error
+      ! the rule tells the share of the starved film
+      of%film_loss = report%inlet_error/(1 + report%inlet_error)
+      if (watcher%writer%bars%inlet%is_known) of%film_loss = film_loss(watcher%writer%bars%inlet)
       of%has_momentum = case%equations == 'stokes'
       watcher%writer%limits = limits_of(of, state)
       if (.not. case%time%is_transient) watcher%writer%formulas = formulas_of(contact)

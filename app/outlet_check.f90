@@ -1,5 +1,5 @@
-!> What a result is compared with once it is known: what a tail in front of the inlet leaves out,
-!> what the thesis's scheme finds; whether the outlet cuts the film off, by how much that changes
+!> What a result is compared with once it is known: what a tail in front of the inlet leaves out or
+!> an inlet without one starves, what the thesis's scheme finds; whether the outlet cuts the film off, by how much that changes
 !> the quantities, and a note on it.
 module outlet_check
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -9,6 +9,7 @@ module outlet_check
    use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
+   use features, only: rough_surface_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -33,11 +34,17 @@ contains
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
+      type(line_contact_t) :: at_rest
 
       if (.not. report%converged) return
       bars = watcher%writer%bars
       if (case%accuracy%has_error_bars) then
-         call run_farther(bars, contact, case%solver, watcher, error)
+         at_rest = contact
+         if (case%time%is_transient) then   ! what passes comes and goes, the inlet stays
+            at_rest%surface_1 = rough_surface_t(speed=contact%surface_1%speed)
+            at_rest%surface_2 = rough_surface_t(speed=contact%surface_2%speed)
+         end if
+         call run_farther(bars, at_rest, case%solver, watcher, error)
          if (allocated(error)) return
          ! a target has chosen its grid by the estimate from coarser ones
          if (.not. (case%time%is_transient .or. case%accuracy%target > 0.0_wp)) call &

@@ -18,10 +18,10 @@ SLIDES = (-1.0, -0.5, 0.0, 0.5, 1.0, 5 / 3, 1.9)
 class Contact:
     """A steel contact at random and what is needed of it, lengths over its half-width."""
 
-    def __init__(self, source: random.Random, slide: float) -> None:
-        """Draws load, oil, and the height of a wave over the central film."""
-        self.m, l = 10 ** source.uniform(0.6, 2.1), source.uniform(4, 13)  # noqa: E741
-        stress = 10 ** source.uniform(6.6, 7.5) if source.random() < 0.5 else None
+    def __init__(self, source: random.Random, slide: float, loads: tuple[float, float] = (0.6, 2.1), eyring: float = 0.5) -> None:
+        """Draws load (lg M), oil (Eyring with that probability), and the height of a wave over the central film."""
+        self.m, l = 10 ** source.uniform(*loads), source.uniform(4, 13)  # noqa: E741
+        stress = 10 ** source.uniform(6.6, 7.5) if source.random() < eyring else None
         self.groups = namelists.steel(self.m, l, slide, stress)
         bodies, load = self.groups["bodies"], self.groups["load"]["load_per_length"]
         radius, modulus = bodies["reduced_radius"], bodies["reduced_modulus"]
@@ -115,9 +115,41 @@ def inside(source: random.Random, count: int) -> list[Member]:
     return found
 
 
+def beside_waves(source: random.Random, count: int) -> list[Member]:
+    """A ridge begins in front of a contact that a wave of the other surface fills; the truth begins whole periods further outside."""
+    found = []
+    for i in range(count):
+        contact = Contact(source, source.choice(SLIDES[:-2]))
+        other = 2 - contact.speed
+        shape = ("feature", source.choice((1, -1)) * source.uniform(0.1, 0.4), source.uniform(0.5, 1.2))
+        place, length = source.uniform(-9.0, -2.0), source.uniform(0.5, 1.5)
+        wave = {"surface_1": contact.wave("sinusoid", source.uniform(0.02, 0.15), length, 0.0)}
+        end = (1.5 + 0.5 * shape[2] - place) / contact.speed + source.uniform(0.0, 2.0)
+        delay = length / other * round(6 * other / length)
+        case = contact.text({"surface_2": contact.wave(*shape, place)} | wave, {"end_time": end})
+        later = {"surface_2": contact.wave(*shape, place - contact.speed * delay)} | wave
+        found.append(Member(f"{i:03d}", case, contact.truth(later, {"end_time": end + delay})))
+    return found
+
+
+def narrow(source: random.Random, count: int) -> list[Member]:
+    """Narrow ridges and dents in heavy contacts, mostly Newtonian: the film keeps what the inlet makes of them."""
+    found = []
+    for i in range(count):
+        contact = Contact(source, source.choice((-1.0, -0.5, 0.0, 0.5, 1.0)), (1.5, 2.5), 0.25)
+        length = 10 ** source.uniform(-1.0, -0.3)
+        ridge = contact.wave("feature", source.choice((1, -1)) * source.uniform(0.05, 0.5), length, -1.5 - length)
+        surfaces, time = {"surface_2": ridge}, {"end_time": (2.6 + 1.5 * length) / contact.speed}
+        case = contact.text(surfaces, time, domain={"inlet": "auto"})
+        found.append(Member(f"{i:03d}", case, contact.truth(surfaces, time)))
+    return found
+
+
 FAMILIES = [
     Family("strides", "Passages of which little is stored", FIGURES, strides),
     Family("periodic", "Waves that fill the contact at the start", FIGURES, waves),
     Family("placed", "Features without a place", FIGURES, without_position, truth_goes_on=True),
     Family("inside", "Features that begin inside the contact", FIGURES, inside),
+    Family("narrow", "Narrow features in heavy contacts", (*FIGURES, "summary/p_central"), narrow),
+    Family("beside_waves", "Features that pass beside waves", FIGURES, beside_waves),
 ]

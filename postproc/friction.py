@@ -73,15 +73,17 @@ def in_words(value: tuple[float, float] | None) -> str:
     if value is None:
         return "not known"
     number, error = value
-    if not error > 0:
+    if error == 0:
+        return f"{number:.4g}"
+    if math.isnan(error):
         return f"{number:.4g} (error not estimated)"
     decimals = max(0, 1 - math.floor(math.log10(error)))
     return rf"{number:.{decimals}f} $\pm$ {error:.{decimals}f}"
 
 
 def caption(friction: Friction, result: Result) -> str:
-    """Both friction coefficients; in time the largest of the times that count."""
-    when = "" if result.last_time is None else " (largest in time)"
+    """Both friction coefficients; in time the largest of the times that count, where the curves are those of the last one."""
+    when = "" if result.last_time is None else " (largest in time; curves: last time)"
     return f"friction coefficient{when}: sliding {in_words(friction.sliding)}, rolling {in_words(friction.rolling)}"
 
 
@@ -154,7 +156,7 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
             one.remove()
         draw_velocity(figure.add_subplot(grid[:, 1]), result, friction, options.si)
     words = caption(friction, result)
-    axes[0, 0].set_title(words.replace(": ", ":\n", 1) if columns == 1 else words, fontsize=8, loc="left")
+    axes[0, 0].set_title(words.replace("sliding", "\nsliding").replace(", rolling", ",\nrolling") if columns == 1 else words, fontsize=8, loc="left")
     style.legend_below(figure, lines, 3 if columns == 1 else 5)
     style.mark_not_converged(figure, [result])
     return style.save_figure(figure, figure_command.targets(options, result.stem, "friction"))

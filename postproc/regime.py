@@ -147,6 +147,12 @@ def draw_regimes(axes: Axes, films: Films) -> None:
     axes.set(xlabel="$M$", ylabel="$L$")
 
 
+def look_of(i: int) -> dict[str, str]:
+    """Colour and marker of the i-th result: other pairs of them where all colours have been used."""
+    count = len(style.SERIES)
+    return {"color": style.SERIES[i % count]["color"], "marker": style.SERIES[(i + i // count) % count]["marker"]}
+
+
 def describe(films: Films, point: Point) -> str:
     """One line about a result: where it lies, and its film beside that of the smooth contact."""
     smooth = films.film(point.moes_m, point.moes_l)
@@ -173,11 +179,14 @@ def draw(options: argparse.Namespace) -> list[Path]:
     for i, point in enumerate(points):
         figure_command.warn_not_converged(PROGRAM, point.result)
         print(describe(films, point))
-        look = style.SERIES[i % len(style.SERIES)]
-        mark = {"color": look["color"], "marker": look["marker"], "linestyle": "none", "markersize": 6, "zorder": 5}
+        mark = {**look_of(i), "linestyle": "none", "markersize": 6, "zorder": 5}
         left.plot(point.moes_m, point.h_min, **mark)
-        right.plot(point.moes_m, max(point.moes_l, LEAST), clip_on=False, **mark)
-        handles.append(Line2D([], [], label=style.literal(point.result.stem), **mark))
+        place = (np.clip(point.moes_m, films.moes_m[0], films.moes_m[-1]), np.clip(point.moes_l, LEAST, LARGEST))
+        right.plot(*place, clip_on=False, **mark)
+        words = style.literal(point.result.stem)
+        if place != (point.moes_m, point.moes_l):
+            words += f" (outside: $M$ {point.moes_m:.3g}, $L$ {point.moes_l:.2g})"
+        handles.append(Line2D([], [], label=words, **mark))
     handles += [
         Line2D([], [], label="computed, smooth contact", **LINE),
         Line2D([], [], label=f"asymptotes ($L$ = 0, {LARGEST:g}), where they meet", **ASYMPTOTE),

@@ -79,6 +79,20 @@ def test_a_passage_that_is_not_whole_is_told(asperity, tmp_path, position, words
     assert words in told
 
 
+@pytest.mark.parametrize(("position", "is_told"), [(-2.6, True), (-12.0, False)])
+def test_a_ridge_that_passes_before_its_companion_has_settled_is_told(asperity, tmp_path, position, is_told):
+    """A wave of the other surface is in the contact from T = 0 on; the ridge counts whole, or there is a note."""
+    beside = "&surface_1 shape = 'sinusoid', amplitude = 1e-8, wavelength = 1e-4 /\n"
+    file, told = run(asperity, tmp_path, RIDGE.format(f", position = {position}"), 3.5 - position, "", beside)
+    with file:
+        summary = file["summary/h_min"].attrs["dimensionless"]
+        passage = file["transient/h_min"][()].min()
+        assert (summary > 1.1 * passage) == is_told
+        assert ("note" in file["report"]) == is_told
+    words = "a feature that moves enters the contact at T = "
+    assert (words in " ".join(told.split())) == is_told
+
+
 def test_what_is_asked_for_counts(asperity, tmp_path):
     """From the given time on; statistics of the film too, and after an interruption as well (test_resume.py)."""
     file, _ = run(asperity, tmp_path, WAVE, 6.0, ", statistics_from = 5.0", "&output film_thresholds = 4e-7 /\n")

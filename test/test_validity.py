@@ -46,7 +46,7 @@ def wavy(amplitude, wavelength):
 
 # row: scene beyond the limit, milder scene, what is told
 SCENES = {
-    "starvation": (STEADY, AUTO, "starves the film by 2.2 %"),
+    "starvation": (STEADY, AUTO, "starves the film by 2.1 %"),
     "mixed_lubrication": (wavy(0.2e-6, 1e-4), wavy(0.1e-6, 1e-4), "times the composite roughness"),
     "viscosity_data": (changed(AUTO, (LOAD, "hertz_pressure = 1.3e9")), AUTO, "viscosities are measured to 1.030 GPa"),
     "limiting_stress": (changed(AUTO, ("'eyring', eyring_stress = 3.3e6", "'newtonian'")), STEADY, "oils give way near 0.1"),
@@ -182,6 +182,21 @@ def limits_by_definition(file):
         "film_over_wave": film / wave["wavelength"],
         "turbulence": oil["density"] * mean * film / oil["viscosity"],
     }
+
+
+@pytest.mark.parametrize(("inlet", "place"), [("zero", -1.6), ("zero", -2.5), ("tail", -2.0)])
+def test_what_a_near_inlet_starves_is_measured(asperity, tmp_path, inlet, place):
+    """Against a domain that is far longer, to its error of grids; a tail hardly starves, and nothing is told."""
+    near = AUTO + f"&domain x_inlet = {place}, inlet = '{inlet}', intervals = 512 /\n"
+    write(tmp_path, "near.nml", near)
+    write(tmp_path, "far.nml", AUTO + "&domain x_inlet = -20.0, intervals = 4096 /\n")
+    done = asperity("near.nml")
+    assert (done.returncode, asperity("far.nml", "--quiet").returncode) == (0, 0)
+    with h5py.File(tmp_path / "near.h5") as file, h5py.File(tmp_path / "far.h5") as whole:
+        films = [result["summary/h_central"] for result in (file, whole)]
+        assert file["adequacy/validity/starvation"][()] == pytest.approx(1 - films[0][()] / films[1][()], abs=4e-3)
+        assert abs(films[0][()] - films[1][()]) <= films[0].attrs["error_estimate"] + films[1].attrs["error_estimate"]
+        assert ("starves the film" in done.stdout) == (inlet == "zero")
 
 
 def test_every_limit_by_its_definition(asperity, tmp_path):

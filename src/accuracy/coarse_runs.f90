@@ -1,7 +1,7 @@
 !> Runs of the same case on coarser grids, in a transient with larger time steps, where the run
 !> itself has not passed them on its way.
 module coarse_runs
-   use domain_choice, only: choose_domain, farthest
+   use domain_choice, only: choose_domain, farthest, inlet_error
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
@@ -15,7 +15,7 @@ module coarse_runs
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
    use quantities, only: x_cavitation
-   use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
+   use solver_settings, only: domain_t, max_chosen, solver_settings_t, time_settings_t
    use split_errors, only: foretold_values, orders_in_time
    implicit none (type, external)
    private
@@ -25,6 +25,10 @@ module coarse_runs
 
    !> Coarse runs that error bars come from have at least this many intervals.
    integer, parameter :: min_intervals = 32
+   !> Up to this share of the film the rule of the inlet tells what it starves; beyond that the change
+   !> is measured, on a domain that is so many times as long at most.
+   real(wp), parameter :: small_loss = 0.05_wp
+   integer, parameter :: max_lengthening = 32
 
    !> A coarse run of a transient, which does not depend on the run itself: another thread may make
    !> it while that goes on. On `factor` times fewer intervals with time steps as much larger.
@@ -229,9 +233,10 @@ contains
       end do
    end subroutine run_longer
 
-   !> What the tail in front of the inlet of a steady `contact` leaves out: the case on a quarter of
-   !> its intervals (half of them, where that finds no solution), and at the same spacing on a
-   !> domain twice as long.
+   !> What the inlet of a steady `contact` changes that has a tail in front of it, or by the rule
+   !> starves the film by much (`inlet_error`): the case on a quarter of its intervals (half of them,
+   !> where that finds no solution), and at the same spacing on a domain twice as long; without a
+   !> tail on one with the inlet that would be chosen, at least.
    subroutine run_farther(bars, contact, settings, watcher, error)
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(in) :: contact
@@ -244,13 +249,18 @@ contains
       type(time_settings_t) :: steady
       integer :: factor
 
-      if (contact%domain%inlet /= 'tail') return
+      longer = contact
+      if (contact%domain%inlet == 'tail') then
+         call double_in_front(longer%domain)
+      else if (inlet_error(contact) > small_loss) then
+         call reach_out(longer)
+         if (longer%domain%intervals > max_lengthening*contact%domain%intervals) return
+      else
+         return
+      end if
       collector%watcher => watcher
       exact = settings
       exact%tolerance = 0.0_wp
-      longer = contact
-      longer%domain%x_inlet = 2*contact%domain%x_inlet - contact%domain%x_outlet
-      longer%domain%intervals = 2*contact%domain%intervals
       associate (inlet => bars%inlet)
          do factor = 4, 2, -2
             call run_coarser(contact, exact, steady, factor, collector, inlet%is_known, error)
@@ -264,6 +274,29 @@ contains
          end do
       end associate
    end subroutine run_farther
+
+   !> Twice the length, by more in front, at the same spacing.
+   pure subroutine double_in_front(domain)
+      type(domain_t), intent(inout) :: domain
+
+      domain%x_inlet = 2*domain%x_inlet - domain%x_outlet
+      domain%intervals = 2*domain%intervals
+   end subroutine double_in_front
+
+   !> Doubles the domain of `contact` until its inlet is as far out as a chosen one, and of that kind.
+   pure subroutine reach_out(contact)
+      type(line_contact_t), intent(inout) :: contact
+      type(line_contact_t) :: chosen
+
+      chosen = contact
+      chosen%domain%has_inlet = .false.
+      chosen%domain%inlet = 'auto'
+      call choose_domain(chosen)
+      contact%domain%inlet = chosen%domain%inlet
+      do while (contact%domain%x_inlet > chosen%domain%x_inlet)
+         call double_in_front(contact%domain)
+      end do
+   end subroutine reach_out
 
    !> A steady `contact` that the kappa scheme has solved, by that of the thesis on its own grid and
    !> on those that it passes on the way.

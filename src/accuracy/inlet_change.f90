@@ -1,5 +1,5 @@
-!> What an inlet with a tail in front of it changes: quantities of the same contact on a coarser
-!> grid of the same domain, and on one twice as long at the same spacing.
+!> What an inlet changes that has a tail in front of it or lies near the contact: quantities of the
+!> same contact on a coarser grid of the same domain, and on a longer one at the same spacing.
 !>
 !> What the tail leaves out (module inlet_tail) falls with the fourth power of its distance, so that
 !> the longer domain is as good as endless, and the change is that on the answer's own grid (40
@@ -11,11 +11,11 @@ module inlet_change
    use kinds, only: wp
    use line_summary, only: crests_t, line_summary_t, value_between
    use missing_value, only: quotient
-   use quantities, only: quantity_count, quantity_rows, rule_crest
+   use quantities, only: h_central, quantity_count, quantity_rows, rule_crest
    implicit none (type, external)
    private
 
-   public :: change_by_inlet, inlet_change_t
+   public :: change_by_inlet, film_loss, inlet_change_t
 
    !> An estimate is so many times the change, and this share of the largest one: a quantity may
    !> change little by chance.
@@ -43,7 +43,17 @@ contains
       where (quantity_rows%field == 'pressure') errors = errors*(1 + doubt)
    end function change_by_inlet
 
-   !> The changes themselves; 0 where it is not known of a position, or of forces.
+   !> Share of the central film that the inlet starves it of; 0 if it thickens it.
+   pure function film_loss(self) result(loss)
+      type(inlet_change_t), intent(in) :: self
+      real(wp) :: loss
+
+      loss = max(1 - quotient(value_between(self%near, h_central), value_between(self%far, &
+         h_central)), 0.0_wp)
+   end function film_loss
+
+   !> The changes themselves, in parts of the value of the same domain; 0 where it is not known of a
+   !> position, or of forces.
    pure function changes(self)
       type(inlet_change_t), intent(in) :: self
       real(wp) :: changes(quantity_count)
@@ -56,7 +66,7 @@ contains
          if (quantity_rows(i)%field == 'x') then
             changes(i) = near - far
          else
-            changes(i) = quotient(near, far) - 1
+            changes(i) = 1 - quotient(far, near)
          end if
          if (any(quantity_rows(i)%field == may_be_unknown)) changes(i) = merge(changes(i), &
             0.0_wp, ieee_is_finite(changes(i)))

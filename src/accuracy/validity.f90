@@ -2,19 +2,20 @@
 !> `validity_table` with its value and whether it is passed.
 !>
 !> This is about the model, not about the numbers, which the error estimates judge. Of a transient
-!> the extremes over the times that count are used where there are any (films, pressure, T_max and
-!> slope), else the last time.
+!> the extremes over the times that count are used where there are any (films, pressure, stress, T_max
+!> and slope), else the last time.
 module validity
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use bodies, only: bodies_t
    use features, only: feature_sinusoid, rough_surface_t
+   use friction_sums, only: stressed_share
    use shear_stresses, only: film_stresses
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use lubricant, only: lubricant_t, viscosity_barus, viscosity_constant
-   use missing_value, only: not_known
+   use missing_value, only: larger, not_known
    use model_limits, only: film_reynolds_number, film_temperatures, flash_temperatures, &
       inlet_heating_loss, shortest_length, side_flow_loss
    use quantities, only: h_central, h_min, p_max
@@ -56,8 +57,8 @@ module validity
       type(line_contact_t) :: contact
       !> Extremes over the times that count.
       type(line_summary_t) :: summary
-      !> Share by which the inlet starves the film.
-      real(wp) :: inlet_error = 0.0_wp
+      !> Share of the film that the inlet starves it of.
+      real(wp) :: film_loss = 0.0_wp
       !> The full momentum equations of the film are solved too.
       logical :: has_momentum = .false.
    end type circumstances_t
@@ -67,8 +68,6 @@ module validity
    !> Yield stress in shear of a perfectly plastic body over its hardness, and the shakedown limit
    !> of a line contact over that stress.
    real(wp), parameter :: shear_strength = 1.0_wp/6.0_wp, shakedown_factor = 4.0_wp
-   !> Stresses over pressures count where the pressure is above this share of its largest.
-   real(wp), parameter :: stressed_share = 0.1_wp
    !> Share of its viscosity that an oil may lose to heat.
    real(wp), parameter :: tolerable_thinning = 0.1_wp
 
@@ -104,7 +103,7 @@ contains
 
       select case (i)
       case (starvation)
-         limit%value = of%inlet_error
+         limit%value = of%film_loss
       case (viscosity_data)
          call compare_viscosity_data(of, limit)
       case default
@@ -137,9 +136,9 @@ contains
          case (hardness, shakedown)
             call compare_strength(i, of, limit)
          case (limiting_stress)
-            limit%value = maxval(abs(mean_stresses(of, state))/(state%pressure &
-               *scaling%hertz_pressure), &
-               state%pressure > stressed_share*maxval(state%pressure))
+            limit%value = larger(summary%limits%stress_share*scaling%slope, &
+               maxval(abs(mean_stresses(of, state))/(state%pressure*scaling%hertz_pressure), &
+               state%pressure > stressed_share*maxval(state%pressure)))
          case (shear_heating)
             if (given%thermal_viscosity > 0.0_wp) then
                limit%value = maxval(temperatures(of, state))

@@ -29,7 +29,8 @@ module validity_table
    type(limit_row_t), parameter, public :: limit_rows(*) = [ &
       limit_row_t('starvation', '1', 5.0e-3_wp, .false., &
          'share by which the given inlet starves the film', &
-         'rule of the inlet, 71 contacts against twice the domain; threshold: estimate'), &
+         'rule of the inlet, 71 contacts against twice the domain, above 5 % measured; '// &
+            'threshold: estimate'), &
       limit_row_t('mixed_lubrication', '1', 3.0_wp, .true., &
          'smallest film over composite rms height of sinusoids and profiles', &
          'full film above 3: Hamrock, Schmid and Jacobson, Fundamentals of Fluid Film '// &

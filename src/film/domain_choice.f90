@@ -131,8 +131,9 @@ contains
       reach = sqrt((9.5_wp*ratio**0.4_wp)**2 + 42.0_wp**2*(rigid_share*load_effect)*ratio)
    end function inlet_reach
 
-   !> Relative error of the film thickness because the inlet is where it is and not far away: the
-   !> inverse of the rule above, by bisection, between 1e-6 and 1.
+   !> By which share of itself the film is thinner than with an inlet far away: the inverse of the
+   !> rule above, by bisection, between 1e-6 and 100. The rule is for small shares: one above a
+   !> twentieth is a bound (heavy contacts) or an estimate (light ones).
    pure function inlet_error(contact) result(error)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: error, reach, lower, upper
@@ -140,7 +141,7 @@ contains
 
       reach = (-contact%domain%x_inlet - 1)/sqrt(2*newtonian_film(contact))
       lower = log(1.0e-6_wp)
-      upper = 0.0_wp
+      upper = log(100.0_wp)
       do i = 1, 40
          error = exp(0.5_wp*(lower + upper))
          if (inlet_reach(contact, contact%domain%inlet, error) > reach) then
@@ -167,7 +168,7 @@ contains
       film = newtonian_film(contact)
       associate (x => contact%domain%x_inlet)
          if (contact%domain%inlet == 'tail') then
-            error = pressure_behind_tail*inlet_error(contact)*min(1.0_wp, film)
+            error = pressure_behind_tail*min(inlet_error(contact), 1.0_wp)*min(1.0_wp, film)
          else
             missing = 4*contact%lambda/(pi*max(x**2 - 1, tiny(1.0_wp)))
             error = (1 + 2*rigid_film(contact%moes_m_sum)/film)*min(missing, 1.0_wp)

@@ -9,8 +9,8 @@ module entry_zone
    implicit none (type, external)
    private
 
-   public :: arrival_of, has_something_inside, has_waves, is_cut, is_moving, is_ridge, is_wave, &
-      last_passage, zone_of, zone_t
+   public :: arrival_of, first_passage, front_arrival, has_something_inside, has_waves, is_moving, is_ridge, &
+      is_wave, last_passage, zone_of, zone_t
 
    !> Half the length of a ridge, in wavelengths: there its height is 0.3 % of that of its centre.
    real(wp), parameter, public :: half_ridge = 0.5_wp
@@ -90,19 +90,31 @@ contains
       is_moving = abs(surface%speed) > slow
    end function is_moving
 
-   !> Whether a moving surface has a ridge inside the contact at T = 0.
-   pure function is_cut(surface, zone)
-      type(rough_surface_t), intent(in) :: surface
-      type(zone_t), intent(in) :: zone
-      logical :: is_cut
-
-      is_cut = is_moving(surface) .and. .not. surface%entry_length > 0.0_wp &
-         .and. has_something_inside(surface, zone)
-   end function is_cut
-
    !> When the first of what is rough on a surface reaches the contact; 0: it is there at T = 0;
    !> huge: it never comes.
    pure function arrival_of(surface, zone) result(time)
+      type(rough_surface_t), intent(in) :: surface
+      type(zone_t), intent(in) :: zone
+      real(wp) :: time
+
+      time = first_passage(surface, zone)
+      if (has_waves(surface)) time = 0.0_wp
+      time = max(time, front_arrival(surface, zone))
+   end function arrival_of
+
+   !> When the front of a smooth entry of a moving surface reaches the contact; 0 without one.
+   pure function front_arrival(surface, zone) result(time)
+      type(rough_surface_t), intent(in) :: surface
+      type(zone_t), intent(in) :: zone
+      real(wp) :: time
+
+      time = 0.0_wp
+      if (surface%entry_length > 0.0_wp .and. is_moving(surface)) time = &
+         max(abs(surface%entry_position) - zone%border, 0.0_wp)/abs(surface%speed)
+   end function front_arrival
+
+   !> The same of ridges, dents and a profile of finite length, without a smooth entry.
+   pure function first_passage(surface, zone) result(time)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
       real(wp) :: time
@@ -114,13 +126,11 @@ contains
          end associate
       end if
       if (allocated(surface%profile)) then
+         if (surface%profile%is_periodic) return
          associate (half => 0.5_wp*profile_length(surface%profile))
             time = min(time, reached(surface%profile%start + half, half))
          end associate
       end if
-      if (has_waves(surface)) time = 0.0_wp
-      if (surface%entry_length > 0.0_wp .and. is_moving(surface)) time = max(time, &
-         max(abs(surface%entry_position) - zone%border, 0.0_wp)/abs(surface%speed))
 
    contains
 
@@ -137,7 +147,7 @@ contains
          if (distance >= 0.0_wp) when = distance/abs(surface%speed)
       end function reached
 
-   end function arrival_of
+   end function first_passage
 
    !> When the last ridge of a moving surface leaves the contact at its end, |X| = 1.
    pure function last_passage(surface) result(time)

@@ -9,7 +9,7 @@
 !> how much of the width oil fills there is not known.
 module film_shear
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use friction_sums, only: friction_t
+   use friction_sums, only: friction_t, stressed_share
    use kinds, only: wp
    use line_level, only: line_level_t
    use missing_value, only: not_known
@@ -43,13 +43,14 @@ contains
       type(line_level_t), intent(in) :: level
       type(friction_t) :: friction
       type(stress_block_t) :: block
-      real(wp) :: weights(block_size), rise, flux(level%n)
+      real(wp) :: weights(block_size), rise, flux(level%n), stressed
       integer :: i, first, last, m, exit_node
 
       associate (p => level%state%pressure, h => level%state%film, rho => level%density)
          friction = oil_in_front(level, h(maxloc(p, 1) - 1))
          flux = mass_flux(level)
          exit_node = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1
+         stressed = stressed_share*maxval(p)
          do first = 0, exit_node, block_size
             last = min(first + block_size - 1, exit_node)
             m = last - first + 1
@@ -60,6 +61,10 @@ contains
             if (last == exit_node) weights(m) = last_weight(level, exit_node, flux(max(exit_node, &
                1)))
             friction%sliding = friction%sliding + sum(weights(:m)*block%stress(:m))
+            do i = 1, m
+               if (p(first + i - 1) > stressed) friction%stress_share = max( &
+                  friction%stress_share, abs(block%stress(i))/p(first + i - 1))
+            end do
          end do
          do i = 1, min(exit_node + 1, level%n)
             rise = p(i) - p(i - 1)

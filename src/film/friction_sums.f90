@@ -7,6 +7,9 @@ module friction_sums
 
    public :: unknown_friction
 
+   !> Stresses over pressures count where the pressure is above this share of its largest.
+   real(wp), parameter, public :: stressed_share = 0.1_wp
+
    !> Over the film under pressure and the oil in front of the domain.
    type, public :: friction_t
       !> Int T_m dX, positive where u2 > u1; NaN where the speeds are not known.
@@ -17,6 +20,8 @@ module friction_sums
       real(wp) :: sliding_speed = 0.0_wp
       !> Int S H^3/(mu/mu_0) (dP/dX)^2 dX/(2 lambda).
       real(wp) :: rolling_power = 0.0_wp
+      !> Largest |T_m|/P of the nodes whose pressure is above `stressed_share` of the largest.
+      real(wp) :: stress_share = 0.0_wp
    end type friction_t
 
 contains
@@ -25,7 +30,8 @@ contains
    pure function unknown_friction() result(friction)
       type(friction_t) :: friction
 
-      friction = friction_t(not_known(), not_known(), not_known(), not_known())
+      friction = friction_t(not_known(), not_known(), not_known(), not_known(), &
+         not_known())
    end function unknown_friction
 
 end module friction_sums

@@ -11,8 +11,8 @@
 !> A passage of nothing but waves becomes periodic: its quantities are those of the last whole
 !> periods.
 module passage_times
-   use entry_zone, only: arrival_of, half_ridge, has_something_inside, has_waves, is_cut, &
-      is_moving, is_ridge, is_wave, last_passage, zone_of, zone_t
+   use entry_zone, only: arrival_of, half_ridge, first_passage, front_arrival, &
+      has_something_inside, has_waves, is_moving, is_ridge, is_wave, last_passage, zone_of, zone_t
    use features, only: feature_ridge, rough_surface_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -287,17 +287,46 @@ contains
             to_text(times%settled_from, 3)
          if (times%period > 0.0_wp) note = note//', and a period takes '//to_text(times%period, 3)
          note = note//'; end_time = '//rounded_up(times%needed_end)//' or more is needed'
-      else if (is_cut(contact%surface_1, zone_of(contact)) .or. is_cut(contact%surface_2, &
-         zone_of(contact))) then
-         note = 'a feature that moves stands in the contact at T = 0: of its passage only '// &
-            'what comes after T = '// &
-            to_text(times%settled_from, 3)//' counts; position further outside shows all of it'
+      else
+         note = uncounted_passage(contact, times%settled_from)
       end if
       left = max(last_passage(contact%surface_1), last_passage(contact%surface_2))
       if (left > times%end_time*(1 + rounding)) call add_sentence(note, &
          'a feature is still in the contact or in front of it at the end: end_time = ' &
          //rounded_up(left)//' or more is needed')
    end function passage_note
+
+   !> What should be known of features that pass before the quantities count, `from` then on.
+   pure function uncounted_passage(contact, from) result(note)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: from
+      character(:), allocatable :: note
+      real(wp) :: first(2), shifts(2)
+
+      note = ''
+      first = [own_passage(contact%surface_1), own_passage(contact%surface_2)]
+      shifts = (from - first)*abs([contact%surface_1%speed, contact%surface_2%speed])
+      if (minval(first) >= from*(1 - rounding)) return
+      note = 'enters the contact at T = '//to_text(minval(first), 3)
+      if (.not. minval(first) > 0.0_wp) note = 'stands in the contact at T = 0'
+      note = 'a feature that moves '//note//': of its passage only what comes after T = ' &
+         //to_text(from, 3)//' counts; position further outside'
+      if (minval(first) > 0.0_wp) note = note//', by '//to_text(maxval(shifts), 3)//','
+      note = note//' shows all of it'
+
+   contains
+
+      !> When the first feature of a surface reaches the contact; huge where it is at rest.
+      pure function own_passage(surface) result(time)
+         type(rough_surface_t), intent(in) :: surface
+         real(wp) :: time
+
+         time = huge(time)
+         if (is_moving(surface)) time = max(first_passage(surface, zone_of(contact)), &
+            front_arrival(surface, zone_of(contact)))
+      end function own_passage
+
+   end function uncounted_passage
 
    !> A time with three digits, not below it.
    pure function rounded_up(time) result(words)

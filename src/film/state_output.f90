@@ -43,6 +43,7 @@ contains
          state%friction = friction_of(level)
          state%limits = film_limits(level%fluid, level%lambda, level%slide_to_roll, level%dx, &
             level%state%pressure, level%state%film)
+         state%limits%stress_share = state%friction%stress_share
       end if
    end subroutine fill_state
 

@@ -58,7 +58,8 @@ contains
    end function steps_in_wave
 
    !> What the reader of a result should know about its waves: nodes or steps that are too few for 1
-   !> %, and what would do. Empty: nothing. Domain and time step complete.
+   !> %, or steps for an estimate of the error, and what would do. Empty: nothing. Domain and time
+   !> step complete.
    pure function coarse_waves(contact, time) result(words)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
@@ -73,10 +74,45 @@ contains
          to_text(wanted_nodes)//' are needed: '// &
          to_text(intervals_at_least(real(wanted_nodes, wp)/nodes*contact%domain%intervals)) &
             //' intervals'
-      if (steps < wanted_steps) call add_sentence(words, 'the finest moving wave passes in ' &
-         //to_text(steps, 3)//' time steps, '//to_text(wanted_steps)// &
-         ' are needed: time_step = '//to_text(shortest_passage(contact)/wanted_steps, 2))
+      if (steps < wanted_steps) then
+         call add_sentence(words, 'the finest moving wave passes in '//to_text(steps, 3) &
+            //' time steps, '//to_text(wanted_steps)//' are needed: time_step = ' &
+            //rounded_down(shortest_passage(contact)/wanted_steps))
+      else if (has_long_steps(contact, time)) then
+         call add_sentence(words, 'the error is not estimated: '//unseen_passage(steps)// &
+            ': time_step = '//rounded_down(max(shortest_passage(contact)/seen_steps, &
+            node_spacing(contact))))
+      end if
    end function coarse_waves
+
+   !> A time step with two digits, not above it.
+   pure function rounded_down(step) result(words)
+      real(wp), intent(in) :: step
+      character(:), allocatable :: words
+      real(wp) :: unit
+
+      unit = 10.0_wp**(floor(log10(step)) - 1)
+      words = to_text(unit*aint(step/unit), 2)
+   end function rounded_down
+
+   !> Whether longer steps miss the waves that these see.
+   pure function has_long_steps(contact, time) result(are_long)
+      type(line_contact_t), intent(in) :: contact
+      type(time_settings_t), intent(in) :: time
+      logical :: are_long
+
+      are_long = steps_in_wave(contact, time) < seen_steps .and. time%time_step &
+         > long_step*node_spacing(contact)
+   end function has_long_steps
+
+   !> That they do, for a wave that passes in so many steps.
+   pure function unseen_passage(steps) result(words)
+      real(wp), intent(in) :: steps
+      character(:), allocatable :: words
+
+      words = 'the finest moving wave passes in '//to_text(steps, 3)//' time steps, an estimate '// &
+         'needs '//to_text(nint(seen_steps))//', or steps of dX'
+   end function unseen_passage
 
    !> Why coarser grids and longer steps tell nothing of the error: waves that they do not see.
    !> Empty: they do, or grid and step are not known yet.
@@ -84,20 +120,17 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
       character(:), allocatable :: words
-      real(wp) :: least, nodes, steps
+      real(wp) :: least, nodes
 
       words = ''
       if (contact%domain%intervals <= 0) return
       least = seen_nodes(merge(2, 1, time%is_transient))
       nodes = nodes_in_wave(contact)
-      steps = steps_in_wave(contact, time)
       if (nodes < least) then
          words = 'the finest wave of the surfaces has '//to_text(nodes, 3) &
             //' nodes, an estimate needs '//to_text(nint(least))
-      else if (steps < seen_steps .and. time%time_step > long_step*node_spacing(contact)) then
-         words = 'the finest moving wave passes in '//to_text(steps, 3) &
-            //' time steps, an estimate needs '// &
-            to_text(nint(seen_steps))//', or steps of dX'
+      else if (has_long_steps(contact, time)) then
+         words = unseen_passage(steps_in_wave(contact, time))
       end if
    end function unseen_waves
 

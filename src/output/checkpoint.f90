@@ -172,6 +172,7 @@ contains
       call file%visit(path//'spike_film', summary%crests%spike_film)
       call file%visit(path//'stokes_number', summary%limits%stokes_number)
       call file%visit(path//'surface_slope', summary%limits%surface_slope)
+      call file%visit(path//'stress_share', summary%limits%stress_share)
    end subroutine visit_summary
 
    !> One quantity; its error is estimated when the run is complete.
