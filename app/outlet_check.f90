@@ -1,6 +1,6 @@
 !> What a result is compared with once it is known: what a tail in front of the inlet leaves out or
-!> an inlet without one starves, what the thesis's scheme finds; whether the outlet cuts the film off, by how much that changes
-!> the quantities, and a note on it.
+!> an inlet without one starves, what the thesis's scheme finds; whether the outlet cuts the film
+!> off, by how much that changes the quantities, and a note on it.
 module outlet_check
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_notes, only: tell

@@ -116,7 +116,7 @@ def inside(source: random.Random, count: int) -> list[Member]:
 
 
 def beside_waves(source: random.Random, count: int) -> list[Member]:
-    """A ridge begins in front of a contact that a wave of the other surface fills; the truth begins whole periods further outside."""
+    """A ridge begins in front of a contact that a wave of the other surface fills; the truth begins whole periods later."""
     found = []
     for i in range(count):
         contact = Contact(source, source.choice(SLIDES[:-2]))

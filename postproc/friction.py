@@ -156,7 +156,9 @@ def draw(path: Path, options: argparse.Namespace) -> list[Path]:
             one.remove()
         draw_velocity(figure.add_subplot(grid[:, 1]), result, friction, options.si)
     words = caption(friction, result)
-    axes[0, 0].set_title(words.replace("sliding", "\nsliding").replace(", rolling", ",\nrolling") if columns == 1 else words, fontsize=8, loc="left")
+    if columns == 1:
+        words = words.replace("sliding", "\nsliding").replace(", rolling", ",\nrolling")
+    axes[0, 0].set_title(words, fontsize=8, loc="left")
     style.legend_below(figure, lines, 3 if columns == 1 else 5)
     style.mark_not_converged(figure, [result])
     return style.save_figure(figure, figure_command.targets(options, result.stem, "friction"))

@@ -25,8 +25,8 @@ module coarse_runs
 
    !> Coarse runs that error bars come from have at least this many intervals.
    integer, parameter :: min_intervals = 32
-   !> Up to this share of the film the rule of the inlet tells what it starves; beyond that the change
-   !> is measured, on a domain that is so many times as long at most.
+   !> Up to this share of the film the rule of the inlet tells what it starves; beyond that the
+   !> change is measured, on a domain that is so many times as long at most.
    real(wp), parameter :: small_loss = 0.05_wp
    integer, parameter :: max_lengthening = 32
 
@@ -234,9 +234,9 @@ contains
    end subroutine run_longer
 
    !> What the inlet of a steady `contact` changes that has a tail in front of it, or by the rule
-   !> starves the film by much (`inlet_error`): the case on a quarter of its intervals (half of them,
-   !> where that finds no solution), and at the same spacing on a domain twice as long; without a
-   !> tail on one with the inlet that would be chosen, at least.
+   !> starves the film by much (`inlet_error`): the case on a quarter of its intervals (half of
+   !> them, where that finds no solution), and at the same spacing on a domain twice as long;
+   !> without a tail on one with the inlet that would be chosen, at least.
    subroutine run_farther(bars, contact, settings, watcher, error)
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(in) :: contact
@@ -283,7 +283,8 @@ contains
       domain%intervals = 2*domain%intervals
    end subroutine double_in_front
 
-   !> Doubles the domain of `contact` until its inlet is as far out as a chosen one, and of that kind.
+   !> Doubles the domain of `contact` until its inlet is as far out as a chosen one, and of that
+   !> kind.
    pure subroutine reach_out(contact)
       type(line_contact_t), intent(inout) :: contact
       type(line_contact_t) :: chosen

@@ -2,8 +2,8 @@
 !> `validity_table` with its value and whether it is passed.
 !>
 !> This is about the model, not about the numbers, which the error estimates judge. Of a transient
-!> the extremes over the times that count are used where there are any (films, pressure, stress, T_max
-!> and slope), else the last time.
+!> the extremes over the times that count are used where there are any (films, pressure, stress,
+!> T_max and slope), else the last time.
 module validity
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use bodies, only: bodies_t

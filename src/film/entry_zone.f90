@@ -9,8 +9,8 @@ module entry_zone
    implicit none (type, external)
    private
 
-   public :: arrival_of, first_passage, front_arrival, has_something_inside, has_waves, is_moving, is_ridge, &
-      is_wave, last_passage, zone_of, zone_t
+   public :: arrival_of, first_passage, front_arrival, has_something_inside, has_waves, &
+      is_moving, is_ridge, is_wave, last_passage, zone_of, zone_t
 
    !> Half the length of a ridge, in wavelengths: there its height is 0.3 % of that of its centre.
    real(wp), parameter, public :: half_ridge = 0.5_wp

@@ -110,8 +110,8 @@ contains
       real(wp), intent(in) :: steps
       character(:), allocatable :: words
 
-      words = 'the finest moving wave passes in '//to_text(steps, 3)//' time steps, an estimate '// &
-         'needs '//to_text(nint(seen_steps))//', or steps of dX'
+      words = 'the finest moving wave passes in '//to_text(steps, 3)//' time steps, an '// &
+         'estimate needs '//to_text(nint(seen_steps))//', or steps of dX'
    end function unseen_passage
 
    !> Why coarser grids and longer steps tell nothing of the error: waves that they do not see.
