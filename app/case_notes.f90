@@ -14,7 +14,7 @@ module case_notes
    use quantities, only: h_min, p_max
    use run_observer, only: run_observer_t
    use text, only: add_sentence, to_text
-   use wave_resolution, only: coarse_waves
+   use wave_resolution, only: coarse_waves, long_steps
    implicit none (type, external)
    private
 
@@ -84,6 +84,7 @@ contains
       whole = contact
       call choose_domain(whole)
       words = coarse_waves(whole, case%time)
+      if (len(words) == 0 .and. case%accuracy%has_error_bars) words = long_steps(whole, case%time)
       call tell(case, watcher, words, note)
    end subroutine tell_coarse_waves
 

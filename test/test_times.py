@@ -93,6 +93,23 @@ def test_a_ridge_that_passes_before_its_companion_has_settled_is_told(asperity, 
     assert (words in " ".join(told.split())) == is_told
 
 
+def test_steps_too_long_for_an_estimate_are_told(asperity, tmp_path):
+    """With the step that is not; nothing is told where no estimate is wanted."""
+    case = STEADY + RIDGE.format(", position = -2.1") + "&time transient = .true., end_time = 2.0, time_step = {} /\n"
+    note = "the error is not estimated: the finest moving wave passes in 20.6 time steps, an estimate needs 32, or steps of dX"
+    write(tmp_path, "long.nml", case.format(0.025))
+    write(tmp_path, "silent.nml", case.format(0.025) + "&accuracy error_bars = .false. /\n")
+    done, silent = asperity("long.nml"), asperity("silent.nml")
+    told = " ".join(done.stdout.split())
+    assert note in told
+    assert (done.returncode, silent.returncode, "not estimated" in silent.stdout + silent.stderr) == (0, 0, False)
+    step = float(told.split(f"{note}: time_step = ")[1].split()[0])
+    write(tmp_path, "short.nml", case.format(step))
+    assert "not estimated" not in asperity("short.nml").stdout
+    with h5py.File(tmp_path / "long.h5") as before, h5py.File(tmp_path / "short.h5") as after:
+        assert [np.isfinite(file["summary/h_min"].attrs["error_estimate"]) for file in (before, after)] == [False, True]
+
+
 def test_what_is_asked_for_counts(asperity, tmp_path):
     """From the given time on; statistics of the film too, and after an interruption as well (test_resume.py)."""
     file, _ = run(asperity, tmp_path, WAVE, 6.0, ", statistics_from = 5.0", "&output film_thresholds = 4e-7 /\n")

@@ -12,7 +12,7 @@ module wave_resolution
    implicit none (type, external)
    private
 
-   public :: choose_time_step, coarse_waves, intervals_at_least, nodes_in_wave, &
+   public :: choose_time_step, coarse_waves, intervals_at_least, long_steps, nodes_in_wave, &
       steps_in_wave, unseen_waves
 
    !> Nodes in the finest wave, and steps in which it passes a place, for 1 % in h_min: those of the
@@ -58,8 +58,7 @@ contains
    end function steps_in_wave
 
    !> What the reader of a result should know about its waves: nodes or steps that are too few for 1
-   !> %, or steps for an estimate of the error, and what would do. Empty: nothing. Domain and time
-   !> step complete.
+   !> %, and what would do. Empty: nothing. Domain and time step complete.
    pure function coarse_waves(contact, time) result(words)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
@@ -74,16 +73,24 @@ contains
          to_text(wanted_nodes)//' are needed: '// &
          to_text(intervals_at_least(real(wanted_nodes, wp)/nodes*contact%domain%intervals)) &
             //' intervals'
-      if (steps < wanted_steps) then
-         call add_sentence(words, 'the finest moving wave passes in '//to_text(steps, 3) &
-            //' time steps, '//to_text(wanted_steps)//' are needed: time_step = ' &
-            //rounded_down(shortest_passage(contact)/wanted_steps))
-      else if (has_long_steps(contact, time)) then
-         call add_sentence(words, 'the error is not estimated: '//unseen_passage(steps)// &
-            ': time_step = '//rounded_down(max(shortest_passage(contact)/seen_steps, &
-            node_spacing(contact))))
-      end if
+      if (steps < wanted_steps) call add_sentence(words, 'the finest moving wave passes in ' &
+         //to_text(steps, 3)//' time steps, '//to_text(wanted_steps)// &
+         ' are needed: time_step = '//rounded_down(shortest_passage(contact)/wanted_steps))
    end function coarse_waves
+
+   !> That time steps are too long for an estimate of the error, and which are not. Empty: they are
+   !> not too long.
+   !> Domain and time step complete.
+   pure function long_steps(contact, time) result(words)
+      type(line_contact_t), intent(in) :: contact
+      type(time_settings_t), intent(in) :: time
+      character(:), allocatable :: words
+
+      words = ''
+      if (has_long_steps(contact, time)) words = 'the error is not estimated: ' &
+         //unseen_passage(steps_in_wave(contact, time))//': time_step = ' &
+         //rounded_down(max(shortest_passage(contact)/seen_steps, node_spacing(contact)))
+   end function long_steps
 
    !> A time step with two digits, not above it.
    pure function rounded_down(step) result(words)
