@@ -45,12 +45,14 @@ contains
       type(stress_block_t) :: block
       real(wp) :: weights(block_size), rise, flux(level%n), stressed
       integer :: i, first, last, m, exit_node
+      logical :: has_speeds
 
       associate (p => level%state%pressure, h => level%state%film, rho => level%density)
          friction = oil_in_front(level, h(maxloc(p, 1) - 1))
          flux = mass_flux(level)
          exit_node = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1
          stressed = stressed_share*maxval(p)
+         has_speeds = ieee_is_finite(level%slide_to_roll)
          do first = 0, exit_node, block_size
             last = min(first + block_size - 1, exit_node)
             m = last - first + 1
@@ -61,7 +63,7 @@ contains
             if (last == exit_node) weights(m) = last_weight(level, exit_node, flux(max(exit_node, &
                1)))
             friction%sliding = friction%sliding + sum(weights(:m)*block%stress(:m))
-            do i = 1, m
+            do i = 1, merge(m, 0, has_speeds)
                if (p(first + i - 1) > stressed) friction%stress_share = max( &
                   friction%stress_share, abs(block%stress(i))/p(first + i - 1))
             end do
@@ -74,6 +76,7 @@ contains
          end do
       end associate
       friction%sliding_speed = 0.5_wp*level%slide_to_roll
+      if (.not. has_speeds) friction%stress_share = not_known()
    end function friction_of
 
    !> Weight of the last node with P > 0: half of the interval in front of it, and as far as the
