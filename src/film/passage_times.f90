@@ -305,7 +305,7 @@ contains
 
       note = ''
       first = [own_passage(contact%surface_1), own_passage(contact%surface_2)]
-      shifts = (from - first)*abs([contact%surface_1%speed, contact%surface_2%speed])
+      shifts = (from - min(first, from))*abs([contact%surface_1%speed, contact%surface_2%speed])
       if (minval(first) >= from*(1 - rounding)) return
       note = 'enters the contact at T = '//to_text(minval(first), 3)
       if (.not. minval(first) > 0.0_wp) note = 'stands in the contact at T = 0'
