@@ -136,7 +136,7 @@ def narrow(source: random.Random, count: int) -> list[Member]:
     """Narrow ridges and dents in heavy contacts, mostly Newtonian: the film keeps what the inlet makes of them."""
     found = []
     for i in range(count):
-        contact = Contact(source, source.choice((-1.0, -0.5, 0.0, 0.5, 1.0)), (1.5, 2.5), 0.25)
+        contact = Contact(source, source.choice((-1.0, -0.5, 0.0, 0.5, 1.0)), loads=(1.5, 2.5), eyring=0.25)
         length = 10 ** source.uniform(-1.0, -0.3)
         ridge = contact.wave("feature", source.choice((1, -1)) * source.uniform(0.05, 0.5), length, -1.5 - length)
         surfaces, time = {"surface_2": ridge}, {"end_time": (2.6 + 1.5 * length) / contact.speed}

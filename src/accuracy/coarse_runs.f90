@@ -26,9 +26,9 @@ module coarse_runs
    !> Coarse runs that error bars come from have at least this many intervals.
    integer, parameter :: min_intervals = 32
    !> Up to this share of the film the rule of the inlet tells what it starves; beyond that the
-   !> change is measured, on a domain that is so many times as long at most.
+   !> change is measured, on a domain that is doubled so many times at most.
    real(wp), parameter :: small_loss = 0.05_wp
-   integer, parameter :: max_lengthening = 32
+   integer, parameter :: max_doublings = 5
 
    !> A coarse run of a transient, which does not depend on the run itself: another thread may make
    !> it while that goes on. On `factor` times fewer intervals with time steps as much larger.
@@ -236,7 +236,8 @@ contains
    !> What the inlet of a steady `contact` changes that has a tail in front of it, or by the rule
    !> starves the film by much (`inlet_error`): the case on a quarter of its intervals (half of
    !> them, where that finds no solution), and at the same spacing on a domain twice as long;
-   !> without a tail on one with the inlet that would be chosen, at least.
+   !> without a tail on one with the inlet that would be chosen, at least, unless that takes more
+   !> intervals than a grid that is chosen may have.
    subroutine run_farther(bars, contact, settings, watcher, error)
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(in) :: contact
@@ -248,15 +249,16 @@ contains
       type(solver_settings_t) :: exact
       type(time_settings_t) :: steady
       integer :: factor
+      logical :: has_tail, is_out
 
+      has_tail = contact%domain%inlet == 'tail'
+      if (.not. (has_tail .or. inlet_error(contact) > small_loss)) return
       longer = contact
-      if (contact%domain%inlet == 'tail') then
+      if (has_tail) then
          call double_in_front(longer%domain)
-      else if (inlet_error(contact) > small_loss) then
-         call reach_out(longer)
-         if (longer%domain%intervals > max_lengthening*contact%domain%intervals) return
       else
-         return
+         call reach_out(longer, 2*max_chosen(settings), is_out)
+         if (.not. is_out) return
       end if
       collector%watcher => watcher
       exact = settings
@@ -284,19 +286,25 @@ contains
    end subroutine double_in_front
 
    !> Doubles the domain of `contact` until its inlet is as far out as a chosen one, and of that
-   !> kind.
-   pure subroutine reach_out(contact)
+   !> kind; `is_out`: a few times suffice, with at most so many intervals.
+   pure subroutine reach_out(contact, max_intervals, is_out)
       type(line_contact_t), intent(inout) :: contact
+      integer, intent(in) :: max_intervals
+      logical, intent(out) :: is_out
       type(line_contact_t) :: chosen
+      integer :: doubling
 
       chosen = contact
       chosen%domain%has_inlet = .false.
       chosen%domain%inlet = 'auto'
       call choose_domain(chosen)
       contact%domain%inlet = chosen%domain%inlet
-      do while (contact%domain%x_inlet > chosen%domain%x_inlet)
+      do doubling = 1, max_doublings
+         is_out = contact%domain%x_inlet <= chosen%domain%x_inlet
+         if (is_out .or. contact%domain%intervals > max_intervals/2) return
          call double_in_front(contact%domain)
       end do
+      is_out = contact%domain%x_inlet <= chosen%domain%x_inlet
    end subroutine reach_out
 
    !> A steady `contact` that the kappa scheme has solved, by that of the thesis on its own grid and

@@ -6,7 +6,7 @@ module text
    implicit none (type, external)
    private
 
-   public :: add_sentence, count_of, joined, to_lower, to_text
+   public :: add_sentence, count_of, joined, rounded_down, rounded_up, to_lower, to_text
 
    !> A number or logical as short text without surrounding blanks.
    interface to_text
@@ -61,6 +61,37 @@ contains
       string = trim(adjustl(buffer))
       if (string(len(string):) == '.') string = string(:len(string) - 1)
    end function real_to_text
+
+   !> A `value` > 0 with so many `digits`, above it: a least value that may be copied.
+   pure function rounded_up(value, digits) result(string)
+      real(wp), intent(in) :: value
+      integer, intent(in) :: digits
+      character(:), allocatable :: string
+      real(wp) :: unit
+
+      unit = last_digit(value, digits)
+      string = real_to_text(unit*(aint(value/unit) + 1), digits)
+   end function rounded_up
+
+   !> The same, not above it: a largest value that may be copied.
+   pure function rounded_down(value, digits) result(string)
+      real(wp), intent(in) :: value
+      integer, intent(in) :: digits
+      character(:), allocatable :: string
+      real(wp) :: unit
+
+      unit = last_digit(value, digits)
+      string = real_to_text(unit*aint(value/unit), digits)
+   end function rounded_down
+
+   !> What one more of the last of so many `digits` of a `value` > 0 is.
+   pure function last_digit(value, digits) result(unit)
+      real(wp), intent(in) :: value
+      integer, intent(in) :: digits
+      real(wp) :: unit
+
+      unit = 10.0_wp**(floor(log10(value)) - digits + 1)
+   end function last_digit
 
    !> True if the exponent of `value` has three digits.
    pure function has_long_exponent(value)

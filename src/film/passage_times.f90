@@ -17,7 +17,7 @@ module passage_times
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use solver_settings, only: time_settings_t
-   use text, only: add_sentence, to_text
+   use text, only: add_sentence, rounded_up, to_text
    implicit none (type, external)
    private
 
@@ -286,14 +286,14 @@ contains
             'forgotten by T = '// &
             to_text(times%settled_from, 3)
          if (times%period > 0.0_wp) note = note//', and a period takes '//to_text(times%period, 3)
-         note = note//'; end_time = '//rounded_up(times%needed_end)//' or more is needed'
+         note = note//'; end_time = '//rounded_up(times%needed_end, 3)//' or more is needed'
       else
          note = uncounted_passage(contact, times%settled_from)
       end if
       left = max(last_passage(contact%surface_1), last_passage(contact%surface_2))
       if (left > times%end_time*(1 + rounding)) call add_sentence(note, &
          'a feature is still in the contact or in front of it at the end: end_time = ' &
-         //rounded_up(left)//' or more is needed')
+         //rounded_up(left, 3)//' or more is needed')
    end function passage_note
 
    !> What should be known of features that pass before the quantities count, `from` then on.
@@ -327,15 +327,5 @@ contains
       end function own_passage
 
    end function uncounted_passage
-
-   !> A time with three digits, not below it.
-   pure function rounded_up(time) result(words)
-      real(wp), intent(in) :: time
-      character(:), allocatable :: words
-      real(wp) :: unit
-
-      unit = 10.0_wp**(floor(log10(time)) - 2)
-      words = to_text(unit*(aint(time/unit) + 1), 3)
-   end function rounded_up
 
 end module passage_times

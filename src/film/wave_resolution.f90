@@ -8,7 +8,7 @@ module wave_resolution
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t, shortest_passage
    use solver_settings, only: time_settings_t
-   use text, only: add_sentence, to_text
+   use text, only: add_sentence, rounded_down, to_text
    implicit none (type, external)
    private
 
@@ -75,12 +75,11 @@ contains
             //' intervals'
       if (steps < wanted_steps) call add_sentence(words, 'the finest moving wave passes in ' &
          //to_text(steps, 3)//' time steps, '//to_text(wanted_steps)// &
-         ' are needed: time_step = '//rounded_down(shortest_passage(contact)/wanted_steps))
+         ' are needed: time_step = '//rounded_down(shortest_passage(contact)/wanted_steps, 2))
    end function coarse_waves
 
    !> That time steps are too long for an estimate of the error, and which are not. Empty: they are
-   !> not too long.
-   !> Domain and time step complete.
+   !> not too long. Domain and time step complete.
    pure function long_steps(contact, time) result(words)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
@@ -89,18 +88,8 @@ contains
       words = ''
       if (has_long_steps(contact, time)) words = 'the error is not estimated: ' &
          //unseen_passage(steps_in_wave(contact, time))//': time_step = ' &
-         //rounded_down(max(shortest_passage(contact)/seen_steps, node_spacing(contact)))
+         //rounded_down(max(shortest_passage(contact)/seen_steps, node_spacing(contact)), 2)
    end function long_steps
-
-   !> A time step with two digits, not above it.
-   pure function rounded_down(step) result(words)
-      real(wp), intent(in) :: step
-      character(:), allocatable :: words
-      real(wp) :: unit
-
-      unit = 10.0_wp**(floor(log10(step)) - 1)
-      words = to_text(unit*aint(step/unit), 2)
-   end function rounded_down
 
    !> Whether longer steps miss the waves that these see.
    pure function has_long_steps(contact, time) result(are_long)
