@@ -9,7 +9,8 @@
 !>
 !> The request and the message are module variables: a signal handler has no arguments through which
 !> it could reach anything else. It only calls what POSIX allows there (poll, write, unlink,
-!> setitimer, signal, _exit), and allocates nothing.
+!> setitimer, signal, _exit), and allocates nothing. It may interrupt another handler, so what it
+!> calls is recursive.
 module interruption
    use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, c_long, &
       c_null_char
@@ -134,7 +135,7 @@ contains
    end function is_interrupted
 
    !> A signal has no effect from now on.
-   subroutine ignore(number)
+   recursive subroutine ignore(number)
       integer(c_int), intent(in) :: number
       type(c_funptr) :: previous
 
@@ -153,7 +154,7 @@ contains
    !> The handler of requests: notes the first one and sets the timer; ends the program on the
    !> second request of a user or batch system. (Others may come in numbers: SIGXCPU does each
    !> second, SIGHUP from terminal and shell.)
-   subroutine note(number) bind(c)
+   recursive subroutine note(number) bind(c)
       integer(c_int), value :: number
 
       if (has_come(number) .and. (number == signal_interrupt &
@@ -165,7 +166,7 @@ contains
    end subroutine note
 
    !> The handler of the timer.
-   subroutine end_at_last(number) bind(c)
+   recursive subroutine end_at_last(number) bind(c)
       integer(c_int), value :: number
       logical :: is_heard
 
@@ -181,7 +182,7 @@ contains
    end subroutine end_at_last
 
    !> Removes the files, prints the message if a reader takes it, and ends the program.
-   subroutine say_last_words()
+   recursive subroutine say_last_words()
       integer(c_int) :: status
       integer :: i
       logical :: is_heard

@@ -1,5 +1,6 @@
 !> What signal handlers need of the operating system, all of it allowed in a handler (POSIX,
-!> async-signal-safe functions).
+!> async-signal-safe functions). The procedures are recursive: a signal may come while one of them
+!> runs.
 module signal_calls
    use, intrinsic :: iso_c_binding, only: c_char, c_funptr, c_int, c_long, c_null_ptr, c_ptr, &
       c_short, c_size_t
@@ -90,7 +91,7 @@ contains
 
    !> Writes `text` of `length` characters to standard error as far as it is taken within `time`
    !> [ms] for each 4096: a handler must not wait for a reader that no longer reads.
-   function tell(text, length, time) result(is_taken)
+   recursive function tell(text, length, time) result(is_taken)
       character(kind=c_char), intent(in) :: text(*)
       integer, intent(in) :: length, time
       logical :: is_taken
@@ -114,7 +115,7 @@ contains
    end function tell
 
    !> The signal of `timer` (ITIMER_...) after `time` [us].
-   subroutine set_timer(timer, time)
+   recursive subroutine set_timer(timer, time)
       integer(c_int), intent(in) :: timer
       integer(c_long), intent(in) :: time
       integer(c_int) :: status
