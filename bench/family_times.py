@@ -26,9 +26,9 @@ class Contact:
         bodies, load = self.groups["bodies"], self.groups["load"]["load_per_length"]
         radius, modulus = bodies["reduced_radius"], bodies["reduced_modulus"]
         self.half_width = (8 * load * radius / (3.141592653589793 * modulus)) ** 0.5
-        # Moes: film of the rigid and of the elastic piezoviscous contact; for the heights of the waves only
+        # Moes: film of the rigid isoviscous and of the elastic piezoviscous contact; for the heights of the waves only
         speed = namelists.OIL_VISCOSITY * (bodies["speed_1"] + bodies["speed_2"]) / (modulus * radius)
-        self.film = radius * speed**0.5 * min(2.45 / self.m, 1.05 * l**0.75 / self.m**0.125 / 2)
+        self.film = radius * speed**0.5 * max(2.45 / self.m, 1.05 * l**0.75 / self.m**0.125)
         self.speed = 1 + slide / 2
         self.inlet = -14.0 if self.m < 10 else -8.0 if self.m < 40 else -5.0
 
