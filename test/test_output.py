@@ -13,7 +13,8 @@ from cases import LONG, MOES, STEADY, TRANSIENT, contents, same_bits, text, writ
 from time_limits import HANGING
 
 SOLUTION = ["x", "pressure", "film_thickness", "viscosity", "density", "slip_factor", "roughness_1", "roughness_2"]
-NUMBERS = ["time", "rigid_displacement", "h_min", "p_max", "residual"]
+FRICTION = ["friction_coefficient", "rolling_friction_coefficient", "sliding_power", "rolling_power"]
+NUMBERS = ["time", "rigid_displacement", "h_min", "p_max", *FRICTION, "residual"]
 SERIES = [*NUMBERS, "profile_time", "pressure", "film_thickness"]
 FIGURES = ["h_min", "h_min_node", "h_central", "p_max", "x_cavitation"]
 REPORT = ["method", "cycles", "residual_history", "wall_seconds", "phase_seconds", "levels", "fft_pairs"]
@@ -180,6 +181,22 @@ def test_summary_of_a_transient_is_extremes_with_their_times(results):
         assert text(summary["h_min_time"].attrs["units"]) == "s"
         assert summary["p_max"].attrs["dimensionless"] == series["pressure"][()].max()
         assert summary["p_max_time"].attrs["dimensionless"] == series["time"][int(np.argmax(series["p_max"]))]
+
+
+def test_friction_and_power_have_every_step(results):
+    """At every step sliding power is friction times load times speed difference; the largest are those of /summary, to the bit."""
+    load, difference = 1e5, 1.1 - 0.1
+    with h5py.File(results / "transient.h5") as file:
+        series, si, summary = file["transient"], file["si/transient"], file["summary"]
+        for name in FRICTION:
+            assert series[name].shape == (21,)
+            assert np.ptp(series[name]) > 0
+            assert summary[name].attrs["dimensionless"] == series[name][()].max()
+            assert summary[f"{name}_time"].attrs["dimensionless"] == series["time"][int(np.argmax(series[name]))]
+            assert text(si[name].attrs["units"]) == text(summary[name].attrs["units"])
+        power = si["friction_coefficient"][()] * load * difference
+        np.testing.assert_allclose(si["sliding_power"][()], power, rtol=1e-12)  # rounding
+        assert text(si["rolling_power"].attrs["units"]) == "W/m"
 
 
 def test_stride_and_fields_choose_what_is_stored(asperity, tmp_path):

@@ -4,6 +4,7 @@ module result_labels
    use hdf5_dataset, only: label_t, new_label
    use kinds, only: wp
    use line_state, only: line_state_t
+   use quantities, only: quantity_rows
    use scaling, only: scaling_t
    implicit none (type, external)
    private
@@ -16,11 +17,12 @@ module result_labels
       !> The quantity of `scaling_t` that is its unit; '1': none.
       character(len=14) :: unit
       !> What it is, and what the stored number without unit is.
-      character(len=56) :: text
+      character(len=80) :: text
       character(len=48) :: definition = ''
    end type row_t
 
-   !> The fields of `line_state_t`, as in /solution, then the series of /transient.
+   !> The fields of `line_state_t`, as in /solution, then the series of /transient, and units of
+   !> quantities: their texts are in their own table.
    type(row_t), parameter :: rows(*) = [ &
       row_t('x', 'half_width', 'position along the contact', ', X = x/b'), &
       row_t('pressure', 'hertz_pressure', 'pressure', ', P = p/p_h'), &
@@ -40,10 +42,7 @@ module result_labels
       ', tau R/(p_h b); 0 where P = 0'), &
       row_t('time', 'time', 'time of every step', ', T = t u_s/(2 b)'), &
       row_t('rigid_displacement', 'film', 'rigid displacement', ' H0 of (2.58)'), &
-      row_t('h_min', 'film', 'smallest film thickness, parabola through three nodes'), &
-      row_t('p_max', 'hertz_pressure', 'largest pressure of a node'), &
-      row_t('friction_coefficient', 'slope', 'force of sliding over the load', &
-      ' (dimensionless: times R/b)'), &
+      row_t('friction_coefficient', 'slope', 'force over the load'), &
       row_t('power', 'power', 'power per length'), &
       row_t('residual', '1', 'residual reached in the step'), &
       row_t('film_breakdown', '1', '1 where the film is below film_floor, else 0'), &
@@ -56,16 +55,31 @@ module result_labels
 
 contains
 
-   !> Label of a field or series.
+   !> Label of a field, series or quantity.
    pure function row_label(name, scaling) result(label)
       character(*), intent(in) :: name
       type(scaling_t), intent(in) :: scaling
       type(label_t) :: label
       type(row_t) :: row
 
-      row = rows(findloc(rows%name == name, .true., 1))
+      row = row_of(name)
       label = scaled_label(trim(row%text)//trim(row%definition), trim(row%unit), scaling)
    end function row_label
+
+   !> What `name` is.
+   pure function row_of(name) result(row)
+      character(*), intent(in) :: name
+      type(row_t) :: row
+      integer :: i
+
+      i = findloc(quantity_rows%name == name, .true., 1)
+      if (i == 0) then
+         row = rows(findloc(rows%name == name, .true., 1))
+      else
+         row = row_t(quantity_rows(i)%name, rows(findloc(rows%name == quantity_rows(i)%field, &
+            .true., 1))%unit, quantity_rows(i)%text)
+      end if
+   end function row_of
 
    !> Whether values with this label are other numbers in SI.
    pure function has_scale(label)
@@ -80,9 +94,11 @@ contains
       character(*), intent(in) :: name
       type(scaling_t), intent(in) :: scaling
       type(label_t) :: label
+      type(row_t) :: row
 
+      row = row_of(name)
       label = row_label(name, scaling)
-      label = new_label(trim(rows(findloc(rows%name == name, .true., 1))%text), label%si_units)
+      label = new_label(trim(row%text), label%si_units)
    end function si_label
 
    !> Label of a value whose unit is the quantity `unit` of `scaling`, or a pure number ('1', or if

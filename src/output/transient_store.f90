@@ -16,7 +16,7 @@ module transient_store
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use positional_file, only: open_positional_file, positional_file_t
-   use quantities, only: friction_coefficient, h_min, p_max
+   use quantities, only: quantity_rows
    use result_labels, only: field_names, field_values, has_scale, row_label, si_label
    use running_series, only: create_running_series, running_series_t
    use scaling, only: scaling_t
@@ -26,11 +26,12 @@ module transient_store
    public :: attach_store, create_store, part_t, transient_store_t
 
    !> Longest name of a series.
-   integer, parameter :: name_length = 24
-   !> Series of one number for each time step. Time is counted last, and cut back first: there are
-   !> never more times than values.
-   character(len=name_length), parameter :: number_names(6) = [character(len=name_length) :: &
-      'time', 'rigid_displacement', 'h_min', 'p_max', 'friction_coefficient', 'residual']
+   integer, parameter :: name_length = len(quantity_rows%name)
+   !> Series of one number for each time step, quantities among them. Time is counted last, and cut
+   !> back first: there are never more times than values.
+   character(len=name_length), parameter :: number_names(*) = [character(len=name_length) :: &
+      'time', 'rigid_displacement', 'h_min', 'p_max', 'friction_coefficient', &
+      'rolling_friction_coefficient', 'sliding_power', 'rolling_power', 'residual']
    !> Times of the stored profiles, for which the same holds.
    character(*), parameter :: profile_time_name = 'profile_time'
    !> Mark of the time steps with a film below the floor, to be named like a field.
@@ -183,18 +184,17 @@ contains
                call series%put(self%file, [state%time])
             case ('rigid_displacement')
                call series%put(self%file, [state%rigid_displacement])
-            case ('h_min')
-               call series%put(self%file, [summary%of(h_min)%value])
-            case ('p_max')
-               call series%put(self%file, [summary%of(p_max)%value])
-            case ('friction_coefficient')
-               call series%put(self%file, [summary%of(friction_coefficient)%value])
             case ('residual')
                call series%put(self%file, [report%residual])
             case (breakdown_name)
                call series%put(self%file, [merge(1.0_wp, 0.0_wp, report%breakdown%is_now)])
             case default
-               call series%put(self%file, field_values(trim(self%names(i)), state))
+               if (any(quantity_rows%name == self%names(i))) then
+                  call series%put(self%file, pack(summary%of%value, quantity_rows%name &
+                     == self%names(i)))
+               else
+                  call series%put(self%file, field_values(trim(self%names(i)), state))
+               end if
             end select
          end associate
       end do
