@@ -53,6 +53,8 @@ contains
          end if
       end associate
       watcher%writer%profile_stride = case%output_settings%profile_stride
+      if (any(index(watcher%writer%fields, 'shear_stress') == 1)) watcher%stress_stride = &
+         watcher%writer%profile_stride
       watcher%writer%has_si = case%output_settings%has_si .and. watcher%scaling%is_dimensional
       call watcher%writer%describe(trim(case%problem), case%title, case%namelist, watcher%scaling)
    end subroutine start_result

@@ -31,7 +31,7 @@ BUSY = (
 """
 )
 RESULT = ("solution", "transient", "summary", "statistics", "momentum")
-PROFILES = ("profile_time", "pressure", "film_thickness")
+PROFILES = ("profile_time", "pressure", "film_thickness", "shear_stress_1", "shear_stress_mean", "shear_stress_2")
 
 
 def busy(interval, others=""):

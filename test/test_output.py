@@ -210,6 +210,33 @@ def test_stride_and_fields_choose_what_is_stored(asperity, tmp_path):
         assert file["summary/h_min"].attrs["dimensionless"] == file["transient/h_min"][()].min()
 
 
+def test_shear_stresses_at_the_times_of_the_profiles(asperity, tmp_path):
+    """By their definition from the stored film and pressure, at every stored time; those of the last one are in /solution."""
+    fields = "'pressure', 'film_thickness', 'shear_stress_1', 'shear_stress_mean', 'shear_stress_2'"
+    write(tmp_path, "a.nml", TRANSIENT + f"&output profile_stride = 5, fields = {fields} /\n")
+    write(tmp_path, "b.nml", TRANSIENT)
+    assert asperity("a.nml", "b.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "b.h5") as plain:
+        series = file["transient"]
+        x, p, h = (series[name][()] for name in ("x", "pressure", "film_thickness"))
+        first, mean, second = (series[f"shear_stress_{which}"][()] for which in (1, "mean", 2))
+        assert first.shape == mean.shape == second.shape == (5, 257)
+        wet = p > 0
+        wet[:, [0, -1]] = False  # one-sided slopes there
+        drive = h * np.gradient(p, x, axis=1)
+        rounding = 1e-12 * np.abs(drive).max()
+        np.testing.assert_allclose((second - first)[wet], drive[wet], rtol=1e-10, atol=rounding)
+        np.testing.assert_allclose((second + first)[wet], 2 * mean[wet], rtol=1e-10, atol=rounding)
+        assert not mean[:, 1:][p[:, 1:] == 0].any()
+        # The sum of the result has the oil in front of the domain too, and half of the last interval: 0.18 % here.
+        load = (x[1] - x[0]) * mean.sum(axis=1) * 2 / np.pi
+        np.testing.assert_allclose(load, series["friction_coefficient"][::5], rtol=0.003)
+        for name in ("shear_stress_1", "shear_stress_mean", "shear_stress_2"):
+            np.testing.assert_array_equal(series[name][-1], plain["solution"][name])
+            assert text(file[f"si/transient/{name}"].attrs["units"]) == "Pa"
+            assert name not in plain["transient"]
+
+
 def test_moes_result_has_no_invented_units(results):
     with h5py.File(results / "moes.h5") as file:
         assert not {"half_width", "reduced_radius", "film_thickness", "time", "viscosity"} & set(file["scaling"].attrs)
@@ -392,6 +419,7 @@ OUTPUT_KEYS = (
     "profile_stride = 3",
     "profile_stride = 1000",
     "fields = 'pressure'",
+    "fields = 'shear_stress_2', 'shear_stress_1', 'shear_stress_mean'",
     "fields = 'film_thickness', 'pressure', profile_stride = 7",
     "checkpoint_interval = 0.0",
     "checkpoint_interval = 0.0, profile_stride = 50, film_thresholds = 3e-7",

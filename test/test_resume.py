@@ -115,7 +115,7 @@ METHODS = {
     "newton_dense": "&solver method = 'newton_dense' /\n",
     "statistics": "&output film_thresholds = 3e-7, 4e-7, checkpoint_interval = 0.05 /\n",
     "breakdown": "&solver film_floor = 390e-9, on_film_breakdown = 'continue' /\n",
-    "stride": "&output profile_stride = 7, fields = 'pressure', checkpoint_interval = 0.05 /\n",
+    "stride": "&output profile_stride = 7, fields = 'pressure', 'shear_stress_1', checkpoint_interval = 0.05 /\n",
 }
 
 

@@ -133,7 +133,7 @@ contains
          integer, intent(in) :: step
 
          associate (level => hierarchy%levels(hierarchy%finest))
-            call fill_state(contact, level, step*plan%length, state)
+            call fill_state(contact, level, step*plan%length, state, watcher%wants_stresses(step))
             call watcher%on_step(step, steps, state, report)
             if (.not. watcher%wants_state) return
             history%film = level%state%film

@@ -23,7 +23,11 @@ module observer
       !> Set by the observer: it repeats the time steps with other equations (`on_start`,
       !> `on_parts`).
       logical :: wants_parts = .false.
+      !> Set by the observer: every how many time steps it wants shear stresses; 0: never.
+      integer :: stress_stride = 0
    contains
+      !> Whether the state of a time step is to have shear stresses.
+      procedure, non_overridable :: wants_stresses
       !> After each cycle of a steady solve.
       procedure :: on_cycle => ignore_cycle
       !> After each time step, and once at T = 0 with step = 0.
@@ -65,6 +69,16 @@ contains
       call watcher%look_outside()
       answer = watcher%wants_stop
    end function is_stopped
+
+   !> At step 0, and at every one of `stress_stride` after that.
+   pure function wants_stresses(self, step) result(answer)
+      class(observer_t), intent(in) :: self
+      integer, intent(in) :: step
+      logical :: answer
+
+      answer = self%stress_stride > 0
+      if (answer) answer = mod(step, self%stress_stride) == 0
+   end function wants_stresses
 
    !> `cycle` counts from 1; `residual` and `load_error` are those after it [-].
    subroutine ignore_cycle(self, cycle, residual, load_error)

@@ -14,7 +14,7 @@ module state_output
    implicit none (type, external)
    private
 
-   public :: fill_state, fill_properties
+   public :: fill_properties, fill_state
 
    !> Largest exponent: exp of more overflows, and larger ratios are reported as exp of this.
    real(wp), parameter :: largest_exponent = 700.0_wp
@@ -23,12 +23,14 @@ contains
 
    !> Pressure, film, roughness, H0, time, limits of Reynolds' equation, and friction from a level
    !> whose mobility and density are those of its pressure and film, where these have been evaluated
-   !> (a stop may come before that); fields of the lubricant are left to `fill_properties`.
-   pure subroutine fill_state(contact, level, time, state)
+   !> (a stop may come before that); with `has_stresses` shear stresses too, and none of another
+   !> time. The other fields of the lubricant are left to `fill_properties`.
+   pure subroutine fill_state(contact, level, time, state, has_stresses)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
       real(wp), intent(in) :: time
       type(line_state_t), intent(inout) :: state
+      logical, intent(in), optional :: has_stresses
 
       state%x = level%x(:)
       state%pressure = level%state%pressure(:)
@@ -39,11 +41,16 @@ contains
       state%time = time
       if (allocated(state%friction)) deallocate (state%friction)
       if (allocated(state%limits)) deallocate (state%limits)
+      if (allocated(state%shear_stress_1)) deallocate (state%shear_stress_1, &
+         state%shear_stress_mean, state%shear_stress_2)
       if (all(state%film_thickness > 0.0_wp) .and. level%density(0) > 0.0_wp) then
          state%friction = friction_of(level)
          state%limits = film_limits(level%fluid, level%lambda, level%slide_to_roll, level%dx, &
             level%state%pressure, level%state%film)
          state%limits%stress_share = state%friction%stress_share
+         if (present(has_stresses)) then
+            if (has_stresses) call fill_stresses(contact, level%ln_mu, state)
+         end if
       end if
    end subroutine fill_state
 
@@ -52,7 +59,7 @@ contains
    pure subroutine fill_properties(contact, state)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(inout) :: state
-      real(wp), allocatable :: drive(:), ln_mu(:), stresses(:, :)
+      real(wp), allocatable :: drive(:), ln_mu(:)
       integer :: n
 
       n = size(state%x)
@@ -65,12 +72,22 @@ contains
          /(state%x(3:) - state%x(:n - 2))
       state%slip_factor = exp(min(ln_slip(contact%fluid, drive, state%film_thickness, ln_mu), &
          largest_exponent))
-      if (.not. ieee_is_finite(contact%slide_to_roll)) return
+      if (ieee_is_finite(contact%slide_to_roll)) call fill_stresses(contact, ln_mu, state)
+   end subroutine fill_properties
+
+   !> Shear stresses of the state's pressure and film, which is positive, with ln(mu/mu_0) at the
+   !> nodes, (nx); the speeds of the surfaces are known.
+   pure subroutine fill_stresses(contact, ln_mu, state)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in), contiguous :: ln_mu(:)
+      type(line_state_t), intent(inout) :: state
+      real(wp) :: stresses(size(ln_mu), 3)
+
       stresses = film_stresses(contact%fluid, contact%lambda, contact%slide_to_roll, state%x, &
          state%pressure, state%film_thickness, ln_mu)
       state%shear_stress_1 = stresses(:, 1)
       state%shear_stress_mean = stresses(:, 2)
       state%shear_stress_2 = stresses(:, 3)
-   end subroutine fill_properties
+   end subroutine fill_stresses
 
 end module state_output

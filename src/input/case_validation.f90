@@ -256,7 +256,7 @@ contains
       end if
    end subroutine check_kappa_scheme
 
-   !> Finds a field named twice.
+   !> Finds a field named twice, and shear stresses where the speeds of the surfaces are not known.
    subroutine check_fields(values)
       type(input_values_t), intent(inout) :: values
       type(value_t) :: fields
@@ -269,6 +269,12 @@ contains
             values%refuse('output', 'fields', "found '" // trim(fields%words(i)) &
             // "' twice, expected " // expected_value(key_rows(find_key('output', 'fields', &
             values%problem))) // ', each once')
+      end do
+      if (.not. values%has_group('moes')) return
+      do i = 1, size(fields%words)
+         if (index(fields%words(i), 'shear_stress') == 1) call values%refuse('output', 'fields', &
+            "found '" // trim(fields%words(i)) // "' with &moes, expected 'pressure' or "// &
+            "'film_thickness': the speeds of the surfaces are not known")
       end do
    end subroutine check_fields
 

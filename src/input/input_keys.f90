@@ -408,7 +408,9 @@ module input_keys
          'every how many time steps profiles are stored', &
          range='>= 1, <= 1000000000', used=in_time), &
       key_row_t('output', 'fields', words_kind, '', "'pressure', 'film_thickness'", &
-         'the profiles that are stored', words='pressure film_thickness', used=in_time), &
+         'the profiles that are stored; shear stresses not with &moes', &
+         words='pressure film_thickness shear_stress_1 shear_stress_mean shear_stress_2', &
+         used=in_time), &
       key_row_t('output', 'fields', words_kind, '', is_optional, &
          'the fields of the last load that are stored; not given: all', &
          words='pressure gap height_undeformed height_loaded height_unloaded '// &
