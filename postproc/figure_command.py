@@ -59,6 +59,21 @@ def add_window(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_time(parser: argparse.ArgumentParser) -> None:
+    """The option that chooses a stored time of a passage."""
+    parser.add_argument(
+        "--time",
+        type=float,
+        metavar="T",
+        help="dimensionless time of a transient result (default: the last)",
+    )
+
+
+def groups_of_time(options: argparse.Namespace) -> tuple[str, ...]:
+    """What a result must have for the time that is asked for."""
+    return ("solution",) if options.time is None else ("solution", "transient")
+
+
 def run(
     parser: FigureParser,
     options: argparse.Namespace,

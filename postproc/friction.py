@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws the shear stresses in a film over X, with pressure and film, and the velocity across it where that is stored."""
+"""Draws the shear stresses in a film over X, with pressure and film, the velocity across it where that is stored, and friction
+and power of a passage over time."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ import figure_command
 import figure_style as style
 import numpy as np
 from matplotlib.axes import Axes
-from result_file import Quantity, Result, ResultError, opened, read_result
+from result_file import Quantity, Result, ResultError, opened, read_result, values_of
 
 PROGRAM = "friction.py"
 EXAMPLE = "python postproc/friction.py results/case1.h5 --output results --si"
@@ -26,41 +27,64 @@ STRESSES = {
 PLACES = (-1.2, -0.9, 0.0, 0.9)
 
 
+CONTACT = ("pressure", "film_thickness")
+# What is drawn over time: names in /transient, of sliding and of rolling.
+OVER_TIME = {
+    "Friction": ("friction_coefficient", "rolling_friction_coefficient"),
+    "Power": ("sliding_power", "rolling_power"),
+}
+PARTS = {"sliding": style.SERIES[3], "rolling": style.SERIES[4]}
+
+
 class Friction(NamedTuple):
     """What a result says of its friction."""
 
+    #: Time of the curves over X; None: steady.
+    time: float | None
+    #: Pressure and film at that time, as in /solution, and the stresses (nx).
+    contact: dict[str, Quantity]
     stresses: dict[str, Quantity]
     #: Friction coefficient of sliding and of rolling, each with its error (NaN: not estimated); None: not known.
     sliding: tuple[float, float] | None
     rolling: tuple[float, float]
-    #: u (nx, layers + 1) at zeta (layers + 1), if stored.
+    #: u (nx, layers + 1) at zeta (layers + 1), if stored of that time.
     velocity: Quantity | None
     zeta: np.ndarray
 
 
-def read_friction(path: Path) -> Friction:
-    """The part of a lubricated result that profile.py does not draw."""
+def read_friction(path: Path, result: Result, time: float | None = None) -> Friction:
+    """The part of a lubricated result that profile.py does not draw, at the time stored nearest to `time`; without it, the last."""
     with opened(path) as file:
         try:
-            summary, solution = file["summary"], file["solution"]
+            summary = file["summary"]
             rolling = with_error(summary["rolling_friction_coefficient"])
-            stresses = {name: quantity(solution[name], name) for name in STRESSES if name in solution}
         except KeyError as error:
             raise ResultError(f"{path}: has no friction: {' '.join(str(error).split())}") from None
         sliding = with_error(summary["friction_coefficient"]) if "friction_coefficient" in summary else None
+        group, step, found = "solution", ..., result.last_time
+        if time is not None:
+            step = int(np.argmin(np.abs(result.profile_time.values - time)))
+            group, found = "transient", float(result.profile_time.values[step])
+        fields = file[group]
+        stresses = {name: quantity(fields[name], name, step) for name in STRESSES if name in fields}
+        if time is not None and not (stresses and all(name in fields for name in CONTACT)):
+            names = ", ".join((*CONTACT, *STRESSES))
+            raise ResultError(f"{path}: has no stresses or no contact of that time; &output fields = {names} stores them")
         if not stresses:
             raise ResultError(f"{path}: has no shear stresses (by &moes the speeds of the surfaces are not known)")
-        if "velocity" not in file:
-            return Friction(stresses, sliding, rolling, None, np.empty(0))
+        contact = {name: quantity(fields[name], name, step) for name in CONTACT}
+        if "velocity" not in file or found != result.last_time:
+            return Friction(found, contact, stresses, sliding, rolling, None, np.empty(0))
         velocity = quantity(file["velocity/u"], "velocity")
-        return Friction(stresses, sliding, rolling, velocity, np.asarray(file["velocity/zeta"][()], dtype=float))
+        zeta = np.asarray(values_of(file["velocity/zeta"]), dtype=float)
+        return Friction(found, contact, stresses, sliding, rolling, velocity, zeta)
 
 
-def quantity(dataset: object, name: str) -> Quantity:
-    """A field with its unit."""
+def quantity(dataset: object, name: str, step: object = ...) -> Quantity:
+    """A field with its unit, or of a field over time that of one step."""
     units = dataset.attrs["si_units"]
     text = units.decode() if isinstance(units, bytes) else str(units)
-    return Quantity(name, np.asarray(dataset[()], dtype=float), text, float(dataset.attrs["si_scale"]))
+    return Quantity(name, np.asarray(values_of(dataset)[step], dtype=float), text, float(dataset.attrs["si_scale"]))
 
 
 def with_error(dataset: object) -> tuple[float, float]:
@@ -81,17 +105,21 @@ def in_words(value: tuple[float, float] | None) -> str:
     return rf"{number:.{decimals}f} $\pm$ {error:.{decimals}f}"
 
 
-def caption(friction: Friction, result: Result) -> str:
-    """Both friction coefficients; in time the largest of the times that count, where the curves are those of the last one."""
-    when = "" if result.last_time is None else " (largest in time; curves: last time)"
+def caption(friction: Friction, result: Result, si: bool = False) -> str:
+    """Both friction coefficients; in time the largest of the times that count, and the time of the curves."""
+    when = ""
+    if friction.time is not None:
+        axis = result.transient["time"].axis(si)
+        when = f" (largest in time; curves over ${result.solution['x'].axis(si).symbol}$:"
+        when += f" ${axis.symbol}$ = {axis.number(friction.time)})"
     return f"friction coefficient{when}: sliding {in_words(friction.sliding)}, rolling {in_words(friction.rolling)}"
 
 
-def draw_contact(axes: Axes, result: Result, si: bool) -> list:
+def draw_contact(axes: Axes, result: Result, friction: Friction, si: bool) -> list:
     """Pressure and film; returns their lines."""
-    p_axis, h_axis = (result.solution[name].axis(si) for name in ("pressure", "film_thickness"))
+    p_axis, h_axis = (friction.contact[name].axis(si) for name in ("pressure", "film_thickness"))
     x = result.x * result.solution["x"].axis(si).factor
-    pressure, film = (result.solution[name].values for name in ("pressure", "film_thickness"))
+    pressure, film = (friction.contact[name].values for name in ("pressure", "film_thickness"))
     twin = axes.twinx()
     lines = axes.plot(x, pressure * p_axis.factor, label="pressure", **style.PRESSURE)
     lines += twin.plot(x, film * h_axis.factor, label="film", **style.FILM)
@@ -134,32 +162,69 @@ def draw_velocity(axes: Axes, result: Result, friction: Friction, si: bool) -> N
     axes.legend(loc="best", fontsize=7.5)
 
 
+def has_times(result: Result) -> bool:
+    """Whether friction and power of every step are there; files of older versions have friction of sliding only."""
+    return all(name in result.transient for names in OVER_TIME.values() for name in names)
+
+
+def draw_times(panels: list[Axes], result: Result, friction: Friction, si: bool) -> list:
+    """Friction and power over time, sliding on the left axis, rolling on the right one, and the time of the curves over X."""
+    t_axis = result.transient["time"].axis(si)
+    time = result.transient["time"].values * t_axis.factor
+    for panel, (words, names) in zip(panels, OVER_TIME.items(), strict=True):
+        lines = []
+        for axes, name, (part, look) in zip((panel, panel.twinx()), names, PARTS.items(), strict=True):
+            values = result.transient[name]
+            # a friction coefficient has no unit, and is the same in both
+            factor = values.si_scale if si or name.endswith("coefficient") else 1.0
+            kept = {key: value for key, value in look.items() if key != "marker"}
+            lines += axes.plot(time, values.values * factor, label=part, **kept)
+            unit = "[-]"
+            if words == "Power":
+                unit = "[W/m]" if si else r"$/(p_\mathrm{h} b^2 u_\mathrm{s}/R)$ [-]"
+            axes.set_ylabel(f"{words}, {part} {unit}")
+            axes.margins(y=0.12)
+        panel.axvline(friction.time * t_axis.factor, color="0.7", linewidth=0.8, zorder=0)
+        panel.set_xlim(time[0], time[-1])
+        panel.tick_params(right=False)
+        style.few_ticks(panel)
+        panel.set_xlabel(t_axis.label)
+    return lines
+
+
 def draw(path: Path, options: argparse.Namespace) -> list[Path]:
-    """One result: reads it, draws it, returns the names of the figures."""
+    """One result: reads it, draws it, returns the names of the figures.
+
+    On the left the curves over X, on the right the velocity across the film, or, in time, friction and power; where a result
+    has both, the velocity is on the right, the others below.
+    """
     result = read_result(path, options.si)
-    friction = read_friction(path)
+    friction = read_friction(path, result, options.time)
     figure_command.warn_not_converged(PROGRAM, result)
-    has_velocity = friction.velocity is not None
-    width, columns = (style.TWO_COLUMNS, 2) if has_velocity else (style.ONE_COLUMN, 1)
-    figure, axes = style.new_figure(width, 100, nrows=2, ncols=columns, squeeze=False)
-    lines = draw_contact(axes[0, 0], result, options.si)
+    has_velocity, is_passage = friction.velocity is not None, has_times(result)
+    width, columns = (style.TWO_COLUMNS, 2) if has_velocity or is_passage else (style.ONE_COLUMN, 1)
+    rows = 3 if has_velocity and is_passage else 2
+    figure, axes = style.new_figure(width, (55 if is_passage else 50) * rows, nrows=rows, ncols=columns, squeeze=False)
+    lines = draw_contact(axes[0, 0], result, friction, options.si)
     lines += draw_stresses(axes[1, 0], result, friction, options.si)
+    if is_passage:
+        lines += draw_times(list(axes[2] if has_velocity else axes[:, 1]), result, friction, options.si)
     x_axis = result.solution["x"].axis(options.si)
     left, right = style.x_window(result, options.window)
-    for one in axes[:, 0]:
+    for one in axes[:2, 0]:
         one.set_xlim(left * x_axis.factor, right * x_axis.factor)
         style.few_ticks(one)
     axes[1, 0].set_xlabel(x_axis.label)
     if has_velocity:
         grid = axes[0, 1].get_gridspec()
-        for one in axes[:, 1]:
+        for one in axes[:2, 1]:
             one.remove()
-        draw_velocity(figure.add_subplot(grid[:, 1]), result, friction, options.si)
-    words = caption(friction, result)
+        draw_velocity(figure.add_subplot(grid[:2, 1]), result, friction, options.si)
+    words = caption(friction, result, options.si)
     if columns == 1:
         words = words.replace("sliding", "\nsliding").replace(", rolling", ",\nrolling")
     axes[0, 0].set_title(words, fontsize=8, loc="left")
-    style.legend_below(figure, lines, 3 if columns == 1 else 5)
+    style.legend_below(figure, lines, 3 if columns == 1 else len(lines))
     style.mark_not_converged(figure, [result])
     return style.save_figure(figure, figure_command.targets(options, result.stem, "friction"))
 
@@ -168,8 +233,9 @@ def main(arguments: list[str] | None = None) -> int:
     """Command line; returns the exit status."""
     parser = figure_command.new_parser(PROGRAM, __doc__, EXAMPLE)
     figure_command.add_window(parser)
+    figure_command.add_time(parser)
     options = parser.parse_args(arguments)
-    return figure_command.run(parser, options, draw)
+    return figure_command.run(parser, options, draw, figure_command.groups_of_time(options))
 
 
 if __name__ == "__main__":

@@ -71,15 +71,9 @@ def main(arguments: list[str] | None = None) -> int:
     """Command line; returns the exit status."""
     parser = figure_command.new_parser(PROGRAM, __doc__, EXAMPLE)
     figure_command.add_window(parser)
-    parser.add_argument(
-        "--time",
-        type=float,
-        metavar="T",
-        help="dimensionless time of a transient result (default: the last)",
-    )
+    figure_command.add_time(parser)
     options = parser.parse_args(arguments)
-    needs = ("solution",) if options.time is None else ("solution", "transient")
-    return figure_command.run(parser, options, draw, needs)
+    return figure_command.run(parser, options, draw, figure_command.groups_of_time(options))
 
 
 if __name__ == "__main__":

@@ -309,7 +309,7 @@ FRICTION = """&case problem = 'ehl_line' /
 
 
 def test_friction_draws_with_and_without_velocity(asperity, tmp_path: Path) -> None:
-    """Steady with the velocity across the film, and the last time of a passage without; the caption has both coefficients."""
+    """Steady with the velocity across the film, and a passage without; the caption has both coefficients and the time."""
     passage = "&surface_2 shape = 'feature', amplitude = 1e-7, wavelength = 1e-4 /\n&time transient = .true., end_time = 0.5 /"
     for name, more in {"steady": "&output velocity_layers = 8 /", "passage": passage}.items():
         (tmp_path / f"{name}.nml").write_text(FRICTION.format(more), encoding="utf-8")
@@ -319,9 +319,11 @@ def test_friction_draws_with_and_without_velocity(asperity, tmp_path: Path) -> N
             assert (done.returncode, done.stderr) == (0, "")
     assert files_of(tmp_path / "out") == ["passage_friction.png", "steady_friction.png"]
     friction, read = load("friction"), load_module("result_file").read_result
-    found = friction.read_friction(tmp_path / "steady.h5")
+    result = read(tmp_path / "steady.h5")
+    found = friction.read_friction(tmp_path / "steady.h5", result)
     assert found.velocity.values.shape == (129, 9)
-    words = friction.caption(found, read(tmp_path / "steady.h5"))
+    assert not friction.has_times(result)
+    words = friction.caption(found, result)
     with h5py.File(tmp_path / "steady.h5") as file:
         for name in ("friction_coefficient", "rolling_friction_coefficient"):
             error = file[f"summary/{name}"].attrs["error_estimate"]
@@ -329,7 +331,55 @@ def test_friction_draws_with_and_without_velocity(asperity, tmp_path: Path) -> N
             assert min(abs(number - file[f"summary/{name}"][()]) for number in shown) < 0.1 * error
             assert min(abs(number - error) for number in shown) < 0.1 * error
     assert "largest in time" not in words
-    assert "largest in time" in friction.caption(found, read(tmp_path / "passage.h5"))
+    result = read(tmp_path / "passage.h5")
+    assert "largest in time; curves over $X$: $T$ = 0.500" in friction.caption(
+        friction.read_friction(tmp_path / "passage.h5", result), result
+    )
+
+
+def test_friction_of_a_chosen_time(asperity, tmp_path: Path) -> None:
+    """Stresses, pressure and film of the stored time nearest to the one asked for, friction and power of every step."""
+    fields = "'film_thickness', 'pressure', 'shear_stress_1', 'shear_stress_mean', 'shear_stress_2'"
+    more = (
+        "&surface_2 shape = 'feature', amplitude = 1e-7, wavelength = 1e-4 /\n"
+        "&time transient = .true., end_time = 0.5, time_step = 0.05 /\n"
+        f"&output profile_stride = 4, fields = {fields}, velocity_layers = 8 /"
+    )
+    path = tmp_path / "passage.h5"
+    (tmp_path / "passage.nml").write_text(FRICTION.format(more), encoding="utf-8")
+    assert asperity("passage.nml", "--quiet").returncode == 0
+    for options in ((), ("--time", 0.25), ("--time", 0.25, "--si")):
+        done = run("friction", path, "--output", tmp_path / "out", "--format", "png", *options)
+        assert (done.returncode, done.stderr) == (0, "")
+    assert files_of(tmp_path / "out") == ["passage_friction.png"]
+    friction, style = load("friction"), load_module("figure_style")
+    result = load_module("result_file").read_result(path)
+    found = friction.read_friction(path, result, 0.25)
+    with h5py.File(path) as file:
+        for name, field in (found.stresses | found.contact).items():
+            np.testing.assert_array_equal(field.values, file["transient"][name][1])
+        assert found.time == file["transient/profile_time"][1] == pytest.approx(0.2)
+        assert found.velocity is None  # that is of the last time
+        assert friction.read_friction(path, result).velocity is not None
+        figure, panels = style.new_figure(1, 50, ncols=2)
+        friction.draw_times(list(panels), result, found, si=True)
+        curves = [axes.lines[0].get_ydata() for axes in figure.axes]  # both left axes, both right ones
+        names = ("friction_coefficient", "sliding_power", "rolling_friction_coefficient", "rolling_power")
+        for curve, name in zip(curves, names, strict=True):
+            np.testing.assert_allclose(curve, file["si/transient"][name], rtol=1e-12)  # rounding
+            assert curve.shape == (11,)
+        style.plt.close(figure)
+
+
+def test_friction_of_a_time_that_is_not_there(asperity, tmp_path: Path) -> None:
+    """A steady result has no time, a passage without stored stresses only the last one: each is said."""
+    passage = "&surface_2 shape = 'feature', amplitude = 1e-7, wavelength = 1e-4 /\n&time transient = .true., end_time = 0.2 /"
+    for name, more, words in (("steady", "", "has no /transient"), ("passage", passage, "&output fields = pressure")):
+        (tmp_path / f"{name}.nml").write_text(FRICTION.format(more), encoding="utf-8")
+        assert asperity(f"{name}.nml", "--quiet").returncode == 0
+        done = run("friction", tmp_path / f"{name}.h5", "--time", 0.1)
+        assert done.returncode == 1
+        assert words in done.stderr
 
 
 def test_friction_needs_stresses(asperity, steady: Path, tmp_path: Path) -> None:
