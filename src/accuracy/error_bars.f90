@@ -4,6 +4,7 @@
 !> and what the differences tell (modules grid_errors, transient_errors, pressure_errors).
 module error_bars
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use film_waves, only: doubt_lost_waves, film_waves_t, lost_waves, new_film_waves
    use grid_errors, only: error_on_grids, kappa_share, orders, safety
    use inlet_change, only: change_by_inlet, inlet_change_t
    use iteration_report, only: report_t
@@ -55,6 +56,8 @@ module error_bars
       type(line_summary_t), allocatable :: other_scheme(:)
       !> How a pressure spike grows on finer grids.
       type(spike_law_t) :: spike_law
+      !> Waves that features leave in the film.
+      type(film_waves_t) :: waves
       !> Why coarse runs tell nothing of the error; empty or not allocated: they do.
       character(:), allocatable :: unseen
       !> Whether the outlet cuts the film off, and quantities on n/2 intervals with one that does
@@ -119,6 +122,7 @@ contains
          call estimate_grid_errors(bars, report%steps > 0, dx, summary)
       end if
       call doubt_shear(bars%spike_law, dx, summary)
+      call doubt_lost_waves(bars%waves, dx, summary)
       iteration = max(report%residual, report%load_error)
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
       domain = inlet_shares(bars, report, summary)
@@ -207,10 +211,12 @@ contains
          - bars%longer%of(i)%value)
    end function cut_error
 
-   !> Why a quantity of a result has no estimate.
-   pure function missing_estimate(bars, report) result(reason)
+   !> Why a quantity of the `summary` of a result on a grid of spacing `dx` has no estimate.
+   pure function missing_estimate(bars, report, dx, summary) result(reason)
       type(error_bars_t), intent(in) :: bars
       type(report_t), intent(in) :: report
+      real(wp), intent(in) :: dx
+      type(line_summary_t), intent(in) :: summary
       character(:), allocatable :: reason
 
       if (.not. report%converged) then
@@ -222,6 +228,8 @@ contains
          reason = bars%unseen
       else if (bars%is_cut .and. .not. bars%has_longer) then
          reason = 'the outlet cuts the film off'
+      else if (len(lost_waves(bars%waves, dx, summary)) > 0) then
+         reason = lost_waves(bars%waves, dx, summary)
       else if (bars%has_quarter .or. bars%forecast%is_known) then
          reason = 'a pressure spike that this grid does not resolve may pass the largest '// &
             'pressure on finer grids, or grow '// &
@@ -400,6 +408,7 @@ contains
       bars%is_first_order = time%is_transient .and. time%scheme == 'backward_euler'
       bars%is_kappa = space_scheme == 'kappa'
       bars%unseen = unseen_waves(contact, time)
+      bars%waves = new_film_waves(contact, time)
    end function new_error_bars
 
 end module error_bars

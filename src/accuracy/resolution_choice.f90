@@ -117,6 +117,7 @@ contains
       if (chosen%intervals == 0) chosen = search%pilots%last
       contact%domain%intervals = chosen%intervals
       time%time_step = time%end_time/chosen%steps
+      bars%waves%time_step = time%time_step
       if (has_forecast(search%pilots)) bars%forecast = forecast_at(search%pilots, chosen)
    end subroutine choose_resolution
 

@@ -333,7 +333,7 @@ contains
       else
          self%summary = self%quantities_at_end(state, report)
       end if
-      missing = missing_estimate(self%bars, report)
+      missing = missing_estimate(self%bars, report, state%x(2) - state%x(1), self%summary)
       if (report%converged .and. .not. self%passage%times%is_settled()) missing = &
          'the start is in the quantities, see /report/note'
       call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing)
