@@ -10,10 +10,10 @@ The program runs each contact as a user would. The truth has the same heights on
     grid         the result itself: the truth is what the fine grid changes of it
 
     known        there is a verdict
-    right        it is that of the true changes of contact area and separation (of the grid: it is too coarse, or not)
+    right        it is that of the true changes (of the grid: it is too coarse, or not)
     surely wrong 'needed' where it is not, or less than that where it is needed
     honest       the true change is within the error bar (of the grid: the true error within the estimate), all three quantities;
-                 the bar of `area` is for 95 % of such means of eight profiles
+                 the bar of `area` is for 95 % of such means
 
 Asked for: 95 % right, 95 % honest. --seed draws another sample. Writes adequacy_dry.csv and adequacy_dry.txt.
 """
@@ -40,7 +40,6 @@ SEED = 640093
 COUNT, QUICK = 40, 6
 FINER = {"dry_line": 8, "dry_area": 4}
 QUANTITIES = ("contact_area_fraction", "mean_separation", "p_max")
-JUDGED = QUANTITIES[:2]
 WITHIN = 0.95
 # Relative error that is as good as none, as in families.py.
 FLOOR = 1e-6
@@ -202,7 +201,7 @@ def judge(name: str, groups: Groups) -> list[Row]:
 
 def compare(name: str, ingredient: str, row: dict, true: dict[str, float], accuracy: float) -> list[Row]:
     """The rows of an ingredient with these true changes."""
-    right = adequacy.verdict_of([true[q] for q in JUDGED], accuracy)
+    right = adequacy.verdict_of([true[q] for q in QUANTITIES], accuracy)
     rows = []
     for q in QUANTITIES:
         change, error = row["changes"].get(q, (math.nan, math.nan))

@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 import pytest
-from cases import write
+from cases import contents, write
 
 LEAN = "&accuracy error_bars = .false. /\n&output adequacy = .false. /\n"
 QUANTITIES = ("contact_area_fraction", "mean_separation", "p_max")
@@ -64,7 +64,7 @@ def test_verdicts_of_random_surfaces(asperity, tmp_path):
                     continue
                 group = file["adequacy"][row]
                 truth = values(tmp_path / f"{name}.h5") / values(tmp_path / f"full{i}.h5") - 1
-                largest = np.abs(truth[:2]).max()
+                largest = np.abs(truth).max()
                 verdict = group.attrs["verdict"].decode()
                 known += verdict != "not known"
                 bounds = {"needed": largest > accuracy, "matters below the accuracy": largest <= accuracy}
@@ -108,7 +108,7 @@ def test_images_of_a_parabola(asperity, tmp_path):
 
 
 def test_a_grooved_area_is_a_line(asperity, tmp_path):
-    """Waves along x alone: eight profiles along x are the area, to the tolerance."""
+    """Waves along x alone: 16 profiles along x are the area, to the tolerance."""
     case = """&case problem = 'dry_area' /
 &bodies youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3 /
 &load mean_pressure = 1e8, 2e8 /
@@ -130,11 +130,61 @@ def test_a_grooved_area_is_a_line(asperity, tmp_path):
         assert grid == pytest.approx(area.attrs["error_estimate"][1] / area[1], rel=1e-12)
 
 
+LINE = """&case problem = 'dry_line' /
+&bodies youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3, hardness = {0} /
+&load {1} /
+&surface_1 shape = 'sinusoid', amplitude = 1e-6, wavelength = 1e-4 /
+&domain length = 1e-4, intervals = 512 /
+"""
+
+
+def test_given_separation_is_told_as_its_load(asperity, tmp_path):
+    """A surface at a given separation, and under the load that was found there: the same contact, to the 1e-8 of the search."""
+    write(tmp_path, "gap.nml", LINE.format("5e9", "separation = 3e-7, 5e-7"))
+    assert asperity("gap.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "gap.h5") as file:
+        pressure = file["sweep/mean_pressure"][0]
+        assert pressure > file["sweep/mean_pressure"][1]
+        assert file["sweep/p_max"][0] == 5e9
+        gap = {name: row for name, row in contents(tmp_path / "gap.h5").items() if name.startswith("adequacy/plasticity")}
+        assert file["adequacy"].attrs["mean_pressure"] == pressure
+    write(tmp_path, "load.nml", LINE.format("5e9", f"mean_pressure = {pressure:.17g}"))
+    assert "needed at" in asperity("load.nml").stdout
+    load = contents(tmp_path / "load.h5")
+    assert sum(name.endswith(QUANTITIES) for name in gap) == len(QUANTITIES)
+    for name, value in gap.items():
+        if name.endswith(QUANTITIES):
+            assert value == pytest.approx(load[name], rel=1e-4), name
+    assert gap["adequacy/plasticity@verdict"] == load["adequacy/plasticity@verdict"] == b"needed"
+
+
+def test_plasticity_follows_from_the_largest_pressure(asperity, tmp_path):
+    """Irrelevant exactly where it is below the hardness by more than its bar; within the bar the errors say how much may yield."""
+    write(tmp_path, "a.nml", LINE.format("1e12", "mean_pressure = 1e9"))
+    assert asperity("a.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file:
+        top = file["sweep/p_max"]
+        peak, bar = top[0], top.attrs["error_estimate"][0]
+    known = ((2 * peak, "irrelevant"), (peak + 2 * bar, "irrelevant"), (peak + 0.5 * bar, "within the bar"), (0.9 * peak, "needed"))
+    for hardness, verdict in known:
+        write(tmp_path, "b.nml", LINE.format(f"{hardness:.17g}", "mean_pressure = 1e9"))
+        assert asperity("b.nml", "--quiet").returncode == 0
+        with h5py.File(tmp_path / "b.h5") as file:
+            row = file["adequacy/plasticity"]
+            changes = {q: (row[q][()], row[q].attrs["error_estimate"]) for q in QUANTITIES}
+            if verdict == "within the bar":
+                top = file["sweep/p_max"]
+                excess = (top[0] + top.attrs["error_estimate"][0]) / hardness - 1
+                assert excess > 0
+                assert all(change == 0 and error == pytest.approx(excess, rel=1e-6) for change, error in changes.values())
+            else:
+                assert row.attrs["verdict"].decode() == verdict
+            if verdict == "irrelevant":
+                assert set(changes.values()) == {(0.0, 0.0)}
+
+
 def test_nothing_is_measured(asperity, tmp_path):
-    """Switched off, and under a given separation."""
     write(tmp_path, "a.nml", PARABOLA.format(1e-3) + "&output adequacy = .false. /\n")
-    write(tmp_path, "b.nml", PARABOLA.format(1e-3).replace("load = 1.0", "separation = 5e-6"))
-    assert asperity("a.nml", "b.nml", "--quiet").returncode == 0
-    for name in "ab":
-        with h5py.File(tmp_path / f"{name}.h5") as file:
-            assert "adequacy" not in file
+    assert asperity("a.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert "adequacy" not in file

@@ -1,17 +1,17 @@
 !> Which ingredients of a dry contact matter: yielding, images, fine harmonics, the second direction
 !> of an area; and whether its grid is fine enough.
 module dry_adequacy
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use dry_ablations, only: compared_values, known_t, measure_changes, measure_profiles, &
-      without_fine_harmonics, without_images, without_yield
+      profiles, without_fine_harmonics, without_images, without_yield
    use dry_errors, only: has_few_nodes
-   use dry_influences, only: coarsening, compared_count, dry_adequacy_t, dry_influence_t, &
-      judged_count
+   use dry_influences, only: coarsening, compared_count, dry_adequacy_t, dry_influence_t
    use dry_problem, only: kernel_open
    use dry_resampling, only: dry_sweep_t
    use dry_sweep, only: dry_outcome_t, dry_row_t
    use errors, only: error_t
    use kinds, only: wp
-   use missing_value, only: larger, quotient
+   use missing_value, only: larger, not_known, quotient
    use roughness, only: power_spectrum
    use text, only: to_text
    use verdicts, only: begin_row, usual_accuracy, verdict_of
@@ -37,9 +37,9 @@ module dry_adequacy
 contains
 
    !> Measures the adequacy of the `outcome` of a `sweep` under its largest load, with the estimated
-   !> `errors` (none: not wanted) and the wanted accuracy `target` (0: none). Nothing under given
-   !> separations, where every load is searched. `has_parabola`: the contact is that of a body in
-   !> the middle of the domain. Fails (internal_error) if FFTW does.
+   !> `errors` (none: not wanted) and the wanted accuracy `target` (0: none). Under given
+   !> separations the load is the one that was found. `has_parabola`: the contact is that of a body
+   !> in the middle of the domain. Fails (internal_error) if FFTW does.
    subroutine measure_dry_adequacy(sweep, outcome, errors, target, has_parabola, adequacy, &
       error)
       type(dry_sweep_t), intent(in) :: sweep
@@ -53,11 +53,12 @@ contains
       integer :: harmonics, heaviest, i
       integer, allocatable :: parts(:)
 
-      if (allocated(sweep%loads%separation) .or. .not. all(outcome%rows%is_converged)) return
+      if (.not. all(outcome%rows%is_converged)) return
       heaviest = maxloc(outcome%rows%mean_pressure, 1)
+      adequacy%mean_pressure = outcome%rows(heaviest)%mean_pressure
       one = sweep
-      one%loads%mean_pressure = [sweep%loads%mean_pressure(heaviest)]
-      adequacy%mean_pressure = one%loads%mean_pressure(1)
+      if (allocated(one%loads%separation)) deallocate (one%loads%separation)
+      one%loads%mean_pressure = [adequacy%mean_pressure]
       call count_harmonics(one, harmonics, error)
       if (allocated(error)) return
       parts = pack([without_yield, without_fine_harmonics, without_images], &
@@ -69,8 +70,11 @@ contains
       adequacy%rows = [(new_row(parts(i), harmonics, one%grid%kernel), i=1, size(parts))]
       call measure_parts(one, outcome, heaviest, harmonics, parts, adequacy, error)
       if (allocated(error)) return
+      if (size(errors) > 0) call allow_for_yielding(outcome%rows(heaviest), errors(heaviest), &
+         one%loads%hardness, parts, adequacy%rows)
       if (one%grid%ny > 1 .and. .not. one%loads%has_history) then
-         adequacy%rows = [adequacy%rows, empty_row('area', 'the mean of eight profiles along x')]
+         adequacy%rows = [adequacy%rows, empty_row('area', 'the mean of '//to_text(profiles) &
+            //' profiles along x')]
          associate (row => adequacy%rows(size(adequacy%rows)))
             call measure_profiles(one, compared_values(outcome%rows(heaviest)), &
                row%change, row%error, error)
@@ -118,6 +122,23 @@ contains
       end do
    end subroutine measure_parts
 
+   !> Where nothing yields, a largest pressure that may be above the `hardness` within its error
+   !> bar, by a share of that, leaves all changes open by as much: what yields is less than that.
+   pure subroutine allow_for_yielding(row, errors, hardness, parts, rows)
+      type(dry_row_t), intent(in) :: row, errors
+      real(wp), intent(in) :: hardness
+      integer, intent(in) :: parts(:)
+      type(dry_influence_t), intent(inout) :: rows(:)
+      integer :: i
+
+      if (yields(row)) return
+      i = findloc(parts, without_yield, 1)
+      if (i == 0) return
+      rows(i)%error = not_known()
+      if (ieee_is_finite(errors%p_max)) rows(i)%error = max(0.0_wp, (row%p_max &
+         + errors%p_max)/hardness - 1.0_wp)
+   end subroutine allow_for_yielding
+
    !> Whether anything yields.
    pure function yields(row)
       type(dry_row_t), intent(in) :: row
@@ -139,8 +160,7 @@ contains
          end if
          if (target > 0.0_wp) adequacy%accuracy = target
          do i = 1, size(rows)
-            rows(i)%verdict = verdict_of(rows(i)%change(:judged_count), &
-               rows(i)%error(:judged_count), adequacy%accuracy)
+            rows(i)%verdict = verdict_of(rows(i)%change, rows(i)%error, adequacy%accuracy)
          end do
       end associate
    end subroutine judge

@@ -10,8 +10,6 @@ module dry_influences
    !> Names of the compared quantities in /sweep.
    character(len=21), parameter, public :: compared_names(compared_count) = &
       [character(len=21) :: 'contact_area_fraction', 'mean_separation', 'p_max']
-   !> A verdict follows from the first of them: single nodes decide about the largest pressure.
-   integer, parameter, public :: judged_count = 2
    !> The second grid of a measurement is so many times as coarse as the first.
    real(wp), parameter, public :: coarsening = 2.0_wp
 

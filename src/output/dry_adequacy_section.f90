@@ -2,7 +2,7 @@
 module dry_adequacy_section
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use dry_influences, only: coarsening, compared_count, compared_names, dry_adequacy_t, &
-      dry_influence_t, judged_count
+      dry_influence_t
    use hdf5_attribute, only: write_attribute
    use hdf5_file, only: hdf5_file_t
    use influence_section, only: write_influence
@@ -32,8 +32,7 @@ contains
          'of the change; no dataset: not known')
       call write_attribute(file, '/adequacy', 'accuracy', adequacy%accuracy)
       call write_attribute(file, '/adequacy', 'mean_pressure', adequacy%mean_pressure)
-      call write_attribute(file, '/adequacy', 'judged_by', joined(compared_names(:judged_count), &
-         ', '))
+      call write_attribute(file, '/adequacy', 'judged_by', joined(compared_names, ', '))
    end subroutine write_dry_adequacy
 
    !> One ingredient.
