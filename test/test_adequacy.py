@@ -1,10 +1,13 @@
 """/adequacy of lubricated results: what each ingredient changes, in the file, in the closing table and switched off."""
 
+import pathlib
+
 import h5py
 import numpy as np
 import pytest
 from cases import STEADY, TRANSIENT, contents, same_bits, write
 
+ROOT = pathlib.Path(__file__).resolve().parent.parent
 OFF = "&output adequacy = .false. /\n"
 INGREDIENTS = {"compressibility", "elasticity", "piezoviscosity", "roelands", "shear_thinning"}
 NUMERICAL = {"grid", "domain", "iteration"}
@@ -64,6 +67,23 @@ def test_passage_tells_of_roughness_and_squeeze(asperity, tmp_path):
         assert abs(change[()] - smooth) <= change.attrs["error_estimate"]
         for name in ("piezoviscosity", "elasticity"):
             assert group[name].attrs["measured_on"].decode().startswith("the smooth steady contact")
+
+
+def test_what_is_not_known_says_why(asperity, tmp_path):
+    """A dent that overtakes a ridge: the smooth steady contact tells the friction of some oils alone; no number is a NaN."""
+    assert asperity(ROOT / "input" / "overtaking.nml", "--output", tmp_path, "--quiet").returncode == 0
+    found = contents(tmp_path / "overtaking.h5")
+    names = {name.split("/")[1].split("@")[0] for name in found if name.startswith("adequacy/")} - {"validity"}
+    partly = 0
+    for name in names:
+        group = {key: value for key, value in found.items() if key.startswith((f"adequacy/{name}/", f"adequacy/{name}@"))}
+        assert all(np.all(np.isfinite(value)) for value in group.values() if not isinstance(value, bytes)), name
+        untold = [q for q in ("h_min", "h_central", "p_max", "friction_coefficient") if f"adequacy/{name}/{q}" not in group]
+        why = group.get(f"adequacy/{name}@not_known", b"").decode()
+        assert not untold or why.startswith(", ".join(untold) + ": ")
+        assert (why != "") == bool(untold or group[f"adequacy/{name}@verdict"] == b"not known")
+        partly += 0 < len(untold) < 4
+    assert partly >= 1
 
 
 def test_no_solution_has_no_adequacy(asperity, tmp_path):

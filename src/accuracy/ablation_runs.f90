@@ -18,6 +18,7 @@ module ablation_runs
    use missing_value, only: exceeds, not_known, quotient
    use observer, only: observer_t
    use quantities, only: p_max, quantity_count, quantity_rows, sliding_rows
+   use verdicts, only: no_solution
    implicit none (type, external)
    private
 
@@ -108,6 +109,7 @@ contains
             min(budget, most_steps*full(g)%level%n), rest, watcher, error)
          if (allocated(error) .or. watcher%wants_stop) return
          budget = budget - lean(g)%work
+         if (.not. lean(g)%is_solved) row%unknown = no_solution
          if (.not. lean(1)%is_solved) return
          changes(:, g) = change_between(lean(g)%summary, full(g)%summary)
       end do
@@ -163,6 +165,7 @@ contains
       row%change = not_known()
       row%error = not_known()
       row%least = 0.0_wp
+      row%unknown = 'a pressure spike may hold any part of it, or it is 0'
       do i = 1, quantity_count
          if (.not. all(ieee_is_finite(changes(i, :)))) cycle
          is_sure = ieee_is_finite(doubt(i, :))

@@ -96,7 +96,12 @@ contains
          summary%of%error_domain, summary), numerical('iteration', 'exact discrete solution', &
          summary%of%error_iteration, summary)]
       do i = 1, size(self%rows)
-         self%rows(i)%verdict = verdict_on(self%rows(i), self%accuracy)
+         associate (row => self%rows(i))
+            row%verdict = verdict_on(row, self%accuracy)
+            if (row%left_out < 1.0_wp) row%doubt = 'all of it may change more or less than a part'
+            if (row%is_at_rest) row%doubt = &
+               'the smooth steady contact only tells what is plainly needed in a passage'
+         end associate
       end do
    end subroutine judge
 
@@ -109,6 +114,7 @@ contains
 
       row = new_influence(name, text)
       row%is_numerical = .true.
+      row%unknown = 'there is no error estimate: no_estimate in /summary says why'
       row%change = quotient(errors, abs(summary%of%value))
       where (ieee_is_finite(row%change)) row%error = 0.0_wp
    end function numerical
@@ -157,6 +163,7 @@ contains
       wider%is_at_rest = .false.
       wider%has_roughness = .true.
       wider%error = not_known()
+      wider%unknown = 'roughness changes too much for the smooth steady contact to tell'
       do i = 1, quantity_count
          if (.not. all(ieee_is_finite([row%error(i), roughness%error(i)]))) cycle
          rough = abs(roughness%change(i)) + roughness%error(i)

@@ -172,6 +172,7 @@ contains
 
       grid = empty_row('grid', 'the limit of fine grids')
       grid%is_numerical = .true.
+      grid%unknown = 'there is no error estimate'
       grid%change = quotient([errors%contact_area_fraction, errors%mean_separation, errors%p_max], &
          compared_values(row))
       grid%error = 0.0_wp
@@ -185,9 +186,11 @@ contains
       select case (part)
       case (without_yield)
          row = empty_row('plasticity', 'elastic bodies')
+         row%unknown = 'nothing yields on the grids that it may take, or they have no solution'
       case (without_fine_harmonics)
          row = empty_row('harmonics', 'the harmonics 1 to '//to_text(harmonics/2)//' of ' &
             //to_text(harmonics))
+         row%unknown = 'the grids that it may take do not carry these harmonics'
       case default
          row = empty_row('periodicity', 'an open half-space')
          if (kernel == kernel_open) row = empty_row('periodicity', 'a periodic one')
@@ -200,6 +203,7 @@ contains
       type(dry_influence_t) :: row
 
       call begin_row(name, text, row%judged_t, row%change, row%error)
+      row%unknown = 'the grids that it may take have no solution without it'
    end function empty_row
 
    !> The last harmonic along x that counts, in some rows of an area. Fails (internal_error) if FFTW

@@ -4,10 +4,11 @@ module verdicts
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
    use missing_value, only: not_known
+   use text, only: joined
    implicit none (type, external)
    private
 
-   public :: begin_row, judged_t, verdict_of, verdict_text
+   public :: begin_row, judged_t, verdict_of, verdict_text, why_unknown
 
    integer, parameter, public :: verdict_unknown = 0, verdict_needed = 1, verdict_small = 2, &
       verdict_irrelevant = 3
@@ -17,6 +18,10 @@ module verdicts
    real(wp), parameter, public :: usual_accuracy = 0.01_wp
    real(wp), parameter, public :: irrelevant_share = 0.1_wp
 
+   !> Why a change is not known.
+   character(len=*), parameter, public :: no_solution = &
+      'coarse grids have no solution without it'
+
    !> An ingredient or a numerical choice, and the verdict on it.
    type :: judged_t
       character(len=20) :: name = ''
@@ -25,6 +30,11 @@ module verdicts
       !> A numerical choice, whose change is the error estimate of the result.
       logical :: is_numerical = .false.
       integer :: verdict = verdict_unknown
+      !> Why the change of a quantity is not known, where one is not; and the verdict, where all are
+      !> known.
+      character(len=80) :: unknown = 'measuring it would cost more than is allowed'
+      character(len=80) :: doubt = &
+         'with their errors the changes lie on both sides of the accuracy'
    end type judged_t
 
 contains
@@ -80,5 +90,21 @@ contains
          text = 'not known'
       end select
    end function verdict_text
+
+   !> Why a `row` has not the change of each of `quantities`, of which `is_told` are known, or no
+   !> verdict; empty: it has.
+   pure function why_unknown(row, quantities, is_told) result(text)
+      class(judged_t), intent(in) :: row
+      character(*), intent(in) :: quantities(:)
+      logical, intent(in) :: is_told(:)
+      character(:), allocatable :: text
+
+      text = ''
+      if (.not. all(is_told)) text = joined(pack(quantities, .not. is_told), ', ')//': ' &
+         //trim(row%unknown)
+      if (row%verdict /= verdict_unknown .or. .not. any(is_told)) return
+      if (text /= '') text = text//'; '
+      text = text//'the verdict: '//trim(row%doubt)
+   end function why_unknown
 
 end module verdicts

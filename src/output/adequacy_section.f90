@@ -1,6 +1,5 @@
 !> /adequacy of a result file: what each ingredient of the model and each numerical choice changes.
 module adequacy_section
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use adequacy, only: adequacy_t, compared, influence_t
    use hdf5_attribute, only: write_attribute
    use hdf5_file, only: hdf5_file_t
@@ -28,7 +27,8 @@ contains
       call write_attribute(file, '/adequacy', 'about', 'relative change of each quantity where '// &
          'an ingredient of the model is left out, measured on coarse grids; of grid, domain '// &
          'and iteration the error estimate; attribute error_estimate: error of the change; no '// &
-         'data set: not known, attribute ..._at_least: but at least so much')
+         'data set: not known, see attribute not_known; attribute ..._at_least: but at least '// &
+         'so much')
       call write_attribute(file, '/adequacy', 'accuracy', adequacy%accuracy)
       if (all(adequacy%at_rest > 0)) call write_attribute(file, '/adequacy', &
          'intervals_at_rest', adequacy%at_rest(1))
@@ -40,12 +40,12 @@ contains
    subroutine write_row(file, row)
       class(hdf5_file_t), intent(inout) :: file
       type(influence_t), intent(in) :: row
-      logical :: is_told(quantity_count)
+      logical :: is_compared(quantity_count)
       integer :: i
 
-      is_told = ieee_is_finite(row%change) .and. [(compared(i), i=1, quantity_count)]
-      call write_influence(file, row, measured_on(row), pack(quantity_rows%name, is_told), &
-         pack(row%change, is_told), pack(row%error, is_told))
+      is_compared = [(compared(i), i=1, quantity_count)]
+      call write_influence(file, row, measured_on(row), pack(quantity_rows%name, is_compared), &
+         pack(row%change, is_compared), pack(row%error, is_compared))
       call write_attribute(file, '/adequacy/'//trim(row%name), 'left_out', row%left_out)
       do i = 1, quantity_count
          if (compared(i) .and. row%least(i) > 0.0_wp) call write_attribute(file, '/adequacy/' &

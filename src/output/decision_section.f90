@@ -42,7 +42,8 @@ contains
          call write_attribute(file, group, 'reason', trim(reasons(choice%why(i))%text))
          call write_attribute(file, group, 'instead', trim(choice%rows(i)%text))
          associate (row => choice%rows(i))
-            is_told = ieee_is_finite(row%change) .and. [(compared(k), k=1, quantity_count)]
+            is_told = ieee_is_finite(row%change) .and. ieee_is_finite(row%error) &
+               .and. [(compared(k), k=1, quantity_count)]
             call write_changes(file, group, trim(row%text), pack(quantity_rows%name, is_told), &
                pack(row%change, is_told), pack(row%error, is_told))
          end associate
@@ -120,7 +121,8 @@ contains
       text = '-'
       largest = -1.0_wp
       do i = 1, quantity_count
-         if (.not. (compared(i) .and. ieee_is_finite(row%change(i)))) cycle
+         if (.not. (compared(i) .and. ieee_is_finite(row%change(i)) &
+            .and. ieee_is_finite(row%error(i)))) cycle
          if (abs(row%change(i)) <= largest) cycle
          largest = abs(row%change(i))
          change = '<0.001'

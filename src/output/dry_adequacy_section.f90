@@ -1,7 +1,6 @@
 !> /adequacy of a dry result: what each ingredient changes, and whether the grid is fine enough.
 module dry_adequacy_section
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use dry_influences, only: coarsening, compared_count, compared_names, dry_adequacy_t, &
+   use dry_influences, only: coarsening, compared_names, dry_adequacy_t, &
       dry_influence_t
    use hdf5_attribute, only: write_attribute
    use hdf5_file, only: hdf5_file_t
@@ -40,11 +39,9 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       type(dry_adequacy_t), intent(in) :: adequacy
       type(dry_influence_t), intent(in) :: row
-      logical :: is_told(compared_count)
 
-      is_told = ieee_is_finite(row%change) .and. ieee_is_finite(row%error)
-      call write_influence(file, row, measured_on(adequacy, row), pack(compared_names, is_told), &
-         pack(row%change, is_told), pack(row%error, is_told))
+      call write_influence(file, row, measured_on(adequacy, row), compared_names, row%change, &
+         row%error)
    end subroutine write_row
 
    !> Where the changes of a row come from.

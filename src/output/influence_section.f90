@@ -1,6 +1,7 @@
 !> What the adequacy of a model says of one ingredient or numerical choice, lubricated or dry: its
 !> group in the result file, and all of them in one line of the closing table.
 module influence_section
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use hdf5_attribute, only: write_attribute
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
@@ -8,7 +9,7 @@ module influence_section
    use quantity_text, only: number_text
    use text, only: joined
    use verdicts, only: judged_t, verdict_irrelevant, verdict_needed, verdict_small, verdict_text, &
-      verdict_unknown
+      verdict_unknown, why_unknown
    implicit none (type, external)
    private
 
@@ -16,21 +17,26 @@ module influence_section
 
 contains
 
-   !> The group of `row` in /adequacy, with a data set for each of `quantities`: its relative
-   !> `changes` and their `errors`. `measured_on`: where these come from.
+   !> The group of `row` in /adequacy, with a data set for each of `quantities` whose relative
+   !> change is known, with its error, and why others are not. `measured_on`: where these come from.
    subroutine write_influence(file, row, measured_on, quantities, changes, errors)
       class(hdf5_file_t), intent(inout) :: file
       class(judged_t), intent(in) :: row
       character(*), intent(in) :: measured_on, quantities(:)
       real(wp), intent(in) :: changes(:), errors(:)
-      character(:), allocatable :: group
+      character(:), allocatable :: group, why
+      logical :: is_told(size(changes))
 
+      is_told = ieee_is_finite(changes) .and. ieee_is_finite(errors)
       group = '/adequacy/'//trim(row%name)
       call file%create_group(group)
       call write_attribute(file, group, 'verdict', verdict_text(row%verdict, row%is_numerical))
       call write_attribute(file, group, 'instead', trim(row%text))
       call write_attribute(file, group, 'measured_on', measured_on)
-      call write_changes(file, group, trim(row%text), quantities, changes, errors)
+      why = why_unknown(row, quantities, is_told)
+      if (why /= '') call write_attribute(file, group, 'not_known', why)
+      call write_changes(file, group, trim(row%text), pack(quantities, is_told), pack(changes, &
+         is_told), pack(errors, is_told))
    end subroutine write_influence
 
    !> The relative `changes` of `quantities` into a group, each with its error; `instead`: what was
