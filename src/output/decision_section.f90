@@ -16,6 +16,8 @@ module decision_section
 
    !> Columns of the table: name, influence, decision.
    integer, parameter :: tabs(3) = [13, 29, 57], width = 80
+   !> Behind changes by a part of an ingredient.
+   character(*), parameter :: part_mark = '*'
 
 contains
 
@@ -72,29 +74,63 @@ contains
    end function decision_text
 
    !> The table: an ingredient a line with the quantity that it changes most, by what was measured
-   !> before the run or else after it (`adequacy`); empty: nothing was to be decided.
+   !> before the run or else after it (`adequacy`); empty: nothing was to be decided. No line is
+   !> longer than `width`.
    pure function decision_lines(choice, adequacy) result(lines)
       type(model_choice_t), intent(in) :: choice
       type(adequacy_t), intent(in) :: adequacy
       character(:), allocatable :: lines
-      character(len=width) :: line
+      type(influence_t) :: known
+      logical :: has_parts
       integer :: i
 
       lines = ''
       if (.not. allocated(choice%rows)) return
+      lines = '  auto'
+      has_parts = .false.
       do i = 1, size(choice%rows)
-         line = ''
-         if (i == 1) line = '  auto'
-         line(tabs(1):) = choice%rows(i)%name
-         line(tabs(2):) = influence_text(known_row(choice%rows(i), adequacy))
-         line(tabs(3):) = decision_text(choice%is_left_out(i))
-         associate (why => reasons(choice%why(i))%short)
-            if (why /= '') line(tabs(3):) = trim(line(tabs(3):))//': '//why
-         end associate
          if (i > 1) lines = lines//new_line('a')
-         lines = lines//trim(line)
+         known = known_row(choice%rows(i), adequacy)
+         has_parts = has_parts .or. is_of_part(known)
+         call place(lines, trim(choice%rows(i)%name), tabs(1))
+         call place(lines, influence_text(known), tabs(2))
+         call place(lines, decision_with_reason(choice, i), tabs(3))
       end do
+      if (.not. has_parts) return
+      lines = lines//new_line('a')
+      call place(lines, part_mark//' a quarter of it left out: without all of it no solution is '// &
+         'found', tabs(1))
    end function decision_lines
+
+   !> Puts `words` into the last one of `lines` from column `tab` on, or behind what is there; where
+   !> they do not fit, into a new line.
+   pure subroutine place(lines, words, tab)
+      character(:), allocatable, intent(inout) :: lines
+      character(*), intent(in) :: words
+      integer, intent(in) :: tab
+      integer :: used, start
+
+      used = len(lines) - index(lines, new_line('a'), back=.true.)
+      start = max(tab, merge(used + 2, 1, used > 0))
+      if (start + len(words) - 1 > width) then
+         lines = lines//new_line('a')
+         used = 0
+         start = max(min(tab, width - len(words) + 1), tabs(1))
+      end if
+      lines = lines//repeat(' ', start - 1 - used)//words
+   end subroutine place
+
+   !> What was decided of ingredient `i`, and why in short.
+   pure function decision_with_reason(choice, i) result(text)
+      type(model_choice_t), intent(in) :: choice
+      integer, intent(in) :: i
+      character(:), allocatable :: text
+
+      text = decision_text(choice%is_left_out(i))
+      associate (why => reasons(choice%why(i))%short)
+         if (why /= '') text = text//': '//trim(why)
+      end associate
+   end function decision_with_reason
 
    !> The row, or that of the same name in `adequacy` where nothing is known of it.
    pure function known_row(row, adequacy) result(known)
@@ -110,7 +146,18 @@ contains
       end do
    end function known_row
 
-   !> The largest change of a row: 0.02 +- 0.01 % h_min; a dash where none is known.
+   !> Whether the changes of a row are those by a part of its ingredient.
+   pure function is_of_part(row)
+      type(influence_t), intent(in) :: row
+      logical :: is_of_part
+      integer :: i
+
+      is_of_part = row%left_out < 1.0_wp .and. any(ieee_is_finite(row%change) &
+         .and. [(compared(i), i=1, quantity_count)])
+   end function is_of_part
+
+   !> The largest change of a row: 0.02 +- 0.01 % h_min; a dash where none is known, a mark where it
+   !> is that by a part of the ingredient.
    pure function influence_text(row) result(text)
       type(influence_t), intent(in) :: row
       character(:), allocatable :: text
@@ -130,6 +177,7 @@ contains
          text = change//' +- '//number_text(100*row%error(i), 2)//' % ' &
             //trim(quantity_rows(i)%short)
       end do
+      if (is_of_part(row)) text = text//' '//part_mark
    end function influence_text
 
 end module decision_section
