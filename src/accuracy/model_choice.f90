@@ -59,6 +59,9 @@ contains
       integer :: i
 
       list = ingredients_of(scene%contact, scene%time%is_transient)
+      ! of smooth surfaces it is not measured, but decided on
+      if (scene%time%is_transient .and. .not. any(list%kind == squeeze)) list = [list, &
+         ingredient_t(squeeze, 'squeeze', 'the steady solution')]
       choice%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
       allocate (choice%is_left_out(size(list)), source=.false.)
       allocate (choice%why(size(list)), source=cheap_steady)
@@ -80,7 +83,7 @@ contains
          where (list%kind >= roughness) choice%why = cheap_steady
          choice%is_steady = .true.
          choice%is_left_out = list%kind == squeeze
-         choice%is_smooth = .not. any(choice%is_left_out)
+         choice%is_smooth = .not. any(list%kind == roughness)
          where (choice%is_left_out) choice%why = at_rest
       else
          choice%why = start_counts

@@ -98,12 +98,12 @@ contains
       end do
       if (.not. has_parts) return
       lines = lines//new_line('a')
-      call place(lines, part_mark//' a quarter of it left out: without all of it no solution is '// &
-         'found', tabs(1))
+      call place(lines, part_mark//' a quarter of it left out: without all of it no solution '// &
+         'is found', tabs(1))
    end function decision_lines
 
-   !> Puts `words` into the last one of `lines` from column `tab` on, or behind what is there; where
-   !> they do not fit, into a new line.
+   !> Puts `words` into the last one of `lines` from column `tab` on, or behind what is there;
+   !> where they do not fit, into a new line.
    pure subroutine place(lines, words, tab)
       character(:), allocatable, intent(inout) :: lines
       character(*), intent(in) :: words
