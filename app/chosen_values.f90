@@ -5,12 +5,14 @@ module chosen_values
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
+   use model_decision, only: model_choice_t, number_choice_t
    use passage_times, only: passage_times_t
    use profile, only: profile_length
+   use quantity_text, only: number_text
    implicit none (type, external)
    private
 
-   public :: fill_chosen, fill_passage
+   public :: fill_chosen, fill_numbers, fill_passage
 
 contains
 
@@ -38,7 +40,43 @@ contains
       call set_effective(case, 'solver', 'load_relaxation', report%load_relaxation)
    end subroutine fill_chosen
 
-   !> The same of the times that count, and of where the surfaces began.
+   !> Grid, domain, time step and method of a `case` with model = 'auto' on the `contact` as it was
+   !> solved: its target chooses grid and time step, the rest may be given.
+   pure subroutine fill_numbers(case, contact, report, choice)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(report_t), intent(in) :: report
+      type(model_choice_t), intent(inout) :: choice
+      character(:), allocatable :: method
+
+      if (case%model /= 'auto') return
+      method = 'none'
+      if (allocated(report%method)) method = report%method
+      associate (given => case%domain, domain => contact%domain)
+         choice%numbers = [number_choice_t('grid', 'grid', 'chosen', &
+            number_text(real(domain%intervals, wp), 9)//' intervals'), &
+            number_choice_t('domain', 'domain', ends_decision(given%has_inlet, given%has_outlet), &
+            number_text(domain%x_inlet, 3)//' to '//number_text(domain%x_outlet, 3)), &
+            number_choice_t('method', 'iteration', trim(merge('chosen', 'given ', &
+            case%solver%method == 'auto')), method)]
+      end associate
+      if (case%time%is_transient) choice%numbers = [choice%numbers(:2), &
+         number_choice_t('time_step', '', 'chosen', 'dT '//number_text(case%time%time_step, 4)), &
+         choice%numbers(3)]
+   end subroutine fill_numbers
+
+   !> Whether the ends of a domain were given.
+   pure function ends_decision(has_inlet, has_outlet) result(words)
+      logical, intent(in) :: has_inlet, has_outlet
+      character(len=12) :: words
+
+      words = 'chosen'
+      if (has_inlet) words = 'inlet given'
+      if (has_outlet) words = 'outlet given'
+      if (has_inlet .and. has_outlet) words = 'given'
+   end function ends_decision
+
+   !> What `fill_chosen` does, of the times that count, and of where the surfaces began.
    subroutine fill_passage(case, contact, times)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(in) :: contact

@@ -9,7 +9,7 @@ module run_case
    use case_notes, only: tell, tell_coarse_waves, tell_measured_error, tell_missed_target, &
       tell_pressure_error, tell_unusual, note_unusual
    use case_record, only: case_t, result_path, set_effective
-   use chosen_values, only: fill_chosen, fill_passage
+   use chosen_values, only: fill_chosen, fill_numbers, fill_passage
    use command_line, only: command_t
    use coarse_passages, only: scene_t
    use coarse_runs, only: companions_t, make_coarse_runs, make_companion_runs, new_companions, &
@@ -294,6 +294,7 @@ contains
       call check_forecast(case, whole, watcher, state, report, seconds, &
          error)   ! error: the caller looks
       call fill_chosen(case, contact, report)
+      call fill_numbers(case, contact, report, watcher%writer%choice)
       call fill_passage(case, contact, watcher%writer%passage%times)
       call complete_report(watcher, seconds, report)
    end subroutine solve

@@ -111,6 +111,45 @@ def test_steady_contact_keeps_everything(asperity, tmp_path):
     assert [name for name in solved if not same_bits(lean[name], full[name])] == []
 
 
+def rows_of(log):
+    """Rows of the table: what stands in the last column behind each name."""
+    lines = log[log.index("  auto  ") :].splitlines()
+    table = [line[12:] for line in lines if line.startswith(("  auto  ", " " * 12))]
+    return {line.split()[0]: line[44:].strip() for line in table}
+
+
+def test_table_shows_what_was_chosen_of_the_numbers(asperity, tmp_path):
+    """Grid, domain, time step and method as in the lists of effective values; what was given is told as given."""
+    inlet = "&domain x_inlet = -4.0, x_outlet = 1.5 /"
+    assert inlet in PASSAGE
+    log, found = solve(asperity, tmp_path, "auto", auto(PASSAGE))
+    rows = rows_of(log)
+    assert rows["grid"] == f"chosen: {found['input/effective/domain@intervals']} intervals"
+    assert rows["domain"] == "given: -4 to 1.50"
+    assert float(rows["time_step"].removeprefix("chosen: dT ")) == pytest.approx(found["input/effective/time@time_step"], rel=5e-4)
+    assert rows["method"] == f"chosen: {found['report/method'].decode()}"
+    for name in ("grid", "domain", "time_step", "method"):
+        group = f"adequacy/decision/{name}"
+        assert rows[name] == f"{found[f'{group}@decision'].decode()}: {found[f'{group}@value'].decode()}"
+    case = auto(STEADY.replace(", intervals = 256", "").replace(", x_outlet = 1.5", "")) + TARGET
+    log, found = solve(asperity, tmp_path, "steady", case + "&solver method = 'newton_dense' /\n")
+    rows = rows_of(log)
+    assert "inlet given: -4 to 1.54\n" in log
+    assert rows["method"] == "given: newton_dense"
+    assert "time_step" not in rows
+    _, found = solve(asperity, tmp_path, "open", auto(PASSAGE.replace(inlet, "")))
+    assert found["adequacy/decision/domain@decision"] == b"chosen"
+
+
+def test_smooth_passage_tells_that_squeeze_was_left_out(asperity, tmp_path):
+    smooth = RESTING[: RESTING.index("&surface_2")] + RESTING[RESTING.index("&time") :]
+    log, found = solve(asperity, tmp_path, "lean", auto(smooth))
+    assert rows_of(log)["squeeze"] == "left out: at rest"
+    assert "time_step" not in rows_of(log)
+    assert found["adequacy/decision/squeeze@decision"] == b"left out"
+    assert not any(name.startswith("transient") for name in found)
+
+
 def test_statistics_over_time_keep_the_passage(asperity, tmp_path):
     log, lean = solve(asperity, tmp_path, "case", auto(LOW) + "&output film_thresholds = 1e-7 /\n")
     assert "kept: passage is wanted" in log

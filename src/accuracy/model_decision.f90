@@ -10,7 +10,7 @@ module model_decision
    implicit none (type, external)
    private
 
-   public :: model_choice_t, take_model
+   public :: model_choice_t, number_choice_t, take_model
 
    !> Why an ingredient is kept or left out: for the closing table, and in full.
    type :: reason_t
@@ -34,6 +34,16 @@ module model_decision
       reason_t('at rest', 'nothing that is rough moves, and the start is forgotten'), &
       reason_t('the start counts', 'the quantities count from before the start is forgotten')]
 
+   !> What was chosen of one of the numbers of the solution.
+   type :: number_choice_t
+      !> Name, that of the numerical choice in /adequacy whose error belongs to it (blank: none),
+      !> whether it was chosen or given, and what it is.
+      character(len=9) :: name
+      character(len=9) :: judged_as
+      character(len=12) :: decision
+      character(len=40) :: text
+   end type number_choice_t
+
    !> What was decided of each ingredient.
    type :: model_choice_t
       !> Not allocated: nothing was to be decided. Changes are known where they were measured.
@@ -47,6 +57,8 @@ module model_decision
       real(wp) :: influence(quantity_count) = 0.0_wp
       !> Intervals of the grids on which it was measured; 0: it was not.
       integer :: grids(2) = 0
+      !> Grid, domain, time step and method of the run; not allocated: not known yet.
+      type(number_choice_t), allocatable :: numbers(:)
    end type model_choice_t
 
 contains

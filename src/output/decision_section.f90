@@ -1,7 +1,7 @@
 !> /adequacy/decision of a result: what model = 'auto' left out, and the table that shows it.
 module decision_section
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use adequacy, only: adequacy_t, compared, influence_t
+   use adequacy, only: adequacy_t, compared, influence_t, new_influence
    use hdf5_attribute, only: write_attribute
    use hdf5_file, only: hdf5_file_t
    use influence_section, only: write_changes
@@ -21,8 +21,8 @@ module decision_section
 
 contains
 
-   !> Writes a group for each ingredient, with the changes that were measured before the run;
-   !> nothing if nothing was to be decided.
+   !> Writes a group for each ingredient, with the changes that were measured before the run, and
+   !> one for each number that was chosen; nothing if nothing was to be decided.
    subroutine write_decision(file, choice)
       class(hdf5_file_t), intent(inout) :: file
       type(model_choice_t), intent(in) :: choice
@@ -34,7 +34,8 @@ contains
       if (.not. allocated(choice%rows)) return
       call file%create_group(root)
       call write_attribute(file, root, 'about', "what model = 'auto' decided of each "// &
-         'ingredient before the run, and the changes by which it did')
+         'ingredient before the run, and the changes by which it did; grid, domain, time step '// &
+         'and method of the run')
       call write_attribute(file, root, 'solved', solved_text(choice))
       if (all(choice%grids > 0)) call write_attribute(file, root, 'intervals', choice%grids(1))
       do i = 1, size(choice%rows)
@@ -48,6 +49,15 @@ contains
                .and. [(compared(k), k=1, quantity_count)]
             call write_changes(file, group, trim(row%text), pack(quantity_rows%name, is_told), &
                pack(row%change, is_told), pack(row%error, is_told))
+         end associate
+      end do
+      if (.not. allocated(choice%numbers)) return
+      do i = 1, size(choice%numbers)
+         associate (number => choice%numbers(i))
+            group = root//'/'//trim(number%name)
+            call file%create_group(group)
+            call write_attribute(file, group, 'decision', trim(number%decision))
+            call write_attribute(file, group, 'value', trim(number%text))
          end associate
       end do
    end subroutine write_decision
@@ -74,8 +84,9 @@ contains
    end function decision_text
 
    !> The table: an ingredient a line with the quantity that it changes most, by what was measured
-   !> before the run or else after it (`adequacy`); empty: nothing was to be decided. No line is
-   !> longer than `width`.
+   !> before the run or else after it (`adequacy`); then the numbers that were chosen, with the
+   !> largest error that is due to them. Empty: nothing was to be decided. No line is longer than
+   !> `width`.
    pure function decision_lines(choice, adequacy) result(lines)
       type(model_choice_t), intent(in) :: choice
       type(adequacy_t), intent(in) :: adequacy
@@ -96,6 +107,17 @@ contains
          call place(lines, influence_text(known), tabs(2))
          call place(lines, decision_with_reason(choice, i), tabs(3))
       end do
+      if (allocated(choice%numbers)) then
+         do i = 1, size(choice%numbers)
+            associate (number => choice%numbers(i))
+               lines = lines//new_line('a')
+               call place(lines, trim(number%name), tabs(1))
+               call place(lines, influence_text(known_row(new_influence(trim(number%judged_as), &
+                  ''), adequacy)), tabs(2))
+               call place(lines, trim(number%decision)//': '//trim(number%text), tabs(3))
+            end associate
+         end do
+      end if
       if (.not. has_parts) return
       lines = lines//new_line('a')
       call place(lines, part_mark//' a quarter of it left out: without all of it no solution '// &
@@ -156,8 +178,8 @@ contains
          .and. [(compared(i), i=1, quantity_count)])
    end function is_of_part
 
-   !> The largest change of a row: 0.02 +- 0.01 % h_min; a dash where none is known, a mark where it
-   !> is that by a part of the ingredient.
+   !> The largest change of a row: 0.02 +- 0.01 % h_min, of a numerical choice 0.02 % h_min; a dash
+   !> where none is known, a mark where it is that by a part of the ingredient.
    pure function influence_text(row) result(text)
       type(influence_t), intent(in) :: row
       character(:), allocatable :: text
@@ -174,8 +196,9 @@ contains
          largest = abs(row%change(i))
          change = '<0.001'
          if (100*largest >= 0.001_wp) change = number_text(100*row%change(i), 2)
-         text = change//' +- '//number_text(100*row%error(i), 2)//' % ' &
-            //trim(quantity_rows(i)%short)
+         text = change
+         if (.not. row%is_numerical) text = text//' +- '//number_text(100*row%error(i), 2)
+         text = text//' % '//trim(quantity_rows(i)%short)
       end do
       if (is_of_part(row)) text = text//' '//part_mark
    end function influence_text
