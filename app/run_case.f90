@@ -18,6 +18,7 @@ module run_case
    use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
+   use film_heating, only: new_heating
    use film_momentum, only: follow_momentum, prepare_momentum
    use film_velocity, only: velocity_profile
    use formulas_section, only: formula_lines
@@ -128,6 +129,8 @@ contains
          call start_result(case, path, is_resume, watcher, error)
       end if
       if (.not. allocated(error)) then
+         watcher%writer%heating = new_heating(watcher%scaling, case%bodies, &
+            case%materials%effusivity, case%materials%conductivity)
          call prepare_momentum(case, watcher)
          call take_lean_model(case, contact, watcher, error)
          if (.not. allocated(error)) call solve(case, contact, watcher, state, report, error)

@@ -115,6 +115,45 @@ def test_a_transient_takes_the_extremes_and_a_failure_nothing(asperity, tmp_path
         assert "adequacy" not in failed
 
 
+def rise_of(file, pressure, film):
+    """Largest temperature rise of a film by sliding, from dimensionless fields and the input alone, in SI."""
+    given, scales = file["input/effective"], file["scaling"].attrs
+    oil, bodies = given["lubricant"].attrs, given["bodies"].attrs
+    x, p, h = (
+        field * scales[unit]
+        for field, unit in ((file["solution/x"][()], "half_width"), (pressure, "hertz_pressure"), (film, "film_thickness"))
+    )
+    speeds = np.array([bodies["speed_1"], bodies["speed_2"]])
+    sliding, stress_0 = abs(speeds[1] - speeds[0]), oil["eyring_stress"]
+    exponent = (np.log(oil["viscosity"]) + 9.67) * ((1 + p / oil["roelands_p0"]) ** oil["roelands_z"] - 1)
+    rate = oil["viscosity"] * np.exp(exponent) * sliding / (stress_0 * h)
+    slope = np.gradient(p, x)
+    slope[-1] = 0.0
+    sigma = np.maximum(np.abs(0.5 * h * slope / stress_0), 1e-8)
+    heat = sliding * stress_0 * np.arcsinh(rate * sigma / np.sinh(sigma))
+    heat[1:] *= p[1:] > 0
+    ways = np.sqrt(np.arange(len(x) + 1.0)) * np.sqrt(x[1] - x[0])
+    surfaces = 2 * np.convolve(heat, np.diff(ways))[: len(x)] / np.sqrt(np.pi)
+    surfaces /= bodies["thermal_effusivity"] * np.sqrt(np.abs(speeds)).sum()
+    return float((surfaces + heat * h / (8 * oil["thermal_conductivity"])).max())
+
+
+def test_heat_of_a_passage_is_the_largest_of_all_times(asperity, tmp_path):
+    """A ridge has left the contact at the end: it was warmer before; to what averaging heat over pairs of nodes changes."""
+    case = changed(TRANSIENT, ("position = -2.1", "position = -1.0"), ("end_time = 1.0", "end_time = 2.5, statistics_from = 0.0"))
+    write(tmp_path, "a.nml", case)
+    write(tmp_path, "b.nml", changed(case, ("statistics_from = 0.0", "statistics_from = 2.45")))
+    assert asperity("a.nml", "b.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "b.h5") as late:
+        series = file["transient"]
+        assert len(series["profile_time"]) == len(series["time"])
+        rises = [rise_of(file, *fields) for fields in zip(series["pressure"][()], series["film_thickness"][()], strict=True)]
+        found = file["adequacy/validity/shear_heating"][()]
+        assert found == pytest.approx(max(rises), rel=0.02)
+        assert found > 1.04 * max(rises[0], rises[-1])
+        assert late["adequacy/validity/shear_heating"][()] == pytest.approx(max(rises[-2:]), rel=0.02)
+
+
 def test_what_is_solved_is_not_doubted(asperity, tmp_path):
     """With the full momentum equations no limit of Reynolds' equation is left."""
     write(

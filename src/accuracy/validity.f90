@@ -3,11 +3,12 @@
 !>
 !> This is about the model, not about the numbers, which the error estimates judge. Of a transient
 !> the extremes over the times that count are used where there are any (films, pressure, stress,
-!> T_max and slope), else the last time.
+!> temperature, T_max and slope), else the last time.
 module validity
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use bodies, only: bodies_t
    use features, only: feature_sinusoid, rough_surface_t
+   use film_heating, only: largest_rise, new_heating
    use friction_sums, only: stressed_share
    use shear_stresses, only: film_stresses
    use kinds, only: wp
@@ -16,8 +17,8 @@ module validity
    use line_summary, only: line_summary_t
    use lubricant, only: lubricant_t, viscosity_barus, viscosity_constant
    use missing_value, only: larger, not_known
-   use model_limits, only: film_reynolds_number, film_temperatures, flash_temperatures, &
-      inlet_heating_loss, shortest_length, side_flow_loss
+   use model_limits, only: film_reynolds_number, inlet_heating_loss, shortest_length, &
+      side_flow_loss
    use quantities, only: h_central, h_min, p_max
    use quantity_text, only: number_text, prefixed_text
    use scaling, only: scaling_t
@@ -136,12 +137,15 @@ contains
          case (hardness, shakedown)
             call compare_strength(i, of, limit)
          case (limiting_stress)
-            limit%value = larger(summary%limits%stress_share*scaling%slope, &
-               maxval(abs(mean_stresses(of, state))/(state%pressure*scaling%hertz_pressure), &
-               state%pressure > stressed_share*maxval(state%pressure)))
+            limit%value = larger(summary%limits%stress_share, maxval(abs(mean_stresses(of, &
+               state))/state%pressure, state%pressure > stressed_share*maxval(state%pressure))) &
+               *scaling%slope
          case (shear_heating)
             if (given%thermal_viscosity > 0.0_wp) then
-               limit%value = maxval(temperatures(of, state))
+               limit%value = larger(summary%limits%film_heating, &
+                  largest_rise(new_heating(scaling, of%bodies, given%effusivity, &
+                  given%conductivity), state%x(2) - state%x(1), mean_stresses(of, state), &
+                  state%film_thickness))
                limit%threshold = -log(1.0_wp - tolerable_thinning)/given%thermal_viscosity
             else
                limit%missing = 'thermal_viscosity = 0'
@@ -241,34 +245,18 @@ contains
 
    end function composite_rms
 
-   !> Mean shear stress across the film at every node [Pa].
+   !> Mean shear stress across the film at every node [p_h b/R].
    pure function mean_stresses(of, state) result(stresses)
       type(circumstances_t), intent(in) :: of
       type(line_state_t), intent(in) :: state
       real(wp) :: stresses(size(state%x))
       real(wp), allocatable :: all_stresses(:, :)
 
-      associate (contact => of%contact, scaling => of%scaling)
+      associate (contact => of%contact)
          all_stresses = film_stresses(contact%fluid, contact%lambda, contact%slide_to_roll, &
             state%x, state%pressure, state%film_thickness)
-         stresses = all_stresses(:, 2)*scaling%hertz_pressure*scaling%film/scaling%half_width
+         stresses = all_stresses(:, 2)
       end associate
    end function mean_stresses
-
-   !> Temperature rise [K] in the middle of the film at every node: of the surfaces, and of the film
-   !> above them, by the heat that the sliding makes.
-   pure function temperatures(of, state) result(rise)
-      type(circumstances_t), intent(in) :: of
-      type(line_state_t), intent(in) :: state
-      real(wp) :: rise(size(state%x))
-      real(wp), allocatable :: heat(:)
-
-      associate (scaling => of%scaling, bodies => of%bodies)
-         heat = abs(mean_stresses(of, state)*(bodies%speed_2 - bodies%speed_1))
-         rise = flash_temperatures(heat, (state%x(2) - state%x(1))*scaling%half_width, &
-            of%materials%effusivity, [bodies%speed_1, bodies%speed_2]) + film_temperatures(heat, &
-            state%film_thickness*scaling%film, of%materials%conductivity)
-      end associate
-   end function temperatures
 
 end module validity

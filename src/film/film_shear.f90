@@ -21,7 +21,7 @@ module film_shear
    implicit none (type, external)
    private
 
-   public :: friction_of
+   public :: evaluate_friction, friction_of
 
    !> Points of the midpoint rule in X_a/X for the oil in front of the domain, where the integrands
    !> change little (a test compares with a domain that is longer).
@@ -39,9 +39,11 @@ contains
    !> exit between them, so that they do not change with the place of the nodes. In the rolling
    !> power S H^3/mu dP/dX is what the mass flux of the discrete equations leaves of H: that keeps
    !> the balance of energy where viscosity changes by orders of magnitude between two nodes.
-   pure function friction_of(level) result(friction)
+   !> `stress` (nx): the mean stress at every node, 0 where the film cavitates.
+   pure subroutine evaluate_friction(level, friction, stress)
       type(line_level_t), intent(in) :: level
-      type(friction_t) :: friction
+      type(friction_t), intent(out) :: friction
+      real(wp), intent(out), contiguous, optional :: stress(:)
       type(stress_block_t) :: block
       real(wp) :: weights(block_size), rise, flux(level%n), stressed
       integer :: i, first, last, m, exit_node
@@ -53,12 +55,15 @@ contains
          exit_node = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1
          stressed = stressed_share*maxval(p)
          has_speeds = ieee_is_finite(level%slide_to_roll)
+         if (present(stress)) stress = 0.0_wp
          do first = 0, exit_node, block_size
             last = min(first + block_size - 1, exit_node)
             m = last - first + 1
             call evaluate_nodes(level%fluid, couette_of(level), level%dx, p(:min(last + 1, &
                level%n)), h, level%ln_mu, first + 1, block)
             weights(:m) = merge(level%dx, 0.0_wp, p(first:last) > 0.0_wp)
+            if (present(stress)) stress(first + 1:last + 1) = merge(block%stress(:m), 0.0_wp, &
+               p(first:last) > 0.0_wp)
             if (first == 0) weights(1) = 0.5_wp*level%dx
             if (last == exit_node) weights(m) = last_weight(level, exit_node, flux(max(exit_node, &
                1)))
@@ -77,6 +82,14 @@ contains
       end associate
       friction%sliding_speed = 0.5_wp*level%slide_to_roll
       if (.not. has_speeds) friction%stress_share = not_known()
+   end subroutine evaluate_friction
+
+   !> The same without the stress at the nodes.
+   pure function friction_of(level) result(friction)
+      type(line_level_t), intent(in) :: level
+      type(friction_t) :: friction
+
+      call evaluate_friction(level, friction)
    end function friction_of
 
    !> Weight of the last node with P > 0: half of the interval in front of it, and as far as the

@@ -2,7 +2,7 @@
 module state_output
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use features, only: surface_height
-   use film_shear, only: friction_of
+   use film_shear, only: evaluate_friction
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t
@@ -21,10 +21,10 @@ module state_output
 
 contains
 
-   !> Pressure, film, roughness, H0, time, limits of Reynolds' equation, and friction from a level
-   !> whose mobility and density are those of its pressure and film, where these have been evaluated
-   !> (a stop may come before that); with `has_stresses` shear stresses too, and none of another
-   !> time. The other fields of the lubricant are left to `fill_properties`.
+   !> Pressure, film, roughness, H0, time, and of a level whose mobility and density are those of
+   !> its pressure and film, where these have been evaluated (a stop may come before that), limits
+   !> of Reynolds' equation, friction and mean shear stress; with `has_stresses` those at the walls
+   !> too, and none of another time. Other fields of the lubricant are left to `fill_properties`.
    pure subroutine fill_state(contact, level, time, state, has_stresses)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
@@ -41,13 +41,15 @@ contains
       state%time = time
       if (allocated(state%friction)) deallocate (state%friction)
       if (allocated(state%limits)) deallocate (state%limits)
-      if (allocated(state%shear_stress_1)) deallocate (state%shear_stress_1, &
-         state%shear_stress_mean, state%shear_stress_2)
+      if (allocated(state%shear_stress_mean)) deallocate (state%shear_stress_mean)
+      if (allocated(state%shear_stress_1)) deallocate (state%shear_stress_1, state%shear_stress_2)
       if (all(state%film_thickness > 0.0_wp) .and. level%density(0) > 0.0_wp) then
-         state%friction = friction_of(level)
+         allocate (state%friction, state%shear_stress_mean(size(state%x)))
+         call evaluate_friction(level, state%friction, state%shear_stress_mean)
          state%limits = film_limits(level%fluid, level%lambda, level%slide_to_roll, level%dx, &
             level%state%pressure, level%state%film)
          state%limits%stress_share = state%friction%stress_share
+         if (.not. ieee_is_finite(level%slide_to_roll)) deallocate (state%shear_stress_mean)
          if (present(has_stresses)) then
             if (has_stresses) call fill_stresses(contact, level%ln_mu, state)
          end if

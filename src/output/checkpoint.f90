@@ -173,6 +173,7 @@ contains
       call file%visit(path//'stokes_number', summary%limits%stokes_number)
       call file%visit(path//'surface_slope', summary%limits%surface_slope)
       call file%visit(path//'stress_share', summary%limits%stress_share)
+      call file%visit(path//'film_heating', summary%limits%film_heating)
    end subroutine visit_summary
 
    !> One quantity; its error is estimated when the run is complete.

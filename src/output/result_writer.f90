@@ -16,6 +16,7 @@ module result_writer
    use decision_section, only: write_decision
    use errors, only: error_t, fail, input_error, output_error
    use film_fields, only: film_fields_t
+   use film_heating, only: heating_t, largest_rise
    use film_passage, only: film_passage_t
    use film_statistics, only: add_start, add_time, film_statistics_t
    use formulas_section, only: formula_contact_t, write_formulas
@@ -69,6 +70,8 @@ module result_writer
       !> result is finished.
       type(passage_extremes_t) :: passage
       type(line_summary_t) :: summary
+      !> How warm sliding would make the film of a time step, if that is to be known.
+      type(heating_t) :: heating
       !> Coarse runs that tell how far off the quantities may be.
       type(error_bars_t) :: bars
       !> How the solution stands to the limits of its model, if it is known.
@@ -223,6 +226,10 @@ contains
             add_time(self%statistics, state)
       end if
       summary = summary_of(state)
+      if (self%heating%is_known .and. allocated(state%shear_stress_mean)) then
+         summary%limits%film_heating = largest_rise(self%heating, state%x(2) - state%x(1), &
+            state%shear_stress_mean, state%film_thickness)
+      end if
       call self%passage%add(summary, state%time, step == steps)
       if (.not. self%is_transient) call start_store(self, [steps, steps/self%profile_stride] + 1, &
          size(state%x))
