@@ -50,7 +50,7 @@ SCENES = {
     "mixed_lubrication": (wavy(0.2e-6, 1e-4), wavy(0.1e-6, 1e-4), "times the composite roughness"),
     "viscosity_data": (changed(AUTO, (LOAD, "hertz_pressure = 1.3e9")), AUTO, "viscosities are measured to 1.030 GPa"),
     "limiting_stress": (changed(AUTO, ("'eyring', eyring_stress = 3.3e6", "'newtonian'")), STEADY, "oils give way near 0.1"),
-    "shear_heating": (STEADY, ROLLING, "sliding would heat the film by"),
+    "shear_heating": (STEADY, ROLLING, "less viscosity, up to"),
     "hardness": (with_bodies("hardness = 0.5e9"), with_bodies("hardness = 0.7e9"), "pass the hardness, 500.0 MPa"),
     "shakedown": (with_bodies("hardness = 0.85e9"), with_bodies("hardness = 0.95e9"), "shakedown limit, 566.7 MPa"),
     "inlet_heating": (STEADY, ROLLING, "heat of the inlet, not in the model"),
@@ -73,6 +73,11 @@ def limit_of(asperity, folder, name, row, case):
         exceeded = sum(group[other].attrs["exceeded"] for other in group)
     told = [line for line in done.stdout.splitlines() if line.startswith(("  limit ", "  inlet "))]
     assert len(told) == exceeded
+    lines = done.stdout.splitlines()
+    for line in told:
+        assert len(line) <= 80
+        # nothing of it is left for another line
+        assert lines[lines.index(line) + 1].split()[0] in {"limit", "inlet", "times", "model", "note", "result"}
     return value, label, " ".join((done.stderr + done.stdout).split())
 
 

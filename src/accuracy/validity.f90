@@ -7,6 +7,7 @@
 module validity
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use bodies, only: bodies_t
+   use expected_film, only: share_with_viscosity
    use features, only: feature_sinusoid, rough_surface_t
    use film_heating, only: largest_rise, new_heating
    use friction_sums, only: stressed_share
@@ -46,6 +47,9 @@ module validity
       real(wp) :: value
       real(wp) :: threshold
       logical :: is_passed = .false.
+      !> Of the heat of sliding: share of its viscosity that the film loses, and share of its
+      !> thickness, if the oil were so warm where the film builds up; 0 of other limits.
+      real(wp) :: viscosity_loss = 0.0_wp, film_loss = 0.0_wp
       character(:), allocatable :: missing
    end type limit_t
 
@@ -71,6 +75,8 @@ module validity
    real(wp), parameter :: shear_strength = 1.0_wp/6.0_wp, shakedown_factor = 4.0_wp
    !> Share of its viscosity that an oil may lose to heat.
    real(wp), parameter :: tolerable_thinning = 0.1_wp
+   !> An oil that keeps less than exp of minus this of its viscosity is lost anyway.
+   real(wp), parameter :: largest_exponent = 20.0_wp
 
 contains
 
@@ -147,6 +153,7 @@ contains
                   given%conductivity), state%x(2) - state%x(1), mean_stresses(of, state), &
                   state%film_thickness))
                limit%threshold = -log(1.0_wp - tolerable_thinning)/given%thermal_viscosity
+               call tell_losses(of%contact, given%thermal_viscosity, limit)
             else
                limit%missing = 'thermal_viscosity = 0'
             end if
@@ -184,6 +191,20 @@ contains
          end select
       end associate
    end subroutine evaluate_in_si
+
+   !> What the temperature rise of a limit, its value, does to the oil, whose viscosity falls with
+   !> exp(-`beta` times it), and to its film.
+   pure subroutine tell_losses(contact, beta, limit)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: beta
+      type(limit_t), intent(inout) :: limit
+      real(wp) :: rest
+
+      if (.not. ieee_is_finite(limit%value)) return
+      rest = exp(-min(beta*limit%value, largest_exponent))
+      limit%viscosity_loss = 1 - rest
+      limit%film_loss = max(1 - share_with_viscosity(contact, rest), 0.0_wp)
+   end subroutine tell_losses
 
    !> Largest pressure against the data behind the law of viscosity.
    pure subroutine compare_viscosity_data(of, limit)

@@ -1,5 +1,5 @@
 !> The film that formulas expect of a contact before it is solved: for the choice of domains, grids
-!> and starts only.
+!> and starts, and for what another oil would do to it.
 module expected_film
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -8,7 +8,7 @@ module expected_film
    implicit none (type, external)
    private
 
-   public :: film_estimate, newtonian_film
+   public :: film_estimate, newtonian_film, share_with_viscosity
 
 contains
 
@@ -27,5 +27,22 @@ contains
 
       film = central_film(contact%moes_m_sum, contact%moes_l_sum, contact%elasticity)
    end function newtonian_film
+
+   !> Central film of a contact whose oil has so many times its viscosity, > 0, over its film with
+   !> all of it: M ~ mu_0^(-1/2), L ~ mu_0^(1/4) at the same alpha, lambda and Eyring's B ~ mu_0.
+   pure function share_with_viscosity(contact, factor) result(share)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: factor
+      real(wp) :: share
+      type(line_contact_t) :: other
+
+      other%elasticity = contact%elasticity
+      other%fluid = contact%fluid
+      other%fluid%ln_b_scale = contact%fluid%ln_b_scale + log(factor)
+      other%lambda = factor*contact%lambda
+      other%moes_m_sum = contact%moes_m_sum/sqrt(factor)
+      other%moes_l_sum = contact%moes_l_sum*sqrt(sqrt(factor))
+      share = film_estimate(other)/film_estimate(contact)
+   end function share_with_viscosity
 
 end module expected_film

@@ -15,8 +15,11 @@ module validity_section
 
    public :: limit_sentence, write_validity
 
-   !> Share of the viscosity that is left at the threshold of the heating.
-   real(wp), parameter :: least_viscosity = 0.9_wp
+   !> The largest temperature rise that is told as it is [K].
+   real(wp), parameter :: hottest = 999.0_wp
+   !> Whence the film that is lost to heat.
+   character(*), parameter :: film_loss_source = 'central film of the smooth contact with the '// &
+      'viscosity at that temperature: Nijenbanning, Venner and Moes, Wear 176, 1994, 217'
 
 contains
 
@@ -45,13 +48,17 @@ contains
             call write_attribute(file, path, 'beyond', trim(merge('below', 'above', row%is_least)))
             call write_attribute(file, path, 'source', trim(row%source))
             call write_attribute(file, path, 'exceeded', merge(1, 0, limit%is_passed))
+            if (i /= shear_heating) cycle
+            call write_attribute(file, path, 'viscosity_loss', limit%viscosity_loss)
+            call write_attribute(file, path, 'film_loss', limit%film_loss)
+            call write_attribute(file, path, 'film_loss_source', film_loss_source)
          end associate
       end do
       if (missing /= '') call write_attribute(file, '/adequacy/validity', 'not_evaluated', &
          missing(:len(missing) - 2))
    end subroutine write_validity
 
-   !> What passing limit `i` means.
+   !> What passing limit `i` means: one line of the closing table.
    pure function limit_sentence(i, limit) result(words)
       integer, intent(in) :: i
       type(limit_t), intent(in) :: limit
@@ -61,8 +68,7 @@ contains
       percent = number_text(100.0_wp*limit%value, 2)//' %'
       select case (i)
       case (mixed_lubrication)
-         words = 'the film is '//number//' times the composite roughness; below 3 lubrication '// &
-            'is mixed'
+         words = 'the film is '//number//' times the composite roughness: mixed lubrication'
       case (viscosity_data)
          words = 'pressures to '//pressure(limit%value)//', viscosities are measured to ' &
             //pressure(limit%threshold)
@@ -72,12 +78,13 @@ contains
          words = 'pressures to '//pressure(limit%value)//' pass the hardness, ' &
             //pressure(limit%threshold)
       case (shakedown)
-         words = 'the Hertzian pressure, '//pressure(limit%value)//', passes the shakedown '// &
-            'limit, '//pressure(limit%threshold)
+         words = 'Hertzian pressure '//pressure(limit%value)//' passes the shakedown limit, ' &
+            //pressure(limit%threshold)
       case (shear_heating)
-         words = 'sliding would heat the film by '//number//' K and take ' &
-            //number_text(100*(1 - least_viscosity**(limit%value/limit%threshold)), 2) &
-            //' % of its viscosity'
+         ! of an isothermal oil that does not thin it may come out beyond all sense
+         if (limit%value > hottest) number = '>'//number_text(hottest, 3)
+         words = 'sliding heats by '//number//' K: '//number_text(100*limit%viscosity_loss, 2) &
+            //' % less viscosity, up to '//number_text(100*limit%film_loss, 2)//' % less film'
       case (inlet_heating)
          words = 'heat of the inlet, not in the model, would thin the film by '//percent
       case (starvation)
@@ -85,12 +92,11 @@ contains
       case (side_flow)
          words = 'flow to the sides takes '//percent//' of the film: the contact is short'
       case (stokes_number)
-         words = 'shear stress rises with pressure by '//number//" (T_max): Reynolds' "// &
-            'equation is doubtful above 0.25'
+         words = 'stress rises by '//number//" with p (T_max): Reynolds' equation in doubt"
       case (surface_slope)
          words = 'surfaces are as steep as '//number//": too much for Reynolds' equation"
       case (film_over_wave)
-         words = 'the film is '//number//" of the finest wave: too thick for Reynolds' equation"
+         words = 'the film is '//number//" of the finest wave: thick for Reynolds' equation"
       case (turbulence)
          words = 'the Reynolds number of the film is '//number//': not laminar'
       case default
