@@ -171,6 +171,29 @@ def test_what_is_solved_is_not_doubted(asperity, tmp_path):
         assert "stokes_number: the full momentum equations are solved" in group.attrs["not_evaluated"].decode()
 
 
+def test_pure_rolling_has_no_sliding_for_reynolds_to_fail_by(asperity, tmp_path):
+    """T_max is 0, though the pressure gradient shears the oil: the films of the full equations agree to 0.1 %."""
+    case = changed(
+        STEADY, ("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 3.0, speed_2 = 3.0"), ("eyring_stress = 3.3e6", "eyring_stress = 20e6")
+    )
+    write(tmp_path, "a.nml", case)
+    write(
+        tmp_path,
+        "full.nml",
+        changed(case, ("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'")) + "&film layers = 10 /\n",
+    )
+    write(tmp_path, "sliding.nml", changed(case, ("speed_1 = 3.0, speed_2 = 3.0", "speed_1 = 1.0, speed_2 = 5.0")))
+    assert asperity("a.nml", "full.nml", "sliding.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "full.h5") as full, h5py.File(tmp_path / "sliding.h5") as other:
+        number = file["adequacy/validity/stokes_number"]
+        assert number[()] == 0.0
+        assert number.attrs["exceeded"] == 0
+        assert full["momentum/stress_rise"][()] > number.attrs["threshold"]
+        for name in ("h_min", "h_central"):
+            assert abs(full[f"momentum/difference_{name}"][()]) < 1e-3
+        assert other["adequacy/validity/stokes_number"].attrs["exceeded"] == 1
+
+
 def limits_from_fields(file, pressure, film):
     """T_max and the largest slope of a film, from dimensionless fields and the input alone, in SI."""
     given = file["input/effective"]
