@@ -103,6 +103,7 @@ def test_what_is_not_known_is_named(asperity, tmp_path):
     with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "b.h5") as moes:
         group = file["adequacy/validity"]
         missing = group.attrs["not_evaluated"].decode()
+        assert "mixed_lubrication: no roughness: neither sinusoid nor profile" in missing
         for name in ("hardness: &bodies hardness is not given", "side_flow: &bodies contact_length is not given"):
             assert name in missing
         assert {part.split(":")[0] for part in missing.split("; ")} | set(group) == set(SCENES)

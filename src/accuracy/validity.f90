@@ -139,7 +139,7 @@ contains
          case (mixed_lubrication)
             length = composite_rms(of%contact)
             if (length > 0.0_wp) limit%value = summary%of(h_min)%value/length
-            if (.not. length > 0.0_wp) limit%missing = 'no sinusoid and no profile'
+            if (.not. length > 0.0_wp) limit%missing = 'no roughness: neither sinusoid nor profile'
          case (hardness, shakedown)
             call compare_strength(i, of, limit)
          case (limiting_stress)
