@@ -31,7 +31,7 @@ module checkpoint
    public :: checkpoint_t, read_checkpoint, write_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter :: format_number = 16
+   integer, parameter :: format_number = 17
    !> What to do about a checkpoint that cannot be used.
    character(*), parameter :: way_out = '; delete it, and the run starts at the beginning'
 
