@@ -78,8 +78,9 @@ def waves(source: random.Random, count: int) -> list[Member]:
             other = 2 - contact.speed
             surfaces["surface_1"] = contact.wave("sinusoid", source.uniform(0.05, 0.2), length * other / contact.speed, 0.0)
         end = source.uniform(1.0, 12.0)
-        # whole periods later: the same phase at the end
-        later = {"end_time": end + period * max(2, round(10 / period)), "statistics_from": end + period * round(8 / period)}
+        # whole periods later: the same phase at the end, of which the last one counts
+        periods = max(2, round(10 / period))
+        later = {"end_time": end + period * periods, "statistics_from": end + period * (periods - 1)}
         found.append(Member(f"{i:03d}", contact.text(surfaces, {"end_time": end}), contact.truth(surfaces, later)))
     return found
 
