@@ -11,7 +11,6 @@ module run_case
    use case_record, only: case_t, result_path, set_effective
    use chosen_values, only: fill_chosen, fill_numbers, fill_passage
    use command_line, only: command_t
-   use coarse_passages, only: scene_t
    use coarse_runs, only: companions_t, make_coarse_runs, make_companion_runs, new_companions, &
       run_apart, take_companions
    use decision_section, only: decision_lines, solved_text
@@ -33,10 +32,12 @@ module run_case
    use line_contact, only: line_contact_t
    use line_state, only: all_finite, line_state_t
    use line_summary, only: summary_of
-   use measured_adequacy, only: measure_adequacy, own_runs_t
+   use measured_adequacy, only: measure_adequacy
    use model_choice, only: choose_model
    use model_decision, only: take_model
    use outlet_check, only: check_ends
+   use own_passages, only: own_runs_t
+   use passage_pairs, only: scene_t
    use passage_times, only: new_passage_times, passage_note
    use progress_log, only: closing_words_t, new_progress_log, progress_log_t
    use resolution_choice, only: choose_resolution, settle_tolerance

@@ -44,7 +44,7 @@ WITHIN = 0.95
 NO_EXTRAS = {"accuracy": {"error_bars": False}, "output": {"adequacy": False}}
 STILL = ("h_min", "h_central", "p_max")
 QUANTITIES = (*STILL, "friction_coefficient")
-NUMERICAL = ("grid", "domain", "iteration", "validity")
+NUMERICAL = ("grid", "time_step", "domain", "iteration", "validity")
 PATIENCE = 1800
 # Of these everything in half-widths is scaled with the half-width.
 LENGTHS = {"surface_1": ("position",), "surface_2": ("position",), "domain": ("x_inlet", "x_outlet")}

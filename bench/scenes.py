@@ -35,7 +35,7 @@ from adequacy import Groups
 from bench_program import ROOT, new_parser, output_folder
 
 SCENES = ROOT / "input" / "scenes"
-DRY = ("contact_area_fraction", "mean_separation")
+DRY = ("contact_area_fraction", "mean_separation", "p_max")
 DRY_FINER = 8
 SQUEEZE_FINER = 4
 

@@ -69,6 +69,56 @@ def test_passage_tells_of_roughness_and_squeeze(asperity, tmp_path):
             assert group[name].attrs["measured_on"].decode().startswith("the smooth steady contact")
 
 
+TWO_RIDGES = """&surface_2 shape = 'feature', amplitude = 4e-9, 2e-9, wavelength = 1.5e-4, 1.5e-4, position = -2.5, -3.5 /
+&time transient = .true., end_time = {end}, time_step = {step} /
+"""
+BARE = OFF + "&accuracy error_bars = .false. /\n"
+
+
+def films(path):
+    with h5py.File(path) as file:
+        return {name: file[f"summary/{name}"][()] for name in ("h_min", "h_central")}
+
+
+def test_single_ridges_and_the_time_step(asperity, tmp_path):
+    """Each of two low ridges, and the time step, beside runs without the ridge and with a quarter of the step."""
+    case = CASE_1.replace("1024", "512")
+    step = 5.5 / 512
+    both = TWO_RIDGES.format(end=4.0, step=step)
+    write(tmp_path, "both.nml", case + both)
+    for name, height, place in (("one", "2e-9", "-3.5"), ("two", "4e-9", "-2.5")):
+        ridges = both.replace("4e-9, 2e-9", height).replace("1.5e-4, 1.5e-4", "1.5e-4").replace("-2.5, -3.5", place)
+        write(tmp_path, f"{name}.nml", case + ridges + BARE)
+    write(tmp_path, "slow.nml", case + TWO_RIDGES.format(end=4.0, step=step / 4) + BARE)
+    assert asperity("both.nml", "one.nml", "two.nml", "slow.nml", "--quiet").returncode == 0
+    full = films(tmp_path / "both.h5")
+    with h5py.File(tmp_path / "both.h5") as file:
+        group = file["adequacy"]
+        for name, lean in (("feature_2_1", "one"), ("feature_2_2", "two")):
+            assert verdict(group[name]) != "not known"
+            for quantity, value in films(tmp_path / f"{lean}.h5").items():
+                change = group[name][quantity]
+                assert abs(change[()] - (value / full[quantity] - 1)) <= change.attrs["error_estimate"]
+        row = group["time_step"]
+        assert verdict(row) in ("irrelevant", "matters below the accuracy")
+        for quantity, value in films(tmp_path / "slow.h5").items():
+            assert abs(full[quantity] / value - 1) <= row[quantity][()] <= group["grid"][quantity][()]
+
+
+@pytest.mark.parametrize("words", ["time_step = 0.02, scheme = 'backward_euler'", "scheme = 'bdf2'"])
+def test_time_step_of_other_runs(asperity, tmp_path, words):
+    """Of first order by the scheme of second order; with a target by the coarse runs of that."""
+    case = TRANSIENT.replace("time_step = 0.05", words)
+    if "time_step" not in words:
+        case = case.replace(", intervals = 256", "") + "&accuracy target = 0.05 /\n"
+    write(tmp_path, "case.nml", case)
+    assert asperity("case.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "case.h5") as file:
+        row, grid = file["adequacy/time_step"], file["adequacy/grid"]
+        assert 0 < row["h_min"][()] <= grid["h_min"][()]
+        assert row["h_min"].attrs["error_estimate"] == 0
+
+
 def test_what_is_not_known_says_why(asperity, tmp_path):
     """A dent that overtakes a ridge: the smooth steady contact tells the friction of some oils alone; no number is a NaN."""
     assert asperity(ROOT / "input" / "overtaking.nml", "--output", tmp_path, "--quiet").returncode == 0

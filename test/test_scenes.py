@@ -9,7 +9,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SCENES = sorted((ROOT / "input" / "scenes").glob("*.nml"))
-NUMERICAL = {"grid", "domain", "iteration", "validity"}
+NUMERICAL = {"grid", "time_step", "domain", "iteration", "validity"}
 
 
 def verdicts_on_the_page():

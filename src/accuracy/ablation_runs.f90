@@ -22,7 +22,7 @@ module ablation_runs
    implicit none (type, external)
    private
 
-   public :: change_between, doubt_between, measure_at_rest, set_change
+   public :: change_between, doubt_between, largest_change, measure_at_rest, set_change
 
    !> The error of a change: so many times its own change from the coarser grid, a share of itself,
    !> a share of the largest change of a film, and what iterations leave at least.

@@ -8,7 +8,7 @@ module adequacy
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
    use line_summary, only: line_summary_t
-   use missing_value, only: not_known, quotient
+   use missing_value, only: exceeds, not_known, quotient
    use quantities, only: h_min, p_central, quantity_count, quantity_rows
    use verdicts, only: begin_row, irrelevant_share, judged_t, usual_accuracy, verdict_irrelevant, &
       verdict_needed, verdict_of, verdict_small, verdict_unknown
@@ -16,7 +16,7 @@ module adequacy
    private
 
    public :: accuracy_for, adequacy_t, compared, influence_t, is_plainly_needed, judge, &
-      new_influence, tell_at_rest
+      new_influence, tell_at_rest, verdict_on
 
    !> A change of the smooth steady contact that is so many times the accuracy, and so large, is no
    !> less than the accuracy in a passage.
@@ -42,6 +42,8 @@ module adequacy
    type :: adequacy_t
       !> Not allocated: nothing was measured.
       type(influence_t), allocatable :: rows(:)
+      !> Of a transient the row of its time step.
+      type(influence_t), allocatable :: time_step
       !> The relative error that counts.
       real(wp) :: accuracy = usual_accuracy
       !> Intervals of the two grids on which changes were measured: at rest, and over a passage; 0:
@@ -95,6 +97,8 @@ contains
          summary%of%error_grid, summary), numerical('domain', 'domain without end', &
          summary%of%error_domain, summary), numerical('iteration', 'exact discrete solution', &
          summary%of%error_iteration, summary)]
+      if (allocated(self%time_step)) self%rows = [self%rows, bounded(self%time_step, &
+         self%rows(size(self%rows) - 2))]
       do i = 1, size(self%rows)
          associate (row => self%rows(i))
             row%verdict = verdict_on(row, self%accuracy)
@@ -104,6 +108,19 @@ contains
          end associate
       end do
    end subroutine judge
+
+   !> The row of the time step; it errs by no more than `grid`, both together, where that is known.
+   pure function bounded(time_step, grid) result(row)
+      type(influence_t), intent(in) :: time_step, grid
+      type(influence_t) :: row
+      integer :: i
+
+      row = time_step
+      do i = 1, quantity_count
+         if (.not. ieee_is_finite(grid%change(i))) cycle
+         if (exceeds(row%change(i), grid%change(i))) row%change(i) = grid%change(i)
+      end do
+   end function bounded
 
    !> A numerical choice whose estimated errors are `errors` (quantity_count).
    pure function numerical(name, text, errors, summary) result(row)

@@ -1,73 +1,35 @@
 !> A passage on two coarse grids, with all ingredients of its model and without one.
 module coarse_passages
    use ablation_runs, only: change_between, doubt_between
-   use ablations, only: contact_without, ingredient_t, roughness, squeeze, without_surfaces
+   use ablations, only: contact_without, ingredient_t, one_feature, one_surface, roughness, &
+      squeeze, without_surfaces
+   use adequacy, only: adequacy_t, verdict_on
    use ehl_line_solver, only: solve_ehl_line
    use errors, only: error_t
    use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use lean_solution, only: doubt_spike, follow_waves, pressure_on
-   use line_contact, only: finest_wave, line_contact_t
+   use lean_solution, only: follow_waves, pressure_on
+   use line_contact, only: line_contact_t
    use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
    use observer, only: observer_t
+   use own_passages, only: is_told_by_own, own_runs_t, scheme_of
    use passage_extremes, only: passage_extremes_t
+   use passage_pairs, only: coarser_scene, doubt_extremes, known_passages, least_intervals, &
+      march_weight, max_cycles, passages_t, scene_t, steps_to_start
    use passage_times, only: new_passage_times
    use quantities, only: quantity_count
    use run_collector, only: collector_t
    use solver_settings, only: solver_settings_t, time_settings_t
+   use surface_parts, only: affordable_grid, take_part
+   use verdicts, only: verdict_unknown
    implicit none (type, external)
    private
 
-   public :: changes_without, cost_of, known_passages, passage_grids, passages_t, run_grid, &
-      run_passages, scene_t, sees_all, solve_steadily, steps_on
-
-   !> No passage has fewer intervals.
-   integer, parameter :: least_intervals = 32
-   !> Bound on the residuals of time steps; cycles of a solution.
-   real(wp), parameter, public :: coarse_tolerance = 1.0e-4_wp
-   integer, parameter :: max_cycles = 40
-
-   !> Newton steps of a time step, about.
-   real(wp), parameter, public :: newton_per_step = 2.5_wp
-   !> What a Newton step of a passage costs over one at rest, output included (valgrind: 3900 and
-   !> 2700 instructions a node); Newton steps that lead to a smooth steady contact, coarser grids
-   !> counted.
-   real(wp), parameter, public :: march_weight = 1.45_wp, steps_to_start = 12.0_wp
-   !> Nodes of the coarser grid in the finest wave, at least.
-   real(wp), parameter :: least_nodes = 4.0_wp
-   !> Grids have half of these times a power of two of intervals, the coarser ones half of those
-   !> below: 0.63 to 0.71 of the finer ones.
-   integer, parameter :: families(4) = [14, 12, 10, 8], coarser_families(4) = [10, 8, 7, 5]
-   !> The error of a change: so many times its change from the coarser of these grids (an error that
-   !> falls with the spacing is twice that), a share of itself, a share of the largest change of a
-   !> film, for a wave passes the nodes of two coarse grids alike by chance, and what iterations
-   !> leave of both.
-   real(wp), parameter, public :: widths(4) = [3.0_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
-   !> By which scheme a passage is run, and by which where that finds no solution: what errs least
-   !> on coarse grids, and what is solved most often.
-   character(len=*), parameter, public :: schemes(2) = [character(len=7) :: 'kappa', 'upwind2']
-
-   !> A contact whose domain is complete, how it is solved, and its time step.
-   type :: scene_t
-      type(line_contact_t) :: contact
-      type(solver_settings_t) :: settings
-      type(time_settings_t) :: time
-   end type scene_t
-
-   !> A passage on the finer and the coarser grid, and its extremes.
-   type :: passages_t
-      logical :: is_tried = .false., is_known = .false.
-      type(scene_t) :: scenes(2)
-      type(line_summary_t) :: full(2)
-      !> The smooth steady contact on each grid; pressures are not allocated where it is not solved.
-      type(film_state_t) :: smooth(2)
-      !> What has been spent on them and on the passages compared with them so far, in nodes times
-      !> Newton steps at rest.
-      real(wp) :: work = 0.0_wp
-   end type passages_t
+   public :: changes_without, measure_parts, run_coarsest, run_larger_step, run_passages, &
+      solve_steadily
 
 contains
 
@@ -101,72 +63,119 @@ contains
          passages%work, error)   ! error: the caller looks
    end subroutine run_grid
 
-   !> Passages of `scene` on two grids by a space scheme that have been run already, with their
-   !> extremes `full`.
-   pure function known_passages(scene, grids, space_scheme, full) result(passages)
+   !> The passages on n/4 and n/8 intervals, of which the run has made the first.
+   subroutine run_coarsest(scene, runs, coarse, watcher, error)
       type(scene_t), intent(in) :: scene
-      integer, intent(in) :: grids(2)
-      character(*), intent(in) :: space_scheme
-      type(line_summary_t), intent(in) :: full(2)
-      type(passages_t) :: passages
-      integer :: g
+      type(own_runs_t), intent(in) :: runs
+      type(passages_t), intent(out) :: coarse
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
 
-      passages%is_tried = .true.
-      passages%is_known = .true.
-      passages%full = full
-      do g = 1, 2
-         passages%scenes(g) = coarser_scene(scene, grids(g))
-         passages%scenes(g)%settings%space_scheme = space_scheme
-         call doubt_extremes(passages%scenes(g)%contact, passages%full(g))
-      end do
-   end function known_passages
-
-   !> Intervals of the finer and the coarser one of two passages, as fine as so many ingredients fit
-   !> into the budget, or if the waves are not seen there as coarse as they are, so that one does at
-   !> least; 0: none fits.
-   pure function passage_grids(scene, ingredients, budget) result(grids)
-      type(scene_t), intent(in) :: scene
-      integer, intent(in) :: ingredients
-      real(wp), intent(in) :: budget
-      integer :: grids(2), tried(2), finest, i
-      integer, parameter :: count = size(families)
-
-      grids = 0
-      finest = count*exponent(real(scene%contact%domain%intervals, wp))
-      do i = 0, finest
-         tried = [families(1 + modulo(i, count)), coarser_families(1 + modulo(i, count))] &
-            *2**((finest - i + count - 1)/count)/2
-         if (tried(1) > scene%contact%domain%intervals/2) cycle
-         if (.not. sees_all(scene, tried(2))) return
-         if (2*cost_of(scene, tried) > budget) cycle
-         grids = tried
-         if ((ingredients + 1)*cost_of(scene, tried) <= budget) return
-      end do
-   end function passage_grids
-
-   !> Whether a grid carries the film and has nodes in every wave.
-   pure function sees_all(scene, intervals)
-      type(scene_t), intent(in) :: scene
-      integer, intent(in) :: intervals
-      logical :: sees_all
-
-      ! divided: without waves the finest one is the largest number
-      associate (domain => scene%contact%domain)
-         sees_all = intervals >= coarsest_for_film(scene%contact, least_intervals) &
-            .and. finest_wave(scene%contact) >= least_nodes*(domain%x_outlet &
-            - domain%x_inlet)/max(intervals, 1)
+      associate (n => scene%contact%domain%intervals, quarter => runs%bars%quarter)
+         coarse = known_passages(scene, [n/4, n/8], scheme_of(runs), [quarter, quarter])
+         call run_grid(coarse, 2, watcher, error)   ! error: the caller looks
       end associate
-   end function sees_all
+   end subroutine run_coarsest
 
-   !> Nodes times Newton steps of passages on these grids, one each.
-   pure function cost_of(scene, grids) result(cost)
+   !> The passages on n/8 intervals, with the step that is usual there and (`slow`) with twice that.
+   subroutine run_larger_step(scene, runs, coarse, slow, budget, watcher, error)
       type(scene_t), intent(in) :: scene
-      integer, intent(in) :: grids(2)
-      real(wp) :: cost
+      type(own_runs_t), intent(in) :: runs
+      type(passages_t), intent(inout) :: coarse
+      type(passages_t), intent(out) :: slow
+      real(wp), intent(inout) :: budget
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
 
-      cost = newton_per_step*(real(grids(1), wp)*steps_on(scene, grids(1)) &
-         + real(grids(2), wp)*steps_on(scene, grids(2)))
-   end function cost_of
+      if (.not. coarse%is_tried) then
+         call run_coarsest(scene, runs, coarse, watcher, error)
+         if (allocated(error)) return
+         budget = budget - coarse%work
+      end if
+      slow = coarse
+      if (watcher%wants_stop) slow%is_known = .false.
+      if (.not. slow%is_known) return
+      slow%work = 0.0_wp
+      slow%scenes(2)%time%time_step = 2*coarse%scenes(2)%time%time_step
+      call run_grid(slow, 2, watcher, error)   ! error: the caller looks
+      budget = budget - slow%work
+   end subroutine run_larger_step
+
+   !> Measures the parts in the `list` of ingredients of a `scene` whose run has made `runs`, if the
+   !> row of all roughness in `adequacy` is known, as far as the `budget` goes (nodes times Newton
+   !> steps): all of them or none. `coarse`: the passages on n/4 and n/8 intervals, for others that
+   !> take them. `is_open`: which ingredients have no verdict.
+   ! allow(too-many-arguments)  what is measured, the bound, and what every run has
+   subroutine measure_parts(scene, runs, list, coarse, budget, adequacy, is_open, watcher, error)
+      type(scene_t), intent(in) :: scene
+      type(own_runs_t), intent(in) :: runs
+      type(ingredient_t), intent(in) :: list(:)
+      type(passages_t), intent(inout) :: coarse
+      real(wp), intent(inout) :: budget
+      type(adequacy_t), intent(inout) :: adequacy
+      logical, intent(inout) :: is_open(:)
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(passages_t) :: passages
+      real(wp), dimension(quantity_count) :: all_there, change
+      real(wp) :: doubt(quantity_count, 2)
+      logical :: is_part(size(list)), is_known
+      integer :: g, i, whole
+
+      is_part = is_open .and. (list%kind == one_surface .or. list%kind == one_feature)
+      whole = findloc(list%kind, roughness, 1)
+      if (.not. any(is_part) .or. whole == 0) return
+      if (is_open(whole) .or. .not. all(is_told_by_own(scene, runs, pack(list, is_part)))) return
+      g = affordable_grid(scene, runs, count(is_part), coarse%is_tried, budget)
+      if (g == 0) return
+      call look_at_all(scene, runs, list(whole), g, coarse, passages, all_there, is_known, &
+         budget, watcher, error)
+      if (allocated(error) .or. .not. is_known) return
+      do i = 1, size(list)
+         if (.not. is_part(i)) cycle
+         call change_on_grid(passages, g, list(i), change, doubt, is_known, watcher, error)
+         if (allocated(error) .or. watcher%wants_stop) return
+         if (is_known) call take_part(change, doubt, adequacy%rows(whole)%change, all_there, &
+            adequacy%rows(i))
+         is_open(i) = verdict_on(adequacy%rows(i), adequacy%accuracy) == verdict_unknown
+      end do
+      budget = budget - passages%work
+   end subroutine measure_parts
+
+   !> What all roughness changes on grid `g` (`all_there`), and the passages there.
+   ! allow(too-many-arguments)  what is measured, its outcome, and what every run has
+   subroutine look_at_all(scene, runs, all_roughness, g, coarse, passages, all_there, is_known, &
+      budget, watcher, error)
+      type(scene_t), intent(in) :: scene
+      type(own_runs_t), intent(in) :: runs
+      type(ingredient_t), intent(in) :: all_roughness
+      integer, intent(in) :: g
+      type(passages_t), intent(inout) :: coarse
+      type(passages_t), intent(out) :: passages
+      real(wp), intent(out) :: all_there(quantity_count)
+      logical, intent(out) :: is_known
+      real(wp), intent(inout) :: budget
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: doubt(quantity_count, 2)
+
+      is_known = .false.
+      if (g == 1) then
+         passages = known_passages(scene, scene%contact%domain%intervals/[4, 8], &
+            scheme_of(runs), [runs%bars%quarter, runs%bars%quarter])
+      else
+         if (.not. coarse%is_tried) then
+            call run_coarsest(scene, runs, coarse, watcher, error)
+            if (allocated(error)) return
+            budget = budget - coarse%work
+         end if
+         passages = coarse
+      end if
+      passages%work = 0.0_wp
+      if (.not. passages%is_known .or. watcher%wants_stop) return
+      call change_on_grid(passages, g, all_roughness, all_there, doubt, is_known, watcher, &
+         error)   ! error: the caller looks
+   end subroutine look_at_all
 
    !> Relative changes of all quantities without an ingredient, on both grids, and what spikes may
    !> add on the finer one, to the contact without and with it; `is_known` is false where one of
@@ -178,19 +187,33 @@ contains
       logical, intent(out) :: is_known
       class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
-      type(line_summary_t) :: lean
-      integer :: g
+      real(wp) :: coarser_doubt(quantity_count, 2)
 
-      do g = 1, 2
-         if (g == 2) call start_from_finer(passages%smooth, &
-            passages%scenes%contact%domain%intervals)
-         call run_without(passages%scenes(g), ingredient, passages%smooth(g), lean, is_known, &
-            passages%work, watcher, error)
-         if (allocated(error) .or. .not. is_known) return
-         changes(:, g) = change_between(lean, passages%full(g))
-         if (g == 1) doubt = doubt_between(lean, passages%full(g))
-      end do
+      call change_on_grid(passages, 1, ingredient, changes(:, 1), doubt, is_known, watcher, error)
+      if (allocated(error) .or. .not. is_known) return
+      call start_from_finer(passages%smooth, passages%scenes%contact%domain%intervals)
+      call change_on_grid(passages, 2, ingredient, changes(:, 2), coarser_doubt, is_known, &
+         watcher, error)   ! error: the caller looks
    end subroutine changes_without
+
+   !> The same on grid `g` of the two alone.
+   ! allow(too-many-arguments)  what is left out where, its outcome, and what every run has
+   subroutine change_on_grid(passages, g, ingredient, change, doubt, is_known, watcher, error)
+      type(passages_t), intent(inout) :: passages
+      integer, intent(in) :: g
+      type(ingredient_t), intent(in) :: ingredient
+      real(wp), intent(out) :: change(quantity_count), doubt(quantity_count, 2)
+      logical, intent(out) :: is_known
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(line_summary_t) :: lean
+
+      call run_without(passages%scenes(g), ingredient, passages%smooth(g), lean, is_known, &
+         passages%work, watcher, error)
+      if (allocated(error) .or. .not. is_known) return
+      change = change_between(lean, passages%full(g))
+      doubt = doubt_between(lean, passages%full(g))
+   end subroutine change_on_grid
 
    !> Where only the finer one of two grids has its smooth contact, the other one starts from its
    !> nodes, if they have them in common.
@@ -205,41 +228,6 @@ contains
          smooth(2)%film = smooth(1)%film(::stride)
       end associate
    end subroutine start_from_finer
-
-   !> Time steps on a coarser grid: as many times fewer as intervals, but none longer than dX unless
-   !> those of the scene are.
-   pure function steps_on(scene, intervals) result(steps)
-      type(scene_t), intent(in) :: scene
-      integer, intent(in) :: intervals
-      integer :: steps
-      real(wp) :: own, fewer
-
-      associate (domain => scene%contact%domain)
-         own = scene%time%end_time/scene%time%time_step
-         fewer = max(own*intervals/domain%intervals, scene%time%end_time*intervals &
-            /(domain%x_outlet - domain%x_inlet))
-         steps = max(nint(min(own, fewer)), 1)
-      end associate
-   end function steps_on
-
-   !> The scene with fewer intervals and steps, which are of second order; its extremes count from
-   !> when those of the whole one do.
-   pure function coarser_scene(scene, intervals) result(coarse)
-      type(scene_t), intent(in) :: scene
-      integer, intent(in) :: intervals
-      type(scene_t) :: coarse
-
-      coarse = scene
-      coarse%contact%domain%intervals = intervals
-      associate (time => coarse%time, times => new_passage_times(scene%contact, scene%time))
-         time%time_step = time%end_time/steps_on(scene, intervals)
-         time%statistics_from = times%counts_from
-         time%scheme = 'bdf2'
-         if (allocated(time%resume_from)) deallocate (time%resume_from)
-      end associate
-      coarse%settings = solver_settings_t(method='newton_krylov', tolerance=coarse_tolerance, &
-         max_cycles=max_cycles, explains_failure=.false.)
-   end function coarser_scene
 
    !> The extremes of a scene; what it took is added to `work`.
    subroutine run_scene(scene, watcher, summary, is_known, work, error)
@@ -267,17 +255,6 @@ contains
       summary = collector%passage%extremes(summary_of(state))
       call doubt_extremes(scene%contact, summary)
    end subroutine run_scene
-
-   !> What a spike may add to the largest pressure of a passage.
-   pure subroutine doubt_extremes(contact, summary)
-      type(line_contact_t), intent(in) :: contact
-      type(line_summary_t), intent(inout) :: summary
-
-      associate (domain => contact%domain)
-         call doubt_spike(contact%fluid, contact%lambda, (domain%x_outlet - domain%x_inlet) &
-            /domain%intervals, summary)
-      end associate
-   end subroutine doubt_extremes
 
    !> Those without an ingredient: another passage, or steady solutions.
    ! allow(too-many-arguments)  what is run, its outcome and cost, and what every run has

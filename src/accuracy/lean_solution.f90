@@ -15,22 +15,19 @@ module lean_solution
    use line_level, only: line_level_t, new_level, set_plain_problem
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use lubricant, only: fluid_t
    use newton_line, only: solve_newton
    use newton_work, only: newton_t
    use observer, only: observer_t
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
-   use pressure_errors, only: allow_for_spike, shear_doubt
-   use pressure_spike, only: spike_law_t
-   use quantities, only: p_max, sliding_rows
+   use pressure_errors, only: doubt_spike
    use reynolds_line, only: evaluate_coefficients
    use semiseparable_jacobian, only: semiseparable_jacobian_t
    use solver_settings, only: time_settings_t
    implicit none (type, external)
    private
 
-   public :: add_kappa, doubt_spike, follow_waves, lean_level_t, pressure_on, solve_from, &
+   public :: add_kappa, follow_waves, lean_level_t, pressure_on, solve_from, &
       solve_without
 
    !> Last step of P, H0 and (ten times that) H: what it leaves is about the square of it.
@@ -151,19 +148,6 @@ contains
       summary = level_summary(level)
       call doubt_spike(level%fluid, level%lambda, level%dx, summary)
    end function summary_with_doubt
-
-   !> Makes the errors of largest pressure and sliding friction of a `summary` what a spike may add
-   !> to them on finer grids than that of `dx`; NaN: not known.
-   pure subroutine doubt_spike(fluid, lambda, dx, summary)
-      type(fluid_t), intent(in) :: fluid
-      real(wp), intent(in) :: lambda, dx
-      type(line_summary_t), intent(inout) :: summary
-
-      summary%of(p_max)%error_grid = 0.0_wp
-      call allow_for_spike(spike_law_t(fluid, lambda), dx, summary)
-      summary%of(sliding_rows)%error_grid = shear_doubt(spike_law_t(fluid, lambda), dx, summary) &
-         *abs(summary%of(sliding_rows)%value)
-   end subroutine doubt_spike
 
    !> The contact without an ingredient, from the solution of the `full` one on the same grid; where
    !> that has none, with three quarters of it. `rest`: how much of it to keep, or below 0 on entry,

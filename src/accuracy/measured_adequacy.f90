@@ -14,24 +14,24 @@ module measured_adequacy
    use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, roughness, squeeze, &
       without_surfaces
    use adequacy, only: adequacy_t, influence_t, new_influence, tell_at_rest
-   use coarse_passages, only: changes_without, coarse_tolerance, cost_of, known_passages, &
-      march_weight, passage_grids, passages_t, run_grid, run_passages, scene_t, schemes, sees_all, &
-      solve_steadily, steps_on, steps_to_start, widths
-   use error_bars, only: error_bars_t
+   use coarse_passages, only: changes_without, measure_parts, run_coarsest, run_larger_step, &
+      run_passages, solve_steadily
    use errors, only: error_t
    use kinds, only: wp
    use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
-   use line_summary, only: line_summary_t
    use observer, only: observer_t
-   use passage_times, only: new_passage_times
+   use own_passages, only: cost_of_coarse, finest_passages, is_told_by_own, own_runs_t
+   use passage_pairs, only: coarse_tolerance, cost_of, march_weight, passage_grids, passages_t, &
+      scene_t, schemes, steps_to_start, widths
    use quantities, only: quantity_count
    use solver_settings, only: time_settings_t
-   use wave_resolution, only: steps_in_wave
+   use time_step_error, only: take_larger_step, tell_time_step, time_step_cost
+   use wave_places, only: find_places, leaves_enough
    implicit none (type, external)
    private
 
-   public :: measure_adequacy, own_runs_t
+   public :: measure_adequacy
 
    !> Share of the cost of the run, and what a small run may take: 20 ms, 2700 instructions each,
    !> but what writing the rows takes.
@@ -45,26 +45,12 @@ module measured_adequacy
    !> Intervals of the smooth steady contact, at most.
    integer, parameter :: most_at_rest = 128
 
-   !> What a run has made: the extremes of its passage, the Newton steps of it, and its error bars.
-   type :: own_runs_t
-      type(line_summary_t) :: full
-      real(wp) :: newton_steps = 0.0_wp
-      type(error_bars_t) :: bars
-   end type own_runs_t
-
    !> The error of a change: so many times its own change from the grid with twice the spacing, of
    !> first order 1.5 times the error; a share of itself; on n/8 a share of the largest change of a
    !> film, for a wave passes the nodes of two coarse grids alike by chance; and what iterations
    !> leave.
    real(wp), parameter :: own_widths(4) = [1.5_wp, 0.05_wp, 0.0_wp, 2.0e-5_wp], &
       coarse_widths(4) = [1.5_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
-   !> Newton steps from one place of the waves to the next.
-   real(wp), parameter :: steps_to_next = 5.0_wp
-   !> Times at which waves are looked at while the finest one passes its own length: for the grids
-   !> of roughness, and at least.
-   real(wp), parameter :: places_on_finest = 8.0_wp, least_places = 3.0_wp
-   !> A time step on a coarse grid takes so many times the Newton steps of one of the run.
-   real(wp), parameter :: longer_steps = 1.3_wp
 
 contains
 
@@ -123,20 +109,50 @@ contains
          watcher, error)
       if (allocated(error) .or. watcher%wants_stop) return
       call look_at_rest(list, adequacy, is_open)
+      call measure_parts(scene, runs, list, kept(2), budget, adequacy, is_open, watcher, error)
+      if (allocated(error) .or. watcher%wants_stop) return
       takes_rest = list%kind == squeeze .and. is_told_by_own(scene, runs, list)
       call ask_own(scene, runs, list, is_open .and. .not. takes_rest, kept, budget, adequacy, &
          is_open, watcher, error)
       if (allocated(error) .or. watcher%wants_stop) return
-      associate (is_left => is_open .and. .not. takes_rest)
-         if (any(is_left)) adequacy%in_time = passage_grids(scene, count(is_left .and. list%kind &
-            /= roughness), budget)
-         if (all(adequacy%in_time > 0)) call compare_passages(scene, list, is_left, budget, &
-            adequacy, watcher, error)
-      end associate
+      call compare_passages(scene, list, is_open .and. .not. takes_rest, budget, adequacy, &
+         watcher, error)
+      if (allocated(error) .or. watcher%wants_stop) return
+      call ask_time_step(scene, runs, any(takes_rest), kept, budget, adequacy, watcher, error)
       if (allocated(error) .or. watcher%wants_stop) return
       call ask_own(scene, runs, list, takes_rest, kept, budget, adequacy, is_open, watcher, &
          error)   ! error: the caller looks
    end subroutine measure_passage
+
+   !> The time step, if what it costs does not take the grids from squeeze, which takes the rest of
+   !> the budget where it is wanted.
+   ! allow(too-many-arguments)  what is measured, the bound, and what every run has
+   subroutine ask_time_step(scene, runs, wants_squeeze, kept, budget, adequacy, watcher, error)
+      type(scene_t), intent(in) :: scene
+      type(own_runs_t), intent(in) :: runs
+      logical, intent(in) :: wants_squeeze
+      type(passages_t), intent(inout) :: kept(2)
+      real(wp), intent(inout) :: budget
+      type(adequacy_t), intent(inout) :: adequacy
+      class(observer_t), intent(inout), target :: watcher
+      type(error_t), allocatable, intent(out) :: error
+      type(passages_t) :: larger
+      real(wp) :: cost
+      logical :: is_open
+
+      adequacy%time_step = new_influence('time_step', 'limit of small time steps')
+      adequacy%time_step%is_numerical = .true.
+      call tell_time_step(scene, runs, adequacy%time_step, is_open)
+      if (.not. is_open) return
+      cost = time_step_cost(scene, runs, kept(2)%is_tried)
+      if (wants_squeeze) is_open = leaves_enough(scene, runs, kept(1), budget, cost)
+      if (budget < cost .or. .not. is_open) return
+      call run_larger_step(scene, runs, kept(2), larger, budget, watcher, error)
+      if (allocated(error)) return
+      adequacy%time_step%unknown = 'a coarse grid has no solution with larger steps'
+      if (larger%is_known) call take_larger_step(kept(2)%full(2), larger%full(2), &
+         adequacy%time_step)
+   end subroutine ask_time_step
 
    !> Those of the chosen ingredients that the passages of the run tell.
    ! allow(too-many-arguments)  what is measured, the bound, and what every run has
@@ -235,6 +251,9 @@ contains
       type(passages_t) :: passages(size(schemes))
       integer :: i
 
+      if (.not. any(is_open)) return
+      adequacy%in_time = passage_grids(scene, count(is_open .and. list%kind /= roughness), budget)
+      if (any(adequacy%in_time == 0)) return
       do i = 1, size(list)
          if (is_open(i)) call compare_one(scene, list(i), passages, budget, adequacy%in_time, &
             adequacy%rows(i), watcher, error)
@@ -281,23 +300,6 @@ contains
       end do
    end subroutine compare_one
 
-   !> Whether the passages of a run tell what an ingredient changes.
-   pure elemental function is_told_by_own(scene, runs, ingredient) result(is_told)
-      type(scene_t), intent(in) :: scene
-      type(own_runs_t), intent(in) :: runs
-      type(ingredient_t), intent(in) :: ingredient
-      logical :: is_told
-
-      associate (bars => runs%bars, n => scene%contact%domain%intervals)
-         is_told = bars%has_half
-         if (allocated(bars%unseen)) is_told = is_told .and. len(bars%unseen) == 0
-         if (ingredient%kind == roughness) return
-         is_told = is_told .and. bars%has_quarter
-         if (ingredient%kind == squeeze) return
-         is_told = is_told .and. modulo(n, 8) == 0 .and. sees_all(scene, n/8)
-      end associate
-   end function is_told_by_own
-
    !> Fills the `row` of an ingredient that they tell, as far as the `budget` goes (nodes times
    !> Newton steps at rest). `kept`: the passages on n and n/2, and on n/4 and n/8, for all
    !> ingredients that take them. `is_known`: there is a solution.
@@ -325,16 +327,7 @@ contains
          cost = steps_to_start*sum(passages%scenes%contact%domain%intervals)
       case (squeeze)
          if (.not. kept(1)%is_tried) kept(1) = finest_passages(scene, runs)
-         passages = kept(1)
-         call look_at_places(scene, places_on_finest, budget, passages, cost)
-         if (budget < cost) then
-            associate (n => scene%contact%domain%intervals)
-               passages = known_passages(scene, [n/2, n/4], scheme_of(runs), [runs%bars%half, &
-                  runs%bars%quarter])
-            end associate
-            passages%smooth(1) = kept(1)%smooth(2)   ! that of n/2
-            call look_at_places(scene, least_places, budget, passages, cost)
-         end if
+         call find_places(scene, runs, kept(1), budget, passages, cost)
       case default
          widths = coarse_widths
          cost = cost_of_coarse(scene, runs, kept(2)%is_tried)
@@ -358,85 +351,5 @@ contains
       row%left_out = 1.0_wp
       call set_change(row, changes, doubt, widths)
    end subroutine compare_with_own
-
-   !> The passages on n and n/2 intervals, of second order in time.
-   pure function finest_passages(scene, runs) result(passages)
-      type(scene_t), intent(in) :: scene
-      type(own_runs_t), intent(in) :: runs
-      type(passages_t) :: passages
-      type(line_summary_t) :: full
-
-      full = runs%full
-      if (runs%bars%is_first_order) full = runs%bars%second_order
-      associate (n => scene%contact%domain%intervals)
-         passages = known_passages(scene, [n, n/2], scheme_of(runs), [full, runs%bars%half])
-      end associate
-   end function finest_passages
-
-   !> Gives passages as many times at which their waves are looked at, the same on both grids, as
-   !> the budget allows, and tells what steady solutions there cost; huge: fewer than `least` times
-   !> while the finest wave passes its own length. One period is enough where all repeats itself.
-   pure subroutine look_at_places(scene, least, budget, passages, cost)
-      type(scene_t), intent(in) :: scene
-      real(wp), intent(in) :: least, budget
-      type(passages_t), intent(inout) :: passages
-      real(wp), intent(out) :: cost
-      real(wp) :: from, share
-      integer :: steps
-
-      associate (times => new_passage_times(scene%contact, scene%time), &
-         grids => passages%scenes%contact%domain%intervals, end_time => scene%time%end_time)
-         from = times%counts_from
-         if (times%period > 0.0_wp) from = max(from, end_time - times%period)
-         ! only times that count are solved
-         share = max(1 - from/end_time, epsilon(1.0_wp))
-         cost = 0.0_wp
-         if (.not. allocated(passages%smooth(1)%pressure)) cost = steps_to_start*grids(1)
-         steps = int(max(1.0_wp, min((budget - cost)/(steps_to_next*share*sum(grids)), &
-            real(steps_on(scene, grids(1)), wp))))
-         cost = cost + steps_to_next*share*steps*sum(grids)
-         passages%scenes%time%time_step = end_time/steps
-         passages%scenes%time%statistics_from = from
-         if (steps_in_wave(scene%contact, passages%scenes(1)%time) < least) cost = huge(1.0_wp)
-      end associate
-   end subroutine look_at_places
-
-   !> The passages on n/4 and n/8 intervals, of which the run has made the first.
-   subroutine run_coarsest(scene, runs, coarse, watcher, error)
-      type(scene_t), intent(in) :: scene
-      type(own_runs_t), intent(in) :: runs
-      type(passages_t), intent(out) :: coarse
-      class(observer_t), intent(inout), target :: watcher
-      type(error_t), allocatable, intent(out) :: error
-
-      associate (n => scene%contact%domain%intervals, quarter => runs%bars%quarter)
-         coarse = known_passages(scene, [n/4, n/8], scheme_of(runs), [quarter, quarter])
-         call run_grid(coarse, 2, watcher, error)   ! error: the caller looks
-      end associate
-   end subroutine run_coarsest
-
-   !> What passages without one ingredient on n/4 and n/8 intervals cost, about, and if that on n/8
-   !> with all of them has not been run, that too.
-   pure function cost_of_coarse(scene, runs, is_run) result(cost)
-      type(scene_t), intent(in) :: scene
-      type(own_runs_t), intent(in) :: runs
-      logical, intent(in) :: is_run
-      real(wp) :: cost
-
-      associate (n => scene%contact%domain%intervals, time => scene%time)
-         cost = real(n/4, wp)*steps_on(scene, n/4) + real(merge(1, 2, is_run), wp)*(n/8) &
-            *steps_on(scene, n/8)
-         cost = march_weight*longer_steps*runs%newton_steps*time%time_step/time%end_time*cost
-      end associate
-   end function cost_of_coarse
-
-   !> The space scheme of a run.
-   pure function scheme_of(runs) result(scheme)
-      type(own_runs_t), intent(in) :: runs
-      character(:), allocatable :: scheme
-
-      scheme = 'upwind2'
-      if (runs%bars%is_kappa) scheme = 'kappa'
-   end function scheme_of
 
 end module measured_adequacy

@@ -11,8 +11,7 @@ module model_choice
    use ablation_runs, only: set_change
    use ablations, only: has_roughness, ingredient_t, ingredients_of, roughness, squeeze
    use adequacy, only: compared, influence_t, new_influence
-   use coarse_passages, only: changes_without, newton_per_step, passage_grids, passages_t, &
-      run_passages, scene_t, schemes, widths
+   use coarse_passages, only: changes_without, run_passages
    use domain_choice, only: choose_domain
    use entry_zone, only: is_moving
    use errors, only: error_t
@@ -24,6 +23,7 @@ module model_choice
       cheap_steady, goes_along, may_matter, model_choice_t, not_measured, start_counts, too_high, &
       wanted
    use observer, only: observer_t
+   use passage_pairs, only: newton_per_step, passage_grids, passages_t, scene_t, schemes, widths
    use passage_times, only: new_passage_times
    use quantities, only: h_central, h_min, quantity_count
    use wave_resolution, only: choose_time_step

@@ -5,7 +5,7 @@ module pressure_errors
    use grid_errors, only: error_from_levels, observed_order, orders, safety
    use kinds, only: wp
    use line_summary, only: crests_t, line_summary_t, quantity_t
-   use lubricant, only: viscosity_constant
+   use lubricant, only: fluid_t, viscosity_constant
    use missing_value, only: exceeds, not_known
    use pressure_spike, only: ceiling_of_spike, shear_of_spike, spike_law_t
    use quantities, only: friction_coefficient, h_central, p_max, sliding_power, sliding_rows
@@ -15,8 +15,8 @@ module pressure_errors
    implicit none (type, external)
    private
 
-   public :: allow_for_spike, doubt_shear, estimate_crest, estimate_crest_in_time, shear_doubt, &
-      top_of
+   public :: allow_for_spike, doubt_shear, doubt_spike, estimate_crest, estimate_crest_in_time, &
+      shear_doubt, top_of
 
    !> An estimate is widened by this factor in place of `safety`.
    real(wp), parameter :: pressure_safety = 2.0_wp
@@ -145,5 +145,18 @@ contains
          end associate
       end do each_row
    end subroutine doubt_shear
+
+   !> Makes the errors of largest pressure and sliding friction of a `summary` what a spike may add
+   !> to them on finer grids than that of `dx`; NaN: not known.
+   pure subroutine doubt_spike(fluid, lambda, dx, summary)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: lambda, dx
+      type(line_summary_t), intent(inout) :: summary
+
+      summary%of(p_max)%error_grid = 0.0_wp
+      call allow_for_spike(spike_law_t(fluid, lambda), dx, summary)
+      summary%of(sliding_rows)%error_grid = shear_doubt(spike_law_t(fluid, lambda), dx, summary) &
+         *abs(summary%of(sliding_rows)%value)
+   end subroutine doubt_spike
 
 end module pressure_errors

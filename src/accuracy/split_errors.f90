@@ -29,7 +29,7 @@ module split_errors
    private
 
    public :: apart_t, apply_forecast, doubts_at, error_at, forecast_t, foretold_values, &
-      least_doubt_at, new_split_error, orders_in_time, shift_at, split_error_t
+      least_doubt_at, new_split_error, orders_in_time, shift_at, split_error_t, time_errors
 
    !> The doubts about the error of the grid, without and with an observed order, and about that of
    !> the time step, and how they fade: as this power of the error (chosen with the numbers of
@@ -151,6 +151,22 @@ contains
       quantity%error_grid = error + nodal
       quantity%extrapolated = value + shift
    end subroutine apply_to_row
+
+   !> Errors of all quantities of a run because of its time step alone, from its coarse runs.
+   pure function time_errors(apart, summary) result(errors)
+      type(apart_t), intent(in) :: apart
+      type(line_summary_t), intent(in) :: summary
+      real(wp) :: errors(quantity_count)
+      real(wp) :: values(quantity_count)
+      type(split_error_t) :: own
+      integer :: i
+
+      values = foretold_values(summary)
+      do i = 1, quantity_count
+         own = own_error(apart, i, values(i))
+         errors(i) = (1 + own%time_doubt)*own%time_size
+      end do
+   end function time_errors
 
    !> The errors of row `i` of a run from its changes to the coarse runs.
    pure function own_error(apart, i, value) result(self)

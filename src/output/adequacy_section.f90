@@ -25,10 +25,10 @@ contains
          call write_row(file, adequacy%rows(i))
       end do
       call write_attribute(file, '/adequacy', 'about', 'relative change of each quantity where '// &
-         'an ingredient of the model is left out, measured on coarse grids; of grid, domain '// &
-         'and iteration the error estimate; attribute error_estimate: error of the change; no '// &
-         'data set: not known, see attribute not_known; attribute ..._at_least: but at least '// &
-         'so much')
+         'an ingredient of the model is left out, measured on coarse grids; of grid, '// &
+         'time_step, domain and iteration the error estimate; attribute error_estimate: '// &
+         'error of the change; no data set: not known, see attribute not_known; attribute '// &
+         '..._at_least: but at least so much')
       call write_attribute(file, '/adequacy', 'accuracy', adequacy%accuracy)
       if (all(adequacy%at_rest > 0)) call write_attribute(file, '/adequacy', &
          'intervals_at_rest', adequacy%at_rest(1))
@@ -63,6 +63,8 @@ contains
       if (row%has_roughness) text = 'the smooth steady contact on coarser grids, with the error ' &
          //'that roughness adds'
       if (row%is_numerical) text = 'error estimates of the result'
+      if (row%name == 'time_step') text = 'runs of the error estimates, or a coarse grid with '// &
+         'twice its time step'
    end function measured_on
 
 end module adequacy_section

@@ -20,7 +20,8 @@ module run_observer
    use result_writer, only: result_writer_t
    use scaling, only: scaling_t
    use solver_settings, only: word_length
-   use time_part, only: follower_t, time_part_t
+   use time_follower, only: follower_t
+   use time_part, only: time_part_t
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
