@@ -30,7 +30,8 @@ contains
       real(wp), intent(in) :: effusivity, conductivity
       type(heating_t) :: heating
 
-      heating = heating_t(scaling%is_dimensional, scaling%half_width, scaling%film, &
+      if (.not. scaling%is_dimensional) return
+      heating = heating_t(.true., scaling%half_width, scaling%film, &
          scaling%hertz_pressure*scaling%film/scaling%half_width, [bodies%speed_1, &
          bodies%speed_2], effusivity, conductivity)
    end function new_heating
