@@ -63,18 +63,22 @@ contains
          passages%work, error)   ! error: the caller looks
    end subroutine run_grid
 
-   !> The passages on n/4 and n/8 intervals, of which the run has made the first.
-   subroutine run_coarsest(scene, runs, coarse, watcher, error)
+   !> The passages on n/4 and n/8 intervals, of which the run has made the first; the other one is
+   !> run unless it has been, and taken off the `budget`.
+   subroutine run_coarsest(scene, runs, coarse, budget, watcher, error)
       type(scene_t), intent(in) :: scene
       type(own_runs_t), intent(in) :: runs
-      type(passages_t), intent(out) :: coarse
+      type(passages_t), intent(inout) :: coarse
+      real(wp), intent(inout) :: budget
       class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
 
+      if (coarse%is_tried) return
       associate (n => scene%contact%domain%intervals, quarter => runs%bars%quarter)
          coarse = known_passages(scene, [n/4, n/8], scheme_of(runs), [quarter, quarter])
-         call run_grid(coarse, 2, watcher, error)   ! error: the caller looks
       end associate
+      call run_grid(coarse, 2, watcher, error)   ! error: the caller looks
+      budget = budget - coarse%work
    end subroutine run_coarsest
 
    !> The passages on n/8 intervals, with the step that is usual there and (`slow`) with twice that.
@@ -87,11 +91,8 @@ contains
       class(observer_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
 
-      if (.not. coarse%is_tried) then
-         call run_coarsest(scene, runs, coarse, watcher, error)
-         if (allocated(error)) return
-         budget = budget - coarse%work
-      end if
+      call run_coarsest(scene, runs, coarse, budget, watcher, error)
+      if (allocated(error)) return
       slow = coarse
       if (watcher%wants_stop) slow%is_known = .false.
       if (.not. slow%is_known) return
@@ -164,11 +165,8 @@ contains
          passages = known_passages(scene, scene%contact%domain%intervals/[4, 8], &
             scheme_of(runs), [runs%bars%quarter, runs%bars%quarter])
       else
-         if (.not. coarse%is_tried) then
-            call run_coarsest(scene, runs, coarse, watcher, error)
-            if (allocated(error)) return
-            budget = budget - coarse%work
-         end if
+         call run_coarsest(scene, runs, coarse, budget, watcher, error)
+         if (allocated(error)) return
          passages = coarse
       end if
       passages%work = 0.0_wp

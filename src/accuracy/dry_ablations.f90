@@ -21,7 +21,8 @@ module dry_ablations
    implicit none (type, external)
    private
 
-   public :: compared_values, known_t, measure_changes, measure_profiles
+   public :: compared_values, known_t, measure_changes, measure_profiles, &
+      yields
 
    !> What can be left out: yielding; the finer half of the harmonics; the images of a periodic
    !> surface (of an open one: there are none).
@@ -84,6 +85,7 @@ contains
       real(wp), dimension(compared_count, size(parts)), intent(out) :: changes, errors
       type(error_t), allocatable, intent(out) :: error
       type(grid_changes_t) :: grids(2)
+      logical :: has_yielded
       integer :: g, i
 
       do g = 1, 2
@@ -95,11 +97,13 @@ contains
       end do
       changes = grids(1)%changes
       errors = safety*abs(changes - grids(2)%changes) + own_share*abs(changes)
+      has_yielded = .false.
+      if (allocated(grids(1)%with)) has_yielded = yields(grids(1)%with)
       do i = 1, size(parts)
          if (ieee_is_finite(errors(1, i))) errors(1, i) = larger(errors(1, i), &
             edge_doubt(parts(i), grids(1)%edges(i), changes(:, i), errors(:, i)))
          ! a grid on which nothing yields has another contact than the result
-         if (parts(i) == without_yield .and. .not. yields(grids(1))) changes(:, i) = not_known()
+         if (parts(i) == without_yield .and. .not. has_yielded) changes(:, i) = not_known()
       end do
    end subroutine measure_changes
 
@@ -116,13 +120,12 @@ contains
       doubt = min(doubt, abs(change(compared_count)) + error(compared_count))
    end function edge_doubt
 
-   !> Whether something yields on a grid.
-   pure function yields(grid)
-      type(grid_changes_t), intent(in) :: grid
+   !> Whether anything yields under a load.
+   pure function yields(row)
+      type(dry_row_t), intent(in) :: row
       logical :: yields
 
-      yields = .false.
-      if (allocated(grid%with)) yields = grid%with%plastic_area_fraction > 0.0_wp
+      yields = row%plastic_area_fraction > 0.0_wp
    end function yields
 
    !> The changes on one grid.

@@ -3,7 +3,7 @@
 module dry_adequacy
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use dry_ablations, only: compared_values, known_t, measure_changes, measure_profiles, &
-      profiles, without_fine_harmonics, without_images, without_yield
+      profiles, without_fine_harmonics, without_images, without_yield, yields
    use dry_errors, only: has_few_nodes
    use dry_influences, only: coarsening, compared_count, dry_adequacy_t, dry_influence_t
    use dry_problem, only: kernel_open
@@ -138,14 +138,6 @@ contains
       if (ieee_is_finite(errors%p_max)) rows(i)%error = max(0.0_wp, (row%p_max &
          + errors%p_max)/hardness - 1.0_wp)
    end subroutine allow_for_yielding
-
-   !> Whether anything yields.
-   pure function yields(row)
-      type(dry_row_t), intent(in) :: row
-      logical :: yields
-
-      yields = row%plastic_area_fraction > 0.0_wp
-   end function yields
 
    !> The accuracy that counts, and all verdicts.
    pure subroutine judge(adequacy, target)

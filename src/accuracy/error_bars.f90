@@ -54,7 +54,7 @@ module error_bars
       !> Of a steady contact by the kappa scheme: quantities by that of the thesis on n, n/2 and n/4
       !> intervals; not allocated where they are not known.
       type(line_summary_t), allocatable :: other_scheme(:)
-      !> How a pressure spike grows on finer grids.
+      !> How a pressure spike grows on finer grids, and a wave of the film dies.
       type(spike_law_t) :: spike_law
       !> Waves that features leave in the film.
       type(film_waves_t) :: waves
@@ -122,7 +122,7 @@ contains
          call estimate_grid_errors(bars, report%steps > 0, dx, summary)
       end if
       call doubt_shear(bars%spike_law, dx, summary)
-      call doubt_lost_waves(bars%waves, dx, summary)
+      call doubt_lost_waves(bars%waves, bars%spike_law, dx, summary)
       iteration = max(report%residual, report%load_error)
       if (report%steps > 0) iteration = max(iteration, report%tolerance_effective)
       domain = inlet_shares(bars, report, summary)
@@ -217,8 +217,10 @@ contains
       type(report_t), intent(in) :: report
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(in) :: summary
-      character(:), allocatable :: reason
+      character(:), allocatable :: reason, lost
 
+      lost = ''
+      if (report%converged) lost = lost_waves(bars%waves, bars%spike_law, dx, summary)
       if (.not. report%converged) then
          reason = 'no solution'
       else if (any(exceeds(bars%left_out, 0.0_wp))) then
@@ -228,8 +230,8 @@ contains
          reason = bars%unseen
       else if (bars%is_cut .and. .not. bars%has_longer) then
          reason = 'the outlet cuts the film off'
-      else if (len(lost_waves(bars%waves, dx, summary)) > 0) then
-         reason = lost_waves(bars%waves, dx, summary)
+      else if (len(lost) > 0) then
+         reason = lost
       else if (bars%has_quarter .or. bars%forecast%is_known) then
          reason = 'a pressure spike that this grid does not resolve may pass the largest '// &
             'pressure on finer grids, or grow '// &

@@ -21,8 +21,9 @@ module film_waves
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_summary, only: line_summary_t, quantity_t
-   use lubricant, only: fluid_t, fluid_viscosity
+   use lubricant, only: fluid_viscosity
    use missing_value, only: not_known
+   use pressure_spike, only: spike_law_t
    use quantities, only: h_central, p_central, p_max
    use rheology, only: ln_slip
    use solver_settings, only: time_settings_t
@@ -41,14 +42,12 @@ module film_waves
    !> Steps of the search for a spacing that would do.
    real(wp), parameter :: finer = 1.1_wp
 
-   !> The waves of a passage, and what carries them; none where nothing moves or the bodies are
-   !> rigid.
+   !> The waves of a passage; none where nothing moves or the bodies are rigid.
    type :: film_waves_t
       !> k and A (waves), both > 0; not allocated: none.
       real(wp), allocatable :: wavenumber(:), height(:)
-      type(fluid_t) :: fluid
-      !> lambda of (2.55), and the time step; 0 where it is not known.
-      real(wp) :: lambda = 0.0_wp, time_step = 0.0_wp
+      !> 0 where it is not known.
+      real(wp) :: time_step = 0.0_wp
    end type film_waves_t
 
 contains
@@ -60,8 +59,6 @@ contains
       type(time_settings_t), intent(in) :: time
       type(film_waves_t) :: waves
 
-      waves%fluid = contact%fluid
-      waves%lambda = contact%lambda
       waves%time_step = time%time_step
       if (.not. time%is_transient .or. contact%elasticity <= 0.0_wp) return
       allocate (waves%wavenumber(0), waves%height(0))
@@ -81,13 +78,14 @@ contains
 
    !> The pressures of `summary` on a grid of spacing `dx` err by what may be lost of a wave, too;
    !> they, and the film at X = 0, are not known where that is much.
-   pure subroutine doubt_lost_waves(waves, dx, summary)
+   pure subroutine doubt_lost_waves(waves, law, dx, summary)
       type(film_waves_t), intent(in) :: waves
+      type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(inout) :: summary
       real(wp) :: doubt(2)
 
-      doubt = doubts(waves, max(dx, waves%time_step), summary)
+      doubt = doubts(waves, law, max(dx, waves%time_step), summary)
       call add_doubt(doubt(1), summary%of(h_central))
       call add_doubt(doubt(2), summary%of(p_max))
       call add_doubt(doubt(2), summary%of(p_central))
@@ -107,8 +105,9 @@ contains
 
    !> That quantities are not known because of the waves, and which spacing and time step would do.
    !> Empty: they are.
-   pure function lost_waves(waves, dx, summary) result(words)
+   pure function lost_waves(waves, law, dx, summary) result(words)
       type(film_waves_t), intent(in) :: waves
+      type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: dx
       type(line_summary_t), intent(in) :: summary
       character(:), allocatable :: words
@@ -116,8 +115,8 @@ contains
 
       words = ''
       spacing = max(dx, waves%time_step)
-      if (all(ieee_is_finite(doubts(waves, spacing, summary)))) return
-      do while (.not. all(ieee_is_finite(doubts(waves, spacing, summary))))
+      if (all(ieee_is_finite(doubts(waves, law, spacing, summary)))) return
+      do while (.not. all(ieee_is_finite(doubts(waves, law, spacing, summary))))
          spacing = spacing/finer
       end do
       words = 'this grid loses a wave that a feature leaves in the film; dX and time_step of '// &
@@ -126,8 +125,9 @@ contains
 
    !> By how much H and P at X = 0 may err because of the waves with this `spacing` and time step;
    !> NaN where that is much, 0 where they are not known themselves.
-   pure function doubts(waves, spacing, summary) result(doubt)
+   pure function doubts(waves, law, spacing, summary) result(doubt)
       type(film_waves_t), intent(in) :: waves
+      type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: spacing
       type(line_summary_t), intent(in) :: summary
       real(wp) :: doubt(2)
@@ -138,7 +138,7 @@ contains
       associate (k => waves%wavenumber, film => summary%of(h_central)%value, &
          pressure => summary%of(p_central)%value)
          if (size(k) == 0 .or. .not. all(ieee_is_finite([film, pressure]))) return
-         phase = k*(k*spacing)**2/3/max(1.0_wp, flow_area(waves, pressure, film)*k**3)
+         phase = k*(k*spacing)**2/3/max(1.0_wp, flow_area(law, pressure, film)*k**3)
          if (any(phase > lost_phase .and. waves%height > large_share*film)) doubt(1) = not_known()
          doubt(2) = maxval(k*waves%height*min(1.0_wp, safety*phase), mask=phase > seen_phase)
          doubt(2) = max(0.0_wp, doubt(2))
@@ -147,14 +147,14 @@ contains
    end function doubts
 
    !> l_flow^2 at this pressure and film, with the S of sliding alone.
-   pure function flow_area(waves, pressure, film) result(area)
-      type(film_waves_t), intent(in) :: waves
+   pure function flow_area(law, pressure, film) result(area)
+      type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: pressure, film
       real(wp) :: area, ln_mu(1)
 
-      call fluid_viscosity(waves%fluid, [pressure], ln_mu)
-      area = exp(3*log(film) - ln_mu(1) + ln_slip(waves%fluid, 0.0_wp, film, ln_mu(1)) &
-         - log(waves%lambda))
+      call fluid_viscosity(law%fluid, [pressure], ln_mu)
+      area = exp(3*log(film) - ln_mu(1) + ln_slip(law%fluid, 0.0_wp, film, ln_mu(1)) &
+         - log(law%lambda))
    end function flow_area
 
 end module film_waves

@@ -332,11 +332,8 @@ contains
          widths = coarse_widths
          cost = cost_of_coarse(scene, runs, kept(2)%is_tried)
          if (budget < cost) return
-         if (.not. kept(2)%is_tried) then
-            call run_coarsest(scene, runs, kept(2), watcher, error)
-            if (allocated(error) .or. watcher%wants_stop) return
-            budget = budget - kept(2)%work
-         end if
+         call run_coarsest(scene, runs, kept(2), budget, watcher, error)
+         if (allocated(error) .or. watcher%wants_stop) return
          if (.not. kept(2)%is_known) return
          passages = kept(2)
       end select
