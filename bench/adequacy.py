@@ -6,7 +6,8 @@ what each ingredient changes, with an error bar and a verdict. The truth is the 
 for a target of TARGET, passages with half the spacing and half the time step. Without the squeeze term it is the extreme of PLACES
 steady runs, of films and pressure where one surface is rough and the oil is Newtonian: the rough one stands still there, and the
 other has both speeds. Rigid bodies are as many times of STIFFNESSES as stiff as have a solution, with places and times in metres,
-seconds; less than the first of them tells only whether elasticity is needed.
+seconds; less than the first of them tells only whether elasticity is needed. Of the time step the program tells by how much
+quantities may be off because of it: that is judged as the error bar of no change, beside the same grid with a FINER_STEP of it.
 
     honest     the true change is within the error bar
     right      the verdict is that of the true changes (needed: one above the accuracy; irrelevant: all below a tenth of it)
@@ -39,12 +40,15 @@ PROGRAM = ROOT / "build" / "bin" / "asperity"
 SEED = 884211
 TARGET, PLACES = 2e-4, 48
 STIFFNESSES = (2000.0, 200.0, 20.0, 5.0, 2.0)
+FINER_STEP = 0.25
 COUNTS, QUICK = (45, 24), (8, 4)
 WITHIN = 0.95
 NO_EXTRAS = {"accuracy": {"error_bars": False}, "output": {"adequacy": False}}
 STILL = ("h_min", "h_central", "p_max")
 QUANTITIES = (*STILL, "friction_coefficient")
 NUMERICAL = ("grid", "time_step", "domain", "iteration", "validity")
+# What is said of a time step, in the words of ingredients.
+SAME = {"too coarse": "needed"}
 PATIENCE = 1800
 # Of these everything in half-widths is scaled with the half-width.
 LENGTHS = {"surface_1": ("position",), "surface_2": ("position",), "domain": ("x_inlet", "x_outlet")}
@@ -98,11 +102,15 @@ def told(file: h5py.File) -> dict[str, dict]:
         words = {key: row.attrs[key].decode() for key in ("verdict", "measured_on")}
         judged_by = [q for q in QUANTITIES if q in row or f"{q}_at_least" in row.attrs]
         rows[name] = {"changes": changes, "judged_by": judged_by, "left_out": float(row.attrs["left_out"])} | words
+    rows_of_time = {q: group[f"time_step/{q}"] for q in QUANTITIES if f"time_step/{q}" in group}
+    bounds = {q: float(row[()]) + float(row.attrs["error_estimate"]) for q, row in rows_of_time.items()}
     used = file["input/effective/domain"].attrs
     domain = {"x_inlet": float(used["x_inlet"]), "x_outlet": float(used["x_outlet"]), "intervals": int(used["intervals"])}
     step = float(file["input/effective/time"].attrs.get("time_step", 0.0))
     start = float(file["summary"].attrs.get("statistics_from", 0.0))
-    return {"rows": rows, "accuracy": float(group.attrs["accuracy"]), "domain": domain, "step": step, "start": start}
+    by_time_step = {"bounds": bounds, "verdict": group["time_step"].attrs["verdict"].decode()} if "time_step" in group else {}
+    found = {"rows": rows, "time_step": by_time_step, "quantities": quantities(file), "accuracy": float(group.attrs["accuracy"])}
+    return found | {"domain": domain, "step": step, "start": start}
 
 
 def without(groups: Groups, ingredient: str, left_out: float) -> Groups | None:
@@ -202,6 +210,23 @@ def fine(groups: Groups, said: dict) -> Groups:
     return truth
 
 
+def time_step_rows(name: str, groups: Groups, said: dict) -> list[Row]:
+    """By how much each quantity is off because of the time step, beside what the program says of that."""
+    told_of = said["time_step"]
+    if not told_of:
+        return []
+    same = copy.deepcopy(groups) | copy.deepcopy(NO_EXTRAS) | {"domain": said["domain"]}
+    same["time"] |= {"time_step": said["step"] * FINER_STEP, "statistics_from": said["start"]}
+    exact = run(same, quantities)
+    if exact is None:
+        return []
+    off = {q: exact[q] / said["quantities"][q] - 1 if said["quantities"][q] != 0 else math.nan for q in QUANTITIES}
+    right = verdict_of([off[q] for q in told_of["bounds"] if not math.isnan(off[q])], said["accuracy"])
+    words = (SAME.get(told_of["verdict"], told_of["verdict"]), right, said["accuracy"], "", 1.0)
+    bounds = told_of["bounds"]
+    return [Row(name, "time_step", q, 0.0 if q in bounds else math.nan, bounds.get(q, math.nan), off[q], *words) for q in QUANTITIES]
+
+
 def verdict_of(changes: list[float], accuracy: float) -> str:
     """By the true changes."""
     if any(abs(change) > accuracy for change in changes):
@@ -219,7 +244,7 @@ def judge(scene: tuple[str, Groups]) -> list[Row]:
     full = run(truth, quantities)
     if full is None:
         return []
-    rows = []
+    rows = time_step_rows(name, groups, said)
     for ingredient, row in said["rows"].items():
         leans = lean_runs(truth, ingredient, row["left_out"])
         found, is_all = next((lean for lean in leans if lean[0]), (None, False))
@@ -300,9 +325,11 @@ def table(rows: list[Row]) -> str:
     lines = [f"{'ingredient':24s} {'scenes':>6s} {'not known':>9s} {'honest':>8s} {'right':>8s}"]
     for kind in ("steady", "passage"):
         names = list(dict.fromkeys(row.ingredient for row in rows if row.scene.startswith(kind)))
-        for name in [*sorted(names), None]:
-            own = [row for row in rows if row.scene.startswith(kind) and name in (None, row.ingredient)]
-            lines.append(line(f"{kind} {name or 'all'}", own))
+        ingredients = sorted(name for name in names if name not in NUMERICAL)
+        for label, counted in [*((name, [name]) for name in ingredients), ("all", ingredients), ("time_step", ["time_step"])]:
+            own = [row for row in rows if row.scene.startswith(kind) and row.ingredient in counted]
+            if own:
+                lines.append(line(f"{kind} {label}", own))
     return "\n".join(lines) + "\n"
 
 

@@ -109,7 +109,8 @@ contains
       end do
    end subroutine judge
 
-   !> The row of the time step; it errs by no more than `grid`, both together, where that is known.
+   !> The row of the time step; it errs by no more than `grid`, both together, where that is known,
+   !> and where nothing else is by anything between that and 0.
    pure function bounded(time_step, grid) result(row)
       type(influence_t), intent(in) :: time_step, grid
       type(influence_t) :: row
@@ -118,7 +119,12 @@ contains
       row = time_step
       do i = 1, quantity_count
          if (.not. ieee_is_finite(grid%change(i))) cycle
-         if (exceeds(row%change(i), grid%change(i))) row%change(i) = grid%change(i)
+         if (.not. ieee_is_finite(row%change(i))) then
+            row%change(i) = 0.5_wp*grid%change(i)
+            row%error(i) = row%change(i)
+         else if (exceeds(row%change(i), grid%change(i))) then
+            row%change(i) = grid%change(i)
+         end if
       end do
    end function bounded
 
@@ -170,7 +176,7 @@ contains
       type(influence_t), intent(in) :: roughness
       real(wp), intent(in) :: accuracy
       logical, intent(out) :: is_open
-      type(influence_t) :: wider
+      type(influence_t) :: wider, worst
       real(wp) :: rough
       integer :: i
 
@@ -189,8 +195,11 @@ contains
             /(1 - other_roughness*rough)
       end do
       if (verdict_on(wider, accuracy) == verdict_unknown) return
+      worst = wider
+      worst%change = abs(wider%change) + wider%error
+      worst%error = 0.0_wp
       ! it may be irrelevant there, too
-      if (verdict_on(wider, accuracy) == verdict_small .and. verdict_of_rest(row) &
+      if (verdict_on(worst, accuracy) == verdict_small .and. verdict_of_rest(row) &
          == verdict_irrelevant) return
       is_open = .false.
       row = wider

@@ -51,9 +51,9 @@ contains
       error = not_known()
    end subroutine begin_row
 
-   !> The verdict on relative changes with their errors: needed where one is surely larger than the
-   !> `accuracy`, irrelevant where all surely are less than a tenth of it, not known where one
-   !> perhaps is larger, or is not known.
+   !> The verdict on relative changes with their errors: needed where one surely is larger than the
+   !> `accuracy`, not known where one may be, or is not known; else irrelevant where all are less
+   !> than a tenth of it, whatever their errors.
    pure function verdict_of(change, error, accuracy) result(verdict)
       real(wp), intent(in) :: change(:), error(:), accuracy
       integer :: verdict
@@ -67,8 +67,8 @@ contains
       if (any(known - doubt > accuracy)) then
          verdict = verdict_needed
       else if (all(is_known)) then
-         if (all(known + doubt <= accuracy)) verdict = verdict_small
-         if (all(known + doubt < irrelevant_share*accuracy)) verdict = verdict_irrelevant
+         if (any(known + doubt > accuracy)) return
+         verdict = merge(verdict_irrelevant, verdict_small, all(known < irrelevant_share*accuracy))
       end if
    end function verdict_of
 
