@@ -224,7 +224,8 @@ def time_step_rows(name: str, groups: Groups, said: dict) -> list[Row]:
     right = verdict_of([off[q] for q in told_of["bounds"] if not math.isnan(off[q])], said["accuracy"])
     words = (SAME.get(told_of["verdict"], told_of["verdict"]), right, said["accuracy"], "", 1.0)
     bounds = told_of["bounds"]
-    return [Row(name, "time_step", q, 0.0 if q in bounds else math.nan, bounds.get(q, math.nan), off[q], *words) for q in QUANTITIES]
+    none = math.nan
+    return [Row(name, "time_step", q, 0.0 if q in bounds else none, bounds.get(q, none), off[q], *words) for q in QUANTITIES]
 
 
 def verdict_of(changes: list[float], accuracy: float) -> str:
