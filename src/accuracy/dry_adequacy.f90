@@ -152,7 +152,9 @@ contains
          end if
          if (target > 0.0_wp) adequacy%accuracy = target
          do i = 1, size(rows)
-            rows(i)%verdict = verdict_of(rows(i)%change, rows(i)%error, adequacy%accuracy)
+            ! nodes in contact are counted: a change of 0 may be anything within its error
+            rows(i)%verdict = verdict_of(rows(i)%change, rows(i)%error, adequacy%accuracy, &
+               unseen=rows(i)%error)
          end do
       end associate
    end subroutine judge

@@ -53,9 +53,10 @@ contains
 
    !> The verdict on relative changes with their errors: needed where one surely is larger than the
    !> `accuracy`, not known where one may be, or is not known; else irrelevant where all are less
-   !> than a tenth of it, whatever their errors.
-   pure function verdict_of(change, error, accuracy) result(verdict)
+   !> than a tenth of it, with what may be `unseen` of each (default: 0) but whatever their errors.
+   pure function verdict_of(change, error, accuracy, unseen) result(verdict)
       real(wp), intent(in) :: change(:), error(:), accuracy
+      real(wp), intent(in), optional :: unseen(:)
       integer :: verdict
       logical :: is_known(size(change))
       real(wp), allocatable :: known(:), doubt(:)
@@ -68,6 +69,7 @@ contains
          verdict = verdict_needed
       else if (all(is_known)) then
          if (any(known + doubt > accuracy)) return
+         if (present(unseen)) known = known + unseen
          verdict = merge(verdict_irrelevant, verdict_small, all(known < irrelevant_share*accuracy))
       end if
    end function verdict_of
