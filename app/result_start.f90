@@ -14,8 +14,9 @@ module result_start
    use result_name, only: hold_name, result_name_t
    use result_writer, only: field_name_length, open_result, reopen_result
    use run_observer, only: run_observer_t
+   use scaling, only: scaling_t
    use text, only: to_text
-   use transient_store, only: breakdown_name
+   use transient_store, only: breakdown_name, sliding_names
    implicit none (type, external)
    private
 
@@ -43,7 +44,8 @@ contains
          if (is_resume) call watcher%log%say(case%file//': no checkpoint '//path &
             //'.ckpt: starts at the beginning')
          call open_result(watcher%writer, path, error)
-         if (.not. allocated(error)) watcher%writer%fields = stored_fields(case)
+         if (.not. allocated(error)) watcher%writer%fields = stored_fields(case, &
+            watcher%scaling)
       end if
       if (allocated(error)) return
       associate (statistics => watcher%writer%statistics, &
@@ -59,15 +61,18 @@ contains
       call watcher%writer%describe(trim(case%problem), case%title, case%namelist, watcher%scaling)
    end subroutine start_result
 
-   !> Names of the fields that are stored of each time, and of the mark of a film below the floor,
-   !> if there is a floor.
-   function stored_fields(case) result(names)
+   !> Names of the fields that are stored of each time, of the mark of a film below the floor, if
+   !> there is a floor, and of what sliding does, if the speeds of the surfaces are known.
+   function stored_fields(case, scaling) result(names)
       type(case_t), intent(in) :: case
+      type(scaling_t), intent(in) :: scaling
       character(len=field_name_length), allocatable :: names(:)
 
       names = [character(len=field_name_length) :: case%output_settings%fields]
       if (case%film_floor > 0.0_wp) names = [character(len=field_name_length) :: names, &
          breakdown_name]
+      if (ieee_is_finite(scaling%slide_to_roll)) names = [character(len=field_name_length) :: &
+         names, sliding_names]
    end function stored_fields
 
    !> Goes on at the checkpoint of `path`.
@@ -79,9 +84,9 @@ contains
       type(checkpoint_t) :: checkpoint
 
       call read_checkpoint(path//'.ckpt', watcher%case, checkpoint, error)
-      if (.not. allocated(error)) call reopen_result(watcher%writer, path, stored_fields(case), &
-         checkpoint%part, &
-         size(checkpoint%march%film), checkpoint%passage, error)
+      if (.not. allocated(error)) call reopen_result(watcher%writer, path, &
+         stored_fields(case, watcher%scaling), checkpoint%part, size(checkpoint%march%film), &
+         checkpoint%passage, error)
       if (allocated(error)) then
          error%message = 'cannot resume: '//error%message
          return

@@ -14,19 +14,22 @@ from time_limits import HANGING
 
 SOLUTION = ["x", "pressure", "film_thickness", "viscosity", "density", "slip_factor", "roughness_1", "roughness_2"]
 FRICTION = ["friction_coefficient", "rolling_friction_coefficient", "sliding_power", "rolling_power"]
+SLIDING = {"friction_coefficient", "sliding_power"}
 NUMBERS = ["time", "rigid_displacement", "h_min", "p_max", *FRICTION, "residual"]
 SERIES = [*NUMBERS, "profile_time", "pressure", "film_thickness"]
 FIGURES = ["h_min", "h_min_node", "h_central", "p_max", "x_cavitation"]
 REPORT = ["method", "cycles", "residual_history", "wall_seconds", "phase_seconds", "levels", "fft_pairs"]
 ROOT_ATTRIBUTES = ["program", "version", "git_commit", "problem", "title", "converged", "reason"]
 SCALES = ["half_width", "hertz_pressure", "reduced_radius", "reduced_modulus", "lambda", "alpha_bar", "moes_m", "moes_l"]
+IN_TIME = "&time transient = .true., end_time = 1.0, time_step = 0.05 /\n"
+RESULTS = ["steady", "transient", "moes", "moes_transient"]
 
 
 @pytest.fixture(scope="module")
 def results(program, tmp_path_factory):
-    """Results of a steady, a transient and a Moes case, each run once."""
+    """Results of a steady and a transient case, and of both by Moes' numbers, each run once."""
     folder = tmp_path_factory.mktemp("results")
-    for name, case in {"steady": STEADY, "transient": TRANSIENT, "moes": MOES}.items():
+    for name, case in {"steady": STEADY, "transient": TRANSIENT, "moes": MOES, "moes_transient": MOES + IN_TIME}.items():
         write(folder, f"{name}.nml", case)
         done = subprocess.run([program, f"{name}.nml", "--quiet"], cwd=folder, capture_output=True, text=True, check=False)
         assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
@@ -43,7 +46,7 @@ def wait_for_size(path, size):
     pytest.fail(f"{path} did not grow to {size} bytes")
 
 
-@pytest.mark.parametrize("name", ["steady", "transient", "moes"])
+@pytest.mark.parametrize("name", RESULTS)
 def test_every_dataset_says_what_it_is(results, name):
     labels = []
 
@@ -59,7 +62,7 @@ def test_every_dataset_says_what_it_is(results, name):
     assert len(labels) > 40
 
 
-@pytest.mark.parametrize("name", ["steady", "transient", "moes"])
+@pytest.mark.parametrize("name", RESULTS)
 def test_layout_is_complete(results, name):
     with h5py.File(results / f"{name}.h5") as file:
         assert set(ROOT_ATTRIBUTES) <= set(file.attrs)
@@ -71,7 +74,25 @@ def test_layout_is_complete(results, name):
             assert np.isfinite(figure.attrs["error_estimate"]) != ("no_estimate" in figure.attrs), figure.name
         assert file.attrs["converged"] == 1
         assert text(file.attrs["reason"]) == "converged"
-        assert ("transient" in file) == (name == "transient")
+        assert ("transient" in file) == ("transient" in name)
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_nothing_is_nan_without_a_reason(results, name):
+    """No dataset holds a NaN, and where an attribute is one `no_estimate` stands beside it: what is not known is left out."""
+
+    def visit(path, item):
+        if isinstance(item, h5py.Dataset) and item.dtype.kind == "f":
+            assert np.isfinite(item[()]).all(), path
+        for key, value in item.attrs.items():
+            if np.asarray(value).dtype.kind == "f" and not np.isfinite(value).all():
+                assert text(item.attrs["no_estimate"]), f"{path}@{key}"
+
+    with h5py.File(results / f"{name}.h5") as file:
+        file.visititems(visit)
+        expected = set(FRICTION) - (SLIDING if "moes" in name else set())
+        for group in {"summary", "transient"} & set(file):
+            assert set(FRICTION) & set(file[group]) == expected
 
 
 SPIKE = "a pressure spike that this grid does not resolve may pass the largest pressure on finer grids, or grow without a limit"
@@ -248,7 +269,7 @@ def test_moes_result_has_no_invented_units(results):
         assert summary["h_min_moes"][()] == pytest.approx(8 * 10 / np.pi * summary["h_min"][()], rel=1e-14)
 
 
-@pytest.mark.parametrize("name", ["steady", "transient", "moes"])
+@pytest.mark.parametrize("name", RESULTS)
 def test_a_result_reproduces_itself(results, asperity, tmp_path, name):
     with h5py.File(results / f"{name}.h5") as file:
         (tmp_path / f"{name}.nml").write_bytes(file["input/namelist"][()])

@@ -41,7 +41,7 @@ module result_writer
       write_times
    use scaling, only: scaling_t
    use statistics_section, only: write_statistics
-   use transient_store, only: attach_store, create_store, part_t, transient_store_t
+   use transient_store, only: attach_store, create_store, part_t, sliding_names, transient_store_t
    use validity, only: limit_t
    use validity_section, only: write_validity
    use velocity_section, only: write_velocity
@@ -53,8 +53,8 @@ module result_writer
    !> Layout of result files: 2 = axes, `units` and the group /si (CHANGELOG.md); without the
    !> attribute: 1.
    integer, parameter :: layout = 3
-   !> Longest name of a field.
-   integer, parameter, public :: field_name_length = len(field_names)
+   !> Longest name of a field or series.
+   integer, parameter, public :: field_name_length = max(len(field_names), len(sliding_names))
 
    !> The file being written.
    type :: result_writer_t
@@ -64,7 +64,7 @@ module result_writer
       integer :: profile_stride = 1
       !> Fields and series are stored in SI too; they can be.
       logical :: has_si = .false.
-      !> Profiles that are stored, names of `field_names`.
+      !> Profiles that are stored, names of `field_names`, and series that not every passage has.
       character(len=field_name_length), allocatable :: fields(:)
       !> Quantities of the time steps so far, and of all of them, or of a steady solution, when the
       !> result is finished.

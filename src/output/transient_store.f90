@@ -16,7 +16,7 @@ module transient_store
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use positional_file, only: open_positional_file, positional_file_t
-   use quantities, only: quantity_rows
+   use quantities, only: quantity_rows, sliding_rows
    use result_labels, only: field_names, field_values, has_scale, row_label, si_label
    use running_series, only: create_running_series, running_series_t
    use scaling, only: scaling_t
@@ -27,11 +27,14 @@ module transient_store
 
    !> Longest name of a series.
    integer, parameter :: name_length = len(quantity_rows%name)
-   !> Series of one number for each time step, quantities among them. Time is counted last, and cut
-   !> back first: there are never more times than values.
+   !> Series of one number for each time step that every passage has, quantities among them. Time is
+   !> counted last, and cut back first: there are never more times than values.
    character(len=name_length), parameter :: number_names(*) = [character(len=name_length) :: &
-      'time', 'rigid_displacement', 'h_min', 'p_max', 'friction_coefficient', &
-      'rolling_friction_coefficient', 'sliding_power', 'rolling_power', 'residual']
+      'time', 'rigid_displacement', 'h_min', 'p_max', 'rolling_friction_coefficient', &
+      'rolling_power', 'residual']
+   !> Those where the speeds of the surfaces are known, to be named like fields.
+   character(len=name_length), parameter, public :: sliding_names(*) = &
+      quantity_rows(sliding_rows)%name
    !> Times of the stored profiles, for which the same holds.
    character(*), parameter :: profile_time_name = 'profile_time'
    !> Mark of the time steps with a film below the floor, to be named like a field.
@@ -78,7 +81,7 @@ module transient_store
 contains
 
    !> Makes room in an open HDF5 file for `capacity` times and profiles of `nx` nodes; `fields` are
-   !> names of `field_names`, or `breakdown_name`.
+   !> names of `field_names`, of `sliding_names`, or `breakdown_name`.
    subroutine create_store(store, file, fields, capacity, nx, scaling)
       type(transient_store_t), intent(out) :: store
       class(hdf5_file_t), intent(inout) :: file
@@ -276,12 +279,13 @@ contains
       type(transient_store_t), intent(inout) :: store
       character(*), intent(in) :: fields(:)
 
-      associate (is_mark => fields == breakdown_name)
-         store%names = [character(len=name_length) :: number_names, pack(fields, is_mark), &
-            profile_time_name, &
-            pack(fields, .not. is_mark)]
-         store%first_profile = size(number_names) + count(is_mark) + 1
-      end associate
+      logical :: is_profile(size(fields))
+      integer :: i
+
+      is_profile = [(any(field_names == fields(i)), i=1, size(fields))]
+      store%names = [character(len=name_length) :: number_names, pack(fields, .not. is_profile), &
+         profile_time_name, pack(fields, is_profile)]
+      store%first_profile = size(number_names) + count(.not. is_profile) + 1
       allocate (store%series(size(store%names)))
    end subroutine name_series
 
