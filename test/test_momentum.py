@@ -83,6 +83,41 @@ def test_no_solution_has_its_reason(asperity, tmp_path):
     assert not any(name.startswith("momentum") for name in found)
 
 
+ROLLING = (
+    STOKES.replace("rheology = 'eyring', eyring_stress = 3.3e6", "rheology = 'newtonian'")
+    .replace("1e5", "4e4")
+    .replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 1.0, speed_2 = 1.0")
+)
+
+
+@pytest.mark.parametrize("radii", ["radius_1 = 0.01, radius_2 = 2.0", "radius_1 = 0.02, radius_2 = 0.02"])
+def test_a_newtonian_oil_rolls(asperity, tmp_path, radii):
+    """T_max is that of the pressure gradient, tau = h/2 dp/dx at the walls; the oil that turns with the film has no part in it, and
+    there is a solution near that of Reynolds' equation."""
+    text = ROLLING.replace("radius_1 = 0.01, radius_2 = 2.0", radii)
+    found, _ = solved(asperity, tmp_path, text + "&film layers = 8 /&accuracy error_bars = .false. /")
+    assert found["@converged"] == 1
+    pressure, film = found["momentum/reynolds_pressure"], found["momentum/reynolds_film_thickness"]
+    slope = found["scaling@half_width"] / found["scaling@reduced_radius"]
+    # d ln mu/dP of Roelands' law, at the nodes
+    p0, z = 1.98e8 / found["scaling@hertz_pressure"], 0.6
+    rise = (np.log(0.14) + 9.67) * z / p0 * (1 + pressure / p0) ** (z - 1)
+    wall = np.abs(np.diff(pressure) / np.diff(found["solution/x"])) * (film[1:] + film[:-1]) / 4
+    expected = slope * (wall * (rise[1:] + rise[:-1]) / 2).max()
+    assert found["momentum/stress_rise"] == pytest.approx(expected, rel=1e-3)  # 9.67 is rounded
+    assert 0.3 < expected < 1
+    assert 0 < found["momentum/difference_h_min"] < 1e-3
+
+
+def test_a_ridge_passes_where_a_newtonian_oil_rolls(asperity, tmp_path):
+    """The march begins there too."""
+    passage = PASSAGE.replace("end_time = 1.4", "end_time = 0.1").replace("0.2e-6", "0.02e-6")
+    found, _ = solved(asperity, tmp_path, ROLLING + passage)
+    assert found["@converged"] == 1
+    assert 0.3 < found["momentum/stress_rise"] < 1
+    assert np.abs(found["momentum/transient/difference_h_min"]).max() < 1e-3
+
+
 def test_ridge_at_rest(asperity, tmp_path):
     """A ridge on a surface at rest adds to the difference, as steeper films do."""
     still = STOKES.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 0.0, speed_2 = 1.2")

@@ -74,7 +74,7 @@ contains
       call write_number('pressure_variation', fields%pressure_variation, &
          'largest difference of pressures across the film, over p_h')
       call write_number('stress_rise', fields%stress_rise, &
-         'T_max, largest d tau/dp at a given shear rate: a solution needs less than 1')
+         'T_max of the thin film, largest d tau/dp at a given shear rate: less than 1')
       call write_attribute(file, '/momentum', 'newton_steps', fields%steps)
       call write_attribute(file, '/momentum', 'factorisations', fields%factorisations)
       call write_attribute(file, '/momentum', 'linear_iterations', fields%linear_iterations)

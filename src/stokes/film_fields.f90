@@ -6,6 +6,8 @@ module film_fields
    use kinds, only: wp
    use momentum_problem, only: film_flow_t, momentum_problem_t
    use momentum_rows, only: momentum_terms_t
+   use shear_law, only: shear_viscosity
+   use thin_film_flow, only: shear_differences
    implicit none (type, external)
    private
 
@@ -24,7 +26,7 @@ module film_fields
       !> |difference| of the mean pressure and largest difference of P across the film [p_h].
       real(wp) :: h_min = 0.0_wp, h_central = 0.0_wp, p_max = 0.0_wp, pressure_change = 0.0_wp, &
          pressure_variation = 0.0_wp
-      !> T_max, see `stress_rise`, of the Reynolds film.
+      !> T_max, see `stress_rise`; of a passage the largest.
       real(wp) :: stress_rise = 0.0_wp
       !> Newton steps, factorisations of the matrix, steps of GMRES.
       integer :: steps = 0, factorisations = 0, linear_iterations = 0
@@ -32,19 +34,29 @@ module film_fields
 
 contains
 
-   !> The largest d tau_xz/dp at a given shear rate, T_max. Where it comes to 1 a film has no
-   !> solution, for the momentum across it then changes the pressure by as much as along it.
+   !> T_max, the largest d tau_xz/dp at a given shear rate, of the thin film with the pressure and
+   !> height of this flow: tau of the sliding and of the pressure gradient. At 1 the equations
+   !> change their type: the momentum across the film then changes the pressure by as much as along
+   !> it. The stress of the flow itself would not do: oil turns with a curved film, by delta^2 W_X,
+   !> and while U does not yet turn with it, as in a first approximation, a stiff oil has stresses
+   !> by that which are in no solution (T of thousands in pure rolling).
    pure function stress_rise(problem, terms) result(largest)
       type(momentum_problem_t), intent(in) :: problem
       type(momentum_terms_t), intent(in) :: terms
       real(wp) :: largest
+      real(wp), dimension(0:problem%layers) :: rate, eta, by_ln_mu, by_shear2
+      real(wp) :: columns
       integer :: f
 
       largest = 0.0_wp
-      associate (s => terms%stresses)
+      columns = 2.0_wp*problem%layers
+      associate (s => terms%stresses, thin => terms%reynolds)
          do f = 1, problem%n
-            largest = max(largest, maxval(abs(s%xz_by_ln_mu(:, f))) &
-               *maxval(0.5_wp*(s%ln_mu_p(:, f - 1) + s%ln_mu_p(:, f))))
+            rate = (thin%shear(:, f) + shear_differences(thin%u(:, f), problem%speed)) &
+               /terms%geometry%face_film(f)
+            call shear_viscosity(problem%shear_scale, sum(s%ln_mu(:, f - 1:f))/columns, rate**2, &
+               eta, by_ln_mu, by_shear2)
+            largest = max(largest, maxval(abs(rate*by_ln_mu))*sum(s%ln_mu_p(:, f - 1:f))/columns)
          end do
       end associate
       largest = problem%kappa*sqrt(problem%delta2)*largest

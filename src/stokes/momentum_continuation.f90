@@ -73,8 +73,8 @@ contains
       newton%steps = steps
    end subroutine solve_by_continuation
 
-   !> Why there is no solution: none can be, with `stress_rise`, T_max, at 1 or above, or how far
-   !> the continuation came.
+   !> Why there is no solution: none is looked for, with `stress_rise`, T_max, at 1 or above, or how
+   !> far the continuation came.
    pure function missing_reason(newton, stress_rise) result(reason)
       type(momentum_newton_t), intent(in) :: newton
       real(wp), intent(in) :: stress_rise
@@ -88,8 +88,8 @@ contains
             //'); more intervals or layers may keep it'
       else
          reason = 'no solution of the full momentum equations: shear stress rises with '// &
-            'pressure by '//to_text(stress_rise, 2)//' (T_max), and where that comes to 1 none '// &
-            'is known'
+            'pressure by '//to_text(stress_rise, 2)//' (T_max); where that comes to 1 the '// &
+            'equations change their type, and none is looked for'
       end if
    end function missing_reason
 
