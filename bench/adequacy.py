@@ -276,7 +276,7 @@ def steady_scene(source: random.Random, i: int) -> tuple[str, Groups]:
     if source.random() < 0.3:
         del groups["lubricant"]["rheology"], groups["lubricant"]["eyring_stress"]
     if i % 3 == 0:
-        half_width, film = scales(groups)
+        half_width, film = namelists.scales(groups)
         height = film * 10 ** source.uniform(-3.5, -0.7)
         wave = source.uniform(0.4, 1.5) * half_width
         count = source.choice((1, 2))
@@ -286,23 +286,13 @@ def steady_scene(source: random.Random, i: int) -> tuple[str, Groups]:
     return f"steady {i:03d}", groups
 
 
-def scales(groups: Groups) -> tuple[float, float]:
-    """Half-width and a rough film [m]."""
-    bodies, oil = groups["bodies"], groups["lubricant"]
-    load, modulus, radius = groups["load"]["load_per_length"], bodies["reduced_modulus"], bodies["reduced_radius"]
-    speed = oil["viscosity"] * (bodies["speed_1"] + bodies["speed_2"]) / (modulus * radius)
-    m, l = load / (modulus * radius * math.sqrt(speed)), oil["pressure_viscosity"] * modulus * speed**0.25  # noqa: E741
-    film = max(2.45 / m, 1.0 * m**-0.125 * l**0.75) * math.sqrt(speed) * radius
-    return math.sqrt(8 * load * radius / (math.pi * modulus)), film
-
-
 def passage_scene(source: random.Random, i: int) -> tuple[str, Groups]:
     """Ridges, a dent or a wave on one surface, or a ridge on each, through a contact of medium load."""
     slide = source.choice((-1.0, -0.3, 0.0, 0.3, 1.0, 5 / 3))
     groups = namelists.steel(10 ** source.uniform(0, 1.5), source.uniform(2, 12), slide, 10 ** source.uniform(6.3, 8))
     if source.random() < 0.4:
         del groups["lubricant"]["rheology"], groups["lubricant"]["eyring_stress"]
-    half_width, film = scales(groups)
+    half_width, film = namelists.scales(groups)
     height = film * 10 ** source.uniform(-3, -0.5)
     wave = source.uniform(0.5, 1.5) * half_width
     shape = {"shape": "feature", "amplitude": [height * source.choice((1, -1))], "wavelength": [wave], "position": [-2.5]}

@@ -32,7 +32,7 @@ from pathlib import Path
 
 import h5py
 import namelists
-from adequacy import PROGRAM, STILL, Groups, passage_scene, scales, steady_scene
+from adequacy import PROGRAM, STILL, Groups, passage_scene, steady_scene
 from bench_program import ENVIRONMENT, ROOT, new_parser, output_folder
 from page import fenced, put_block
 
@@ -174,13 +174,13 @@ def stop(groups: Groups, surface: int) -> None:
 
 def soften(groups: Groups) -> None:
     """Rubber and a constant viscosity: the same Moes number M, waves as long over the half-width and as high over a rough film."""
-    before = scales(groups)
+    before = namelists.scales(groups)
     bodies, oil = groups["bodies"], groups["lubricant"]
     ratio = SOFT_MODULUS / bodies["reduced_modulus"]
     # w/(E' R) U^(-1/2) stays with the load times ratio^(1/2)
     groups["load"]["load_per_length"] *= math.sqrt(ratio)
     bodies["reduced_modulus"] = SOFT_MODULUS
-    after = scales(groups)
+    after = namelists.scales(groups)
     groups["lubricant"] = {"viscosity": oil["viscosity"], "viscosity_law": "constant", "density_law": "constant"}
     for key in ("surface_1", "surface_2"):
         for length, factor in (("wavelength", after[0] / before[0]), ("amplitude", after[1] / before[1])):

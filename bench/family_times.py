@@ -23,12 +23,7 @@ class Contact:
         self.m, l = 10 ** source.uniform(*loads), source.uniform(4, 13)  # noqa: E741
         stress = 10 ** source.uniform(6.6, 7.5) if source.random() < eyring else None
         self.groups = namelists.steel(self.m, l, slide, stress)
-        bodies, load = self.groups["bodies"], self.groups["load"]["load_per_length"]
-        radius, modulus = bodies["reduced_radius"], bodies["reduced_modulus"]
-        self.half_width = (8 * load * radius / (3.141592653589793 * modulus)) ** 0.5
-        # Moes: film of the rigid isoviscous and of the elastic piezoviscous contact; for the heights of the waves only
-        speed = namelists.OIL_VISCOSITY * (bodies["speed_1"] + bodies["speed_2"]) / (modulus * radius)
-        self.film = radius * speed**0.5 * max(2.45 / self.m, 1.05 * l**0.75 / self.m**0.125)
+        self.half_width, self.film = namelists.scales(self.groups, 1.05)
         self.speed = 1 + slide / 2
         self.inlet = -14.0 if self.m < 10 else -8.0 if self.m < 40 else -5.0
 

@@ -115,3 +115,16 @@ def steel(m: float, l: float, slide_to_roll: float = 0.0, eyring_stress: float |
         "load": {"load_per_length": load},
         "lubricant": oil,
     }
+
+
+def scales(groups: dict[str, dict], elastic: float = 1.0) -> tuple[float, float]:
+    """Half-width and a rough film [m] of such a contact, for the sizes of what is rough on its surfaces.
+
+    The film is the larger one of Moes' rigid isoviscous and elastic piezoviscous asymptotes, the latter with the factor `elastic`.
+    """
+    bodies, oil = groups["bodies"], groups["lubricant"]
+    load, modulus, radius = groups["load"]["load_per_length"], bodies["reduced_modulus"], bodies["reduced_radius"]
+    speed = oil["viscosity"] * (bodies["speed_1"] + bodies["speed_2"]) / (modulus * radius)
+    m, l = load / (modulus * radius * math.sqrt(speed)), oil["pressure_viscosity"] * modulus * speed**0.25  # noqa: E741
+    film = max(2.45 / m, elastic * m**-0.125 * l**0.75) * math.sqrt(speed) * radius
+    return math.sqrt(8 * load * radius / (math.pi * modulus)), film
