@@ -111,6 +111,15 @@ def test_unusual_values_of_a_dry_case(asperity, tmp_path):
         assert "&load hertz_pressure: 30000 Pa is unusual" in text(file["report/note"][()])
 
 
+def test_an_array_by_a_decimal_comma_is_told(asperity, tmp_path):
+    content = (ROOT / "input" / "dry_area.nml").read_text()
+    changed = re.sub(r"mean_pressure = [^!\n]*", "mean_pressure = 1,5e8 ", content)
+    assert changed != content
+    write(tmp_path, "case.nml", changed)
+    line = "&load mean_pressure: 1 Pa is unusual, typical is 1e4 to 1e10 Pa; numbers have a decimal point, not a comma\n"
+    assert line in asperity("--check", "case.nml").stdout
+
+
 @pytest.mark.parametrize("signed", ["speed_1 = 0.0", "speed_1 = -0.3"])
 def test_sign_and_nothing_are_usual(asperity, tmp_path, signed):
     write(tmp_path, "case.nml", MINIMAL.replace("speed_1 = 0.6", signed))

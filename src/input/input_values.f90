@@ -24,6 +24,8 @@ module input_values
       !> Words; of a logical '.true.' or '.false.'.
       character(len=word_length), allocatable :: words(:)
       character(:), allocatable :: text
+      !> What the text of an array of numbers seems to mean, if not these numbers; else nothing.
+      character(:), allocatable :: hint
       !> Elements that the user has set (arrays).
       logical, allocatable :: is_set(:)
    end type value_t

@@ -60,7 +60,8 @@ contains
          if (size(other%is_set) == elements .or. (keys(i) == 'shape' &
             .and. size(other%is_set) == 1)) cycle
          call values%refuse(group, trim(keys(i)), 'found length ' // to_text(size(other%is_set)) &
-            // ', expected ' // to_text(elements) // ', one value for each value of amplitude')
+            // ', expected ' // to_text(elements) // ', one value for each value of amplitude' &
+            // amplitude%hint // other%hint)
       end do
    end subroutine check_lengths
 

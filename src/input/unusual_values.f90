@@ -19,7 +19,7 @@ module unusual_values
       !> "&bodies radius_1: 12.0 m is unusual, typical is 1e-4 to 5 m"
       character(:), allocatable :: words
       !> What the log adds.
-      character(len=24) :: question = '; is the unit right?'
+      character(:), allocatable :: question
    end type unusual_t
 
 contains
@@ -29,6 +29,7 @@ contains
    pure function find_unusual(values) result(unusual)
       type(input_values_t), intent(in) :: values
       type(unusual_t), allocatable :: unusual(:)
+      character(:), allocatable :: question
       integer :: i, place
 
       allocate (unusual(0))
@@ -38,9 +39,12 @@ contains
             if (.not. has_word(row%problems, trim(values%problem))) cycle
             place = findloc(is_typical(slot%reals, row%typical), .false., dim=1)
             if (place == 0) cycle
+            question = slot%hint
+            if (question == '') question = '; is the unit right?'
             unusual = [unusual, unusual_t(slot%line, '&'//trim(row%group)//' '//trim(row%key) &
                //': '//number_text(slot%reals(place), 3)//' '//trim(row%unit) &
-               //' is unusual, typical is '//trim(row%typical)//' '//trim(row%unit))]
+               //' is unusual, typical is '//trim(row%typical)//' '//trim(row%unit), &
+               question)]
          end associate
       end do
    end function find_unusual

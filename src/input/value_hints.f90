@@ -10,27 +10,80 @@ module value_hints
 
 contains
 
-   !> What `values`, the text of an entry that should have one value, seem to mean; empty: no idea.
-   pure function form_hint(values) result(hint)
+   !> What `values`, the text of an entry that should have one value, or another number of values,
+   !> seem to mean; empty: no idea. `is_whole`: its numbers have no decimals.
+   pure function form_hint(values, is_whole) result(hint)
       character(*), intent(in) :: values
+      logical, intent(in) :: is_whole
       character(:), allocatable :: hint
-      character(:), allocatable :: rest
-      integer :: comma
+      character(:), allocatable :: number, rest
 
       hint = ''
-      comma = index(values, ',')
       rest = trim(adjustl(values(scan(values, ' ') + 1:)))
+      number = trim(values)
+      if (index(number, ',', back=.true.) == len(number)) number = trim(number(:len(number) - 1))
       if (index(values, '#') > 0) then
          hint = '; a comment begins with !'
       else if (index(values, '*') > 0) then
          hint = '; n*value is a value n times, nothing is multiplied'
-      else if (comma > 1 .and. comma < len(values) .and. verify(values, digits//',+-eE.') == 0 &
-         .and. index(values, ',', back=.true.) == comma) then
+      else if (has_groups(number, is_whole)) then
+         hint = '; the digits of a number are not grouped by commas'
+      else if (has_decimal_comma(number)) then
          hint = '; numbers have a decimal point, not a comma'
       else if (scan(values(1:1), digits//'+-.') > 0 .and. scan(values, ' ') > 0 &
          .and. scan(rest, letters) == 1 .and. scan(rest, ' :,=') == 0 .and. len(rest) <= 4) then
          hint = '; the unit is not written behind the number'
       end if
    end function form_hint
+
+   !> Whether a text is one number but for its one comma: digits in front of it, digits and an
+   !> exponent behind it.
+   pure function has_decimal_comma(text) result(has)
+      character(*), intent(in) :: text
+      logical :: has
+      integer :: comma, last
+
+      has = .false.
+      comma = index(text, ',')
+      if (comma < 2 .or. comma == len(text)) return
+      last = comma + verify(text(comma + 1:)//' ', digits) - 1
+      has = verify(without_sign(text(:comma - 1)), digits//'.') == 0 .and. last > comma &
+         .and. scan(text(comma - 1:comma - 1), digits) > 0 .and. verify(text(last + 1:), &
+         digits//'eEdD+-') == 0 .and. scan(text(last + 1:), 'eEdD+-') <= 1
+   end function has_decimal_comma
+
+   !> Whether a text is one number but for commas between its digits, three by three: several
+   !> commas, one in front of a decimal point, or one in a whole number.
+   pure function has_groups(text, is_whole) result(has)
+      character(*), intent(in) :: text
+      logical, intent(in) :: is_whole
+      logical :: has
+      character(:), allocatable :: rest
+      integer :: commas
+
+      has = .false.
+      rest = without_sign(text)
+      commas = 0
+      do while (index(rest, ',') > 0)
+         associate (comma => index(rest, ','))
+            if (comma < 2 .or. comma > 4 .or. (commas > 0 .and. comma /= 4)) return
+            if (verify(rest(:comma - 1), digits) > 0) return
+            rest = rest(comma + 1:)
+         end associate
+         commas = commas + 1
+      end do
+      if (commas == 0 .or. len(rest) < 3 .or. verify(rest, digits//'.') > 0) return
+      if (verify(rest(:3), digits) > 0) return
+      has = index(rest, '.') == 4 .or. (len(rest) == 3 .and. (is_whole .or. commas > 1))
+   end function has_groups
+
+   !> A number without its sign.
+   pure function without_sign(text) result(rest)
+      character(*), intent(in) :: text
+      character(:), allocatable :: rest
+
+      rest = text
+      if (scan(text(:1), '+-') > 0) rest = text(2:)
+   end function without_sign
 
 end module value_hints

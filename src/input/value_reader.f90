@@ -166,6 +166,7 @@ contains
       slot%reals = [real(wp) ::]
       slot%words = [character(len=word_length) ::]
       slot%is_set = [logical ::]
+      slot%hint = ''
    end subroutine clear
 
    !> Reads one entry into its slot; a default does not count any more. Findings: wrong number of
@@ -193,7 +194,7 @@ contains
             problem = 'a subscript'
          else if (size(pieces) > 1 .and. .not. is_array) then
             problem = to_text(size(pieces)) // ' values, ' // quoted(entry%values)
-            hint = form_hint(trim(adjustl(entry%values)))
+            hint = form_hint(trim(adjustl(entry%values)), row%kind == integer_kind)
          else if (entry%first + size(pieces) - 1 > max_values) then
             problem = 'more than ' // to_text(max_values) // ' values'
          end if
@@ -203,6 +204,8 @@ contains
          return
       end if
       slot%has_value = .true.
+      if (row%kind == reals_kind .and. index(entry%values, '*') == 0) slot%hint = &
+         form_hint(trim(adjustl(entry%values)), is_whole=.false.)
       call make_room(slot, entry%first + size(pieces) - 1)
       do i = 1, size(pieces)
          call store(entry, row, pieces(i), entry%first + i - 1, slot, findings)
@@ -258,7 +261,7 @@ contains
          slot%text = piece%text
       end select
       if (good) return
-      call reject(entry, row, shown_piece(piece), findings)
+      call reject(entry, row, shown_piece(piece), findings, slot%hint)
       slot%has_value = .false.
    end subroutine store
 
