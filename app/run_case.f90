@@ -3,26 +3,21 @@ module run_case
    use adequacy, only: accuracy_for
    use breakdown_text, only: breakdown_sentence
    use case_limits, only: judge_limits
-   use case_memory, only: lubricated_memory
-   use case_outcome, only: case_outcome_t, give_up, outcome_of, status_converged, &
-      status_interrupted, status_not_converged, status_not_written
-   use case_notes, only: tell, tell_coarse_waves, tell_measured_error, tell_missed_target, &
-      tell_pressure_error, tell_unusual, note_unusual
+   use case_notes, only: note_unusual, tell, tell_coarse_waves, tell_missed_target, tell_unusual
+   use case_outcome, only: case_outcome_t, give_up, status_converged, status_not_converged
    use case_record, only: case_t, result_path, set_effective
    use chosen_values, only: fill_chosen, fill_numbers, fill_passage
+   use coarse_runs, only: companions_t
    use command_line, only: command_t
-   use coarse_runs, only: companions_t, make_coarse_runs, make_companion_runs, new_companions, &
-      run_apart, take_companions
-   use decision_section, only: decision_lines, solved_text
+   use decision_section, only: solved_text
    use domain_choice, only: choose_domain
    use error_bars, only: error_bars_t, new_error_bars
-   use errors, only: error_t, fail, input_error
+   use errors, only: error_t
    use film_heating, only: new_heating
    use film_momentum, only: follow_momentum, prepare_momentum
    use film_velocity, only: velocity_profile
-   use formulas_section, only: formula_lines
-   use influence_section, only: model_line
-   use interruption, only: take_last_words
+   use grid_check, only: check_grid
+   use grid_comparison, only: check_forecast, compare_grids
    use iteration_report, only: phase_adequacy, phase_error_bars, phase_output, phase_transient, &
       report_t
    use key_row, only: lubricated
@@ -39,16 +34,13 @@ module run_case
    use own_passages, only: own_runs_t
    use passage_pairs, only: scene_t
    use passage_times, only: new_passage_times, passage_note
-   use progress_log, only: closing_words_t, new_progress_log, progress_log_t
+   use progress_log, only: new_progress_log, progress_log_t
    use resolution_choice, only: choose_resolution, settle_tolerance
+   use result_end, only: finish_result, suspend_result
    use result_start, only: find_complete_result, start_result
    use run_dry_case, only: solve_and_write
    use run_observer, only: run_observer_t
    use side_by_side, only: solve_beside
-   use solver_settings, only: max_intervals_of, max_refined_intervals, time_settings_t
-   use spike_text, only: spike_lines
-   use system_limits, only: memory_fault
-   use text, only: to_text
    use wall_clock, only: wall_seconds
    use wave_resolution, only: choose_time_step, nodes_in_wave, steps_in_wave
    use xdmf_file, only: write_xdmf
@@ -145,7 +137,7 @@ contains
          call give_up(error, watcher%log, outcome)
       else if (watcher%wants_stop .and. .not. report%converged &
          .and. .not. watcher%writer%has_failed()) then
-         call suspend(watcher, outcome)
+         call suspend_result(watcher, outcome)
       else
          whole%domain = contact%domain
          call judge_limits(case, whole, state, report, watcher)   ! with all of its roughness
@@ -154,7 +146,7 @@ contains
                contact%slide_to_roll, state%x, state%pressure, state%film_thickness, &
                case%output_settings%velocity_layers)
          end if
-         call store(case, watcher, state, report, outcome)
+         call finish_result(case, watcher, state, report, outcome)
       end if
    end subroutine run_lubricated_case
 
@@ -178,54 +170,6 @@ contains
       end associate
       call set_effective(case, 'time', 'transient', '.false.')
    end subroutine take_lean_model
-
-   !> Determines for how many intervals there is memory. Error: the grid that the program will
-   !> choose is too fine for the method, or for the memory.
-   subroutine check_grid(case, contact, error)
-      type(case_t), intent(inout) :: case
-      type(line_contact_t), intent(in) :: contact
-      type(error_t), allocatable, intent(out) :: error
-      type(line_contact_t) :: whole
-      character(:), allocatable :: fault
-
-      whole = contact
-      call choose_domain(whole)
-      associate (intervals => whole%domain%intervals, method => case%solver%method)
-         fault = fault_of(intervals)
-         if (intervals > max_intervals_of(method)) fault = 'found '//to_text(intervals) &
-            //' intervals, which the program '// &
-            'chooses, expected at most '//to_text(max_intervals_of(method))//" with method = '" &
-               //trim(method)//"'"
-      end associate
-      if (fault /= '') call fail(error, input_error, case%file//': &domain intervals: '//fault)
-      associate (most => case%solver%max_intervals)
-         most = max_refined_intervals
-         do while (most > whole%domain%intervals .and. fault_of(most) /= '')
-            most = most/2
-         end do
-      end associate
-
-   contains
-
-      !> What is wrong with the memory that a grid needs.
-      function fault_of(intervals) result(fault)
-         integer, intent(in) :: intervals
-         character(:), allocatable :: fault
-         type(line_contact_t) :: own
-         type(time_settings_t) :: time
-         real(wp) :: steps
-
-         own = whole
-         own%domain%intervals = intervals
-         time = case%time
-         call choose_time_step(own, time)
-         steps = 0.0_wp
-         if (time%is_transient) steps = time%end_time/time%time_step
-         fault = memory_fault('a grid', lubricated_memory(intervals, steps, &
-            case%solver%method == 'newton_dense', case%layers))
-      end function fault_of
-
-   end subroutine check_grid
 
    !> The case itself and its coarse runs, which come after it unless they choose its grid, or are
    !> made beside it on another thread.
@@ -264,7 +208,7 @@ contains
          case%solver%space_scheme = watcher%space_scheme
          call settle_tolerance(case%solver)
       else if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
-         call compare_grids(case, contact, watcher, companions, seconds, error)
+         call choose_grid(case, contact, watcher, seconds, error)
          if (allocated(error) .or. watcher%wants_stop) return
       end if
       whole = contact
@@ -302,6 +246,24 @@ contains
       call fill_passage(case, contact, watcher%writer%passage%times)
       call complete_report(watcher, seconds, report)
    end subroutine solve
+
+   !> Intervals and time step for the accuracy that is wanted of a transient, by pilot runs, and the
+   !> `seconds` that they took. Error: memory or a library failed.
+   subroutine choose_grid(case, contact, watcher, seconds, error)
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(inout) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      real(wp), intent(out) :: seconds
+      type(error_t), allocatable, intent(out) :: error
+      type(error_bars_t) :: bars
+      real(wp) :: start
+
+      start = wall_seconds()
+      call choose_resolution(bars, contact, case%solver, case%time, watcher, &
+         error)   ! error: the caller looks
+      watcher%writer%bars = bars
+      seconds = wall_seconds() - start
+   end subroutine choose_grid
 
    !> Measures what the ingredients of the model change, where that is wanted.
    subroutine look_at_model(case, contact, watcher, state, report, error)
@@ -343,112 +305,6 @@ contains
          phases(phase_transient) = max(phases(phase_transient) - watcher%output_seconds, 0.0_wp)
       end associate
    end subroutine complete_report
-
-   !> Writes the result.
-   subroutine store(case, watcher, state, report, outcome)
-      type(case_t), intent(inout) :: case
-      type(run_observer_t), intent(inout) :: watcher
-      type(line_state_t), intent(in) :: state
-      type(report_t), intent(inout) :: report
-      type(case_outcome_t), intent(out) :: outcome
-      type(error_t), allocatable :: error
-      type(closing_words_t) :: words
-
-      watcher%writer%inputs = case%effective
-      call watcher%writer%finish(state, report, error)
-      if (allocated(error)) then
-         if (watcher%writer%name%has_checkpoint) error%message = error%message &
-            //'; --resume goes on after step '// &
-            to_text(watcher%writer%name%kept_step)
-         call give_up(error, watcher%log, outcome)
-         return
-      end if
-      associate (writer => watcher%writer)
-         if (.not. watcher%log%is_quiet) then
-            words%spike = spike_lines(writer%summary, case%accuracy%target_p_max > 0.0_wp, &
-               .not. case%time%is_transient, case%domain%intervals > 0)
-            words%formulas = formula_lines(writer%formulas, writer%summary, watcher%scaling)
-            if (allocated(writer%adequacy%rows)) words%model = &
-               model_line(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)
-            words%decision = decision_lines(writer%choice, writer%adequacy)
-         end if
-         call watcher%log%close_case(writer%summary, report, writer%name%path, &
-            writer%passage%times, writer%limits, words)
-      end associate
-      outcome = outcome_of(report)
-   end subroutine store
-
-   !> The end of an interrupted run: the files needed to go on are kept and named.
-   subroutine suspend(watcher, outcome)
-      type(run_observer_t), intent(inout) :: watcher
-      type(case_outcome_t), intent(out) :: outcome
-      character(:), allocatable :: words
-
-      outcome%status = status_interrupted
-      if (allocated(watcher%failure)) outcome%status = status_not_written
-      words = watcher%writer%name%interruption_text()
-      outcome%reason = words
-      call take_last_words()
-      call watcher%log%say_error(words)
-      if (watcher%writer%name%has_checkpoint) then
-         call watcher%writer%suspend()
-      else
-         call watcher%writer%discard()
-      end if
-   end subroutine suspend
-
-   !> Coarse runs, unless `companions` have been made already; with a target, intervals and time
-   !> step too.
-   subroutine compare_grids(case, contact, watcher, companions, seconds, error)
-      type(case_t), intent(inout) :: case
-      type(line_contact_t), intent(inout) :: contact
-      type(run_observer_t), intent(inout) :: watcher
-      type(companions_t), allocatable, intent(inout) :: companions
-      real(wp), intent(out) :: seconds
-      type(error_t), allocatable, intent(out) :: error
-      type(error_bars_t) :: bars
-      real(wp) :: start
-
-      start = wall_seconds()
-      if (case%time%is_transient .and. case%accuracy%target > 0.0_wp) then
-         call choose_resolution(bars, contact, case%solver, case%time, watcher, &
-            error)   ! error: the caller looks
-      else if (case%time%is_transient) then
-         if (.not. allocated(companions)) then
-            companions = new_companions(contact, case%solver, case%time)
-            call make_companion_runs(companions, watcher)
-         end if
-         call take_companions(companions, bars, error)   ! error: the caller looks
-      else
-         call make_coarse_runs(bars, contact, case%solver, watcher, &
-            error)   ! error: the caller looks
-      end if
-      watcher%writer%bars = bars
-      seconds = wall_seconds() - start
-   end subroutine compare_grids
-
-   !> Whether a solution is as good as wanted: by coarse runs where pilots chose the grid of its
-   !> `contact` and its time step.
-   subroutine check_forecast(case, contact, watcher, state, report, seconds, error)
-      type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
-      type(run_observer_t), intent(inout) :: watcher
-      type(line_state_t), intent(in) :: state
-      type(report_t), intent(inout) :: report
-      real(wp), intent(inout) :: seconds
-      type(error_t), allocatable, intent(out) :: error
-      real(wp) :: start
-
-      call tell_pressure_error(case, watcher, state, report)
-      if (.not. (case%accuracy%has_error_bars .and. watcher%writer%bars%forecast%is_known &
-         .and. report%converged)) return
-      start = wall_seconds()
-      call run_apart(watcher%writer%bars, contact, case%solver, case%time, watcher, error)
-      if (allocated(error)) return
-      seconds = seconds + wall_seconds() - start
-      report%converged = .not. watcher%wants_stop
-      call tell_measured_error(case, watcher, state, report)
-   end subroutine check_forecast
 
    !> A solution that is not finite counts as not converged.
    subroutine refuse_nonsense(state, report)

@@ -1,0 +1,73 @@
+!> What a solved case is compared with for its error bars: itself on coarser grids, and where pilot
+!> runs chose its grid, coarse runs that tell whether it is as good as foretold.
+module grid_comparison
+   use case_notes, only: tell_measured_error, tell_pressure_error
+   use case_record, only: case_t
+   use coarse_runs, only: companions_t, make_coarse_runs, make_companion_runs, new_companions, &
+      run_apart, take_companions
+   use error_bars, only: error_bars_t
+   use errors, only: error_t
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_state, only: line_state_t
+   use run_observer, only: run_observer_t
+   use wall_clock, only: wall_seconds
+   implicit none (type, external)
+   private
+
+   public :: check_forecast, compare_grids
+
+contains
+
+   !> Coarse runs, unless the `companions` of a transient have been made already, and the `seconds`
+   !> that they took. Error: memory or a library failed.
+   subroutine compare_grids(case, contact, watcher, companions, seconds, error)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      type(companions_t), allocatable, intent(inout) :: companions
+      real(wp), intent(out) :: seconds
+      type(error_t), allocatable, intent(out) :: error
+      type(error_bars_t) :: bars
+      real(wp) :: start
+
+      start = wall_seconds()
+      if (case%time%is_transient) then
+         if (.not. allocated(companions)) then
+            companions = new_companions(contact, case%solver, case%time)
+            call make_companion_runs(companions, watcher)
+         end if
+         call take_companions(companions, bars, error)   ! error: the caller looks
+      else
+         call make_coarse_runs(bars, contact, case%solver, watcher, &
+            error)   ! error: the caller looks
+      end if
+      watcher%writer%bars = bars
+      seconds = wall_seconds() - start
+   end subroutine compare_grids
+
+   !> Whether a solution is as good as wanted: by coarse runs where pilots chose the grid of its
+   !> `contact` and its time step.
+   subroutine check_forecast(case, contact, watcher, state, report, seconds, error)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
+      real(wp), intent(inout) :: seconds
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: start
+
+      call tell_pressure_error(case, watcher, state, report)
+      if (.not. (case%accuracy%has_error_bars .and. watcher%writer%bars%forecast%is_known &
+         .and. report%converged)) return
+      start = wall_seconds()
+      call run_apart(watcher%writer%bars, contact, case%solver, case%time, watcher, error)
+      if (allocated(error)) return
+      seconds = seconds + wall_seconds() - start
+      report%converged = .not. watcher%wants_stop
+      call tell_measured_error(case, watcher, state, report)
+   end subroutine check_forecast
+
+end module grid_comparison

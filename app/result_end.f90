@@ -1,0 +1,79 @@
+!> The end of a lubricated case: its result is written and its closing table printed, or what an
+!> interrupted run needs to go on is kept.
+module result_end
+   use case_outcome, only: case_outcome_t, give_up, outcome_of, status_interrupted, &
+      status_not_written
+   use case_record, only: case_t
+   use decision_section, only: decision_lines
+   use errors, only: error_t
+   use formulas_section, only: formula_lines
+   use influence_section, only: model_line
+   use interruption, only: take_last_words
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_state, only: line_state_t
+   use progress_log, only: closing_words_t
+   use run_observer, only: run_observer_t
+   use spike_text, only: spike_lines
+   use text, only: to_text
+   implicit none (type, external)
+   private
+
+   public :: finish_result, suspend_result
+
+contains
+
+   !> Writes the result and prints its closing table.
+   subroutine finish_result(case, watcher, state, report, outcome)
+      type(case_t), intent(inout) :: case
+      type(run_observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
+      type(case_outcome_t), intent(out) :: outcome
+      type(error_t), allocatable :: error
+      type(closing_words_t) :: words
+
+      watcher%writer%inputs = case%effective
+      call watcher%writer%finish(state, report, error)
+      if (allocated(error)) then
+         if (watcher%writer%name%has_checkpoint) error%message = error%message &
+            //'; --resume goes on after step '// &
+            to_text(watcher%writer%name%kept_step)
+         call give_up(error, watcher%log, outcome)
+         return
+      end if
+      associate (writer => watcher%writer)
+         if (.not. watcher%log%is_quiet) then
+            words%spike = spike_lines(writer%summary, case%accuracy%target_p_max > 0.0_wp, &
+               .not. case%time%is_transient, case%domain%intervals > 0)
+            words%formulas = formula_lines(writer%formulas, writer%summary, watcher%scaling)
+            if (allocated(writer%adequacy%rows)) words%model = &
+               model_line(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)
+            words%decision = decision_lines(writer%choice, writer%adequacy)
+         end if
+         call watcher%log%close_case(writer%summary, report, writer%name%path, &
+            writer%passage%times, writer%limits, words)
+      end associate
+      outcome = outcome_of(report)
+   end subroutine finish_result
+
+   !> The end of an interrupted run: the files needed to go on are kept and named.
+   subroutine suspend_result(watcher, outcome)
+      type(run_observer_t), intent(inout) :: watcher
+      type(case_outcome_t), intent(out) :: outcome
+      character(:), allocatable :: words
+
+      outcome%status = status_interrupted
+      if (allocated(watcher%failure)) outcome%status = status_not_written
+      words = watcher%writer%name%interruption_text()
+      outcome%reason = words
+      call take_last_words()
+      call watcher%log%say_error(words)
+      if (watcher%writer%name%has_checkpoint) then
+         call watcher%writer%suspend()
+      else
+         call watcher%writer%discard()
+      end if
+   end subroutine suspend_result
+
+end module result_end
