@@ -4,7 +4,7 @@ module case_notes
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_record, only: case_t
    use domain_choice, only: choose_domain, inlet_error
-   use error_bars, only: domain_error
+   use inlet_errors, only: domain_error
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t

@@ -7,9 +7,10 @@ module bench_measure
    use coarse_runs, only: run_farther
    use domain_choice, only: choose_domain
    use ehl_line_steady, only: solve_steady
-   use error_bars, only: apply_error_bars, error_bars_t, new_error_bars, take_coarser
+   use error_bars, only: apply_error_bars, error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
    use findings, only: findings_t
+   use grid_estimates, only: take_coarser
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_case, only: build_line_contact
@@ -17,10 +18,10 @@ module bench_measure
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem
    use line_state, only: line_state_t
    use missing_value, only: not_known
-   use solver_settings, only: solver_settings_t, time_settings_t
-   use steady_target, only: solve_contact
    use resolution_choice, only: choose_resolution
    use scaling, only: scaling_t
+   use solver_settings, only: solver_settings_t, time_settings_t
+   use steady_target, only: solve_contact
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private

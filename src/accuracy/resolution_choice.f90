@@ -16,8 +16,9 @@
 module resolution_choice
    use coarse_runs, only: run_for_comparison
    use domain_choice, only: choose_domain, inlet_error
-   use error_bars, only: domain_error, error_bars_t, new_error_bars
+   use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
+   use inlet_errors, only: domain_error
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use missing_value, only: not_known

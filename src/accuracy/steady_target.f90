@@ -2,20 +2,21 @@
 !> exact solutions on level after level, each the start of the next and a coarse run of its error
 !> estimate, until the estimate is small enough. Nothing is solved twice.
 module steady_target
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use domain_choice, only: choose_domain
    use ehl_line_solver, only: solve_ehl_line
    use ehl_line_steady, only: solve_steady
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use error_bars, only: apply_error_bars, domain_error, error_bars_t, estimated_error, &
-      new_error_bars, take_coarser
+   use error_bars, only: apply_error_bars, error_bars_t, new_error_bars
    use errors, only: error_t
+   use grid_estimates, only: estimated_error, take_coarser
+   use inlet_errors, only: domain_error
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: intervals_for_waves, line_contact_t
-   use line_level, only: line_level_t
    use level_summaries, only: coarser_summaries, level_summary
+   use line_contact, only: intervals_for_waves, line_contact_t
    use line_hierarchy, only: add_level, line_hierarchy_t, new_growing_hierarchy, new_hierarchy, &
       pose_steady_problem, relaxation_t
+   use line_level, only: line_level_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use nested_start, only: coarse_run_tolerance, first_guess, max_firsts, solve_level

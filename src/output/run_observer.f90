@@ -3,9 +3,9 @@
 module run_observer
    use breakdown_text, only: breakdown_sentence
    use checkpoint, only: checkpoint_t, write_checkpoint
-   use error_bars, only: take_coarser
    use errors, only: error_t, fail, output_error
    use film_passage, only: new_passage
+   use grid_estimates, only: take_coarser
    use interruption, only: is_interrupted, set_patience
    use iteration_report, only: phase_output, phase_transient, report_t
    use kinds, only: wp

@@ -1,0 +1,202 @@
+!> The errors of grid and time step of every quantity: the same case on half and on a quarter of the
+!> intervals (in a transient with twice and four times the time step; of a scheme of first order in
+!> time also on its own grid with the second-order scheme, which the coarser grids have then too),
+!> and what the differences tell (modules grid_errors, transient_errors, pressure_errors).
+module grid_estimates
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use grid_errors, only: error_on_grids, kappa_share, orders, safety
+   use kinds, only: wp
+   use line_summary, only: line_summary_t, new_quantity, quantity_t
+   use missing_value, only: larger, not_known
+   use pressure_errors, only: estimate_crest, estimate_crest_in_time, top_of
+   use quantities, only: h_central, h_min, is_chance, p_max, quantity_count, quantity_rows, &
+      rule_between, rule_crest, rule_node
+   use transient_errors, only: error_by_reference, error_in_time, limit_in_time
+   implicit none (type, external)
+   private
+
+   public :: coarse_values_t, estimate_grid_errors, estimated_error, take_coarser
+
+   !> Error of the exit between two nodes, in spacings.
+   real(wp), parameter, public :: exit_jitter = 0.2_wp
+
+   !> What coarse runs gave, and what is known of the order of the scheme.
+   type :: coarse_values_t
+      !> Quantities on n/2, n/4 and, of a steady contact whose grid was chosen, n/8 intervals; valid
+      !> where the logical says so.
+      type(line_summary_t) :: half, quarter, eighth
+      logical :: has_half = .false., has_quarter = .false., has_eighth = .false.
+      !> Of a transient with a scheme of first order: quantities with that of second order on its
+      !> own grid, known if those on n/2 are.
+      type(line_summary_t) :: second_order
+      logical :: is_first_order = .false.
+      !> Whether the scheme in space is kappa, whose orders have bounds of their own.
+      logical :: is_kappa = .false.
+      !> Of a steady contact by the kappa scheme: quantities by that of the thesis on n, n/2 and n/4
+      !> intervals; not allocated where they are not known.
+      type(line_summary_t), allocatable :: other_scheme(:)
+   end type coarse_values_t
+
+contains
+
+   !> The solutions on n/2, n/4 and n/8 intervals, as many as there are.
+   pure subroutine take_coarser(values, coarser)
+      class(coarse_values_t), intent(inout) :: values
+      type(line_summary_t), intent(in) :: coarser(:)
+
+      values%has_half = size(coarser) >= 1
+      values%has_quarter = size(coarser) >= 2
+      values%has_eighth = size(coarser) >= 3
+      if (values%has_half) values%half = coarser(1)
+      if (values%has_quarter) values%quarter = coarser(2)
+      if (values%has_eighth) values%eighth = coarser(3)
+   end subroutine take_coarser
+
+   !> Estimated relative error of h_min of `summary` on its grid; huge without coarse runs.
+   pure function estimated_error(values, summary) result(error)
+      class(coarse_values_t), intent(in) :: values
+      type(line_summary_t), intent(in) :: summary
+      real(wp) :: error
+      type(quantity_t) :: smallest
+
+      smallest = summary%of(h_min)
+      call estimate_at_rest(values, h_min, 0.0_wp, smallest)
+      error = huge(1.0_wp)
+      if (ieee_is_finite(smallest%error_grid)) error = smallest%error_grid/smallest%value
+   end function estimated_error
+
+   !> The part of grid and time step.
+   pure subroutine estimate_grid_errors(values, is_transient, dx, summary)
+      type(coarse_values_t), intent(in) :: values
+      logical, intent(in) :: is_transient
+      real(wp), intent(in) :: dx
+      type(line_summary_t), intent(inout) :: summary
+      integer :: i
+
+      do i = 1, quantity_count
+         if (quantity_rows(i)%rule == rule_crest) then
+            call estimate_pressure(values, is_transient, summary)
+         else if (is_transient) then
+            call estimate_in_time(values, i, dx, summary%of(i))
+         else
+            call estimate_at_rest(values, i, dx, summary%of(i))
+         end if
+      end do
+   end subroutine estimate_grid_errors
+
+   !> Row `i` on n, n/2, n/4 and n/8 intervals, where it is known.
+   pure function on_levels(values, i, full) result(levels)
+      type(coarse_values_t), intent(in) :: values
+      integer, intent(in) :: i
+      type(quantity_t), intent(in) :: full
+      type(quantity_t) :: levels(4)
+
+      levels = new_quantity(i, [not_known(), not_known()], 0.0_wp)
+      levels(1) = full
+      if (values%has_half) levels(2) = values%half%of(i)
+      if (values%has_quarter) levels(3) = values%quarter%of(i)
+      if (values%has_eighth) levels(4) = values%eighth%of(i)
+   end function on_levels
+
+   !> Grid and time step of row `i` of a transient, from its values between the nodes.
+   pure subroutine estimate_in_time(values, i, dx, quantity)
+      type(coarse_values_t), intent(in) :: values
+      integer, intent(in) :: i
+      real(wp), intent(in) :: dx
+      type(quantity_t), intent(inout) :: quantity
+      type(quantity_t) :: levels(4)
+      real(wp) :: limit, error
+
+      levels = on_levels(values, i, quantity)
+      if (values%is_first_order) levels(1) = values%second_order%of(i)
+      limit = limit_in_time(levels(:3)%between)
+      error = error_in_time(levels(:3)%between)
+      if (values%is_first_order) error = error_by_reference(quantity%between, limit, error)
+      quantity%error_grid = error + abs(quantity%value - quantity%between)
+      if (quantity_rows(i)%rule == rule_between) then
+         quantity%error_grid = quantity%error_grid + exit_jitter*dx
+      else
+         quantity%extrapolated = limit
+      end if
+   end subroutine estimate_in_time
+
+   !> The largest pressure of a node, from maxima by parabolas.
+   pure subroutine estimate_pressure(values, is_transient, summary)
+      type(coarse_values_t), intent(in) :: values
+      logical, intent(in) :: is_transient
+      type(line_summary_t), intent(inout) :: summary
+      real(wp) :: tops(3), nodes(3)
+
+      tops = not_known()
+      tops(1) = top_of(summary%crests)
+      if (is_transient .and. values%is_first_order) tops(1) = top_of(values%second_order%crests)
+      tops(2) = top_of(values%half%crests)
+      if (values%has_quarter) tops(3) = top_of(values%quarter%crests)
+      if (is_transient) then
+         call estimate_crest_in_time(values%is_first_order, tops, summary%crests%highest, &
+            summary%of(p_max))
+      else if (all(ieee_is_finite(tops))) then
+         nodes = [summary%of(p_max)%value, values%half%of(p_max)%value, &
+            values%quarter%of(p_max)%value]
+         call estimate_crest(tops, nodes, summary%of(p_max))
+      end if
+   end subroutine estimate_pressure
+
+   !> The grid of row `i` at rest.
+   pure subroutine estimate_at_rest(values, i, dx, quantity)
+      type(coarse_values_t), intent(in) :: values
+      integer, intent(in) :: i
+      real(wp), intent(in) :: dx
+      type(quantity_t), intent(inout) :: quantity
+      type(quantity_t) :: levels(4)
+      real(wp) :: bounds(2), between(2), own(2)
+
+      bounds = merge(quantity_rows(i)%kappa_orders, orders, values%is_kappa)
+      levels = on_levels(values, i, quantity)
+      own = error_on_grids(levels%value, bounds)
+      between = error_on_grids(levels%between, bounds)
+      if (i == h_central) own = [error_of_line(quantity, between), between(2)]
+      between(1) = between(1) + abs(quantity%value - quantity%between)
+      select case (quantity_rows(i)%rule)
+      case (rule_node)
+         own(1) = larger(own(1), between(1))
+      case (rule_between)
+         own = [between(1) + exit_jitter*dx, quantity%between]
+      case default
+         ! its own values are enough, or what is known of them
+      end select
+      if (allocated(values%other_scheme) .and. is_chance(quantity_rows(i))) own(1) = &
+         error_by_other_scheme(values, i) + abs(quantity%value - quantity%between)
+      quantity%error_grid = own(1)
+      quantity%extrapolated = own(2)
+   end subroutine estimate_at_rest
+
+   !> Error of a value on the line between two nodes, from that of the one between the nodes and its
+   !> limit (NaN: not known), `between`: what the line is off changes with the place of the nodes,
+   !> and has a sign.
+   pure function error_of_line(quantity, between) result(error)
+      type(quantity_t), intent(in) :: quantity
+      real(wp), intent(in) :: between(2)
+      real(wp) :: error
+
+      error = between(1) + abs(quantity%value - quantity%between)
+      if (ieee_is_finite(between(2))) error = max(between(1)/(2*safety), between(1) &
+         + abs(quantity%value - between(2)) - abs(quantity%between - between(2)))
+   end function error_of_line
+
+   !> Error of row `i` in the kappa scheme between the nodes: a share of that of the thesis's
+   !> scheme, which falls regularly.
+   pure function error_by_other_scheme(values, i) result(error)
+      type(coarse_values_t), intent(in) :: values
+      integer, intent(in) :: i
+      real(wp) :: error, films(4), error_and_limit(2)
+      integer :: known
+
+      films = not_known()
+      known = min(size(values%other_scheme), 3)
+      films(:known) = values%other_scheme(:known)%of(i)%between
+      error_and_limit = error_on_grids(films, orders)
+      error = kappa_share/safety*error_and_limit(1)
+   end function error_by_other_scheme
+
+end module grid_estimates
