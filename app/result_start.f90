@@ -11,8 +11,8 @@ module result_start
    use iteration_report, only: phase_output
    use kinds, only: wp
    use missing_value, only: not_known
+   use result_file, only: field_name_length, open_result, reopen_result
    use result_name, only: hold_name, result_name_t
-   use result_writer, only: field_name_length, open_result, reopen_result
    use run_observer, only: run_observer_t
    use scaling, only: scaling_t
    use text, only: to_text
@@ -85,8 +85,7 @@ contains
 
       call read_checkpoint(path//'.ckpt', watcher%case, checkpoint, error)
       if (.not. allocated(error)) call reopen_result(watcher%writer, path, &
-         stored_fields(case, watcher%scaling), checkpoint%part, size(checkpoint%march%film), &
-         checkpoint%passage, error)
+         stored_fields(case, watcher%scaling), checkpoint%part, size(checkpoint%march%film), error)
       if (allocated(error)) then
          error%message = 'cannot resume: '//error%message
          return
@@ -97,6 +96,7 @@ contains
       watcher%intervals = checkpoint%intervals
       watcher%time_step = checkpoint%time_step
       watcher%space_scheme = checkpoint%space_scheme
+      watcher%writer%passage = checkpoint%passage
       watcher%writer%bars%forecast = checkpoint%forecast
       watcher%writer%statistics = checkpoint%statistics
       if (allocated(checkpoint%momentum)) then

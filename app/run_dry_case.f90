@@ -26,7 +26,7 @@ module run_dry_case
    use life_sign, only: begin_activity
    use progress_log, only: progress_log_t
    use quantity_text, only: number_text, wrapped
-   use result_writer, only: open_result, result_writer_t
+   use result_file, only: open_result, result_file_t
    use surface_keys, only: has_shape, surfaces
    use system_limits, only: memory_fault, processors
    use text, only: add_sentence, to_text
@@ -50,7 +50,7 @@ contains
       type(progress_log_t), intent(inout) :: log
       integer, intent(in) :: threads
       type(case_outcome_t), intent(out) :: ending
-      type(result_writer_t) :: writer
+      type(result_file_t) :: result
       type(dry_outcome_t) :: outcome
       type(dry_row_t), allocatable :: errors(:)
       type(dry_adequacy_t) :: adequacy
@@ -59,16 +59,16 @@ contains
 
       if (case%problem == dry_area) case%dry%grid%threads = min(threads, processors())
       call check_memory(case, error)
-      if (.not. allocated(error)) call open_result(writer, path, error)
+      if (.not. allocated(error)) call open_result(result, path, error)
       if (allocated(error)) then
          call give_up(error, log, ending)
          return
       end if
-      call writer%describe(trim(case%problem), case%title, case%namelist)
+      call result%describe(trim(case%problem), case%title, case%namelist)
       call solve_to_target(case%dry, outcome, errors, error)
       if (.not. allocated(error)) call look_at_model(case%dry, outcome, errors, adequacy, error)
       if (allocated(error)) then
-         call writer%discard()
+         call result%discard()
          call give_up(error, log, ending)
          return
       end if
@@ -77,18 +77,18 @@ contains
       if (allocated(case%dry%note)) call add_sentence(words, case%dry%note)
       if (allocated(words)) call move_alloc(words, outcome%solution%report%note)
       call list_dry(case)
-      writer%inputs = case%effective
+      result%inputs = case%effective
       call set_patience(.true.)
       call begin_activity('writing the result')
-      call write_dry_result(writer%file, case%dry, outcome, errors, error)
+      call write_dry_result(result%file, case%dry, outcome, errors, error)
       if (allocated(error)) then
-         call writer%discard()
+         call result%discard()
          call give_up(error, log, ending)
          return
       end if
-      call write_dry_adequacy(writer%file, adequacy)
-      call write_costs(writer%file, outcome)
-      call writer%publish(outcome%solution%report, error)
+      call write_dry_adequacy(result%file, adequacy)
+      call write_costs(result%file, outcome)
+      call result%publish(outcome%solution%report, error)
       if (allocated(error)) then
          call give_up(error, log, ending)
          return
@@ -99,7 +99,7 @@ contains
          // number_text(100.0_wp*case%dry%target, 2) // ' % of the contact area')
       model = ''
       if (allocated(adequacy%rows)) model = model_line(adequacy%rows%judged_t, adequacy%accuracy)
-      call tell(log, name, outcome%rows, errors, outcome%solution, writer%name%path, model)
+      call tell(log, name, outcome%rows, errors, outcome%solution, result%name%path, model)
       ending = outcome_of(outcome%solution%report)
    end subroutine solve_and_write
 

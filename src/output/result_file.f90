@@ -1,0 +1,319 @@
+!> A result file from its first line to its final name, whatever it holds.
+!>
+!> While the case runs everything goes to NAME.part in the same folder. A steady result is completed
+!> there and renamed to NAME. The time steps of a transient are streamed into it, so that memory
+!> does not grow with their number; at the end the result is put together in NAME.tmp,
+!> which is then renamed. (NAME.part of a transient comes from NAME.tmp too, with T = 0 in it, so
+!> that it never shows anything that is not there.) An interrupted or failed run leaves an older
+!> NAME as it was.
+module result_file
+   use breakdown_text, only: write_breakdown
+   use build_info, only: git_commit, program_name, program_version
+   use case_record, only: effective_t
+   use errors, only: error_t, fail, input_error, output_error
+   use hdf5_attribute, only: write_attribute
+   use hdf5_axes, only: write_users
+   use hdf5_dataset, only: new_label, write_dataset
+   use hdf5_file, only: create_hdf5_file, hdf5_file_t
+   use input_section, only: write_inputs
+   use interruption, only: set_patience
+   use iteration_report, only: report_t
+   use life_sign, only: begin_activity
+   use line_state, only: line_state_t
+   use line_summary, only: line_summary_t
+   use operating_system, only: lock_t, remove_file, rename_file, sync_file
+   use result_labels, only: field_names
+   use result_name, only: hold_name, result_name_t
+   use result_sections, only: write_report, write_scaling
+   use scaling, only: scaling_t
+   use transient_store, only: attach_store, create_store, part_t, sliding_names, transient_store_t
+   implicit none (type, external)
+   private
+
+   public :: open_result, reopen_result, result_file_t
+
+   !> Layout of result files: 2 = axes, `units` and the group /si (CHANGELOG.md); without the
+   !> attribute: 1.
+   integer, parameter :: layout = 3
+   !> Longest name of a field or series.
+   integer, parameter, public :: field_name_length = max(len(field_names), len(sliding_names))
+
+   !> The file being written.
+   type :: result_file_t
+      !> Its final name, and what lies beside it.
+      type(result_name_t) :: name
+      !> Every how many time steps profiles are stored; those at T = 0 always are.
+      integer :: profile_stride = 1
+      !> Profiles that are stored, names of `field_names`, and series that not every passage has.
+      character(len=field_name_length), allocatable :: fields(:)
+      !> /input/effective, every value as it is used, default or not: stored as numbers if it has a
+      !> unit ('-': a pure number) and reads as such, else as text.
+      type(effective_t), allocatable :: inputs(:)
+      !> The open file.
+      type(hdf5_file_t) :: file
+      !> Reference values of a lubricated contact.
+      type(scaling_t) :: scaling
+      !> The time steps in NAME.part, and whether there are any.
+      type(transient_store_t) :: store
+      logical :: is_transient = .false.
+      character(:), allocatable, private :: problem, title, namelist
+      !> Lock on the NAME.part that comes from NAME.tmp.
+      type(lock_t), private :: store_lock
+      logical, private :: is_scaled = .false.
+   contains
+      !> Writes what is known before the run.
+      procedure :: describe
+      !> Appends a time step to /transient.
+      procedure :: append_step
+      !> Brings NAME.part to the disk as far as it is written.
+      procedure :: sync
+      !> Whether something could not be written.
+      procedure :: has_failed
+      !> Makes the file ready for what is known at the end only.
+      procedure :: begin_end
+      !> Copies the time steps into /transient.
+      procedure :: copy_steps
+      !> Writes input and report, closes, and gives the file its name.
+      procedure :: publish
+      !> Closes NAME.part and leaves it for a later run to go on with.
+      procedure :: suspend
+      !> Gives the file up; nothing of it stays, but NAME.part if there is a checkpoint.
+      procedure :: discard
+      procedure, private :: keep_failure
+   end type result_file_t
+
+contains
+
+   !> Starts a `new` result `path` under its temporary name; `error` says why that cannot be. A
+   !> checkpoint of an earlier run is removed.
+   subroutine open_result(new, path, error)
+      class(result_file_t), intent(inout) :: new
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+
+      call hold_name(new%name, path, error)
+      if (allocated(error)) return
+      call new%name%expect_interruption(0)
+      call new%name%remove_checkpoint()
+      new%fields = [character(len=field_name_length) :: 'pressure', 'film_thickness']
+      allocate (new%inputs(0))
+      call create_hdf5_file(new%file, path//'.part', error)
+      if (allocated(error)) call new%name%give_back(is_complete=.false.)
+   end subroutine open_result
+
+   !> Goes on, in a `new` one, with the result `path` of an interrupted run and with what was stored
+   !> of it (`part`, profiles of `nx` nodes). Error: NAME.part is not what the checkpoint says.
+   subroutine reopen_result(new, path, fields, part, nx, error)
+      class(result_file_t), intent(inout) :: new
+      character(*), intent(in) :: path, fields(:)
+      type(part_t), intent(in) :: part
+      integer, intent(in) :: nx
+      type(error_t), allocatable, intent(out) :: error
+
+      call hold_name(new%name, path, error)
+      if (allocated(error)) return
+      if (.not. new%name%had_part) then
+         call fail(error, input_error, path//'.part is missing')
+         call new%name%give_back(is_complete=.false.)
+         return
+      end if
+      allocate (new%inputs(0))
+      new%fields = [character(len=field_name_length) :: fields]
+      call attach_store(new%store, path//'.part', fields, nx, part, error)
+      if (allocated(new%store%file%failure) .and. .not. allocated(error)) error = &
+         new%store%file%failure
+      if (allocated(error)) then
+         call new%suspend()
+         return
+      end if
+      call new%name%lock%allow_readers()
+      new%is_transient = .true.
+      new%name%has_checkpoint = .true.
+   end subroutine reopen_result
+
+   !> Writes program, problem and title (UTF-8), the text of the input; the reference values of a
+   !> lubricated contact. The same is written again at the head of NAME.tmp.
+   subroutine describe(self, problem, title, namelist, scaling)
+      class(result_file_t), intent(inout) :: self
+      character(*), intent(in) :: problem, title, namelist
+      type(scaling_t), intent(in), optional :: scaling
+
+      self%problem = problem
+      self%title = title
+      self%namelist = namelist
+      self%is_scaled = present(scaling)
+      if (present(scaling)) self%scaling = scaling
+      if (self%is_transient) return
+      call write_description(self)
+      call self%file%flush()
+   end subroutine describe
+
+   !> Writes what `describe` was given.
+   subroutine write_description(result)
+      class(result_file_t), intent(inout) :: result
+
+      associate (file => result%file)
+         call write_attribute(file, '/', 'program', program_name)
+         call write_attribute(file, '/', 'version', program_version)
+         call write_attribute(file, '/', 'git_commit', git_commit())
+         call write_attribute(file, '/', 'layout', layout)
+         call write_attribute(file, '/', 'problem', result%problem)
+         call write_attribute(file, '/', 'title', result%title)
+         call write_dataset(file, '/input/namelist', result%namelist, &
+            new_label('the input: as a file it repeats this run', '1'))
+         if (result%is_scaled) call write_scaling(file, result%scaling)
+      end associate
+   end subroutine write_description
+
+   !> Appends a time step with its `summary` to /transient.
+   subroutine append_step(self, step, steps, state, summary, report)
+      class(result_file_t), intent(inout) :: self
+      integer, intent(in) :: step, steps
+      type(line_state_t), intent(in) :: state
+      type(line_summary_t), intent(in) :: summary
+      type(report_t), intent(in) :: report
+
+      if (.not. self%is_transient) call start_store(self, [steps, steps/self%profile_stride] + 1, &
+         size(state%x))
+      if (.not. allocated(self%file%failure)) call self%store%append(state, summary, report, &
+         mod(step, self%profile_stride) == 0)
+      call self%keep_failure()
+      if (self%store%records() == 1) call publish_store(self)
+   end subroutine append_step
+
+   !> Makes room for `capacity` times and profiles of `nx` nodes in NAME.tmp; after that the HDF5
+   !> library leaves that file alone.
+   subroutine start_store(result, capacity, nx)
+      class(result_file_t), intent(inout) :: result
+      integer, intent(in) :: capacity(2), nx
+      type(error_t), allocatable :: error
+
+      result%is_transient = .true.
+      call result%file%close(error)   ! error: it stays in result%file%failure
+      if (allocated(result%file%failure)) return
+      call create_hdf5_file(result%file, result%name%path//'.tmp', error)   ! error: as above
+      call write_description(result)
+      call create_store(result%store, result%file, result%fields, capacity, nx, result%scaling)
+      call result%file%close(error)   ! error: as above
+      if (.not. allocated(result%file%failure)) call result%store%open(result%name%path//'.tmp')
+   end subroutine start_store
+
+   !> NAME.tmp, with T = 0 in it, becomes NAME.part.
+   subroutine publish_store(result)
+      class(result_file_t), intent(inout) :: result
+      logical :: is_done
+
+      if (allocated(result%file%failure)) return
+      is_done = result%store_lock%take(result%name%path//'.tmp')
+      call result%store_lock%allow_readers()
+      if (is_done) is_done = rename_file(result%name%path//'.tmp', result%name%path//'.part')
+      if (.not. is_done) call fail(result%file%failure, output_error, 'cannot rename ' &
+         //result%name%path//'.tmp to '//result%name%path &
+         //'.part')
+      result%store%file%path = result%name%path//'.part'
+   end subroutine publish_store
+
+   !> A failure of the store counts as one of the file.
+   subroutine keep_failure(self)
+      class(result_file_t), intent(inout) :: self
+
+      if (allocated(self%file%failure) .or. .not. allocated(self%store%file%failure)) return
+      self%file%failure = self%store%file%failure
+   end subroutine keep_failure
+
+   !> Whether something could not be written.
+   pure function has_failed(self)
+      class(result_file_t), intent(in) :: self
+      logical :: has_failed
+
+      has_failed = allocated(self%file%failure)
+   end function has_failed
+
+   !> Waits until NAME.part is on the disk; true if that worked.
+   function sync(self) result(is_done)
+      class(result_file_t), intent(inout) :: self
+      logical :: is_done
+
+      call self%keep_failure()
+      is_done = .not. allocated(self%file%failure)
+      if (is_done) is_done = sync_file(self%name%path//'.part')
+   end function sync
+
+   !> Makes the file ready for what is known at the end only: of a transient a new one, NAME.tmp.
+   subroutine begin_end(self)
+      class(result_file_t), intent(inout) :: self
+      type(error_t), allocatable :: error
+
+      ! with all time steps in the checkpoint the result can be put together again
+      call set_patience(.not. (self%name%has_checkpoint &
+         .and. self%name%kept_step == self%store%records() - 1))
+      call begin_activity('writing the result')
+      if (.not. self%is_transient .or. allocated(self%file%failure)) return
+      call create_hdf5_file(self%file, self%name%path//'.tmp', error)   ! error: stays in the file
+      call write_description(self)
+   end subroutine begin_end
+
+   !> Copies the time steps into /transient; series in SI too if they are wanted.
+   subroutine copy_steps(self, has_si)
+      class(result_file_t), intent(inout) :: self
+      logical, intent(in) :: has_si
+
+      if (.not. self%is_transient .or. allocated(self%file%failure)) return
+      call self%store%copy_into(self%file, self%scaling, has_si)
+      call self%keep_failure()
+   end subroutine copy_steps
+
+   !> Writes input, report and outcome, closes the file and gives it its final name. Every result of
+   !> every problem ends here: one with values that are no answer has not converged, whatever the
+   !> solver says.
+   subroutine publish(self, report, error)
+      class(result_file_t), intent(inout) :: self
+      type(report_t), intent(inout) :: report
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: reason
+
+      call write_inputs(self%file, self%inputs)
+      if (report%converged .and. allocated(self%file%nonsense)) then
+         report%converged = .false.
+         report%reason = self%file%nonsense
+      end if
+      call write_report(self%file, report)
+      if (self%is_scaled) call write_breakdown(self%file, report%breakdown, self%scaling)
+      reason = ''
+      if (allocated(report%reason)) reason = trim(report%reason)
+      call write_attribute(self%file, '/', 'converged', merge(1, 0, report%converged))
+      call write_attribute(self%file, '/', 'reason', reason)
+      call write_users(self%file)
+      call self%file%close(error)
+      if (.not. allocated(error)) call self%name%give_to(self%name%path &
+         //trim(merge('.tmp ', '.part', self%is_transient)), error)
+      if (allocated(error) .or. self%is_transient) then
+         call self%discard()
+      else
+         call self%name%release()
+      end if
+   end subroutine publish
+
+   !> Closes NAME.part and lets others write it.
+   subroutine suspend(self)
+      class(result_file_t), intent(inout) :: self
+
+      call self%store%file%close()
+      call self%store_lock%release()
+      call self%name%release()
+   end subroutine suspend
+
+   !> Closes the files whatever their state and removes them.
+   subroutine discard(self)
+      class(result_file_t), intent(inout) :: self
+      type(error_t), allocatable :: error
+      logical :: is_removed
+
+      call self%file%close(error)   ! error: the file is given up anyway
+      call self%store%file%close()
+      if (self%is_transient) is_removed = remove_file(self%name%path//'.tmp')
+      if (.not. self%name%has_checkpoint) is_removed = remove_file(self%name%path//'.part')
+      call self%suspend()
+   end subroutine discard
+
+end module result_file
