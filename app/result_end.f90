@@ -4,6 +4,7 @@ module result_end
    use case_outcome, only: case_outcome_t, give_up, outcome_of, status_interrupted, &
       status_not_written
    use case_record, only: case_t
+   use closing_table, only: close_case, closing_words_t
    use decision_section, only: decision_lines
    use errors, only: error_t
    use formulas_section, only: formula_lines
@@ -12,7 +13,6 @@ module result_end
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
-   use progress_log, only: closing_words_t
    use run_observer, only: run_observer_t
    use spike_text, only: spike_lines
    use text, only: to_text
@@ -51,7 +51,7 @@ contains
                model_line(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)
             words%decision = decision_lines(writer%choice, writer%adequacy)
          end if
-         call watcher%log%close_case(writer%summary, report, writer%name%path, &
+         call close_case(watcher%log, writer%summary, report, writer%name%path, &
             writer%passage%times, writer%limits, words)
       end associate
       outcome = outcome_of(report)

@@ -1,56 +1,36 @@
-!> What the user sees while a case runs, on standard error, and when it is done, on standard output:
-!> the only module under src/ that prints.
+!> What the user sees while a case runs, on standard error, and its summary when it is done, on
+!> standard output: the only module under src/ that prints.
 !>
 !> On a terminal one line that is updated; in a log few plain lines; with `is_quiet` nothing but
 !> what went wrong. A closed standard error is no reason to stop: the status of a write is dropped
 !> on purpose; that a summary is lost is said.
 module progress_log
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: error_unit, int64
    use errors, only: error_t
-   use hdf5_dataset, only: label_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use life_sign, only: begin_line, columns_of_sign, end_line
    use line_state, only: line_state_t
-   use line_summary, only: line_summary_t
-   use missing_value, only: exceeds
    use operating_system, only: is_terminal
-   use passage_times, only: passage_times_t
-   use quantities, only: friction_coefficient, h_central, h_min, p_central, p_max, &
-      parabola_minimum, quantity_rows
-   use quantity_text, only: duration_text, number_text, prefixed_text, shortened, wrapped
-   use result_labels, only: row_label
+   use quantities, only: parabola_minimum
+   use quantity_text, only: duration_text, number_text, prefixed_text, shortened
    use scaling, only: scaling_t
    use signal_calls, only: standard_error
-   use spike_text, only: is_central_shown
    use standard_output, only: standard_output_descriptor, write_text
-   use validity, only: limit_t
-   use validity_section, only: limit_sentence
-   use validity_table, only: starvation
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: closing_words_t, new_progress_log, progress_log_t
+   public :: new_progress_log, progress_log_t
 
    !> Columns of a terminal that are used.
-   integer, parameter :: columns = 80
-   !> Rows of the closing table: the pressure away from a spike before that of the spike.
-   integer, parameter :: table_rows(*) = [h_min, h_central, p_central, p_max, friction_coefficient]
+   integer, parameter, public :: columns = 80
    !> Longest name of a case in front of a progress line [columns].
    integer, parameter :: name_columns = 20
    !> Time between two updates on a terminal [s].
    real(wp), parameter :: update_seconds = 0.1_wp
    !> Longest silence in a log during cycles and time steps [s].
    real(wp), parameter :: log_seconds = 4.0_wp
-
-   !> What others say in the closing table; not allocated or empty: nothing.
-   type :: closing_words_t
-      !> What a spike means for p_max; films by formulas; what the ingredients of the model change;
-      !> what was left out.
-      character(:), allocatable :: spike, formulas, model, decision
-   end type closing_words_t
 
    !> Progress of one case after another.
    type :: progress_log_t
@@ -62,10 +42,11 @@ module progress_log
       logical :: is_updating = .false.
       !> Summaries go to standard output, not to `unit`.
       logical :: has_summary_apart = .false.
-      character(:), allocatable, private :: name
+      !> The case: name of its file, and its scales.
+      character(:), allocatable :: name
+      type(scaling_t) :: scaling
       !> The summary so far.
       character(:), allocatable, private :: summary
-      type(scaling_t), private :: scaling
       !> Columns of the updating line now on the screen.
       integer, private :: shown = 0
       !> Clock [s] at the last line and at the start of the time steps.
@@ -78,8 +59,6 @@ module progress_log
       procedure :: on_step
       !> A new case begins.
       procedure :: start_case
-      !> A case is done: its table.
-      procedure :: close_case
       !> A line about the case, unless quiet.
       procedure :: say
       !> Something went wrong; said in any case.
@@ -88,7 +67,9 @@ module progress_log
       procedure :: add_to_summary, print_summary
       !> Whether what went wrong must be told beside the summary.
       procedure :: tells_apart
-      procedure, private :: add_words, update, write_line, write_table, clear
+      !> Removes the updating line; writes lines, in any case.
+      procedure :: clear, write_line
+      procedure, private :: update
    end type progress_log_t
 
 contains
@@ -191,162 +172,6 @@ contains
          //number_text(report%residual, 2)
       line = line//'  '//duration_text(remaining)//' left'
    end function step_text
-
-   !> The closing table: quantities in SI and dimensionless, residuals, seconds, limits of the model
-   !> that are passed, what others say (`words`), path of the result.
-   subroutine close_case(self, summary, report, path, times, limits, words)
-      class(progress_log_t), intent(inout) :: self
-      type(line_summary_t), intent(in) :: summary
-      type(report_t), intent(in) :: report
-      character(*), intent(in) :: path
-      type(passage_times_t), intent(in) :: times
-      type(limit_t), intent(in), optional :: limits(:)
-      type(closing_words_t), intent(in), optional :: words
-      character(:), allocatable :: outcome
-
-      call self%clear()
-      outcome = self%name//': converged'
-      if (.not. report%converged) outcome = self%name//': NOT CONVERGED'
-      if (.not. report%converged .and. allocated(report%reason)) outcome = outcome//': ' &
-         //trim(report%reason)
-      if (report%converged .or. .not. self%is_quiet) then
-         outcome = outcome//', '//number_text(real(report%cycles, wp), 9)//' cycles'
-         if (report%steps > 0) outcome = outcome//' in '//number_text(real(report%steps, wp), 9) &
-            //' time steps'
-         if (report%uncut_steps > 0) outcome = outcome//' (' &
-            //number_text(real(report%uncut_steps, wp), 9)// &
-            ' of the start not cut into parts)'
-         outcome = outcome//', '//number_text(report%wall_seconds, 3)//' s'
-         if (report%peak_memory > 0.0_wp) outcome = outcome//', ' &
-            //prefixed_text(report%peak_memory, 'B')
-      end if
-      outcome = wrapped(outcome, columns)
-      if (.not. report%converged .and. self%tells_apart()) call self%write_line(outcome)
-      if (self%is_quiet) return
-      call self%add_to_summary(outcome)
-      call self%write_table(summary, report, path, times, limits, words)
-      call self%print_summary()
-   end subroutine close_case
-
-   !> The closing table: quantities in SI and dimensionless with their errors, residuals, limits
-   !> that are passed, what the ingredients of the model change, the file.
-   subroutine write_table(self, summary, report, path, times, limits, words)
-      class(progress_log_t), intent(inout) :: self
-      type(line_summary_t), intent(in) :: summary
-      type(report_t), intent(in) :: report
-      character(*), intent(in) :: path
-      type(passage_times_t), intent(in) :: times
-      type(limit_t), intent(in), optional :: limits(:)
-      type(closing_words_t), intent(in), optional :: words
-      integer :: i
-
-      ! else no start was found: there is nothing to show
-      if (exceeds(summary%of(p_max)%value, 0.0_wp)) then
-         call self%add_to_summary('            SI              dimensionless')
-         do i = 1, size(table_rows)
-            if (is_in_table(summary, table_rows(i))) call self%add_to_summary( &
-               row_of_table(table_rows(i)))
-         end do
-         if (present(words)) then
-            call self%add_words(words%spike)
-            call self%add_words(words%formulas)
-         end if
-         call self%add_to_summary('  residual  '//number_text(report%residual, 2) &
-            //'   load error '//number_text(report%load_error, 2)//'   bound ' &
-            //number_text(report%tolerance_effective, 2))
-      end if
-      if (present(limits)) call write_limits(limits)
-      if (times%counts_from > 0.0_wp) call self%add_to_summary('  times     '//times_text(times))
-      if (present(words)) then
-         call self%add_words(words%model)
-         call self%add_words(words%decision)
-      end if
-      if (allocated(report%note)) call self%add_to_summary('  '//wrapped('note      ' &
-         //report%note, columns - 2))
-      call self%add_to_summary('  result    '//path)
-
-   contains
-
-      !> A line for each limit of the model that is passed.
-      subroutine write_limits(limits)
-         type(limit_t), intent(in) :: limits(:)
-
-         do i = 1, size(limits)
-            if (limits(i)%is_passed) call self%add_to_summary('  '//wrapped(merge('inlet     ', &
-               'limit     ', i == starvation)//limit_sentence(i, limits(i)), columns - 2))
-         end do
-      end subroutine write_limits
-
-      !> One row of the table.
-      function row_of_table(i) result(line)
-         integer, intent(in) :: i
-         character(:), allocatable :: line
-         character(len=72) :: row
-         type(label_t) :: scale
-
-         associate (quantity => summary%of(i))
-            scale = row_label(trim(quantity_rows(i)%field), self%scaling)
-            row = '  '//quantity_rows(i)%short
-            row(13:) = '-'
-            if (scale%si_units /= '1') then
-               row(13:) = prefixed_text(quantity%value*scale%si_scale, scale%si_units)
-            else if (self%scaling%is_dimensional) then
-               row(13:) = number_text(quantity%value*scale%si_scale, 4)
-            end if
-            row(29:) = number_text(quantity%value, 6)
-            if (row(39:39) /= ' ') row(29:) = number_text(quantity%value, 5)
-            if (ieee_is_finite(quantity%error_estimate) .and. abs(quantity%value) > 0.0_wp) then
-               row(40:) = '+- '//number_text(100*abs(quantity%error_estimate/quantity%value), 2) &
-                  //' %'
-            else if (ieee_is_finite(summary%of(h_min)%error_estimate)) then
-               row(40:) = '+- not known'
-            end if
-            if (report%steps > 0 .and. ieee_is_finite(quantity%time)) row(53:) = 'at T ' &
-               //number_text(quantity%time, 4)
-         end associate
-         line = trim(row)
-      end function row_of_table
-
-   end subroutine write_table
-
-   !> Whether a quantity of the table has its row: not friction where nothing slides, nor the
-   !> central pressure where the largest one is well known.
-   pure function is_in_table(summary, i)
-      type(line_summary_t), intent(in) :: summary
-      integer, intent(in) :: i
-      logical :: is_in_table
-
-      is_in_table = .true.
-      if (i == friction_coefficient) is_in_table = exceeds(summary%of(i)%value, &
-         0.0_wp)
-      if (i == p_central) is_in_table = is_central_shown(summary)
-   end function is_in_table
-
-   !> Adds what others say: lines that begin with a blank as they are, others wrapped.
-   subroutine add_words(self, lines)
-      class(progress_log_t), intent(inout) :: self
-      character(:), allocatable, intent(in) :: lines
-
-      if (.not. allocated(lines)) return
-      if (len_trim(lines) == 0) return
-      if (lines(1:1) == ' ') then
-         call self%add_to_summary(lines)
-      else
-         call self%add_to_summary('  '//wrapped(lines, columns - 2, 12))
-      end if
-   end subroutine add_words
-
-   !> Which times count.
-   function times_text(times) result(words)
-      type(passage_times_t), intent(in) :: times
-      character(:), allocatable :: words
-
-      words = 'T '//number_text(times%counts_from, 4)//' to '//number_text(times%end_time, 4) &
-         //' count'
-      if (times%period > 0.0_wp) words = words//', periods of '//number_text(times%period, 4)
-      if (times%settled_from > 0.0_wp) words = words//'; the start is forgotten by T ' &
-         //number_text(times%settled_from, 4)
-   end function times_text
 
    !> Whether what went wrong must be told beside the summary: there is none, or its reader may not
    !> be that of the log.

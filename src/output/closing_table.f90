@@ -1,0 +1,191 @@
+!> What is printed of a lubricated case when it is done: its outcome and a table of its quantities.
+module closing_table
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use hdf5_dataset, only: label_t
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_summary, only: line_summary_t
+   use missing_value, only: exceeds
+   use passage_times, only: passage_times_t
+   use progress_log, only: columns, progress_log_t
+   use quantities, only: friction_coefficient, h_central, h_min, p_central, p_max, quantity_rows
+   use quantity_text, only: number_text, prefixed_text, wrapped
+   use result_labels, only: row_label
+   use spike_text, only: is_central_shown
+   use validity, only: limit_t
+   use validity_section, only: limit_sentence
+   use validity_table, only: starvation
+   implicit none (type, external)
+   private
+
+   public :: close_case, closing_words_t
+
+   !> Rows of the closing table: the pressure away from a spike before that of the spike.
+   integer, parameter :: table_rows(*) = [h_min, h_central, p_central, p_max, friction_coefficient]
+
+   !> What others say in the closing table; not allocated or empty: nothing.
+   type :: closing_words_t
+      !> What a spike means for p_max; films by formulas; what the ingredients of the model change;
+      !> what was left out.
+      character(:), allocatable :: spike, formulas, model, decision
+   end type closing_words_t
+
+contains
+
+   !> The closing table: quantities in SI and dimensionless, residuals, seconds, limits of the model
+   !> that are passed, what others say (`words`), path of the result.
+   subroutine close_case(log, summary, report, path, times, limits, words)
+      type(progress_log_t), intent(inout) :: log
+      type(line_summary_t), intent(in) :: summary
+      type(report_t), intent(in) :: report
+      character(*), intent(in) :: path
+      type(passage_times_t), intent(in) :: times
+      type(limit_t), intent(in), optional :: limits(:)
+      type(closing_words_t), intent(in), optional :: words
+      character(:), allocatable :: outcome
+
+      call log%clear()
+      outcome = log%name//': converged'
+      if (.not. report%converged) outcome = log%name//': NOT CONVERGED'
+      if (.not. report%converged .and. allocated(report%reason)) outcome = outcome//': ' &
+         //trim(report%reason)
+      if (report%converged .or. .not. log%is_quiet) then
+         outcome = outcome//', '//number_text(real(report%cycles, wp), 9)//' cycles'
+         if (report%steps > 0) outcome = outcome//' in '//number_text(real(report%steps, wp), 9) &
+            //' time steps'
+         if (report%uncut_steps > 0) outcome = outcome//' (' &
+            //number_text(real(report%uncut_steps, wp), 9)// &
+            ' of the start not cut into parts)'
+         outcome = outcome//', '//number_text(report%wall_seconds, 3)//' s'
+         if (report%peak_memory > 0.0_wp) outcome = outcome//', ' &
+            //prefixed_text(report%peak_memory, 'B')
+      end if
+      outcome = wrapped(outcome, columns)
+      if (.not. report%converged .and. log%tells_apart()) call log%write_line(outcome)
+      if (log%is_quiet) return
+      call log%add_to_summary(outcome)
+      call write_table(log, summary, report, path, times, limits, words)
+      call log%print_summary()
+   end subroutine close_case
+
+   !> The closing table: quantities in SI and dimensionless with their errors, residuals, limits
+   !> that are passed, what the ingredients of the model change, the file.
+   subroutine write_table(log, summary, report, path, times, limits, words)
+      type(progress_log_t), intent(inout) :: log
+      type(line_summary_t), intent(in) :: summary
+      type(report_t), intent(in) :: report
+      character(*), intent(in) :: path
+      type(passage_times_t), intent(in) :: times
+      type(limit_t), intent(in), optional :: limits(:)
+      type(closing_words_t), intent(in), optional :: words
+      integer :: i
+
+      ! else no start was found: there is nothing to show
+      if (exceeds(summary%of(p_max)%value, 0.0_wp)) then
+         call log%add_to_summary('            SI              dimensionless')
+         do i = 1, size(table_rows)
+            if (is_in_table(summary, table_rows(i))) call log%add_to_summary( &
+               row_of_table(table_rows(i)))
+         end do
+         if (present(words)) then
+            call add_words(log, words%spike)
+            call add_words(log, words%formulas)
+         end if
+         call log%add_to_summary('  residual  '//number_text(report%residual, 2) &
+            //'   load error '//number_text(report%load_error, 2)//'   bound ' &
+            //number_text(report%tolerance_effective, 2))
+      end if
+      if (present(limits)) call write_limits(limits)
+      if (times%counts_from > 0.0_wp) call log%add_to_summary('  times     '//times_text(times))
+      if (present(words)) then
+         call add_words(log, words%model)
+         call add_words(log, words%decision)
+      end if
+      if (allocated(report%note)) call log%add_to_summary('  '//wrapped('note      ' &
+         //report%note, columns - 2))
+      call log%add_to_summary('  result    '//path)
+
+   contains
+
+      !> A line for each limit of the model that is passed.
+      subroutine write_limits(limits)
+         type(limit_t), intent(in) :: limits(:)
+
+         do i = 1, size(limits)
+            if (limits(i)%is_passed) call log%add_to_summary('  '//wrapped(merge('inlet     ', &
+               'limit     ', i == starvation)//limit_sentence(i, limits(i)), columns - 2))
+         end do
+      end subroutine write_limits
+
+      !> One row of the table.
+      function row_of_table(i) result(line)
+         integer, intent(in) :: i
+         character(:), allocatable :: line
+         character(len=72) :: row
+         type(label_t) :: scale
+
+         associate (quantity => summary%of(i))
+            scale = row_label(trim(quantity_rows(i)%field), log%scaling)
+            row = '  '//quantity_rows(i)%short
+            row(13:) = '-'
+            if (scale%si_units /= '1') then
+               row(13:) = prefixed_text(quantity%value*scale%si_scale, scale%si_units)
+            else if (log%scaling%is_dimensional) then
+               row(13:) = number_text(quantity%value*scale%si_scale, 4)
+            end if
+            row(29:) = number_text(quantity%value, 6)
+            if (row(39:39) /= ' ') row(29:) = number_text(quantity%value, 5)
+            if (ieee_is_finite(quantity%error_estimate) .and. abs(quantity%value) > 0.0_wp) then
+               row(40:) = '+- '//number_text(100*abs(quantity%error_estimate/quantity%value), 2) &
+                  //' %'
+            else if (ieee_is_finite(summary%of(h_min)%error_estimate)) then
+               row(40:) = '+- not known'
+            end if
+            if (report%steps > 0 .and. ieee_is_finite(quantity%time)) row(53:) = 'at T ' &
+               //number_text(quantity%time, 4)
+         end associate
+         line = trim(row)
+      end function row_of_table
+
+   end subroutine write_table
+
+   !> Whether a quantity of the table has its row: not friction where nothing slides, nor the
+   !> central pressure where the largest one is well known.
+   pure function is_in_table(summary, i)
+      type(line_summary_t), intent(in) :: summary
+      integer, intent(in) :: i
+      logical :: is_in_table
+
+      is_in_table = .true.
+      if (i == friction_coefficient) is_in_table = exceeds(summary%of(i)%value, &
+         0.0_wp)
+      if (i == p_central) is_in_table = is_central_shown(summary)
+   end function is_in_table
+
+   !> Adds what others say: lines that begin with a blank as they are, others wrapped.
+   subroutine add_words(log, lines)
+      type(progress_log_t), intent(inout) :: log
+      character(:), allocatable, intent(in) :: lines
+
+      if (.not. allocated(lines)) return
+      if (len_trim(lines) == 0) return
+      if (lines(1:1) == ' ') then
+         call log%add_to_summary(lines)
+      else
+         call log%add_to_summary('  '//wrapped(lines, columns - 2, 12))
+      end if
+   end subroutine add_words
+
+   !> Which times count.
+   function times_text(times) result(words)
+      type(passage_times_t), intent(in) :: times
+      character(:), allocatable :: words
+
+      words = 'T '//number_text(times%counts_from, 4)//' to '//number_text(times%end_time, 4) &
+         //' count'
+      if (times%period > 0.0_wp) words = words//', periods of '//number_text(times%period, 4)
+      if (times%settled_from > 0.0_wp) words = words//'; the start is forgotten by T ' &
+         //number_text(times%settled_from, 4)
+   end function times_text
+
+end module closing_table
