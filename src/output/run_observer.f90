@@ -2,7 +2,8 @@
 !> solver when the run is interrupted, and keeps a checkpoint then and from time to time.
 module run_observer
    use breakdown_text, only: breakdown_sentence
-   use checkpoint, only: checkpoint_t, write_checkpoint
+   use checkpoint, only: write_checkpoint
+   use checkpoint_content, only: checkpoint_t
    use errors, only: error_t, fail, output_error
    use film_passage, only: new_passage
    use grid_estimates, only: take_coarser

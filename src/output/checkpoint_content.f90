@@ -1,0 +1,309 @@
+!> What the checkpoint of a transient holds, and the one walk over it that writes or reads it.
+module checkpoint_content
+   use checkpoint_file, only: checkpoint_file_t
+   use film_passage, only: film_passage_t, new_passage
+   use film_statistics, only: film_statistics_t, new_statistics
+   use iteration_report, only: breakdown_t, report_t
+   use kinds, only: wp
+   use line_summary, only: line_summary_t, quantity_t
+   use march_state, only: march_state_t
+   use momentum_history, only: excess_t, max_excesses, momentum_history_t, past_t
+   use passage_extremes, only: passage_extremes_t
+   use quantities, only: quantity_count, quantity_rows
+   use split_errors, only: forecast_t
+   use text, only: to_text
+   use transient_store, only: digits_length, part_t
+   implicit none (type, external)
+   private
+
+   public :: checkpoint_t, visit_checkpoint
+
+   !> Grows with every change of what a checkpoint holds.
+   integer, parameter, public :: format_number = 17
+
+   !> What a checkpoint holds.
+   type :: checkpoint_t
+      !> The values of the case that decide about its result, a line each.
+      character(:), allocatable :: case
+      type(march_state_t) :: march
+      !> Extremes over the time steps so far.
+      type(passage_extremes_t) :: passage
+      !> What pilot runs foretold, where they chose the resolution.
+      type(forecast_t) :: forecast
+      !> The film over all time steps, where that is asked for.
+      type(film_statistics_t) :: statistics
+      !> Where the full momentum equations stand, and what they have changed so far, where they are
+      !> solved too.
+      type(momentum_history_t), allocatable :: momentum
+      type(film_passage_t), allocatable :: film_passage
+      !> What is stored in NAME.part.
+      type(part_t) :: part
+      !> Intervals, time step and space scheme, given or chosen.
+      integer :: intervals = 0
+      real(wp) :: time_step = 0.0_wp
+      character(:), allocatable :: space_scheme
+   end type checkpoint_t
+
+contains
+
+   !> Everything that a checkpoint holds: writes it, or reads it.
+   subroutine visit_checkpoint(file, checkpoint)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(checkpoint_t), intent(inout) :: checkpoint
+      logical :: has_momentum, has_statistics
+
+      associate (c => checkpoint)
+         call file%visit_text('/case', c%case)
+         call file%visit('/intervals', c%intervals)
+         call file%visit('/time_step', c%time_step)
+         call file%visit_text('/space_scheme', c%space_scheme)
+         call visit_part(file, c%part)
+         c%passage%has_counted = file%has('/counted', c%passage%has_counted)
+         if (c%passage%has_counted) call visit_summary(file, '/counted/', c%passage%counted)
+         c%passage%has_earlier = file%has('/earlier', c%passage%has_earlier)
+         if (c%passage%has_earlier) call visit_summary(file, '/earlier/', c%passage%earlier)
+         call visit_forecast(file, c%forecast)
+         has_statistics = file%has('/statistics', allocated(c%statistics%thresholds))
+         if (has_statistics) call visit_statistics(file, c%statistics)
+         call visit_march(file, c%march)
+         has_momentum = file%has('/momentum', allocated(c%momentum))
+         if (has_momentum) then
+            if (file%is_read) allocate (c%momentum, c%film_passage)
+            call visit_momentum(file, c%momentum, ubound(c%march%film, 1))
+            call visit_passage(file, c%film_passage, size(c%march%film))
+         end if
+         call visit_report(file, c%march%report)
+         c%march%report%steps = c%march%step
+      end associate
+   end subroutine visit_checkpoint
+
+   !> What is stored in NAME.part.
+   subroutine visit_part(file, part)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(part_t), intent(inout) :: part
+
+      call file%visit('/part/records', part%records)
+      call file%visit_text('/part/digits', part%digits)
+      if (file%is_read) allocate (part%places(2, len(part%digits)/digits_length))
+      call file%visit('/part/places', part%places)
+   end subroutine visit_part
+
+   !> Extremes over several times, in the group `path`.
+   subroutine visit_summary(file, path, summary)
+      type(checkpoint_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      type(line_summary_t), intent(inout) :: summary
+      integer :: i
+
+      do i = 1, quantity_count
+         call visit_quantity(file, path//trim(quantity_rows(i)%name)//'/', summary%of(i))
+      end do
+      call file%visit(path//'highest_crest', summary%crests%highest)
+      call file%visit(path//'other_crest', summary%crests%other)
+      call file%visit(path//'spike', summary%crests%spike)
+      call file%visit(path//'spike_film', summary%crests%spike_film)
+      call file%visit(path//'stokes_number', summary%limits%stokes_number)
+      call file%visit(path//'surface_slope', summary%limits%surface_slope)
+      call file%visit(path//'stress_share', summary%limits%stress_share)
+      call file%visit(path//'film_heating', summary%limits%film_heating)
+   end subroutine visit_summary
+
+   !> One quantity; its error is estimated when the run is complete.
+   subroutine visit_quantity(file, path, quantity)
+      type(checkpoint_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      type(quantity_t), intent(inout) :: quantity
+
+      call file%visit(path//'value', quantity%value)
+      call file%visit(path//'between', quantity%between)
+      call file%visit(path//'time', quantity%time)
+      call file%visit(path//'extrapolated', quantity%extrapolated)
+      call file%visit(path//'error_estimate', quantity%error_estimate)
+      call file%visit(path//'error_grid', quantity%error_grid)
+   end subroutine visit_quantity
+
+   !> What pilot runs foretold, if there were any.
+   subroutine visit_forecast(file, forecast)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(forecast_t), intent(inout) :: forecast
+
+      forecast%is_known = file%has('/forecast', forecast%is_known)
+      if (.not. forecast%is_known) return
+      call file%visit('/forecast/pilot', forecast%pilot)
+      call file%visit('/forecast/pilot_error', forecast%pilot_error)
+      call file%visit('/forecast/error', forecast%error)
+      call file%visit('/forecast/shift', forecast%shift)
+      call file%visit('/forecast/least_doubt', forecast%least_doubt)
+   end subroutine visit_forecast
+
+   !> Sums over the time steps so far.
+   subroutine visit_statistics(file, statistics)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(film_statistics_t), intent(inout) :: statistics
+      real(wp), allocatable :: thresholds(:)
+
+      if (.not. file%is_read) thresholds = statistics%thresholds
+      call file%visit_vector('/statistics/thresholds', thresholds)
+      if (file%is_read) statistics = new_statistics(thresholds)
+      call file%visit('/statistics/times', statistics%times)
+      call file%visit('/statistics/times_below', statistics%times_below)
+      call file%visit('/statistics/shares_below', statistics%shares_below)
+      call file%visit('/statistics/film_bins', statistics%film_bins)
+      call file%visit('/statistics/pressure_bins', statistics%pressure_bins)
+      call file%visit('/statistics/film_sum', statistics%film_sum)
+      call file%visit('/statistics/height_sum', statistics%height_sum)
+      call file%visit('/statistics/square_sum', statistics%square_sum)
+      call file%visit('/statistics/smooth_film', statistics%smooth_film)
+   end subroutine visit_statistics
+
+   !> The last solutions.
+   subroutine visit_march(file, march)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(march_state_t), intent(inout) :: march
+      real(wp), allocatable :: film(:)
+      integer :: n
+
+      call file%visit('/march/step', march%step)
+      call file%visit('/march/size', march%size)
+      call file%visit('/march/way', march%way)
+      call file%visit('/march/rigid_displacement', march%rigid_displacement)
+      call file%visit('/march/lengths', march%lengths)
+      if (.not. file%is_read) film = march%film
+      call file%visit_vector('/march/film', film)
+      n = size(film) - 1
+      if (file%is_read) then
+         allocate (march%film(0:n), march%pressure(0:n, 3), march%mass(0:n, 2))
+         march%film(:) = film
+      end if
+      call file%visit('/march/pressure', march%pressure)
+      call file%visit('/march/mass', march%mass)
+   end subroutine visit_march
+
+   !> The march of the full momentum equations on n intervals.
+   subroutine visit_momentum(file, history, n)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(momentum_history_t), intent(inout) :: history
+      integer, intent(in) :: n
+      integer :: counts(8), k
+
+      associate (past => history)
+         counts = [past%layers, past%times, past%films, past%solutions, past%steps, &
+            past%most_steps, past%factorisations, past%linear_iterations]
+         call file%visit('/momentum/counts', counts)
+         past%layers = counts(1)
+         past%times = counts(2)
+         past%films = counts(3)
+         past%solutions = counts(4)
+         past%steps = counts(5)
+         past%most_steps = counts(6)
+         past%factorisations = counts(7)
+         past%linear_iterations = counts(8)
+         call file%visit('/momentum/longer', past%longer)
+         call file%visit('/momentum/best_count', past%best_count)
+         call file%visit('/momentum/lengths', past%lengths)
+         call file%visit('/momentum/stress_rise', past%stress_rise)
+         do k = 1, min(past%times, size(past%past))
+            call visit_past(file, '/momentum/past_'//to_text(k), past%past(k), past%layers, n)
+         end do
+         do k = 1, min(past%films, max_excesses)
+            call visit_excess(file, '/momentum/excess_'//to_text(k), past%excess(k), past%layers, n)
+         end do
+         call visit_excess(file, '/momentum/flow', past%flow, past%layers, n)
+         call visit_past(file, '/momentum/made_of_old', past%made_of_old, past%layers, n)
+         call file%visit('/momentum/half_rate', past%half_rate)
+         if (file%is_read) allocate (past%film(0:n), past%heights(0:n, 2), &
+            past%reynolds%pressure(0:n), past%reynolds%film(0:n))
+         call file%visit('/momentum/film', past%film)
+         call file%visit('/momentum/heights', past%heights)
+         call file%visit('/momentum/reynolds/pressure', past%reynolds%pressure)
+         call file%visit('/momentum/reynolds/film', past%reynolds%film)
+         call file%visit('/momentum/reynolds/rigid_displacement', &
+            past%reynolds%rigid_displacement)
+      end associate
+   end subroutine visit_momentum
+
+   !> H, z1 and rho H of an old time on `layers` layers and n intervals.
+   subroutine visit_past(file, path, past, layers, n)
+      type(checkpoint_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      type(past_t), intent(inout) :: past
+      integer, intent(in) :: layers, n
+
+      if (file%is_read) allocate (past%film(0:n), past%lower(0:n), past%mass(layers, 0:n))
+      call file%visit(path//'/film', past%film)
+      call file%visit(path//'/lower', past%lower)
+      call file%visit(path//'/mass', past%mass)
+   end subroutine visit_past
+
+   !> P, U, V and H0 on `layers` layers and n intervals.
+   subroutine visit_excess(file, path, excess, layers, n)
+      type(checkpoint_file_t), intent(inout) :: file
+      character(*), intent(in) :: path
+      type(excess_t), intent(inout) :: excess
+      integer, intent(in) :: layers, n
+
+      if (file%is_read) allocate (excess%p(layers, 0:n), excess%u(layers, n), &
+         excess%v(0:layers, 0:n))
+      call file%visit(path//'/p', excess%p)
+      call file%visit(path//'/u', excess%u)
+      call file%visit(path//'/v', excess%v)
+      call file%visit(path//'/rigid_displacement', excess%rigid_displacement)
+   end subroutine visit_excess
+
+   !> What the full momentum equations have changed so far, on nx nodes.
+   subroutine visit_passage(file, passage, nx)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(film_passage_t), intent(inout) :: passage
+      integer, intent(in) :: nx
+      integer :: places(2)
+
+      places = [passage%last, passage%stride]
+      call file%visit('/momentum/passage/places', places)
+      if (file%is_read) passage = new_passage(places(1), places(2), nx)
+      passage%last = places(1)
+      associate (last => places(1), profiles => places(1)/places(2))
+         call file%visit('/momentum/passage/time', passage%time(:last))
+         call file%visit('/momentum/passage/series', passage%series(:, :last))
+         call file%visit('/momentum/passage/pressure', passage%pressure(:, :profiles))
+         call file%visit('/momentum/passage/film', passage%film(:, :profiles))
+      end associate
+   end subroutine visit_passage
+
+   !> The report up to here; a checkpoint is only written after a step that has converged.
+   subroutine visit_report(file, report)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(report_t), intent(inout) :: report
+      real(wp), allocatable :: residuals(:), load_errors(:)
+
+      allocate (residuals, source=report%residual_history())
+      allocate (load_errors, source=report%load_error_history())
+      call file%visit_vector('/report/residual_history', residuals)
+      if (file%is_read) load_errors = residuals
+      call file%visit('/report/load_error_history', load_errors)
+      if (file%is_read) call report%restore(residuals, load_errors)
+      report%converged = .true.
+      call file%visit_text('/report/method', report%method)
+      call file%visit('/report/outlet_pressure', report%outlet_pressure)
+      call file%visit('/report/tolerance_effective', report%tolerance_effective)
+      call file%visit('/report/uncut_steps', report%uncut_steps)
+      call file%visit('/report/work_units', report%work_units)
+      call file%visit('/report/fft_pairs', report%fft_pairs)
+      call file%visit('/report/wall_seconds', report%wall_seconds)
+      call file%visit('/report/phase_seconds', report%phase_seconds)
+      call visit_breakdown(file, report%breakdown)
+   end subroutine visit_report
+
+   !> Films below the floor.
+   subroutine visit_breakdown(file, breakdown)
+      type(checkpoint_file_t), intent(inout) :: file
+      type(breakdown_t), intent(inout) :: breakdown
+
+      call file%visit('/breakdown/count', breakdown%count)
+      call file%visit('/breakdown/step', breakdown%step)
+      call file%visit('/breakdown/time', breakdown%time)
+      call file%visit('/breakdown/position', breakdown%position)
+      call file%visit('/breakdown/film', breakdown%film)
+      call file%visit('/breakdown/smallest_film', breakdown%smallest_film)
+   end subroutine visit_breakdown
+
+end module checkpoint_content
