@@ -29,7 +29,7 @@ module run_dry_case
    use result_file, only: open_result, result_file_t
    use surface_keys, only: has_shape, surfaces
    use system_limits, only: memory_fault, processors
-   use text, only: add_sentence, to_text
+   use text, only: add_sentence, counted, to_text
    implicit none (type, external)
    private
 
@@ -189,8 +189,8 @@ contains
       integer :: i
 
       if (solution%report%converged) then
-         call log%add_to_summary(name // ': converged, ' // to_text(solution%report%cycles) &
-            // ' iterations, ' &
+         call log%add_to_summary(name // ': converged, ' &
+            // counted(solution%report%cycles, 'iteration') // ', ' &
             // to_text(solution%report%wall_seconds, 3) // ' s')
       else
          if (log%tells_apart()) call log%say_error(name // ': NOT CONVERGED: ' &

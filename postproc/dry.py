@@ -131,8 +131,8 @@ def draw_lines(
     if result.hardness and solution["pressure"].max() >= result.hardness:
         top.axhline(result.hardness * fp, **style.REFERENCE)
         look = {"textcoords": "offset points", "fontsize": 8, "ha": "right", "va": "bottom", "annotation_clip": False}
-        top.annotate("hardness", (1, result.hardness * fp), (0, 1), xycoords=("axes fraction", "data"), **look)
-        top.set_ylim(top=1.12 * result.hardness * fp)
+        top.annotate("hardness", (1, result.hardness * fp), (-6, 1), xycoords=("axes fraction", "data"), **look)
+        top.set_ylim(top=1.2 * result.hardness * fp)
     lines = []
     for state, series in zip(STATES, style.SERIES, strict=False):
         look = {key: series[key] for key in ("color", "linestyle")}

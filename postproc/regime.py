@@ -25,6 +25,8 @@ FILMS = (0.5, 1, 2, 3, 5, 8, 12, 20)
 # Oils of the left panel that are drawn and named.
 DRAWN = (0.0, 2.5, 5.0, 10.0, 20.0, 40.0)
 LEAST, LARGEST = 0.3, 40.0
+# L at which the lines of equal film are labelled: no words stand there.
+LABELLED = 0.4
 LINE = {"color": "0.25", "linewidth": 0.9}
 ASYMPTOTE = {"color": "0.6", "linewidth": 0.7, "linestyle": (0, (4, 2))}
 
@@ -121,7 +123,7 @@ def draw_films(axes: Axes, films: Films) -> None:
     for law in (rigid, soft, stiff, both):
         axes.plot(m, law, **ASYMPTOTE)
     axes.set(xscale="log", yscale="log", xlim=(films.moes_m[0], films.moes_m[-1]), ylim=(0.3, 40))
-    axes.set(xlabel="$M$", ylabel=r"$(h_\mathrm{min}/R)\,\sqrt{E'R/(\mu_0 u_\mathrm{s})}$")
+    axes.set(xlabel="$M$ [-]", ylabel=r"$(h_\mathrm{min}/R)\,\sqrt{E'R/(\mu_0 u_\mathrm{s})}$ [-]")
 
 
 def grid(films: Films, points: int) -> list[np.ndarray]:
@@ -132,8 +134,12 @@ def grid(films: Films, points: int) -> list[np.ndarray]:
 def draw_regimes(axes: Axes, films: Films) -> None:
     """Regimes and computed films over M and L."""
     m, oil = grid(films, 120)
-    drawn = axes.contour(m, oil, np.vectorize(films.film)(m, oil), levels=FILMS, colors="0.25", linewidths=0.9)
-    axes.clabel(drawn, fmt="%g", fontsize=7.5, inline_spacing=1)
+    film = np.vectorize(films.film)(m, oil)
+    drawn = axes.contour(m, oil, film, levels=FILMS, colors="0.25", linewidths=0.9)
+    axes.set(xscale="log", yscale="log", xlim=(films.moes_m[0], films.moes_m[-1]), ylim=(LEAST, LARGEST))
+    row = np.abs(oil[:, 0] - LABELLED).argmin()
+    places = [(m[row, np.abs(film[row] - level).argmin()], oil[row, 0]) for level in FILMS if level > film[row].min()]
+    axes.clabel(drawn, fmt="%g", fontsize=7.5, inline_spacing=1, manual=places)
     m, oil = grid(films, 900)
     regime = films.regime(m, oil)
     axes.contour(m, oil, regime, levels=[0.5, 1.5, 2.5], colors="0.6", linewidths=0.7, linestyles="dashed")
@@ -141,10 +147,9 @@ def draw_regimes(axes: Axes, films: Films) -> None:
         inside = regime == i
         if inside.any():
             place = (np.exp(np.log(m[inside]).mean()), np.exp(np.log(oil[inside]).mean()))
-            box = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
+            box = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8}
             axes.annotate(words.replace(", ", "\n"), place, ha="center", va="center", fontsize=8, color="0.4", bbox=box)
-    axes.set(xscale="log", yscale="log", xlim=(films.moes_m[0], films.moes_m[-1]), ylim=(LEAST, LARGEST))
-    axes.set(xlabel="$M$", ylabel="$L$")
+    axes.set(xlabel="$M$ [-]", ylabel="$L$ [-]")
 
 
 def look_of(i: int) -> dict[str, str]:

@@ -36,7 +36,7 @@ def read_sweep(_name: str, path: Path) -> dict[str, np.ndarray]:
 def draw_profile(found: dict[str, dict[str, np.ndarray]], folder: Path) -> None:
     """Pressure and heights of profile A around its largest elastic pressure, elastic and plastic."""
     elastic = found["A_elastic_rigid"]
-    middle = 1e6 * elastic["x"][elastic["pressure"].argmax()]
+    left = max(0.0, 1e6 * elastic["x"][elastic["pressure"].argmax()] - 60)
     figure, axes = style.new_figure(style.TWO_COLUMNS, 100, nrows=2, ncols=2, sharex=True, sharey="row")
     for column, kind in zip(axes.T, ("elastic", "plastic"), strict=True):
         result = found[f"A_{kind}_rigid"]
@@ -47,7 +47,7 @@ def draw_profile(found: dict[str, dict[str, np.ndarray]], folder: Path) -> None:
         for state, series in zip(("undeformed", "loaded", "unloaded"), style.SERIES, strict=False):
             look = {key: series[key] for key in ("color", "linestyle")}
             lines += column[1].plot(x, 1e6 * result[f"height_{state}"], label=state, **look)
-        column[1].set(xlabel="Position $x$ [µm]", xlim=(middle - 60, middle + 60))
+        column[1].set(xlabel="Position $x$ [µm]", xlim=(left, left + 120))
     axes[0, 0].set_ylabel("Pressure [GPa]")
     axes[1, 0].set_ylabel("Height [µm]")
     axes[0, 0].set_ylim(bottom=0)

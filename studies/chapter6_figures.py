@@ -43,10 +43,10 @@ def draw_situations(folder: Path, overtakings: dict[str, Situation]) -> None:
             panel.plot(x, level, color="black", linewidth=1.0)
             panel.fill_between(x, level, side * 2.0, color="0.85", linewidth=0)
             speed = 0.45 if side > 0 else 0.18
-            arrow = {"arrowstyle": "-|>", "linewidth": 0.8}
+            arrow = {"arrowstyle": "-|>", "linewidth": 0.8, "color": "black"}
             panel.annotate("", (centre + speed, side * 1.72), (centre - speed, side * 1.72), arrowprops=arrow)
             panel.text(1.45, side * 1.72, f"$u_{1 if side < 0 else 2}$", ha="right", va="center")
-        panel.set(title=words.capitalize(), xlabel="$X$", ylim=(-2, 2), xlim=(-1.6, 1.6), yticks=[])
+        panel.set(title=words.capitalize(), xlabel="$X$ [-]", ylim=(-2, 2), xlim=(-1.6, 1.6), yticks=[])
         style.few_ticks(panel, 4)
     save(figure, folder, "figure_6_1_situations")
 

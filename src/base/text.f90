@@ -6,7 +6,7 @@ module text
    implicit none (type, external)
    private
 
-   public :: add_sentence, count_of, joined, rounded_down, rounded_up, to_lower, to_text
+   public :: add_sentence, count_of, counted, joined, rounded_down, rounded_up, to_lower, to_text
 
    !> A number or logical as short text without surrounding blanks.
    interface to_text
@@ -156,5 +156,15 @@ contains
          if (words(i:i) == mark) number = number + 1
       end do
    end function count_of
+
+   !> A number of things, such as `1 cycle` and `2 cycles`; `noun` is one of them.
+   pure function counted(number, noun) result(string)
+      integer, intent(in) :: number
+      character(*), intent(in) :: noun
+      character(:), allocatable :: string
+
+      string = integer_to_text(number)//' '//noun
+      if (number /= 1) string = string//'s'
+   end function counted
 
 end module text

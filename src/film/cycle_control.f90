@@ -13,7 +13,7 @@ module cycle_control
    use observer, only: is_stopped, observer_t
    use relaxation_sweeps, only: sweep_under_load
    use residuals, only: measure_residual, residual_t
-   use text, only: to_text
+   use text, only: counted, to_text
    implicit none (type, external)
    private
 
@@ -100,8 +100,8 @@ contains
          if (report%converged) then
             report%reason = 'converged'
          else if (len(report%reason) == 0) then
-            report%reason = 'cycle limit: '//to_text(choice%max_cycles)// &
-               ' cycles left the residual at '//to_text(course%last, 2)
+            report%reason = 'cycle limit: '//counted(choice%max_cycles, 'cycle')// &
+               ' left the residual at '//to_text(course%last, 2)
          end if
          if (allocated(level%state%compensation)) deallocate (level%state%compensation)
       end associate

@@ -12,6 +12,7 @@ module closing_table
    use quantity_text, only: number_text, prefixed_text, wrapped
    use result_labels, only: row_label
    use spike_text, only: is_central_shown
+   use text, only: counted
    use validity, only: limit_t
    use validity_section, only: limit_sentence
    use validity_table, only: starvation
@@ -50,9 +51,8 @@ contains
       if (.not. report%converged .and. allocated(report%reason)) outcome = outcome//': ' &
          //trim(report%reason)
       if (report%converged .or. .not. log%is_quiet) then
-         outcome = outcome//', '//number_text(real(report%cycles, wp), 9)//' cycles'
-         if (report%steps > 0) outcome = outcome//' in '//number_text(real(report%steps, wp), 9) &
-            //' time steps'
+         outcome = outcome//', '//counted(report%cycles, 'cycle')
+         if (report%steps > 0) outcome = outcome//' in '//counted(report%steps, 'time step')
          if (report%uncut_steps > 0) outcome = outcome//' (' &
             //number_text(real(report%uncut_steps, wp), 9)// &
             ' of the start not cut into parts)'
