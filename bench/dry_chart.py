@@ -108,12 +108,13 @@ def draw(points: list[Point], folder: Path) -> None:
             panel.loglog([p.seconds for p in open_marks], [p.error for p in open_marks], **look)
             if method not in METHODS:
                 continue
-            # Both curves begin at the same error: one label above it, one below.
-            above = 8 if method == METHODS[0] else -8
-            for point, place in ((mine[0], {"xytext": (0, above)}), (mine[-1], {"xytext": (0, -8)})):
+            # Both curves begin at the same error; of profiles they run on along each other, of areas down.
+            side = -1 if method == METHODS[0] else 1
+            first = (4 * side, -8 if kind == "profile" and side > 0 else 8)
+            for point, place in ((mine[0], first), (mine[-1], (0, -8))):
                 text = str(point.nodes) if kind == "profile" else f"{point.nodes}$^2$"
                 at = (point.seconds, point.error)
-                panel.annotate(text, at, textcoords="offset points", va="center", ha="center", fontsize=7.5, **place)
+                panel.annotate(text, at, place, textcoords="offset points", va="center", ha="center", fontsize=7.5)
         panel.set(xlabel="Processor time [s]", title="profile C" if kind == "profile" else "rough area")
         panel.margins(0.12)
         panel.xaxis.set_minor_formatter(NullFormatter())
