@@ -130,6 +130,37 @@ def test_a_grooved_area_is_a_line(asperity, tmp_path):
         assert grid == pytest.approx(area.attrs["error_estimate"][1] / area[1], rel=1e-12)
 
 
+def test_profiles_that_all_yield_tell_nothing_of_others(asperity, tmp_path):
+    """The largest pressure of each of 16 profiles is the hardness: no spread, which is no error bar; the other changes have one."""
+    case, _ = random_surface(np.random.default_rng(3), is_area=True)
+    pressure = float(case.split("mean_pressure = ")[1].split()[0])
+    write(tmp_path, "a.nml", case.format(bodies=f", hardness = {4 * pressure}", surface=""))
+    assert asperity("a.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert file["sweep/p_max"][0] == pytest.approx(4 * pressure, rel=1e-6)
+        row = file["adequacy/area"]
+        assert "p_max" not in row
+        assert row.attrs["not_known"].decode().startswith("p_max: all profiles have the same")
+        assert row["contact_area_fraction"].attrs["error_estimate"] > 0
+
+
+@pytest.mark.parametrize(("width", "kind"), [(1.2e-5, ".true."), (1.6e-5, ".false."), (2.6e-5, ".false.")])
+def test_a_change_is_known_no_better_than_its_grid(asperity, tmp_path, width, kind):
+    """Of a contact of 4 to 8 nodes two coarser grids may give the same change by chance."""
+    case = f"""&case problem = 'dry_line' /
+&bodies reduced_modulus = 231e9, reduced_radius = 0.01 /
+&load hertz_pressure = {width / 2 * 231e9 / 0.04} /
+&surface_1 shape = 'parabola' /
+&domain length = 2e-4, intervals = 64, periodic = {kind} /
+"""
+    write(tmp_path, "a.nml", case)
+    assert asperity("a.nml", "--quiet").returncode == 0
+    with h5py.File(tmp_path / "a.h5") as file:
+        for name in QUANTITIES:
+            grid = file[f"adequacy/grid/{name}"][()]
+            assert file[f"adequacy/periodicity/{name}"].attrs["error_estimate"] >= 0.05 * grid * (1 - 1e-12) > 0
+
+
 LINE = """&case problem = 'dry_line' /
 &bodies youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3, hardness = {0} /
 &load {1} /

@@ -16,7 +16,7 @@ module dry_ablations
    use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
    use errors, only: error_t, input_error
    use kinds, only: wp
-   use missing_value, only: larger, not_known, quotient
+   use missing_value, only: exceeds, larger, not_known, quotient
    use synthetic_surface, only: truncate_harmonics
    implicit none (type, external)
    private
@@ -249,8 +249,9 @@ contains
    end subroutine solve_one
 
    !> Relative `change` of the quantities of an area, `values`, where profiles along x take its
-   !> place, the mean of several, each under the same mean pressure; `error_of` is that of the mean.
-   !> Fails (internal_error) if FFTW does.
+   !> place, the mean of several, each under the same mean pressure; `error_of` is that of the mean,
+   !> not known where all have the same value though they differ in others, which tells nothing of
+   !> the profiles between them. Fails (internal_error) if FFTW does.
    subroutine measure_profiles(sweep, values, change, error_of, error)
       type(dry_sweep_t), intent(in) :: sweep
       real(wp), intent(in) :: values(compared_count)
@@ -279,6 +280,9 @@ contains
       change = sum(found, dim=2)/profiles
       error_of = students_t*sqrt(sum((found - spread(change, 2, profiles))**2, &
          dim=2)/(profiles*(profiles - 1.0_wp)))
+      if (any(exceeds(error_of, spacing(1.0_wp)))) then
+         where (.not. exceeds(error_of, spacing(1.0_wp))) error_of = not_known()
+      end if
       ! where all that touches yields, edges of all profiles may err alike, and make all of a change
       if (ieee_is_finite(error_of(1))) error_of(1) = larger(error_of(1), &
          min(deviations*sum(edges)/profiles, abs(change(1))))

@@ -11,7 +11,7 @@ module dry_adequacy
    use dry_sweep, only: dry_outcome_t, dry_row_t
    use errors, only: error_t
    use kinds, only: wp
-   use missing_value, only: larger, not_known, quotient
+   use missing_value, only: exceeds, larger, not_known, quotient
    use roughness, only: power_spectrum
    use text, only: to_text
    use verdicts, only: begin_row, usual_accuracy, verdict_of
@@ -33,6 +33,8 @@ module dry_adequacy
    integer, parameter :: max_rows = 8
    !> Fewest harmonics that are halved.
    integer, parameter :: min_harmonics = 4
+   !> Of the error of the grid at least such a share stays in a change, measured on grids like it.
+   real(wp), parameter :: grid_share = 0.05_wp
 
 contains
 
@@ -70,12 +72,16 @@ contains
       adequacy%rows = [(new_row(parts(i), harmonics, one%grid%kernel), i=1, size(parts))]
       call measure_parts(one, outcome, heaviest, harmonics, parts, adequacy, error)
       if (allocated(error)) return
-      if (size(errors) > 0) call allow_for_yielding(outcome%rows(heaviest), errors(heaviest), &
-         one%loads%hardness, parts, adequacy%rows)
+      if (size(errors) > 0) then
+         call allow_for_grid(grid_row(outcome%rows(heaviest), errors(heaviest)), adequacy%rows)
+         call allow_for_yielding(outcome%rows(heaviest), errors(heaviest), one%loads%hardness, &
+            parts, adequacy%rows)
+      end if
       if (one%grid%ny > 1 .and. .not. one%loads%has_history) then
          adequacy%rows = [adequacy%rows, empty_row('area', 'the mean of '//to_text(profiles) &
             //' profiles along x')]
          associate (row => adequacy%rows(size(adequacy%rows)))
+            row%unknown = 'all profiles have the same, which tells nothing of the others'
             call measure_profiles(one, compared_values(outcome%rows(heaviest)), &
                row%change, row%error, error)
          end associate
@@ -121,6 +127,22 @@ contains
          end associate
       end do
    end subroutine measure_parts
+
+   !> No change of `rows` is better known than by a share of the error of the `grid`; but changes of
+   !> 0 that follow from the contact itself.
+   pure subroutine allow_for_grid(grid, rows)
+      type(dry_influence_t), intent(in) :: grid
+      type(dry_influence_t), intent(inout) :: rows(:)
+      integer :: i, k
+
+      do i = 1, size(rows)
+         do k = 1, compared_count
+            if (exceeds(rows(i)%error(k), 0.0_wp)) then
+               rows(i)%error(k) = larger(rows(i)%error(k), grid_share*grid%change(k))
+            end if
+         end do
+      end do
+   end subroutine allow_for_grid
 
    !> Where nothing yields, a largest pressure that may be above the `hardness` within its error
    !> bar, by a share of that, leaves all changes open by as much: what yields is less than that.
