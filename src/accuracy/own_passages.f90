@@ -5,7 +5,8 @@ module own_passages
    use error_bars, only: error_bars_t
    use kinds, only: wp
    use line_summary, only: line_summary_t
-   use passage_pairs, only: known_passages, march_weight, passages_t, scene_t, sees_all, steps_on
+   use passage_pairs, only: known_passages, march_weight, own_steps, passages_t, scene_t, &
+      sees_all
    implicit none (type, external)
    private
 
@@ -76,7 +77,7 @@ contains
 
       associate (time => scene%time)
          cost = march_weight*longer_steps*runs%newton_steps*time%time_step/time%end_time &
-            *real(intervals, wp)*steps_on(scene, intervals)
+            *real(intervals, wp)*own_steps(scene, intervals)
       end associate
    end function cost_on
 

@@ -9,11 +9,12 @@ module passage_pairs
    use passage_times, only: new_passage_times
    use pressure_errors, only: doubt_spike
    use solver_settings, only: solver_settings_t, time_settings_t
+   use wave_resolution, only: choose_time_step
    implicit none (type, external)
    private
 
-   public :: coarser_scene, cost_of, doubt_extremes, known_passages, passage_grids, passages_t, &
-      scene_t, sees_all, steps_on
+   public :: coarser_scene, cost_of, doubt_extremes, known_passages, own_steps, passage_grids, &
+      passages_t, scene_t, sees_all, steps_on
 
    !> No passage has fewer intervals.
    integer, parameter, public :: least_intervals = 32
@@ -62,8 +63,8 @@ module passage_pairs
 
 contains
 
-   !> Passages of `scene` on two grids by a space scheme that have been run already, with their
-   !> extremes `full`.
+   !> Passages of `scene` on two grids by a space scheme that its run has made already, with their
+   !> extremes `full`, and with the time steps that the run has there.
    pure function known_passages(scene, grids, space_scheme, full) result(passages)
       type(scene_t), intent(in) :: scene
       integer, intent(in) :: grids(2)
@@ -78,6 +79,7 @@ contains
       do g = 1, 2
          passages%scenes(g) = coarser_scene(scene, grids(g))
          passages%scenes(g)%settings%space_scheme = space_scheme
+         passages%scenes(g)%time%time_step = scene%time%end_time/own_steps(scene, grids(g))
          call doubt_extremes(passages%scenes(g)%contact, passages%full(g))
       end do
    end function known_passages
@@ -144,6 +146,25 @@ contains
          steps = max(nint(min(own, fewer)), 1)
       end associate
    end function steps_on
+
+   !> Time steps of the passage that a run makes on a coarser grid for its error bars: as many times
+   !> fewer as intervals, down to a quarter of them; on coarser grids, which are for comparison
+   !> with such passages alone, those of `steps_on`.
+   pure function own_steps(scene, intervals) result(steps)
+      type(scene_t), intent(in) :: scene
+      integer, intent(in) :: intervals
+      integer :: steps
+      type(time_settings_t) :: time
+
+      steps = steps_on(scene, intervals)
+      associate (n => scene%contact%domain%intervals)
+         if (4*intervals < n) return
+         time = scene%time
+         time%time_step = scene%time%time_step*n/intervals
+      end associate
+      call choose_time_step(scene%contact, time)
+      steps = nint(time%end_time/time%time_step)
+   end function own_steps
 
    !> The scene with fewer intervals and steps, which are of second order; its extremes count from
    !> when those of the whole one do.
