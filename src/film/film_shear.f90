@@ -39,11 +39,12 @@ contains
    !> exit between them, so that they do not change with the place of the nodes. In the rolling
    !> power S H^3/mu dP/dX is what the mass flux of the discrete equations leaves of H: that keeps
    !> the balance of energy where viscosity changes by orders of magnitude between two nodes.
-   !> `stress` (nx): the mean stress at every node, 0 where the film cavitates.
-   pure subroutine evaluate_friction(level, friction, stress)
+   !> `stress` and `drive` (nx): mean stress and H dP/dX at every node, 0 where the film cavitates;
+   !> the oil begins at the first node.
+   pure subroutine evaluate_friction(level, friction, stress, drive)
       type(line_level_t), intent(in) :: level
       type(friction_t), intent(out) :: friction
-      real(wp), intent(out), contiguous, optional :: stress(:)
+      real(wp), intent(out), contiguous, optional :: stress(:), drive(:)
       type(stress_block_t) :: block
       real(wp) :: weights(block_size), rise, flux(level%n), stressed
       integer :: i, first, last, m, exit_node
@@ -56,15 +57,18 @@ contains
          stressed = stressed_share*maxval(p)
          has_speeds = ieee_is_finite(level%slide_to_roll)
          if (present(stress)) stress = 0.0_wp
+         if (present(drive)) drive = 0.0_wp
          do first = 0, exit_node, block_size
             last = min(first + block_size - 1, exit_node)
             m = last - first + 1
             call evaluate_nodes(level%fluid, couette_of(level), level%dx, p(:min(last + 1, &
                level%n)), h, level%ln_mu, first + 1, block)
             weights(:m) = merge(level%dx, 0.0_wp, p(first:last) > 0.0_wp)
-            if (present(stress)) stress(first + 1:last + 1) = merge(block%stress(:m), 0.0_wp, &
-               p(first:last) > 0.0_wp)
             if (first == 0) weights(1) = 0.5_wp*level%dx
+            if (present(stress)) stress(first + 1:last + 1) = merge(block%stress(:m), 0.0_wp, &
+               weights(:m) > 0.0_wp)
+            if (present(drive)) drive(first + 1:last + 1) = merge(block%drive(:m), 0.0_wp, &
+               weights(:m) > 0.0_wp)
             if (last == exit_node) weights(m) = last_weight(level, exit_node, flux(max(exit_node, &
                1)))
             friction%sliding = friction%sliding + sum(weights(:m)*block%stress(:m))

@@ -31,6 +31,7 @@ contains
       real(wp), intent(in) :: time
       type(line_state_t), intent(inout) :: state
       logical, intent(in), optional :: has_stresses
+      real(wp), allocatable :: drive(:)
 
       state%x = level%x(:)
       state%pressure = level%state%pressure(:)
@@ -45,14 +46,19 @@ contains
       if (allocated(state%shear_stress_1)) deallocate (state%shear_stress_1, state%shear_stress_2)
       if (all(state%film_thickness > 0.0_wp) .and. level%density(0) > 0.0_wp) then
          allocate (state%friction, state%shear_stress_mean(size(state%x)))
-         call evaluate_friction(level, state%friction, state%shear_stress_mean)
+         if (present(has_stresses)) then
+            if (has_stresses) allocate (drive(size(state%x)))
+         end if
+         ! a drive that is not allocated is absent
+         call evaluate_friction(level, state%friction, state%shear_stress_mean, drive)
          state%limits = film_limits(level%fluid, level%lambda, level%slide_to_roll, level%dx, &
             level%state%pressure, level%state%film)
          state%limits%stress_share = state%friction%stress_share
-         if (.not. ieee_is_finite(level%slide_to_roll)) deallocate (state%shear_stress_mean)
-         if (present(has_stresses)) then
-            if (has_stresses) call fill_stresses(contact, level%ln_mu, state)
+         if (allocated(drive)) then
+            state%shear_stress_1 = state%shear_stress_mean - 0.5_wp*drive
+            state%shear_stress_2 = state%shear_stress_mean + 0.5_wp*drive
          end if
+         if (.not. ieee_is_finite(level%slide_to_roll)) deallocate (state%shear_stress_mean)
       end if
    end subroutine fill_state
 
