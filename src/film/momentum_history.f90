@@ -1,12 +1,14 @@
 !> Where the march of the full momentum equations stands: everything that its later steps and its
-!> result depend on, so that a run can be interrupted and taken up again without changing a bit.
+!> result depend on, so that a run can be interrupted and taken up again without changing a bit; and
+!> what its last films foretell of the next.
 module momentum_history
    use film_state, only: film_state_t
    use kinds, only: wp
+   use time_scheme, only: parabola_weights
    implicit none (type, external)
    private
 
-   public :: excess_t, max_excesses, momentum_history_t, past_t
+   public :: excess_t, max_excesses, momentum_history_t, next_count, past_t, weights_of
 
    !> Films that the next one is foretold from, at most.
    integer, parameter :: max_excesses = 3
@@ -49,5 +51,46 @@ module momentum_history
       type(past_t) :: made_of_old
       type(film_state_t) :: reynolds
    end type momentum_history_t
+
+contains
+
+   !> Weights of the last `count` films in what they foretell at the end of a step of this length.
+   pure function weights_of(past, length, count) result(weights)
+      type(momentum_history_t), intent(in) :: past
+      real(wp), intent(in) :: length
+      integer, intent(in) :: count
+      real(wp) :: weights(max_excesses), last
+
+      weights = 0.0_wp
+      last = merge(past%lengths(1), 1.0_wp, past%films > 1)
+      if (count > 0) weights = parabola_weights(count, length/last, past%lengths(2)/last)
+   end function weights_of
+
+   !> From how many of its films the past would best have foretold the present `excess`, after a
+   !> step of this length: pressures and velocities count alike.
+   function next_count(past, excess, length) result(best)
+      type(momentum_history_t), intent(in) :: past
+      type(excess_t), intent(in) :: excess
+      real(wp), intent(in) :: length
+      integer :: best
+      real(wp) :: miss, smallest, weights(max_excesses)
+      real(wp), allocatable :: p(:, :), u(:, :)
+      integer :: count, k
+
+      best = 0
+      smallest = huge(1.0_wp)
+      do count = 0, past%films
+         weights = weights_of(past, length, count)
+         p = excess%p
+         u = excess%u
+         do k = 1, count
+            p = p - weights(k)*past%excess(k)%p
+            u = u - weights(k)*past%excess(k)%u
+         end do
+         miss = max(maxval(abs(p)), maxval(abs(u)))
+         if (miss < smallest) best = count
+         smallest = min(miss, smallest)
+      end do
+   end function next_count
 
 end module momentum_history

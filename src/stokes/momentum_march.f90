@@ -14,14 +14,13 @@ module momentum_march
    use line_level, only: line_level_t
    use line_state, only: line_state_t
    use momentum_continuation, only: missing_reason, solve_by_continuation
-   use momentum_history, only: excess_t, max_excesses, momentum_history_t
+   use momentum_history, only: excess_t, max_excesses, momentum_history_t, next_count, weights_of
    use momentum_newton, only: momentum_newton_t, solve_momentum_contact, start_flow
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t
    use momentum_rows, only: evaluate_rows, momentum_rows_t
    use momentum_setup, only: pose_momentum, set_walls, take_level, walls_t
    use time_follower, only: follower_t
    use time_part, only: time_part_t
-   use time_scheme, only: parabola_weights
    implicit none (type, external)
    private
 
@@ -237,45 +236,6 @@ contains
          end do
       end associate
    end subroutine foretell
-
-   !> Weights of the last `count` films in what they foretell at the end of a step of this length.
-   pure function weights_of(past, length, count) result(weights)
-      type(momentum_history_t), intent(in) :: past
-      real(wp), intent(in) :: length
-      integer, intent(in) :: count
-      real(wp) :: weights(max_excesses), last
-
-      weights = 0.0_wp
-      last = merge(past%lengths(1), 1.0_wp, past%films > 1)
-      if (count > 0) weights = parabola_weights(count, length/last, past%lengths(2)/last)
-   end function weights_of
-
-   !> From how many of its films the past would best have foretold the present `excess`, after a
-   !> step of this length: pressures and velocities count alike.
-   function next_count(past, excess, length) result(best)
-      type(momentum_history_t), intent(in) :: past
-      type(excess_t), intent(in) :: excess
-      real(wp), intent(in) :: length
-      integer :: best
-      real(wp) :: miss, smallest, weights(max_excesses)
-      real(wp), allocatable :: p(:, :), u(:, :)
-      integer :: count, k
-
-      best = 0
-      smallest = huge(1.0_wp)
-      do count = 0, past%films
-         weights = weights_of(past, length, count)
-         p = excess%p
-         u = excess%u
-         do k = 1, count
-            p = p - weights(k)*past%excess(k)%p
-            u = u - weights(k)*past%excess(k)%u
-         end do
-         miss = max(maxval(abs(p)), maxval(abs(u)))
-         if (miss < smallest) best = count
-         smallest = min(miss, smallest)
-      end do
-   end function next_count
 
    !> The walls take these heights, the film follows, and the velocities, of which `flow` holds what
    !> they are above those of the thin film.
