@@ -90,7 +90,7 @@ def estimate(bytes_a_node: float, pairs: float, over_transforms: float, rate: fl
 def main() -> None:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="areas to 1024^2 instead of 8192^2 (8 GB)")
+    parser.add_argument("--quick", action="store_true", help="areas to 1024^2 instead of 8192^2 (6 GB)")
     sizes = [512, 1024] if parser.parse_args().quick else [1024, 2048, 4096, 8192]
     print(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} at the start")
     with tempfile.TemporaryDirectory() as name:
