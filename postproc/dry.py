@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import figure_command
@@ -45,6 +45,8 @@ class DryResult:
     history: np.ndarray
     tolerance: float
     hardness: float | None
+    # Error estimates of datasets of the sweep.
+    errors: dict[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def stem(self) -> str:
@@ -77,6 +79,7 @@ def read_dry(path: Path) -> DryResult:
             np.atleast_1d(values_of(file["report/residual_history"])),
             float(inputs_of(file, "solver")["tolerance"]),
             None if hardness is None else float(hardness),
+            {name: item.attrs["error_estimate"] for name, item in file["sweep"].items() if "error_estimate" in item.attrs},
         )
 
 
@@ -186,7 +189,7 @@ def draw_maps(result: DryResult) -> Figure:
 
 
 def draw_sweep(result: DryResult) -> Figure:
-    """Areas, separation and roughness over the load."""
+    """Areas, separation and roughness over the load, with the error estimates of the result."""
     figure, axes = style.new_figure(style.TWO_COLUMNS, 62, ncols=3)
     sweep = result.sweep
     order = np.argsort(sweep["mean_pressure"])
@@ -204,7 +207,10 @@ def draw_sweep(result: DryResult) -> Figure:
         mine = [curve for curve in curves if curve[0] is panel]
         factor, name = (1.0, "") if mine[0][3] == "1" else unit(np.concatenate([sweep[curve[1]] for curve in mine]), "m")
         for (_, key, label, _), series in zip(mine, style.SERIES, strict=False):
-            panel.plot(load, sweep[key][order] * factor, label=label, markevery=max(1, len(load) // 12), **series)
+            error = result.errors[key][order] * factor if key in result.errors else None
+            every = max(1, len(load) // 12)
+            look = {"markevery": every, "errorevery": every, "elinewidth": 0.7, "capsize": 2}
+            panel.errorbar(load, sweep[key][order] * factor, error, label=label, **look, **series)
         panel.set(xlabel=f"Mean pressure [{up}]", ylabel=labels + (f" [{name}]" if name else ""))
         if len(mine) > 1:
             panel.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=1 + (len(mine) == 2), borderaxespad=0.2)

@@ -48,6 +48,18 @@ def test_a_long_profile_has_a_detail_round_its_largest_pressure(nodes, columns):
     dry.style.plt.close(figure)
 
 
+def test_the_sweep_has_the_error_bars_of_the_result():
+    result = dry_result(64)
+    known = ("plastic_area_fraction", "mean_separation", "ra_undeformed", "ra_loaded", "ra_unloaded")
+    result.sweep |= dict.fromkeys(known, np.array([2e-7, 1e-7]))
+    result.errors = {"contact_area_fraction": np.array([0.002, 0.003])}
+    figure = dry.draw_sweep(result)
+    (bars,) = figure.axes[0].containers[0].lines[2]
+    assert [np.ptp(ends[:, 1]) for ends in bars.get_segments()] == pytest.approx([0.004, 0.006])
+    assert not figure.axes[1].containers[0].has_yerr
+    dry.style.plt.close(figure)
+
+
 @pytest.mark.parametrize("count", [2, 6, 7, 8, 9, 40])
 def test_a_family_of_results_has_a_short_legend(count):
     named = compare.labelled(count)
