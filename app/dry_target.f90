@@ -8,7 +8,7 @@ module dry_target
    use dry_resampling, only: dry_sweep_t
    use dry_resolution, only: area_doubt, dry_rung_t, finer_nodes, is_met
    use dry_scaling, only: dry_scaling_t, new_dry_scaling
-   use dry_settings, only: dry_settings_t
+   use dry_settings, only: dry_settings_t, max_nodes_to_refine
    use dry_surfaces, only: is_refinable, refine_heights
    use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
    use errors, only: error_t, input_error
@@ -139,7 +139,8 @@ contains
       integer, intent(in) :: nodes(2)
       type(memory_t) :: need
 
-      need = dry_memory(nodes, dry%is_periodic)
+      need = dry_memory(nodes, dry%is_periodic, &
+         product(real(nodes, wp)) <= max_nodes_to_refine)
       need%reserved = need%reserved + thread_memory(dry%grid%threads)
    end function grid_memory
 

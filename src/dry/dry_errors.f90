@@ -15,7 +15,7 @@
 module dry_errors
    use dry_problem, only: dry_grid_t, kernel_open
    use dry_resampling, only: dry_sweep_t, is_too_coarse, resample, resample_pressures
-   use dry_settings, only: dry_settings_t, method_conjugate_gradient
+   use dry_settings, only: dry_settings_t, max_nodes_to_refine, method_conjugate_gradient
    use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
    use errors, only: error_t, input_error
    use kinds, only: wp
@@ -27,8 +27,6 @@ module dry_errors
 
    !> Most nodes of a line and of an area that are compared with finer grids.
    integer, parameter :: max_nodes_for_finer(2) = [2**17, 2**14]
-   !> The same where the surface has short waves.
-   integer, parameter :: max_nodes_for_short_waves = 2**18
    !> Measure of waves that are short: 1 on a smooth surface, 1.37 for a wave of 8 nodes, 4 for one
    !> of 4.
    real(wp), parameter :: short_waves = 1.3_wp
@@ -169,7 +167,7 @@ contains
       logical :: goes_finer
 
       goes_finer = has_few_nodes(grid)
-      if (goes_finer .or. real(grid%nx, wp)*grid%ny > max_nodes_for_short_waves) return
+      if (goes_finer .or. real(grid%nx, wp)*grid%ny > max_nodes_to_refine) return
       goes_finer = 16.0_wp*bending(grid, heights, 1) > short_waves*bending(grid, heights, 2)
    end function goes_finer
 

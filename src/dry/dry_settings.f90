@@ -14,6 +14,9 @@ module dry_settings
    real(wp), parameter, public :: dry_tolerance = 1.0e-8_wp
    integer, parameter, public :: dry_cycles = 10000
 
+   !> Most nodes of a grid whose error bars take finer ones, where its surface has short waves.
+   integer, parameter, public :: max_nodes_to_refine = 2**18
+
    !> How to solve.
    type :: dry_settings_t
       integer :: method = method_conjugate_gradient

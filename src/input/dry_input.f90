@@ -11,7 +11,7 @@ module dry_input
    use measured_heights, only: heights_t
    use hertz, only: line_load_from_pressure, point_load_from_pressure
    use input_values, only: value_t
-   use dry_settings, only: method_conjugate_gradient, method_steepest_descent
+   use dry_settings, only: max_nodes_to_refine, method_conjugate_gradient, method_steepest_descent
    use kinds, only: wp
    use large_pages, only: prefer_large_pages
    use surface_keys, only: has_shape, surfaces
@@ -65,7 +65,9 @@ contains
 
       key = trim(merge('intervals  ', 'intervals_x', dry%values%problem == 'dry_line'))
       nodes = int(dry%grid%nx, int64)*dry%grid%ny
-      fault = memory_fault('a grid', dry_memory([dry%grid%nx, dry%grid%ny], dry%is_periodic))
+      fault = memory_fault('a grid', dry_memory([dry%grid%nx, dry%grid%ny], dry%is_periodic, &
+         (dry%values%logical_value('accuracy', 'error_bars') .or. dry%wants_adequacy) &
+         .and. nodes <= max_nodes_to_refine))
       if (nodes > max_nodes) fault = 'found ' // to_text(nodes) // ' nodes, expected at most ' &
          // to_text(max_nodes)
       if (fault /= '') then
