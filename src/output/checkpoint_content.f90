@@ -19,7 +19,7 @@ module checkpoint_content
    public :: checkpoint_t, visit_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter, public :: format_number = 17
+   integer, parameter, public :: format_number = 18
 
    !> What a checkpoint holds.
    type :: checkpoint_t
