@@ -11,6 +11,7 @@ module closing_table
    use quantities, only: friction_coefficient, h_central, h_min, p_central, p_max, quantity_rows
    use quantity_text, only: number_text, prefixed_text, wrapped
    use result_labels, only: row_label
+   use scaling, only: scaling_t
    use spike_text, only: is_central_shown
    use text, only: counted
    use validity, only: limit_t
@@ -33,8 +34,8 @@ module closing_table
 
 contains
 
-   !> The closing table: quantities in SI and dimensionless, residuals, seconds, limits of the model
-   !> that are passed, what others say (`words`), path of the result.
+   !> The outcome, and the closing table: quantities in SI and dimensionless with their errors,
+   !> residuals, limits of the model that are passed, what others say (`words`), path of the result.
    subroutine close_case(log, summary, report, path, times, limits, words)
       type(progress_log_t), intent(inout) :: log
       type(line_summary_t), intent(in) :: summary
@@ -44,48 +45,19 @@ contains
       type(limit_t), intent(in), optional :: limits(:)
       type(closing_words_t), intent(in), optional :: words
       character(:), allocatable :: outcome
+      integer :: i
 
       call log%clear()
-      outcome = log%name//': converged'
-      if (.not. report%converged) outcome = log%name//': NOT CONVERGED'
-      if (.not. report%converged .and. allocated(report%reason)) outcome = outcome//': ' &
-         //trim(report%reason)
-      if (report%converged .or. .not. log%is_quiet) then
-         outcome = outcome//', '//counted(report%cycles, 'cycle')
-         if (report%steps > 0) outcome = outcome//' in '//counted(report%steps, 'time step')
-         if (report%uncut_steps > 0) outcome = outcome//' (' &
-            //number_text(real(report%uncut_steps, wp), 9)// &
-            ' of the start not cut into parts)'
-         outcome = outcome//', '//number_text(report%wall_seconds, 3)//' s'
-         if (report%peak_memory > 0.0_wp) outcome = outcome//', ' &
-            //prefixed_text(report%peak_memory, 'B')
-      end if
-      outcome = wrapped(outcome, columns)
+      outcome = wrapped(log%name//': '//outcome_text(report, log%is_quiet), columns)
       if (.not. report%converged .and. log%tells_apart()) call log%write_line(outcome)
       if (log%is_quiet) return
       call log%add_to_summary(outcome)
-      call write_table(log, summary, report, path, times, limits, words)
-      call log%print_summary()
-   end subroutine close_case
-
-   !> The closing table: quantities in SI and dimensionless with their errors, residuals, limits
-   !> that are passed, what the ingredients of the model change, the file.
-   subroutine write_table(log, summary, report, path, times, limits, words)
-      type(progress_log_t), intent(inout) :: log
-      type(line_summary_t), intent(in) :: summary
-      type(report_t), intent(in) :: report
-      character(*), intent(in) :: path
-      type(passage_times_t), intent(in) :: times
-      type(limit_t), intent(in), optional :: limits(:)
-      type(closing_words_t), intent(in), optional :: words
-      integer :: i
-
       ! else no start was found: there is nothing to show
       if (exceeds(summary%of(p_max)%value, 0.0_wp)) then
          call log%add_to_summary('            SI              dimensionless')
          do i = 1, size(table_rows)
             if (is_in_table(summary, table_rows(i))) call log%add_to_summary( &
-               row_of_table(table_rows(i)))
+               row_of_table(table_rows(i), summary, log%scaling, report%steps > 0))
          end do
          if (present(words)) then
             call add_words(log, words%spike)
@@ -95,7 +67,7 @@ contains
             //'   load error '//number_text(report%load_error, 2)//'   bound ' &
             //number_text(report%tolerance_effective, 2))
       end if
-      if (present(limits)) call write_limits(limits)
+      if (present(limits)) call add_limits(log, limits)
       if (times%counts_from > 0.0_wp) call log%add_to_summary('  times     '//times_text(times))
       if (present(words)) then
          call add_words(log, words%model)
@@ -104,50 +76,73 @@ contains
       if (allocated(report%note)) call log%add_to_summary('  '//wrapped('note      ' &
          //report%note, columns - 2))
       call log%add_to_summary('  result    '//path)
+      call log%print_summary()
+   end subroutine close_case
 
-   contains
+   !> A line for each limit of the model that is passed.
+   subroutine add_limits(log, limits)
+      type(progress_log_t), intent(inout) :: log
+      type(limit_t), intent(in) :: limits(:)
+      integer :: i
 
-      !> A line for each limit of the model that is passed.
-      subroutine write_limits(limits)
-         type(limit_t), intent(in) :: limits(:)
+      do i = 1, size(limits)
+         if (limits(i)%is_passed) call log%add_to_summary('  '//wrapped(merge('inlet     ', &
+            'limit     ', i == starvation)//limit_sentence(i, limits(i)), columns - 2))
+      end do
+   end subroutine add_limits
 
-         do i = 1, size(limits)
-            if (limits(i)%is_passed) call log%add_to_summary('  '//wrapped(merge('inlet     ', &
-               'limit     ', i == starvation)//limit_sentence(i, limits(i)), columns - 2))
-         end do
-      end subroutine write_limits
+   !> The row of quantity `i` of a steady contact or of one in time.
+   function row_of_table(i, summary, scaling, is_transient) result(line)
+      integer, intent(in) :: i
+      type(line_summary_t), intent(in) :: summary
+      type(scaling_t), intent(in) :: scaling
+      logical, intent(in) :: is_transient
+      character(:), allocatable :: line
+      character(len=72) :: row
+      type(label_t) :: scale
 
-      !> One row of the table.
-      function row_of_table(i) result(line)
-         integer, intent(in) :: i
-         character(:), allocatable :: line
-         character(len=72) :: row
-         type(label_t) :: scale
+      associate (quantity => summary%of(i))
+         scale = row_label(trim(quantity_rows(i)%field), scaling)
+         row = '  '//quantity_rows(i)%short
+         row(13:) = '-'
+         if (scale%si_units /= '1') then
+            row(13:) = prefixed_text(quantity%value*scale%si_scale, scale%si_units)
+         else if (scaling%is_dimensional) then
+            row(13:) = number_text(quantity%value*scale%si_scale, 4)
+         end if
+         row(29:) = number_text(quantity%value, 6)
+         if (row(39:39) /= ' ') row(29:) = number_text(quantity%value, 5)
+         if (ieee_is_finite(quantity%error_estimate) .and. abs(quantity%value) > 0.0_wp) then
+            row(40:) = '+- '//number_text(100*abs(quantity%error_estimate/quantity%value), 2) &
+               //' %'
+         else if (ieee_is_finite(summary%of(h_min)%error_estimate)) then
+            row(40:) = '+- not known'
+         end if
+         if (is_transient .and. ieee_is_finite(quantity%time)) row(53:) = 'at T ' &
+            //number_text(quantity%time, 4)
+      end associate
+      line = trim(row)
+   end function row_of_table
 
-         associate (quantity => summary%of(i))
-            scale = row_label(trim(quantity_rows(i)%field), log%scaling)
-            row = '  '//quantity_rows(i)%short
-            row(13:) = '-'
-            if (scale%si_units /= '1') then
-               row(13:) = prefixed_text(quantity%value*scale%si_scale, scale%si_units)
-            else if (log%scaling%is_dimensional) then
-               row(13:) = number_text(quantity%value*scale%si_scale, 4)
-            end if
-            row(29:) = number_text(quantity%value, 6)
-            if (row(39:39) /= ' ') row(29:) = number_text(quantity%value, 5)
-            if (ieee_is_finite(quantity%error_estimate) .and. abs(quantity%value) > 0.0_wp) then
-               row(40:) = '+- '//number_text(100*abs(quantity%error_estimate/quantity%value), 2) &
-                  //' %'
-            else if (ieee_is_finite(summary%of(h_min)%error_estimate)) then
-               row(40:) = '+- not known'
-            end if
-            if (report%steps > 0 .and. ieee_is_finite(quantity%time)) row(53:) = 'at T ' &
-               //number_text(quantity%time, 4)
-         end associate
-         line = trim(row)
-      end function row_of_table
+   !> How a run has ended, and what it took unless it failed and `is_short`.
+   function outcome_text(report, is_short) result(outcome)
+      type(report_t), intent(in) :: report
+      logical, intent(in) :: is_short
+      character(:), allocatable :: outcome
 
-   end subroutine write_table
+      outcome = 'converged'
+      if (.not. report%converged) outcome = 'NOT CONVERGED'
+      if (.not. report%converged .and. allocated(report%reason)) outcome = outcome//': ' &
+         //trim(report%reason)
+      if (.not. report%converged .and. is_short) return
+      outcome = outcome//', '//counted(report%cycles, 'cycle')
+      if (report%steps > 0) outcome = outcome//' in '//counted(report%steps, 'time step')
+      if (report%uncut_steps > 0) outcome = outcome//' (' &
+         //number_text(real(report%uncut_steps, wp), 9)//' of the start not cut into parts)'
+      outcome = outcome//', '//number_text(report%wall_seconds, 3)//' s'
+      if (report%peak_memory > 0.0_wp) outcome = outcome//', ' &
+         //prefixed_text(report%peak_memory, 'B')
+   end function outcome_text
 
    !> Whether a quantity of the table has its row: not friction where nothing slides, nor the
    !> central pressure where the largest one is well known.
