@@ -2,13 +2,12 @@
 !> accuracy.
 module dry_target
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use case_memory, only: dry_memory
    use dry_case, only: dry_case_t
    use dry_errors, only: estimate_dry_errors
    use dry_resampling, only: dry_sweep_t
    use dry_resolution, only: area_doubt, dry_rung_t, finer_nodes, is_met
    use dry_scaling, only: dry_scaling_t, new_dry_scaling
-   use dry_settings, only: dry_settings_t, max_nodes_to_refine
+   use dry_settings, only: dry_settings_t
    use dry_surfaces, only: is_refinable, refine_heights
    use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
    use errors, only: error_t, input_error
@@ -86,7 +85,7 @@ contains
       call begin_activity('solving')
       scaling = new_dry_scaling(dry%height, dry%lengths(1), dry%reduced_modulus)
       settings = dry%settings
-      settings%keeps_pressures = dry%has_error_bars .or. dry%wants_adequacy
+      settings%keeps_pressures = dry%is_compared()
       call solve_dry_sweep(dry%grid, dry%height, scaling, dry%loads, settings, outcome, error)
       if (allocated(error)) return
       associate (report => outcome%solution%report)
@@ -139,8 +138,7 @@ contains
       integer, intent(in) :: nodes(2)
       type(memory_t) :: need
 
-      need = dry_memory(nodes, dry%is_periodic, &
-         product(real(nodes, wp)) <= max_nodes_to_refine)
+      need = dry%memory_on(nodes)
       need%reserved = need%reserved + thread_memory(dry%grid%threads)
    end function grid_memory
 

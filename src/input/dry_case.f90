@@ -1,12 +1,14 @@
 !> A dry contact as it will be solved: grid, heights, loads, in SI.
 module dry_case
+   use case_memory, only: dry_memory
    use dry_problem, only: dry_grid_t
-   use dry_settings, only: dry_loads_t, dry_settings_t
+   use dry_settings, only: dry_loads_t, dry_settings_t, max_nodes_to_refine
    use measured_heights, only: heights_t
    use height_form, only: trend_t
    use input_values, only: input_values_t
    use kinds, only: wp
    use solver_settings, only: word_length
+   use system_limits, only: memory_t
    implicit none (type, external)
    private
 
@@ -48,6 +50,36 @@ module dry_case
       real(wp) :: target = 0.0_wp
       !> What the reader of the result should know about it; not allocated: nothing.
       character(:), allocatable :: note
+   contains
+      !> Whether it is solved on other grids too.
+      procedure :: is_compared
+      !> The memory that it needs at most on so many nodes.
+      procedure :: memory_on
    end type dry_case_t
+
+contains
+
+   !> Whether other grids are solved for error bars or for the adequacy of the model.
+   pure function is_compared(self)
+      class(dry_case_t), intent(in) :: self
+      logical :: is_compared
+
+      is_compared = self%has_error_bars .or. self%wants_adequacy
+   end function is_compared
+
+   !> The memory that the case needs at most on so many nodes: with a target on coarser grids first,
+   !> each compared with finer ones.
+   pure function memory_on(self, nodes) result(need)
+      class(dry_case_t), intent(in) :: self
+      integer, intent(in) :: nodes(2)
+      type(memory_t) :: need
+      real(wp) :: refined
+
+      refined = 0.0_wp
+      if (self%is_compared()) refined = product(real(nodes, wp))
+      if (refined > max_nodes_to_refine) refined = merge(real(max_nodes_to_refine, wp), 0.0_wp, &
+         self%target > 0.0_wp)
+      need = dry_memory(nodes, self%is_periodic, refined)
+   end function memory_on
 
 end module dry_case

@@ -2,7 +2,7 @@
 module dry_input
    use, intrinsic :: iso_fortran_env, only: int64
    use body_values, only: modulus_of, radius_of
-   use case_memory, only: area_memory, dry_memory, max_nodes
+   use case_memory, only: area_memory, max_nodes
    use dry_case, only: dry_case_t
    use dry_checks, only: check_parabola, check_waves
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
@@ -11,7 +11,7 @@ module dry_input
    use measured_heights, only: heights_t
    use hertz, only: line_load_from_pressure, point_load_from_pressure
    use input_values, only: value_t
-   use dry_settings, only: max_nodes_to_refine, method_conjugate_gradient, method_steepest_descent
+   use dry_settings, only: method_conjugate_gradient, method_steepest_descent
    use kinds, only: wp
    use large_pages, only: prefer_large_pages
    use surface_keys, only: has_shape, surfaces
@@ -35,6 +35,8 @@ contains
       dry%reduced_modulus = modulus_of(dry%values)
       dry%radius = radius_of(dry%values)
       dry%wants_adequacy = dry%values%logical_value('output', 'adequacy')
+      dry%has_error_bars = dry%values%logical_value('accuracy', 'error_bars')
+      dry%target = dry%values%real_value('accuracy', 'target')
       fields = dry%values%slot('output', 'fields')
       dry%stored_fields = fields%words
       dry%is_single = dry%values%word_value('output', 'precision') == 'single'
@@ -65,9 +67,7 @@ contains
 
       key = trim(merge('intervals  ', 'intervals_x', dry%values%problem == 'dry_line'))
       nodes = int(dry%grid%nx, int64)*dry%grid%ny
-      fault = memory_fault('a grid', dry_memory([dry%grid%nx, dry%grid%ny], dry%is_periodic, &
-         (dry%values%logical_value('accuracy', 'error_bars') .or. dry%wants_adequacy) &
-         .and. nodes <= max_nodes_to_refine))
+      fault = memory_fault('a grid', dry%memory_on([dry%grid%nx, dry%grid%ny]))
       if (nodes > max_nodes) fault = 'found ' // to_text(nodes) // ' nodes, expected at most ' &
          // to_text(max_nodes)
       if (fault /= '') then
@@ -144,7 +144,7 @@ contains
       if (fault /= '') call dry%values%refuse('load', 'separation', fault)
    end subroutine fill_separations
 
-   !> Kernel, method, tolerance, error bars. Finding: band_limited on an open domain.
+   !> Kernel, method, tolerance. Finding: band_limited on an open domain.
    subroutine fill_solver(dry)
       type(dry_case_t), intent(inout) :: dry
 
@@ -162,8 +162,6 @@ contains
             values%word_value('solver', 'method') == 'steepest_descent')
          dry%settings%tolerance = values%real_value('solver', 'tolerance')
          dry%settings%max_cycles = values%integer_value('solver', 'max_cycles')
-         dry%has_error_bars = values%logical_value('accuracy', 'error_bars')
-         dry%target = values%real_value('accuracy', 'target')
       end associate
    end subroutine fill_solver
 

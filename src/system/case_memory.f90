@@ -16,10 +16,10 @@ module case_memory
    !> many in 32 bits.
    integer, parameter, public :: max_nodes = 536870911
 
-   !> Bytes a node of dry lines and areas, periodic and open, and where grids are solved that are up
-   !> to twice as fine in each direction; bytes an interval of lubricated lines,
-   !> steady and in time; bytes a time step, most of them the history of residuals; bytes a node of
-   !> a file of heights.
+   !> Bytes a node of dry lines and areas, periodic and open; the same where grids up to twice as
+   !> fine in each direction are solved, too; bytes an interval of lubricated lines, steady and in
+   !> time; bytes a time step, most of them the history of residuals; bytes a node of a file of
+   !> heights.
    real(wp), parameter :: of_line(2) = [430.0_wp, 460.0_wp], of_area(2) = [330.0_wp, 460.0_wp], &
       of_finer_line(2) = [700.0_wp, 960.0_wp], of_finer_area(2) = [1050.0_wp, 1300.0_wp], &
       of_interval(2) = [1000.0_wp, 1400.0_wp], of_step = 1000.0_wp, of_height = 100.0_wp
@@ -32,21 +32,22 @@ module case_memory
 
 contains
 
-   !> Of a dry case with nodes(1) times nodes(2) nodes; `goes_finer`: finer grids may be solved.
-   pure function dry_memory(nodes, is_periodic, goes_finer) result(need)
+   !> Of a dry case with nodes(1) times nodes(2) nodes, and grids of up to so many `refined` ones
+   !> (0: none) beside which finer ones are solved.
+   pure function dry_memory(nodes, is_periodic, refined) result(need)
       integer, intent(in) :: nodes(2)
-      logical, intent(in) :: is_periodic, goes_finer
+      logical, intent(in) :: is_periodic
+      real(wp), intent(in) :: refined
       type(memory_t) :: need
-      real(wp) :: of_node
       integer :: kind
 
       kind = merge(1, 2, is_periodic)
-      if (goes_finer) then
-         of_node = merge(of_finer_line(kind), of_finer_area(kind), nodes(2) == 1)
+      if (nodes(2) == 1) then
+         need%used = max(of_line(kind)*nodes(1), of_finer_line(kind)*refined)
       else
-         of_node = merge(of_line(kind), of_area(kind), nodes(2) == 1)
+         need%used = max(of_area(kind)*product(real(nodes, wp)), of_finer_area(kind)*refined)
       end if
-      need%used = of_program + of_node*product(real(nodes, wp))
+      need%used = of_program + need%used
       need%reserved = need%used
    end function dry_memory
 
