@@ -21,8 +21,7 @@ module dry_ablations
    implicit none (type, external)
    private
 
-   public :: compared_values, known_t, measure_changes, measure_profiles, &
-      yields
+   public :: compared_values, known_t, measure_changes, measure_profiles, yields
 
    !> What can be left out: yielding; the finer half of the harmonics; the images of a periodic
    !> surface (of an open one: there are none).

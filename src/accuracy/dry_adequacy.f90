@@ -52,6 +52,7 @@ contains
       type(dry_adequacy_t), intent(out) :: adequacy
       type(error_t), allocatable, intent(out) :: error
       type(dry_sweep_t) :: one
+      type(dry_influence_t) :: grid
       integer :: harmonics, heaviest, i
       integer, allocatable :: parts(:)
 
@@ -73,7 +74,8 @@ contains
       call measure_parts(one, outcome, heaviest, harmonics, parts, adequacy, error)
       if (allocated(error)) return
       if (size(errors) > 0) then
-         call allow_for_grid(grid_row(outcome%rows(heaviest), errors(heaviest)), adequacy%rows)
+         grid = grid_row(outcome%rows(heaviest), errors(heaviest))
+         call allow_for_grid(grid, adequacy%rows)
          call allow_for_yielding(outcome%rows(heaviest), errors(heaviest), one%loads%hardness, &
             parts, adequacy%rows)
       end if
@@ -81,14 +83,14 @@ contains
          adequacy%rows = [adequacy%rows, empty_row('area', 'the mean of '//to_text(profiles) &
             //' profiles along x')]
          associate (row => adequacy%rows(size(adequacy%rows)))
-            row%unknown = 'all profiles have the same, which tells nothing of the others'
             call measure_profiles(one, compared_values(outcome%rows(heaviest)), &
                row%change, row%error, error)
+            if (allocated(error)) return
+            if (any(ieee_is_finite(row%error))) row%unknown = &
+               'all profiles have the same, which tells nothing of the others'
          end associate
-         if (allocated(error)) return
       end if
-      if (size(errors) > 0) adequacy%rows = [adequacy%rows, grid_row(outcome%rows(heaviest), &
-         errors(heaviest))]
+      if (size(errors) > 0) adequacy%rows = [adequacy%rows, grid]
       call judge(adequacy, target)
    end subroutine measure_dry_adequacy
 
