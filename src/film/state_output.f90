@@ -67,7 +67,7 @@ contains
    pure subroutine fill_properties(contact, state)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(inout) :: state
-      real(wp), allocatable :: drive(:), ln_mu(:)
+      real(wp), allocatable :: drive(:), ln_mu(:), stresses(:, :)
       integer :: n
 
       n = size(state%x)
@@ -80,22 +80,12 @@ contains
          /(state%x(3:) - state%x(:n - 2))
       state%slip_factor = exp(min(ln_slip(contact%fluid, drive, state%film_thickness, ln_mu), &
          largest_exponent))
-      if (ieee_is_finite(contact%slide_to_roll)) call fill_stresses(contact, ln_mu, state)
-   end subroutine fill_properties
-
-   !> Shear stresses of the state's pressure and film, which is positive, with ln(mu/mu_0) at the
-   !> nodes, (nx); the speeds of the surfaces are known.
-   pure subroutine fill_stresses(contact, ln_mu, state)
-      type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in), contiguous :: ln_mu(:)
-      type(line_state_t), intent(inout) :: state
-      real(wp) :: stresses(size(ln_mu), 3)
-
+      if (.not. ieee_is_finite(contact%slide_to_roll)) return
       stresses = film_stresses(contact%fluid, contact%lambda, contact%slide_to_roll, state%x, &
          state%pressure, state%film_thickness, ln_mu)
       state%shear_stress_1 = stresses(:, 1)
       state%shear_stress_mean = stresses(:, 2)
       state%shear_stress_2 = stresses(:, 3)
-   end subroutine fill_stresses
+   end subroutine fill_properties
 
 end module state_output
