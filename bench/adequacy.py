@@ -47,8 +47,6 @@ NO_EXTRAS = {"accuracy": {"error_bars": False}, "output": {"adequacy": False}}
 STILL = ("h_min", "h_central", "p_max")
 QUANTITIES = (*STILL, "friction_coefficient")
 NUMERICAL = ("grid", "time_step", "domain", "iteration", "validity")
-# What is said of a time step, in the words of ingredients.
-SAME = {"too coarse": "needed"}
 PATIENCE = 1800
 # Of these everything in half-widths is scaled with the half-width.
 LENGTHS = {"surface_1": ("position",), "surface_2": ("position",), "domain": ("x_inlet", "x_outlet")}
@@ -98,19 +96,27 @@ def told(file: h5py.File) -> dict[str, dict]:
     for name, row in group.items():
         if name in NUMERICAL:
             continue
-        changes = {q: (float(row[q][()]), float(row[q].attrs["error_estimate"])) for q in QUANTITIES if q in row}
+        changes = changes_in(row)
         words = {key: row.attrs[key].decode() for key in ("verdict", "measured_on")}
         judged_by = [q for q in QUANTITIES if q in row or f"{q}_at_least" in row.attrs]
         rows[name] = {"changes": changes, "judged_by": judged_by, "left_out": float(row.attrs["left_out"])} | words
-    rows_of_time = {q: group[f"time_step/{q}"] for q in QUANTITIES if f"time_step/{q}" in group}
-    bounds = {q: float(row[()]) + float(row.attrs["error_estimate"]) for q, row in rows_of_time.items()}
     used = file["input/effective/domain"].attrs
     domain = {"x_inlet": float(used["x_inlet"]), "x_outlet": float(used["x_outlet"]), "intervals": int(used["intervals"])}
     step = float(file["input/effective/time"].attrs.get("time_step", 0.0))
     start = float(file["summary"].attrs.get("statistics_from", 0.0))
-    by_time_step = {"bounds": bounds, "verdict": group["time_step"].attrs["verdict"].decode()} if "time_step" in group else {}
-    found = {"rows": rows, "time_step": by_time_step, "quantities": quantities(file), "accuracy": float(group.attrs["accuracy"])}
+    found = {"rows": rows, "quantities": quantities(file), "accuracy": float(group.attrs["accuracy"])}
+    if "time_step" in group:
+        row = group["time_step"]
+        verdict = row.attrs["verdict"].decode().replace("too coarse", "needed")
+        # no change, and an error bar that holds what may be off
+        bounds = {q: (0.0, change + error) for q, (change, error) in changes_in(row).items()}
+        found["time_step"] = {"changes": bounds, "verdict": verdict}
     return found | {"domain": domain, "step": step, "start": start}
+
+
+def changes_in(row: h5py.Group) -> dict[str, tuple[float, float]]:
+    """Those of a row of /adequacy that are known, with their error bars."""
+    return {q: (float(row[q][()]), float(row[q].attrs["error_estimate"])) for q in QUANTITIES if q in row}
 
 
 def without(groups: Groups, ingredient: str, left_out: float) -> Groups | None:
@@ -212,20 +218,18 @@ def fine(groups: Groups, said: dict) -> Groups:
 
 def time_step_rows(name: str, groups: Groups, said: dict) -> list[Row]:
     """By how much each quantity is off because of the time step, beside what the program says of that."""
-    told_of = said["time_step"]
-    if not told_of:
+    if "time_step" not in said:
         return []
+    bounds = said["time_step"]["changes"]
     same = copy.deepcopy(groups) | copy.deepcopy(NO_EXTRAS) | {"domain": said["domain"]}
     same["time"] |= {"time_step": said["step"] * FINER_STEP, "statistics_from": said["start"]}
     exact = run(same, quantities)
     if exact is None:
         return []
     off = {q: exact[q] / said["quantities"][q] - 1 if said["quantities"][q] != 0 else math.nan for q in QUANTITIES}
-    right = verdict_of([off[q] for q in told_of["bounds"] if not math.isnan(off[q])], said["accuracy"])
-    words = (SAME.get(told_of["verdict"], told_of["verdict"]), right, said["accuracy"], "", 1.0)
-    bounds = told_of["bounds"]
-    none = math.nan
-    return [Row(name, "time_step", q, 0.0 if q in bounds else none, bounds.get(q, none), off[q], *words) for q in QUANTITIES]
+    right = verdict_of([off[q] for q in bounds if not math.isnan(off[q])], said["accuracy"])
+    words = (said["time_step"]["verdict"], right, said["accuracy"], "", 1.0)
+    return [Row(name, "time_step", q, *bounds.get(q, (math.nan, math.nan)), off[q], *words) for q in QUANTITIES]
 
 
 def verdict_of(changes: list[float], accuracy: float) -> str:
