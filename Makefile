@@ -7,7 +7,7 @@ export OPENBLAS_NUM_THREADS := 1
 export PKG_CONFIG_PATH := $(CURDIR)/.pc:$(PKG_CONFIG_PATH)
 
 # Libraries inside the program where that is possible (tools/static_libraries.sh).
-export FPM_LDFLAGS := -L$(CURDIR)/build/static -static-libgfortran -static-libgcc -Wl,--as-needed
+export FPM_LDFLAGS := -Lbuild/static -static-libgfortran -static-libgcc -Wl,--as-needed
 
 PYTHON := python3
 NATIVE ?= 0
