@@ -85,7 +85,7 @@ lint: ## style of Fortran, Python and shell, types of the Python package, order 
 	ruff check --quiet .
 	ruff format --quiet --check .
 	$(PYTHON) -m mypy --no-error-summary python/asperity
-	shellcheck bootstrap .ci/run $(wildcard tools/*.sh packaging/*.sh cluster/*.sh cluster/*.sbatch)
+	shellcheck bootstrap .ci/run .ci/nightly $(wildcard tools/*.sh packaging/*.sh cluster/*.sh cluster/*.sbatch)
 	@echo "lint: no findings"
 
 demo: build ## the main job: a ridge passing through an oil film, a rough profile and area; results and figures in results/demo/

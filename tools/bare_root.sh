@@ -11,6 +11,7 @@ cd "$(dirname "$0")/.."
 suite=${SUITE:-bookworm}
 root=$(mktemp -d)
 trap 'umount "$root/proc" "$root/dev/shm" 2> /dev/null || true; rm -rf --one-file-system "$root"' EXIT
+trap 'exit 1' HUP INT TERM
 
 debootstrap --variant=minbase --include=ca-certificates "$suite" "$root" > "$root.log" 2>&1 || { cat "$root.log" >&2; exit 1; }
 rm -f "$root.log"
