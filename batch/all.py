@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 from pathlib import Path
 
@@ -10,9 +11,9 @@ import gather
 import plot
 import run
 import sweep
-from case_folder import complain, new_parser
+from case_folder import new_parser, status_of
 from program_calls import INTERRUPTED
-from sweep_file import SweepError, read_sweep_file
+from sweep_file import read_sweep_file
 
 PROGRAM = "all.py"
 EPILOG = """example:
@@ -29,18 +30,19 @@ def main(arguments: list[str] | None = None) -> int:
     sweep.add_options(parser)
     run.add_options(parser)
     options = parser.parse_args(arguments)
+    return status_of(PROGRAM, lambda: do_all(options))
+
+
+def do_all(options: argparse.Namespace) -> int:
+    """All four steps; returns the exit status. Raises SweepError, OSError."""
     folder = options.output or Path(options.sweep.stem)
-    try:
-        found = read_sweep_file(options.sweep)
-        print(f"{folder}: {sweep.write_sweep(found, folder, options)} cases, checked")
-        status = run.run_folder(folder, options)
-        if status == INTERRUPTED:
-            return status
-        gather.gather_folder(folder)
-    except (SweepError, OSError) as error:
-        return complain(PROGRAM, error)
-    drawn = plot.main([str(folder)]) if found.plot else 0
-    return max(status, drawn)
+    found = read_sweep_file(options.sweep)
+    print(f"{folder}: {sweep.write_sweep(found, folder, options)} cases, checked")
+    status = run.run_folder(folder, options)
+    if status == INTERRUPTED:
+        return status
+    gather.gather_folder(folder)
+    return max(status, plot.main([str(folder)]) if found.plot else 0)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ FOLDER/sweep.toml         the sweep file
 FOLDER/cases/NAME.nml     the cases, and their results NAME.h5
 FOLDER/log/FIRST-LAST.csv how the cases of a run ended
 FOLDER/gathered.h5, .csv  a row for each case
+FOLDER/replacement.part/  index, sweep file and changed cases of a new sweep, complete, on their way to the places above
 """
 
 from __future__ import annotations
@@ -13,29 +14,33 @@ import argparse
 import contextlib
 import csv
 import fcntl
+import io
 import os
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
 
-from sweep_file import SweepError
+from program_calls import INTERRUPTED
+from sweep_file import NAME, SweepError, read_text
 
 ROOT = Path(__file__).resolve().parent.parent
-INDEX = "index.csv"
+INDEX, SWEEP, REPLACEMENT = "index.csv", "sweep.toml", "replacement.part"
+# A number as Python and the program write it; not 1_0, which float() would take for one.
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?(nan|inf)", re.ASCII | re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class CaseFolder:
-    """The cases of a sweep: names and units of the parameters, and of each case the values as text."""
+    """The cases of a sweep: names and units of the parameters, and of each case the values."""
 
     path: Path
     parameters: tuple[str, ...]
     units: tuple[str, ...]
     names: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+    rows: tuple[tuple[float | str, ...], ...]
 
     @property
     def cases(self) -> Path:
@@ -48,26 +53,102 @@ class CaseFolder:
         return self.path / "log"
 
 
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[CaseFolder]:
+    """Reads a folder, whose cases batch/sweep.py does not replace until the end. Raises SweepError, OSError.
+
+    A replacement that was interrupted is completed before.
+    """
+    complete(path)
+    look_for_index(path)
+    words = "its cases are being written"
+    with locked(path, words, shared=True):
+        if (path / REPLACEMENT / INDEX).exists():
+            raise SweepError(f"{path}: {words}")
+        yield read_folder(path)
+
+
+def look_for_index(path: Path) -> None:
+    """Raises SweepError if the folder has no index."""
+    if (path / INDEX).exists():
+        return
+    words = f"has no {INDEX}: it is no sweep, or one that is not written to its end; batch/sweep.py SWEEP.toml writes one"
+    if not path.exists():
+        words = "is not there; batch/sweep.py SWEEP.toml writes one"
+    elif is_sweep(path):
+        words = f"has no {INDEX}, since --replace was interrupted: batch/sweep.py SWEEP.toml --replace writes it, results stay"
+    raise SweepError(f"{path}: {words}")
+
+
+def is_sweep(path: Path) -> bool:
+    """Whether batch/sweep.py has written the folder; earlier versions left one without index when --replace was interrupted."""
+    return (path / INDEX).is_file() or ((path / SWEEP).is_file() and (path / "cases").is_dir())
+
+
 def read_folder(path: Path) -> CaseFolder:
     """Reads the index; raises SweepError if the folder is not a complete sweep."""
+    look_for_index(path)
+    text = read_text(path / INDEX)
     try:
-        with (path / INDEX).open(newline="", encoding="utf-8") as file:
-            header, *rows = csv.reader(file)
-    except FileNotFoundError as error:
-        words = "is not there" if not path.exists() else f"has no {INDEX}: it is no sweep, or one that is not written to its end"
-        raise SweepError(f"{path}: {words}; batch/sweep.py SWEEP.toml writes one") from error
-    except (OSError, UnicodeDecodeError, csv.Error, ValueError) as error:
-        raise SweepError(f"{path / INDEX}: cannot be read: {error}") from error
-    if not header or header[0] != "case" or not rows or any(len(row) != len(header) for row in rows):
+        try:
+            header, *rows = csv.reader(io.StringIO(text), quoting=csv.QUOTE_NONNUMERIC)
+        except ValueError:  # text without quotes: of an earlier version, or of another program
+            header, *rows = csv.reader(io.StringIO(text))
+            rows = [[row[0], *(float(text) if NUMBER.fullmatch(text) else text for text in row[1:])] for row in rows]
+        names, units = zip(*map(split_header, header), strict=True)
+        cases = [row[0] for row in rows if re.fullmatch(r"case_\d+", row[0])]
+    except (csv.Error, ValueError, TypeError, IndexError) as error:
+        raise SweepError(f"{path / INDEX}: is no index of cases: {error}") from error
+    is_whole = cases and len(set(cases)) == len(rows) and all(len(row) == len(names) for row in rows)
+    if not is_whole or names[0] != "case" or len(set(names)) < len(names) or not all(map(NAME.fullmatch, names)):
         raise SweepError(f"{path / INDEX}: is no index of cases")
-    names, units = zip(*map(split_header, header[1:]), strict=True) if len(header) > 1 else ((), ())
-    return CaseFolder(path, names, units, tuple(row[0] for row in rows), tuple(tuple(row[1:]) for row in rows))
+    return CaseFolder(path, names[1:], units[1:], tuple(cases), tuple(tuple(row[1:]) for row in rows))
+
+
+def complete(path: Path) -> None:
+    """Completes a replacement that was interrupted after the whole of it was written. Raises SweepError, OSError."""
+    new = path / REPLACEMENT
+    if new.is_dir():
+        with locked(path, "its cases are being written or run"):
+            if (new / INDEX).is_file():
+                take_over(path)
+            remove_empty(new)
+
+
+def take_over(path: Path) -> None:
+    """Moves what lies in the replacement to its place, the index last; may be ended at any step, and called again."""
+    new = path / REPLACEMENT
+    names = set(read_folder(new).names)
+    (path / "cases").mkdir(exist_ok=True)
+    for case in sorted((new / "cases").glob("case_*.nml")):
+        case.replace(path / "cases" / case.name)
+    for name in names_before(path) - names:
+        (path / "cases" / f"{name}.nml").unlink(missing_ok=True)
+    if (new / SWEEP).exists():
+        (new / SWEEP).replace(path / SWEEP)
+    (new / INDEX).replace(path / INDEX)
+    remove_empty(new)
+
+
+def names_before(path: Path) -> set[str]:
+    """The cases of the index as it is; none if it cannot be read."""
+    try:
+        return set(read_folder(path).names)
+    except SweepError:
+        return set()
+
+
+def remove_empty(new: Path) -> None:
+    """Removes the folders of a replacement that has been taken over; what else lies in them stays."""
+    for folder in (new / "cases", new):
+        with contextlib.suppress(OSError):
+            folder.rmdir()
 
 
 def write_index(path: Path, parameters: list[tuple[str, str]], rows: Iterator[tuple[str, list[object]]]) -> None:
-    """Writes the index: (name, unit) of the parameters, then name and values of each case."""
+    """Writes the index: (name, unit) of the parameters, then name and values of each case; text in quotes, numbers without."""
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
+        writer = csv.writer(file, lineterminator="\n", quoting=csv.QUOTE_NONNUMERIC)
         writer.writerow(["case", *(header(name, unit) for name, unit in parameters)])
         for name, values in rows:
             writer.writerow([name, *map(cell, values)])
@@ -80,17 +161,15 @@ def header(name: str, unit: str) -> str:
 
 def split_header(text: str) -> tuple[str, str]:
     """Name and unit."""
-    found = re.fullmatch(r"(.*?)(?: \[(.*)\])?", text)
+    found = re.fullmatch(r"(?s)(.*?)(?: \[(.*)\])?", text)
     return found[1], found[2] or ""
 
 
-def cell(value: object) -> str:
-    """A value as text; numbers read back to the same bits."""
+def cell(value: object) -> float | str:
+    """A value as number or text; numbers read back to the same bits."""
     if isinstance(value, bool):
         return str(value).lower()
-    if isinstance(value, list | tuple):
-        return " ".join(map(cell, value))
-    return repr(value) if isinstance(value, float) else str(value)
+    return " ".join(str(cell(part)) for part in value) if isinstance(value, list) else value
 
 
 @contextlib.contextmanager
@@ -99,7 +178,7 @@ def locked(path: Path, words: str, shared: bool = False) -> Iterator[None]:
 
     File systems without locks are used without.
     """
-    descriptor = os.open(path, os.O_RDONLY)
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)  # to open a pipe may take for ever
     try:
         try:
             fcntl.flock(descriptor, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
@@ -121,7 +200,9 @@ class BatchParser(argparse.ArgumentParser):
 
 
 def new_parser(program: str, description: str, epilog: str) -> BatchParser:
-    """A parser with name, what the script does, and example and status below."""
+    """A parser with name, what the script does, and example and status below; names of files that are no text can be printed."""
+    with contextlib.suppress(AttributeError):  # of a stream that somebody has put in place
+        sys.stdout.reconfigure(errors="backslashreplace")
     return BatchParser(prog=program, description=description, epilog=epilog, formatter_class=argparse.RawDescriptionHelpFormatter)
 
 
@@ -146,12 +227,16 @@ def check_program(program: Path) -> Path:
     return program.resolve()
 
 
-def complain(program: str, error: SweepError | OSError) -> int:
-    """Prints an error, a line for each finding; returns its status."""
-    if isinstance(error, SweepError):
+def status_of(program: str, work: Callable[[], int]) -> int:
+    """Does the work of a script and returns its exit status; errors are printed, a line for each finding."""
+    try:
+        return work()
+    except SweepError as error:
         lines, status = str(error).splitlines(), 1
-    else:
-        lines, status = [f"{error.filename or 'output'}: {error.strerror or error}"], 3
+    except OSError as error:
+        lines, status = [f"{error.filename2 or error.filename or 'output'}: {error.strerror or error}"], 3
+    except KeyboardInterrupt:
+        lines, status = ["interrupted; the same command goes on"], INTERRUPTED
     for line in lines:
         print(f"{program}: {line}", file=sys.stderr)
     return status

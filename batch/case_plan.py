@@ -7,13 +7,14 @@ import itertools
 import os
 import re
 import subprocess
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import f90nml
 from formulas import FormulaError, evaluate
-from sweep_file import Parameter, Sample, SweepError, SweepFile, Value
+from sweep_file import Parameter, Sample, SweepError, SweepFile, Value, read_text
 
 Groups = dict[str, dict[str, object]]
 
@@ -145,13 +146,22 @@ def read_base(sweep: SweepFile, folder: Path) -> Groups:
     """The groups of the base case. Its files of heights are found from the new place, its results are named by the sweep."""
     line = sweep.line_of("base")
     try:
-        groups = f90nml.read(sweep.base).todict()
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # what f90nml leaves out it only warns of
+            groups = f90nml.reads(read_text(sweep.base)).todict()
+    except SweepError as error:
+        raise SweepError(f"{sweep.path}:{line}: {error}") from error
     except Exception as error:  # f90nml raises what comes: ValueError, KeyError, AssertionError, StopIteration
         raise SweepError(f"{sweep.path}:{line}: {sweep.base} cannot be read as a namelist: {error}") from error
     repeated = [name for name, keys in groups.items() if not isinstance(keys, dict)]
     if repeated or not groups:
         words = f"has &{repeated[0]} twice" if repeated else "holds no group"
         raise SweepError(f"{sweep.path}:{line}: {sweep.base} {words}; asperity --check says more")
+    for keys in groups.values():
+        # amplitude(1) = ..., amplitude(2) = ... is one list; a list that begins later is for the program to refuse
+        for name, first in keys.pop("_start_index", {}).items():
+            if first != [1]:
+                keys.setdefault("_start_index", {})[name] = first
     groups.get("case", {}).pop("output", None)
     for name in sweep.leave_out:
         group, _, key = str(name).lower().partition(".")
@@ -160,13 +170,13 @@ def read_base(sweep: SweepFile, folder: Path) -> Groups:
     sweep.refuse()
     for keys in groups.values():
         if isinstance(name := keys.get("file"), str) and not Path(name).is_absolute():
-            keys["file"] = os.path.relpath(sweep.base.parent.resolve() / name, folder.resolve() / "cases")
+            keys["file"] = os.path.relpath(Path(os.path.realpath(sweep.base.parent), name), Path(os.path.realpath(folder), "cases"))
     return groups
 
 
 def units_of_keys(program: Path, problem: str) -> dict[str, str]:
     """Unit of every `group.key` of a problem, as the program knows them; 1: a pure number."""
-    done = subprocess.run([program, "--keys-markdown"], capture_output=True, text=True, check=False)
+    done = subprocess.run([program, "--keys-markdown"], capture_output=True, encoding="utf-8", errors="replace", check=False)
     units, group = {}, ""
     for line in done.stdout.splitlines():
         if line.startswith("## &"):

@@ -23,12 +23,20 @@ FUNCTIONS: dict[str, Callable] = {
 }
 FUNCTIONS |= {"abs": abs, "min": min, "max": max, "round": round}
 CONSTANTS = {"pi": math.pi}
-# Beyond this 9**9**9 would keep the computer busy.
-LARGEST_EXPONENT = 1000
+# Beyond these 9**9**9 and ((9**999)**999)**999 would keep the computer busy.
+LARGEST_EXPONENT, LARGEST_INTEGER = 1000, 2**63
 
 
 class FormulaError(Exception):
     """A formula without a value; the message is one line."""
+
+
+def is_free(name: str) -> bool:
+    """Whether formulas read `name` (or `group.key`) as just that: no constant or function, no word of Python, no sign changed."""
+    try:
+        return name.lower() not in CONSTANTS | FUNCTIONS and _name(ast.parse(name, mode="eval").body) == name
+    except SyntaxError:
+        return False
 
 
 def evaluate(formula: str, look_up: Callable[[str], object]) -> object:
@@ -51,20 +59,31 @@ def _value(node: ast.AST, look_up: Callable[[str], object]) -> object:
     if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
         return node.value
     if isinstance(node, ast.UnaryOp) and type(node.op) in OPERATORS:
-        return OPERATORS[type(node.op)](_value(node.operand, look_up))
+        return OPERATORS[type(node.op)](_number(node.operand, look_up))
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS:
-        left, right = _value(node.left, look_up), _value(node.right, look_up)
+        left, right = _number(node.left, look_up), _number(node.right, look_up)
         if isinstance(node.op, ast.Pow) and abs(right) > LARGEST_EXPONENT:
             raise ValueError(f"the exponent {right} is too large")
-        return OPERATORS[type(node.op)](left, right)
+        value = OPERATORS[type(node.op)](left, right)
+        if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
+            raise ValueError("an integer in it is too large")
+        return value
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS and not node.keywords:
-        return FUNCTIONS[node.func.id](*(_value(part, look_up) for part in node.args))
+        return FUNCTIONS[node.func.id](*(_number(part, look_up) for part in node.args))
     name = _name(node)
     if name is None:
         raise FormulaError(f"found '{ast.unparse(node)}', expected numbers, names, + - * / // % ** and {', '.join(FUNCTIONS)}")
     value = CONSTANTS.get(name, look_up(name))
     if value is None:
         raise FormulaError(f"found {name}, expected a parameter, an earlier formula, or group.key with a value in the case")
+    return value
+
+
+def _number(node: ast.AST, look_up: Callable[[str], object]) -> float:
+    """The value of a part with which is computed."""
+    value = _value(node, look_up)
+    if not isinstance(value, int | float):
+        raise TypeError(f"{ast.unparse(node)} is {value!r}, expected a number")
     return value
 
 

@@ -17,10 +17,10 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from case_folder import CaseFolder, complain, count_of, header, new_parser, read_folder
+from case_folder import SWEEP, CaseFolder, count_of, header, new_parser, opened, status_of
 from program_calls import CONVERGED, FAILED, NOT_CONVERGED
 from result_row import RowError, RowReader
-from sweep_file import SweepError
+from sweep_file import SweepError, read_text
 
 PROGRAM = "gather.py"
 EPILOG = """example:
@@ -106,6 +106,9 @@ def text_of(value: float | str | None) -> str:
 
 def gather(folder: CaseFolder, jobs: int) -> Counter:
     """Writes both files under temporary names and renames them; returns the number of cases of each status."""
+    if own := {name for name in folder.parameters if name in MEANINGS}:
+        words = f"found the parameter {', '.join(sorted(own))}, which the table has itself; give it another name in the sweep"
+        raise SweepError(f"{folder.path}: {words}, and write that with batch/sweep.py --replace: results stay")
     path = folder.path / "gathered.h5"
     part = path.with_suffix(".h5.part")
     try:
@@ -131,19 +134,20 @@ def write_table(folder: CaseFolder, file: h5py.File, jobs: int) -> Counter:
     for block in blocks_of(folder, jobs):
         rows = []
         for i, (status, reason, program, values) in enumerate(block.rows, start):
-            found = {f"summary_{name}" if name in own else name: value for name, value in values.items()}
+            found = {f"summary_{name}" if name.removesuffix("_error") in own else name: value for name, value in values.items()}
             row = {name: column[i] for name, column in parameters.items()}
             rows.append(row | {"status": status, "reason": reason, "program": program} | found)
             count[status] += 1
             programs[program] += 1
         table.write(start, rows, block.units | units, block.meanings | meanings)
         start += len(rows)
-    file.attrs["title"] = f"{folder.path.resolve().name}: {len(folder.names)} cases"
+    name = os.path.realpath(folder.path).rpartition("/")[2].encode("utf-8", "backslashreplace").decode()
+    file.attrs["title"] = f"{name}: {len(folder.names)} cases"
     file.attrs["programs"] = "; ".join(sorted(program for program in programs if program))
     for status in (DONE, UNCONVERGED, FAILURE, NOT_RUN):
         file.attrs[status.replace(" ", "_")] = count[status]
-    if (folder.path / "sweep.toml").exists():
-        file.attrs["sweep"] = (folder.path / "sweep.toml").read_text(encoding="utf-8")
+    if (folder.path / SWEEP).exists():
+        file.attrs["sweep"] = read_text(folder.path / SWEEP)
     return count
 
 
@@ -185,10 +189,7 @@ def read_block(cases: Path, names: tuple[str, ...], failures: dict[str, str]) ->
 def column_of(folder: CaseFolder, i: int) -> list[float] | list[str]:
     """The values of parameter `i`: numbers if all of them are."""
     values = [row[i] for row in folder.rows]
-    try:
-        return list(map(float, values))
-    except ValueError:
-        return values
+    return list(map(text_of, values)) if any(isinstance(value, str) for value in values) else values
 
 
 def outcome_of(cases: Path, case: str, reader: RowReader, failures: dict[str, str]) -> tuple[str, str, str, dict[str, float | str]]:
@@ -207,7 +208,7 @@ def outcome_of(cases: Path, case: str, reader: RowReader, failures: dict[str, st
 def read_log(folder: CaseFolder) -> dict[str, str]:
     """Cases whose last run failed, and why; lines that a killed run has cut are left out."""
     found: dict[str, tuple[int, str]] = {}
-    for path in sorted(folder.log.glob("*.csv"), key=lambda path: path.stat().st_mtime):
+    for path in sorted(filter(Path.is_file, folder.log.glob("*.csv")), key=lambda path: path.stat().st_mtime):
         with path.open(newline="", encoding="utf-8", errors="replace") as file:
             for line in csv.reader(file):
                 if len(line) == 3 and line[1] in {str(CONVERGED), str(NOT_CONVERGED), str(FAILED)}:
@@ -238,10 +239,10 @@ def gather_folder(path: Path, jobs: int | None = None) -> int:
 
     `jobs`: processes that read results; not given: one for each core, for few cases one.
     """
-    folder = read_folder(path)
-    if jobs is None:
-        jobs = 1 if len(folder.names) < FEW else len(os.sched_getaffinity(0))
-    count = gather(folder, jobs)
+    with opened(path) as folder:
+        if jobs is None:
+            jobs = 1 if len(folder.names) < FEW else len(os.sched_getaffinity(0))
+        count = gather(folder, jobs)
     words = ", ".join(f"{count[status]} {status}" for status in (DONE, UNCONVERGED, FAILURE, NOT_RUN) if count[status])
     print(f"{path / 'gathered.h5'}: {words}")
     return 0
@@ -254,10 +255,7 @@ def main(arguments: list[str] | None = None) -> int:
     words = "processes that read results (default: one for each core, for few cases one)"
     parser.add_argument("--jobs", type=count_of, metavar="K", help=words)
     options = parser.parse_args(arguments)
-    try:
-        return gather_folder(options.folder, options.jobs)
-    except (SweepError, OSError) as error:
-        return complain(PROGRAM, error)
+    return status_of(PROGRAM, lambda: gather_folder(options.folder, options.jobs))
 
 
 if __name__ == "__main__":

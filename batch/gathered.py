@@ -86,13 +86,17 @@ class Gathered:
 def read_gathered(path: Path) -> Gathered:
     """Reads a gathered file, or that of a folder; raises SweepError."""
     path = path / "gathered.h5" if path.is_dir() else path
+    if path.exists() and not path.is_file():  # to open a pipe may take for ever
+        raise SweepError(f"{path}: found a folder, pipe or device, expected a file")
     try:
         with h5py.File(path) as file:
-            columns = {name: _values(item) for name, item in file.items()}
+            columns = {name: _values(item, file["case"].shape) for name, item in file.items()}
             units = {name: str(item.attrs.get("units", "")) for name, item in file.items()}
             sweep = tomllib.loads(file.attrs.get("sweep", ""))
             order = list(file)
         parameters = tuple(order[order.index("case") + 1 : order.index("status")])
+        if columns["status"].dtype != object or columns["case"].ndim != 1 or not isinstance(sweep.get("plot", {}), dict):
+            raise ValueError("case, status or [plot] are of another kind")
     except FileNotFoundError as error:
         raise SweepError(f"{path}: is not there; batch/gather.py writes it") from error
     except DAMAGE as error:
@@ -100,5 +104,8 @@ def read_gathered(path: Path) -> Gathered:
     return Gathered(path, columns, units, parameters, str(sweep.get("title", "")), sweep)
 
 
-def _values(item: h5py.Dataset) -> np.ndarray:
-    return np.array(item.asstr()[()], dtype=object) if h5py.check_string_dtype(item.dtype) else item[()]
+def _values(item: h5py.Dataset, shape: tuple[int, ...]) -> np.ndarray:
+    """A column: words or numbers, one for each case; raises what h5py raises, or ValueError."""
+    if item.shape != shape:
+        raise ValueError(f"{item.name} has the shape {item.shape}, expected {shape}")
+    return np.array(item.asstr()[()], dtype=object) if h5py.check_string_dtype(item.dtype) else item.astype(float)[()]

@@ -7,7 +7,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from case_folder import complain, new_parser
+from case_folder import new_parser, status_of
 from gathered import Gathered, read_gathered
 from plot_curves import Wish, draw_curves, style
 from plot_map import draw_map
@@ -34,7 +34,8 @@ def wish_of(table: Gathered, options: argparse.Namespace) -> Wish:
     if isinstance(plot.get("y"), str):
         plot["y"] = [plot["y"]]
     for name, value in plot.items():
-        if name not in ENTRIES or not isinstance(value, ENTRIES[name]):
+        is_right = name in ENTRIES and isinstance(value, ENTRIES[name])
+        if not is_right or (isinstance(value, list) and not all(isinstance(word, str) for word in value)):
             raise SweepError(f"{table.path}: found {name} = {value!r} in [plot], expected {', '.join(ENTRIES)}")
     plot |= {name: value for name in ENTRIES if (value := getattr(options, name)) not in (None, False)}
     if "x" not in plot or not plot.get("y"):
@@ -48,14 +49,16 @@ def wish_of(table: Gathered, options: argparse.Namespace) -> Wish:
     return Wish(**{name: tuple(value) if isinstance(value, list) else value for name, value in plot.items()})
 
 
-def draw(path: Path, options: argparse.Namespace) -> list[Path]:
-    """Draws one table; returns the names of the files. Raises SweepError, OSError."""
+def draw(path: Path, options: argparse.Namespace) -> int:
+    """Draws one table and prints the names of the files; returns the exit status. Raises SweepError, OSError."""
     table = read_gathered(path)
     wish = wish_of(table, options)
     figure = draw_map(table, wish) if wish.kind == "map" else draw_curves(table, wish)
     folder = options.output or table.path.parent
     folder.mkdir(parents=True, exist_ok=True)
-    return style.save_figure(figure, [folder / f"{options.name}.{ending}" for ending in options.format])
+    for target in style.save_figure(figure, [folder / f"{options.name}.{ending}" for ending in options.format]):
+        print(target)
+    return 0
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -74,12 +77,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--name", default="plot", help="name of the figures (default: plot)")
     parser.add_argument("--format", nargs="+", choices=FORMATS, default=["png", "pdf"], help="one or more of png, pdf, svg")
     options = parser.parse_args(arguments)
-    try:
-        for target in draw(options.table, options):
-            print(target)
-    except (SweepError, OSError) as error:
-        return complain(PROGRAM, error)
-    return 0
+    return status_of(PROGRAM, lambda: draw(options.table, options))
 
 
 if __name__ == "__main__":

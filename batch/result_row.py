@@ -55,6 +55,8 @@ class RowReader:
 
     def read(self, path: Path, namelist: Path) -> Row:
         """The row of a result of the case `namelist`; raises RowError."""
+        if any(file.exists() and not file.is_file() for file in (path, namelist)):  # to open a pipe may take for ever
+            raise RowError("found a folder, pipe or device in place of result or case, expected a file")
         if not path.exists():
             raise RowError("no result")
         try:

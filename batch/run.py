@@ -18,7 +18,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TextIO
 
-from case_folder import CaseFolder, add_program, check_program, complain, count_of, locked, new_parser, read_folder
+from case_folder import CaseFolder, add_program, check_program, count_of, locked, new_parser, opened, status_of
 from program_calls import CONVERGED, FAILED, INTERRUPTED, NOT_CONVERGED, Program
 from sweep_file import SweepError
 
@@ -184,19 +184,21 @@ def listen(program: Program) -> dict[int, object]:
 
 def run_folder(path: Path, options: argparse.Namespace) -> int:
     """Runs what is to be run in a folder and prints the table; returns the exit status. Raises SweepError, OSError."""
-    folder = read_folder(path)
-    cases, words = chosen(folder, getattr(options, "cases", None))
-    program = Program(check_program(options.program), folder.cases, options.threads)
-    folder.log.mkdir(exist_ok=True)
-    log = folder.log / f"{words}.csv"
-    log.touch()
-    with locked(folder.path, "its cases are being written", shared=True), locked(log, "these cases are being run already"):
-        earlier = listen(program)
-        try:
-            progress = run_cases(folder, cases, program, options.jobs, log)
-        finally:
-            for number, handler in earlier.items():
-                signal.signal(number, handler)
+    with opened(path) as folder:
+        cases, words = chosen(folder, getattr(options, "cases", None))
+        program = Program(check_program(options.program), folder.cases, options.threads)
+        folder.log.mkdir(exist_ok=True)
+        log = folder.log / f"{words}.csv"
+        log.touch()
+        if not log.is_file():  # to open a pipe may take for ever
+            raise SweepError(f"{log}: found a folder, pipe or device, expected a file")
+        with locked(log, "these cases are being run already"):
+            earlier = listen(program)
+            try:
+                progress = run_cases(folder, cases, program, options.jobs, log)
+            finally:
+                for number, handler in earlier.items():
+                    signal.signal(number, handler)
     print(progress.table())
     if progress.status == INTERRUPTED:
         print(f"{PROGRAM}: interrupted; the same command goes on", file=sys.stderr)
@@ -224,10 +226,7 @@ def main(arguments: list[str] | None = None) -> int:
     add_options(parser)
     add_program(parser)
     options = parser.parse_args(arguments)
-    try:
-        return run_folder(options.folder, options)
-    except (SweepError, OSError) as error:
-        return complain(PROGRAM, error)
+    return status_of(PROGRAM, lambda: run_folder(options.folder, options))
 
 
 if __name__ == "__main__":

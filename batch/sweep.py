@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import argparse
+import errno
+import os
 import re
 import shutil
 import subprocess
@@ -13,7 +15,21 @@ from itertools import islice
 from pathlib import Path
 
 import f90nml
-from case_folder import INDEX, add_program, check_program, complain, locked, new_parser, write_index
+from case_folder import (
+    INDEX,
+    REPLACEMENT,
+    SWEEP,
+    add_program,
+    check_program,
+    complete,
+    is_sweep,
+    locked,
+    names_before,
+    new_parser,
+    status_of,
+    take_over,
+    write_index,
+)
 from case_plan import Groups, Plan, plan_sweep, units_of_keys
 from sweep_file import SweepError, SweepFile, read_sweep_file
 
@@ -21,7 +37,7 @@ PROGRAM = "sweep.py"
 EPILOG = """example:
   sweep.py input/sweeps/film_over_speed.toml
 
-status: 0 written; 1 wrong sweep, base case or usage, nothing is written; 3 cannot write"""
+status: 0 written; 1 wrong sweep, base case or usage, nothing is written; 3 cannot write; 4 interrupted"""
 # More cases than this need --yes.
 MANY = 100_000
 # Namelists in one call of the program.
@@ -35,10 +51,13 @@ def write_sweep(sweep: SweepFile, folder: Path, options: argparse.Namespace) -> 
     plan = plan_sweep(sweep, folder)
     if plan.count > MANY and not options.yes:
         raise SweepError(f"{sweep.path}: found {plan.count} cases, expected at most {MANY} (or --yes: two files for each)")
+    complete(folder)
     look_at(folder)
-    part = folder.with_name(folder.name + ".part")
+    target = Path(os.path.realpath(folder))
+    part = target.with_name(target.name + ".part")
     part.mkdir(parents=True, exist_ok=True)
     with locked(part, "another process is writing this sweep"):
+        look_at_part(part)
         try:
             write_cases(plan, part, program)
             write_description(plan, part, program)
@@ -50,8 +69,15 @@ def write_sweep(sweep: SweepFile, folder: Path, options: argparse.Namespace) -> 
 
 def look_at(folder: Path) -> None:
     """Raises SweepError if `folder` is neither new, nor empty, nor a sweep."""
-    if folder.exists() and not (folder / INDEX).is_file() and not (folder.is_dir() and not any(folder.iterdir())):
+    if folder.exists() and not is_sweep(folder) and not (folder.is_dir() and not any(folder.iterdir())):
         raise SweepError(f"{folder}: is there and no sweep with an {INDEX}; give another folder with --output, or remove it")
+
+
+def look_at_part(part: Path) -> None:
+    """Raises SweepError if something else lies in `part` than what an interrupted call leaves: it will be removed."""
+    cases = {path.name for path in (part / "cases").glob("*") if not re.fullmatch(r"case_\d+\.nml", path.name)}
+    if others := cases | {path.name for path in part.iterdir()} - {"cases", INDEX, SWEEP}:
+        raise SweepError(f"{part}: found {min(others)}, expected an unused name: the sweep is written there before it is moved")
 
 
 def write_cases(plan: Plan, part: Path, program: Path) -> None:
@@ -68,14 +94,14 @@ def write_cases(plan: Plan, part: Path, program: Path) -> None:
 
 def write_namelist(path: Path, groups: Groups) -> None:
     """One case."""
-    with path.open("w", encoding="utf-8") as file:
+    with path.open("w", encoding="utf-8", errors="surrogateescape") as file:  # names of files, which need not be text
         f90nml.Namelist(groups).write(file)
 
 
 def check(plan: Plan, cases: list[tuple[str, list[object]]], folder: Path, program: Path) -> None:
     """Raises SweepError with what the program finds wrong, by the lines of the sweep file."""
     command = [program, "--check", *(f"{name}.nml" for name, _ in cases)]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, cwd=folder, capture_output=True, encoding="utf-8", errors="replace", check=False)
     if done.returncode != 0:
         raise SweepError("\n".join(findings(plan, dict(cases), done.stderr)))
 
@@ -113,32 +139,45 @@ def write_description(plan: Plan, part: Path, program: Path) -> None:
     units |= {parameter.name: parameter.unit for parameter in plan.sweep.parameters if parameter.unit}
     columns = [(name, units.get(name.lower() if "." in name else name, "")) for name in plan.parameters]
     write_index(part / INDEX, columns, ((name, values) for name, values, _ in plan.cases()))
-    (part / "sweep.toml").write_text(plan.sweep.text, encoding="utf-8")
+    (part / SWEEP).write_text(plan.sweep.text, encoding="utf-8")
 
 
 def publish(part: Path, folder: Path, is_replacing: bool) -> None:
-    """The complete `part` becomes `folder`, or the new state of it. Raises SweepError."""
-    if not (folder / INDEX).is_file():
-        if folder.exists():
-            folder.rmdir()
-        part.rename(folder)
+    """The complete `part` becomes `folder`, or the new state of it, by one renaming; what follows that can be done later, too.
+
+    Raises SweepError, OSError.
+    """
+    if not is_sweep(folder):
+        part.rename(os.path.realpath(folder))
         return
-    changed = {path.name for path in (part / "cases").iterdir() if not same(path, folder / "cases" / path.name)}
-    if not changed and same(part / INDEX, folder / INDEX):
-        (part / "sweep.toml").replace(folder / "sweep.toml")
+    names = {path.stem for path in (part / "cases").iterdir()}
+    unchanged = {name for name in names if same(part / "cases" / f"{name}.nml", folder / "cases" / f"{name}.nml")}
+    differing = names_before(folder) - names | names - unchanged
+    if not differing:
+        (part / SWEEP).replace(folder / SWEEP)
+        (part / INDEX).replace(folder / INDEX)
         return
     if not is_replacing:
-        words = f"holds another sweep ({len(changed)} cases differ); give another folder with --output, or --replace: results"
-        raise SweepError(f"{folder}: {words} of unchanged cases stay, the others are computed again by batch/run.py")
+        words = f"holds another sweep ({len(names - unchanged) or len(differing)} cases differ); give another folder with --output,"
+        words += " or --replace: results of unchanged cases stay, the others are computed again by batch/run.py"
+        raise SweepError(f"{folder}: {words}")
     with locked(folder, "its cases are being run"):
-        (folder / INDEX).unlink()
-        for path in (folder / "cases").glob("case_*.nml"):
-            if not (part / "cases" / path.name).exists():
-                path.unlink()
-        for name in changed:
-            (part / "cases" / name).replace(folder / "cases" / name)
-        (part / "sweep.toml").replace(folder / "sweep.toml")
-        (part / INDEX).replace(folder / INDEX)
+        for name in unchanged:
+            (part / "cases" / f"{name}.nml").unlink()
+        look_for_obstacles(folder, [folder / INDEX, folder / SWEEP, *(folder / "cases" / f"{name}.nml" for name in differing)])
+        part.rename(folder / REPLACEMENT)
+        take_over(folder)
+
+
+def look_for_obstacles(folder: Path, targets: list[Path]) -> None:
+    """Raises OSError if one of the files could not be replaced, as far as can be told before."""
+    for path in filter(Path.is_dir, targets):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), path)
+    for path in (folder, folder / "cases"):
+        if path.exists() and not os.access(path, os.W_OK | os.X_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
+        if path.exists() and path.stat().st_dev != folder.stat().st_dev:
+            raise OSError(errno.EXDEV, "is on another file system than its sweep", path)
 
 
 def same(one: Path, other: Path) -> bool:
@@ -162,12 +201,13 @@ def main(arguments: list[str] | None = None) -> int:
     parser = new_parser(PROGRAM, __doc__, EPILOG)
     add_options(parser)
     options = parser.parse_args(arguments)
+    return status_of(PROGRAM, lambda: write(options))
+
+
+def write(options: argparse.Namespace) -> int:
+    """Writes the sweep of the command line and says so; returns the exit status. Raises SweepError, OSError."""
     folder = options.output or Path(options.sweep.stem)
-    try:
-        count = write_sweep(read_sweep_file(options.sweep), folder, options)
-    except (SweepError, OSError) as error:
-        return complain(PROGRAM, error)
-    print(f"{folder}: {count} cases, checked")
+    print(f"{folder}: {write_sweep(read_sweep_file(options.sweep), folder, options)} cases, checked")
     return 0
 
 

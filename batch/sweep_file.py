@@ -5,11 +5,15 @@ Every finding names the file and the line of the entry that it is about.
 
 from __future__ import annotations
 
+import codecs
 import math
 import re
 import tomllib
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
+
+from formulas import is_free
 
 Value = bool | int | float | str | list
 
@@ -29,6 +33,19 @@ SPACINGS = ("linear", "log")
 METHODS = ("latin_hypercube", "sobol")
 # Digits of the values inside a range: enough for every namelist, and 0.3 stays 0.3.
 DIGITS = 12
+# Names in a row, as vary.group.key.from, and lists in lists, as of a key with several values: no sweep has more.
+MOST_NAMES, MOST_LISTS = 4, 2
+NAME = re.compile(r"[A-Za-z]\w*(\.[A-Za-z]\w*)?")
+# What the index and the gathered table call their own columns: a parameter of such a name would be lost, or taken for one.
+OWN_COLUMN = re.compile(r"case|status|reason|program|limits_passed|(summary|report|scaling|validity)_.*|.*_error", re.IGNORECASE)
+CONTROL = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
+# First bytes of texts in other encodings; those of UTF-32 begin as those of UTF-16.
+ENCODINGS = {
+    codecs.BOM_UTF32_LE: "UTF-32",
+    codecs.BOM_UTF32_BE: "UTF-32",
+    codecs.BOM_UTF16_LE: "UTF-16",
+    codecs.BOM_UTF16_BE: "UTF-16",
+}
 
 
 class SweepError(Exception):
@@ -96,11 +113,14 @@ class SweepFile:
     plot: dict[str, object] = field(default_factory=dict)
     findings: list[str] = field(default_factory=list)
 
+    @cached_property
+    def _lines(self) -> dict[str, int]:
+        return _lines(self.text)
+
     def line_of(self, *names: str) -> int:
         """The line on which the entry stands, or the nearest entry around it; 1 if there is none."""
-        lines = _lines(self.text)
         for end in range(len(names), 0, -1):
-            if (line := lines.get(".".join(names[:end]))) is not None:
+            if (line := self._lines.get(".".join(names[:end]))) is not None:
                 return line
         return 1
 
@@ -114,19 +134,40 @@ class SweepFile:
             raise SweepError("\n".join(self.findings))
 
 
+def read_text(path: Path) -> str:
+    """A text in UTF-8 without byte-order mark, lines ended by LF, whatever ended them before; raises SweepError."""
+    try:
+        if path.exists() and not path.is_file():  # to read a pipe may take for ever
+            raise SweepError(f"{path}: found a folder, pipe or device, expected a file")
+        content = path.read_bytes()
+    except (OSError, ValueError) as error:
+        raise SweepError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    found = next((name for mark, name in ENCODINGS.items() if content.startswith(mark)), "")
+    if found or b"\0" in content:
+        raise SweepError(f"{path}: found {found or 'NUL bytes, as UTF-16 has them'}, expected a text file in UTF-8")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        number = len(re.findall(rb"\r\n?|\n", content[: error.start])) + 1
+        words = f"found the byte 0x{content[error.start]:02X}, expected a text file in UTF-8"
+        raise SweepError(f"{path}:{number}: {words}") from error
+    return re.sub(r"\r\n?", "\n", text)
+
+
 def read_sweep_file(path: Path) -> SweepFile:
     """Reads and checks a sweep file; raises SweepError with all findings."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise SweepError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    text = read_text(path)
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         line = re.search(r"at line (\d+)", str(error))
         number = line[1] if line else len(text.splitlines())
         raise SweepError(f"{path}:{number}: is not TOML: {error}") from error
+    except (RecursionError, ValueError) as error:
+        words = "lists or tables too deep in each other" if isinstance(error, RecursionError) else "a number of thousands of digits"
+        raise SweepError(f"{path}: found {words}") from error
     sweep = SweepFile(path, text)
+    _check_values(sweep, tables)
     for name, value in tables.items():
         if name not in TABLES:
             sweep.find(sweep.line_of(name), f"found the unknown entry {name}, expected one of {', '.join(TABLES)}")
@@ -147,6 +188,28 @@ def read_sweep_file(path: Path) -> SweepFile:
     sweep.plot = tables.get("plot", {})
     sweep.refuse()
     return sweep
+
+
+def _check_values(sweep: SweepFile, tables: dict) -> None:
+    """Ends with what TOML can say and no namelist: dates, integers of more than 64 bits, words of several lines, deep nests."""
+    found: dict[tuple[str, ...], str] = {}
+    entries = [((name,), 0, value) for name, value in tables.items()]
+    for names, depth, value in entries:
+        if isinstance(value, dict) and len(names) < MOST_NAMES:
+            entries += [((*names, name), 0, inner) for name, inner in value.items()]
+        elif isinstance(value, list) and depth < MOST_LISTS:
+            entries += [(names, depth + 1, inner) for inner in value]
+        elif isinstance(value, dict | list):
+            found.setdefault(names, "lists or tables too deep in each other")
+        elif not isinstance(value, Value):
+            found.setdefault(names, f"the date or time {value}, expected a number, or words in quotes")
+        elif isinstance(value, int) and not -(2**63) <= value < 2**63:
+            found.setdefault(names, f"an integer of {len(str(abs(value)))} digits, expected at most 64 bits (or a real number)")
+        elif isinstance(value, str) and (sign := CONTROL.search(value)):
+            found.setdefault(names, f"the character U+{ord(sign[0]):04X} in words, expected one line of text")
+    for names, words in found.items():
+        sweep.find(sweep.line_of(*names), f"{'.'.join(names)}: found {words}")
+    sweep.refuse()
 
 
 def _read_base(sweep: SweepFile, tables: dict) -> None:
@@ -276,8 +339,12 @@ def _check_names(sweep: SweepFile) -> None:
         owners[name.lower()] = table
         if name.lower() == "case.output":
             sweep.find(line, "found case.output: results are named like their cases, case_0001.h5 and so on")
-        if not re.fullmatch(r"[A-Za-z]\w*(\.[A-Za-z]\w*)?", name) or name.lower() in {"case", "status", "reason"}:
-            sweep.find(line, f"found the name {name}, expected group.key, or a name of your own (not case, status, reason)")
+        if not NAME.fullmatch(name) or (OWN_COLUMN.fullmatch(name) and "." not in name):
+            words = "expected group.key, or a name of your own (columns of the gathered table are case, status, reason, program,"
+            words += " limits_passed, ..._error, summary_..., report_..., scaling_..., validity_...)"
+            sweep.find(line, f"found the name {name}, {words}")
+        elif not is_free(name):
+            sweep.find(line, f"found the name {name}, which means something else in formulas, expected another one")
         if table == "set" and "." not in name:
             sweep.find(line, f"found {name} in [set], expected group.key")
         if table == "formula" and not isinstance(sweep.formulas[name], str):

@@ -28,6 +28,7 @@ number() { # number NAME VALUE
 }
 root=$(cd "$(dirname "$0")/.." && pwd)
 [ -f "$1/index.csv" ] || fail "$1: has no index.csv: it is no sweep, or one that is not written to its end"
+[ ! -d "$1/replacement.part" ] || fail "$1: holds a replacement that was interrupted: batch/sweep.py SWEEP.toml --replace completes it"
 folder=$(cd "$1" && pwd)
 shift
 per_task=10 at_once=100 threads=1 options=()

@@ -1,5 +1,6 @@
 """batch/plot.py and batch/all.py: figures of gathered tables, with error bars and with what failed."""
 
+import os
 import shutil
 from types import SimpleNamespace
 
@@ -158,9 +159,42 @@ def test_bad_wishes(table, program, options, words):
     assert words in done.stderr
 
 
+def test_damaged_tables_and_wishes(table):
+    """Each is one line of words: columns of another shape or kind, wishes that are no names."""
+    content = table.read_bytes()
+
+    def words_of(change, **wish):
+        table.write_bytes(content)
+        with h5py.File(table, "a") as file:
+            change(file)
+        nothing = dict.fromkeys(("x", "y", "colour", "facet", "log", "points", "kind", "regimes"))
+        with pytest.raises(SweepError) as error:
+            draw(table, **vars(wish_of(read_gathered(table), SimpleNamespace(**nothing))), **wish)
+        return str(error.value)
+
+    def put(name, values):
+        def change(file):
+            del file[name]
+            file[name] = values
+
+        return change
+
+    assert "h_min has the shape (24, 2), expected (24,)" in words_of(put("h_min", np.ones((24, 2))))
+    assert "u has the shape (23,)" in words_of(put("u", np.ones(23)))
+    assert "is no gathered table" in words_of(put("u", np.zeros(24, dtype=[("a", float), ("b", int)])))
+    assert "is no gathered table" in words_of(put("status", np.ones(24)))
+    assert "is no gathered table" in words_of(lambda file: file.create_group("h_tiny"))
+    for text in ("plot = 3", "plot.y = [1, 2]", "plot.log = [['x']]", "plot.x = 1"):
+        assert (
+            "is no gathered table" in (words := words_of(lambda file, t=text: file.attrs.__setitem__("sweep", t)))
+            or "found" in words
+        )
+
+
 def test_files_that_are_no_tables(tmp_path, program):
     (tmp_path / "text.h5").write_text("no table", encoding="utf-8")
-    for name, words in (("none.h5", "is not there"), ("text.h5", "is no gathered table")):
+    os.mkfifo(tmp_path / "pipe.h5")
+    for name, words in (("none.h5", "is not there"), ("text.h5", "is no gathered table"), ("pipe.h5", "found a folder, pipe")):
         done = call("plot.py", name, "--x", "u", "--y", "h_min", folder=tmp_path, program=program)
         assert (done.returncode, words in done.stderr) == (1, True)
 

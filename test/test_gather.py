@@ -1,6 +1,7 @@
 """batch/gather.py: a row for each case, whatever became of it, in files that other programs open without a word."""
 
 import csv
+import os
 import shutil
 import subprocess
 import sys
@@ -110,6 +111,37 @@ def test_missing_and_broken_results_are_rows_with_their_reason(folder, program):
     ]
 
 
+def test_what_is_no_file_in_place_of_a_result_is_a_row_with_its_reason(folder, program):
+    """A pipe, to open which takes for ever; also in place of a case, and of the log of a run."""
+    results = folder / "cases"
+    for path in (results / "case_0001.h5", results / "case_0002.nml", results / "case_0003.h5", results / "case_0004.h5"):
+        path.unlink()
+    os.mkfifo(results / "case_0001.h5")
+    os.mkfifo(results / "case_0002.nml")
+    (results / "case_0003.h5").mkdir()
+    (results / "case_0004.h5").symlink_to("nowhere")
+    os.mkfifo(folder / "log" / "another.csv")
+    assert gather(folder, program) == "small/gathered.h5: 3 failed, 1 not run\n"
+    reasons = [row["reason"] for row in rows_of(folder).values()]
+    assert reasons[:3] == ["found a folder, pipe or device in place of result or case, expected a file"] * 3
+    (folder / "index.csv").unlink()
+    os.mkfifo(folder / "index.csv")
+    done = call("gather.py", "small", folder=folder.parent, program=program)
+    assert (done.returncode, "index.csv: found a folder, pipe or device, expected a file" in done.stderr) == (1, True)
+
+
+def test_titles_stay_text_and_a_parameter_of_an_earlier_version_is_no_column_of_the_table(folder, program):
+    index = '"case","case.title","x [1]"\n' + "".join(f'"case_000{i}","{i}_0",{i}e0\n' for i in range(1, 5))
+    (folder / "index.csv").write_text(index, encoding="utf-8")
+    gather(folder, program)
+    with h5py.File(folder / "gathered.h5") as file:
+        assert list(file["case.title"].asstr()) == ["1_0", "2_0", "3_0", "4_0"]
+        assert list(file["x"]) == [1.0, 2.0, 3.0, 4.0]
+    (folder / "index.csv").write_text(index.replace("x [1]", "program"), encoding="utf-8")
+    done = call("gather.py", "small", folder=folder.parent, program=program)
+    assert (done.returncode, "found the parameter program, which the table has itself" in done.stderr) == (1, True)
+
+
 def test_the_reason_of_a_failure_is_that_of_its_run(folder, program):
     (folder / "cases" / "case_0001.h5").unlink()
     bad = folder / "cases" / "case_0001.nml"
@@ -155,6 +187,8 @@ def test_a_parameter_with_the_name_of_a_result(tmp_path, program):
     with h5py.File(folder / "gathered.h5") as file:
         assert list(file["h_min"]) == [1.0, 2.0]
         assert 0 < file["summary_h_min"][0] < 1e-5
+        assert 0 < file["summary_h_min_error"][0] < file["summary_h_min"][0]
+        assert "h_min_error" not in file  # a picture would show it as that of the parameter
 
 
 def many_of(folder, target, count):

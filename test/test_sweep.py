@@ -1,15 +1,23 @@
 """batch/sweep.py: from a TOML file to checked namelists and an index."""
 
+import codecs
 import csv
 import fcntl
+import keyword
 import os
+import random
 
 import batch_runs
 import f90nml
 import numpy as np
 import pytest
 from batch_runs import BASE, call, swept, write_sweep
-from formulas import FormulaError, evaluate
+from case_folder import read_folder
+from case_plan import read_base
+from formulas import CONSTANTS, FUNCTIONS, FormulaError, evaluate
+from gather import MEANINGS
+from result_row import GROUPS, PASSED
+from sweep_file import SweepError, read_sweep_file
 
 HEAD = 'base = "base.nml"\n[vary]\n'
 
@@ -169,6 +177,25 @@ BAD = {
         'base = "base.nml"\nleave_out = ["load.load_per_length"]\n[vary]\nload.hertz_pressure = [4e8]\n',
         "small.toml:2: found load.load_per_length in leave_out",
     ),
+    "an own name that is a constant": (
+        HEAD + 'pi = [1.0, 2.0]\n[formula]\nbodies.speed_1 = "pi*0.1"\n',
+        "small.toml:3: found the name pi, which means something else in formulas",
+    ),
+    "an own name that is a column of the table": (
+        HEAD + "load.hertz_pressure = [4e8]\nprogram = [1, 2]\n",
+        "small.toml:4: found the name program, expected group.key, or a name of your own",
+    ),
+    "lists ten thousand deep": (HEAD + f"u = {'[' * 10000}{']' * 10000}\n", "small.toml: found lists or tables too deep"),
+    "tables ten thousand deep": (HEAD + f"u{'.u' * 10000} = 1\n", "found lists or tables too deep in each other"),
+    "400 digits": (HEAD + f"u = {{ from = 1, to = {'1' * 400}, count = 3 }}\n", "small.toml:3: vary.u.to: found an integer of 400"),
+    "5000 digits": (HEAD + f"u = [{'1' * 5000}]\n", "small.toml: found a number of thousands of digits"),
+    "a date": (HEAD + "u = [2024-02-03, 1]\n", "small.toml:3: vary.u: found the date or time 2024-02-03, expected a number"),
+    "NUL in words": (HEAD + 'u = ["a\\u0000b"]\n', "small.toml:3: vary.u: found the character U+0000 in words"),
+    "arithmetic with words": (HEAD + 'u = ["a", "b"]\n[formula]\nv = "2*u"\n', "small.toml:5: v: '2*u' has no value: u is 'a'"),
+    "an integer without end": (
+        HEAD + 'u = [1]\n[formula]\nv = "((9**999)**999)**999"\n',
+        "small.toml:5: v: '((9**999)**999)**999' has no value",
+    ),
     "an odd Sobol sample": (
         'base = "base.nml"\n[sample]\nmethod = "sobol"\ncount = 50\n[vary]\nload.hertz_pressure = { from = 4e8, to = 5e8 }\n',
         "small.toml:2: found 50 points of a Sobol sample",
@@ -191,6 +218,125 @@ def test_a_base_that_is_no_namelist(sweep):
     assert done.returncode == 1
     assert "small.toml:1:" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def sweep_of(folder, names):
+    """A sweep file with these parameters."""
+    return write_sweep(folder, HEAD + "".join(f'"{name}" = [1, 2]\n' for name in names))
+
+
+def test_every_name_that_formulas_index_and_table_use_themselves_is_refused(tmp_path):
+    """Names are taken from where they are used; in capitals they would differ by that alone."""
+    own = {*CONSTANTS, *FUNCTIONS, *MEANINGS, "case", PASSED, "h_min_error"}
+    own |= {f"{prefix}x" for prefix in (*GROUPS.values(), "scaling_", "summary_") if prefix}
+    odd = {"a\u00b5", "\u210e", "x y", "x.y.z", "1a"}  # signs that Python reads as others, and no names at all
+    for name in sorted(own | {name.upper() for name in own} | odd | set(keyword.kwlist)):
+        with pytest.raises(SweepError, match=r"small\.toml:\d: found the name"):
+            read_sweep_file(sweep_of(tmp_path, [name]))
+    free = ["slip", "h_min", "Gr\u00f6\u00dfe", "lambda_1", "pi2", "errors", "time.pi", "match"]
+    assert [parameter.name for parameter in read_sweep_file(sweep_of(tmp_path, free)).parameters] == free
+
+
+def test_text_that_looks_like_a_number_stays_text(sweep, tmp_path):
+    words = ["1_0", "10", "1e5", "nan", "=1", 'a "b", c', " 2"]
+    quoted = ", ".join(f"'{word}'" for word in words)
+    text = f'base = "base.nml"\ntogether = ["case.title", "load.hertz_pressure"]\n[vary]\ncase.title = [{quoted}]\n'
+    assert sweep(text + f"load.hertz_pressure = {[4e8 + 1 / 3 + i for i in range(7)]}\n").returncode == 0
+    folder = read_folder(tmp_path / "small")
+    assert [row[0] for row in folder.rows] == words
+    assert [row[1] for row in folder.rows] == [4e8 + 1 / 3 + i for i in range(7)]
+    assert [namelist(tmp_path / "small", i)["case"]["title"] for i in range(1, 8)] == words
+
+
+def test_an_index_of_an_earlier_version_is_read_and_replaced_by_the_same_sweep(sweep, tmp_path):
+    text = HEAD + "load.hertz_pressure = [4e8, 5e8]\n"
+    assert sweep(text).returncode == 0
+    index = tmp_path / "small" / "index.csv"
+    new = index.read_text(encoding="utf-8")
+    index.write_text(new.replace('"', "").replace("500000000.0", "1_0"), encoding="utf-8")
+    assert read_folder(tmp_path / "small").rows == ((4e8,), ("1_0",))
+    assert sweep(text).returncode == 0
+    assert index.read_text(encoding="utf-8") == new
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        '"case","x"\n"case_0001",1\n"case_0001",2\n',
+        '"case","x"\n"case_\0001",1\n',
+        '"case","x","x"\n"case_0001",1,2\n',
+        "1,2\n3,4\n",
+        '"case","x"\n"../case_1",1\n',
+        '"case","x/y"\n"case_0001",1\n',
+        '"case","x"\n"case_0001"\n',
+        '"case"\n',
+        "",
+        "\n",
+        '"case","x\n',
+    ],
+)
+def test_a_damaged_index_is_told(tmp_path, damage):
+    (tmp_path / "index.csv").write_text(damage, encoding="utf-8")
+    with pytest.raises(SweepError, match=r"index\.csv: (is no index of cases|found NUL bytes)"):
+        read_folder(tmp_path)
+
+
+def test_a_base_is_read_the_same_whatever_ends_its_lines(tmp_path):
+    """Any mixture of line ends, with and without byte-order mark, subscripts for lists."""
+    source = random.Random(30)
+    text = BASE.replace("&load", "! \u00d6l: a comment / & \n&surface_1\n amplitude{}\n wavelength = 1e-4, 2e-4 ! [m]\n/\n&load")
+    lists = (" = 1e-7, 2e-7", "(1) = 1e-7\n amplitude(2) = 2e-7", "(2) = 2e-7, amplitude(1) = 1e-7", "(1:2) = 1e-7, 2e-7")
+    sweep_file = write_sweep(tmp_path, HEAD + "load.hertz_pressure = [4e8]\n")
+    (tmp_path / "base.nml").write_text(text.format(lists[0]), encoding="utf-8")
+    expected = read_base(read_sweep_file(sweep_file), tmp_path)
+    assert expected["surface_1"] == {"amplitude": [1e-7, 2e-7], "wavelength": [1e-4, 2e-4]}
+    for _ in range(60):
+        ends = source.choice(["\r", "\n", "\r\n", "\r\n "])
+        lines = text.format(source.choice(lists)).split("\n")
+        mixed = "".join(line + (ends if source.random() < 0.8 else source.choice(["\r", "\n", "\r\n"])) for line in lines)
+        (tmp_path / "base.nml").write_bytes(source.choice([b"", codecs.BOM_UTF8]) + mixed.encode())
+        assert read_base(read_sweep_file(sweep_file), tmp_path) == expected
+
+
+@pytest.mark.parametrize(
+    ("encoding", "words"),
+    [
+        ("utf-16", "found UTF-16"),
+        ("utf-32", "found UTF-32"),
+        ("utf-16-le", "found NUL bytes"),
+        ("latin-1", ":2: found the byte 0xD6"),
+    ],
+)
+def test_other_encodings_are_told_by_their_names(tmp_path, encoding, words):
+    sweep_file = write_sweep(tmp_path, HEAD + "load.hertz_pressure = [4e8]\n")
+    content = ("# one\r# \u00d6l\n" + sweep_file.read_text(encoding="utf-8")).encode(encoding)
+    (tmp_path / "base.nml").write_bytes(("! one\r! \u00d6l\n" + BASE).encode(encoding))
+    with pytest.raises(SweepError, match=rf"small\.toml:1: .*base\.nml:?.*{words}.*, expected a text file in UTF-8"):
+        read_base(read_sweep_file(sweep_file), tmp_path)
+    sweep_file.write_bytes(content)
+    with pytest.raises(SweepError, match=rf"small\.toml:?.*{words}.*, expected a text file in UTF-8"):
+        read_sweep_file(sweep_file)
+
+
+def test_bases_with_subscripts_are_written_as_lists(sweep, tmp_path):
+    base = (
+        BASE + "&surface_1 shape = 'feature', amplitude(2) = 2e-7, amplitude(1) = 1e-7, wavelength = 2*1e-4, position = -2, -1 /\n"
+    )
+    base += "&time transient = .true., end_time = 1.0, time_step = 0.05 /\n"
+    done = sweep(HEAD + "load.hertz_pressure = [4e8, 5e8]\n", base=base)
+    assert done.returncode == 0, done.stderr
+    assert namelist(tmp_path / "small", 1)["surface_1"]["amplitude"] == [1e-7, 2e-7]
+    done = sweep(HEAD + "load.hertz_pressure = [4e8]\n", "--output", "other", base=base.replace("amplitude(1) = 1e-7,", ""))
+    assert (done.returncode, "&surface_1 amplitude: found" in done.stderr) == (1, True)
+
+
+def test_names_of_files_that_are_no_text(tmp_path, program):
+    """Bytes of Latin-1 in the names of sweep and folder: read, printed, and found again."""
+    name = os.fsdecode(b"s\xf6")
+    write_sweep(tmp_path, HEAD + "load.hertz_pressure = [4e8]\n", BASE, f"{name}.toml")
+    done = call("all.py", f"{name}.toml", folder=tmp_path, program=program)
+    assert (done.returncode, done.stdout.splitlines()[0]) == (0, "s\\udcf6: 1 cases, checked"), done.stderr
+    assert (tmp_path / name / "gathered.h5").exists()
 
 
 def test_the_same_sweep_again_changes_nothing_and_another_one_needs_a_word(sweep, tmp_path):
