@@ -28,7 +28,7 @@ EPILOG = """example:
 
 writes FOLDER/gathered.h5 and FOLDER/gathered.csv
 
-status: 0 written, whatever became of the cases; 1 wrong folder or usage; 3 cannot write"""
+status: 0 written, whatever became of the cases; 1 wrong folder or usage; 3 cannot write; 4 interrupted"""
 # Rows that are read at once; with more than one process each holds one such block, and as many wait to be written.
 BLOCK = 500
 # Fewer cases than this are read by one process: to start another takes as long as to read that many.
@@ -100,7 +100,7 @@ class Table:
 def text_of(value: float | str | None) -> str:
     """A value in a column of text; what is not known is empty."""
     if isinstance(value, str):
-        return value
+        return value.replace("\0", "\ufffd")  # which HDF5 would take for its end
     return "" if value is None or np.isnan(value) else repr(value)
 
 
