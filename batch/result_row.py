@@ -7,16 +7,20 @@ taken, whatever its name.
 
 from __future__ import annotations
 
-import re
+import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from h5py import h5a, h5d, h5f, h5g, h5p, h5s, h5t
 
+# of a checkout; where the package is installed, this folder is in it
+sys.path.append(str(Path(__file__).resolve().parent.parent / "python"))
+
+from asperity.seal import SealError, check_seal
+
 # What h5py raises where the bytes of a file are damaged.
 DAMAGE = (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, MemoryError)
-SEAL_BYTES = 80
 NUMBER_BYTES = 8
 # Group of a result -> what its columns begin with.
 GROUPS = {b"summary": "", b"sweep": "", b"report": "report_", b"adequacy/validity": "validity_"}
@@ -55,10 +59,8 @@ class RowReader:
 
     def read(self, path: Path, namelist: Path) -> Row:
         """The row of a result of the case `namelist`; raises RowError."""
-        if any(file.exists() and not file.is_file() for file in (path, namelist)):  # to open a pipe may take for ever
-            raise RowError("found a folder, pipe or device in place of result or case, expected a file")
-        if not path.exists():
-            raise RowError("no result")
+        if namelist.exists() and not namelist.is_file():  # to open a pipe may take for ever
+            raise RowError("found a folder, pipe or device in place of the case, expected a file")
         try:
             check_seal(path)
             file = h5f.open(bytes(path), h5f.ACC_RDONLY, _ACCESS)
@@ -66,6 +68,10 @@ class RowReader:
                 return self._read_open(file, namelist)
             finally:
                 file.close()
+        except FileNotFoundError as error:
+            raise RowError("no result" if not path.exists() else f"the case cannot be read: {error.strerror}") from error
+        except SealError as error:
+            raise RowError(f"the result cannot be read: {error}") from error
         except DAMAGE as error:
             raise RowError(f"the result cannot be read: {' '.join(str(error).split())[:200]}") from error
 
@@ -161,13 +167,3 @@ class RowReader:
         text = np.empty(attribute.shape, attribute.dtype)
         attribute.read(text)
         return text.reshape(-1)[0].decode()
-
-
-def check_seal(path: Path) -> None:
-    """Raises RowError unless the file ends with the line of a complete result and is as long as it says."""
-    with path.open("rb") as file:
-        size = file.seek(0, 2)
-        file.seek(max(0, size - SEAL_BYTES))
-        found = re.fullmatch(rb"asperity checksum [0-9A-F]{16} of the (\d+) bytes before *\n", file.read())
-    if not found or int(found[1]) != size - SEAL_BYTES:
-        raise RowError("the result is not complete, or was changed")

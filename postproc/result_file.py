@@ -9,12 +9,18 @@ from __future__ import annotations
 import contextlib
 import math
 import re
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import h5py
 import numpy as np
+
+# of a checkout; where the package is installed, this folder is in it
+sys.path.append(str(Path(__file__).resolve().parent.parent / "python"))
+
+from asperity.seal import SealError, check_seal
 
 
 class ResultError(Exception):
@@ -249,16 +255,15 @@ def _first_line(error: Exception) -> str:
 def _file(path: Path) -> h5py.File:
     if path.suffix == ".part":
         raise ResultError(f"{path}: an unfinished result (.part): still being written, or its run was stopped")
-    if not path.exists():
-        raise ResultError(f"{path}: no such file")
-    if path.is_dir():
-        raise ResultError(f"{path}: is a folder, expected a result file (.h5)")
     try:
+        check_seal(path)
         return h5py.File(path, "r")
+    except FileNotFoundError:
+        raise ResultError(f"{path}: no such file") from None
     except PermissionError:
         raise ResultError(f"{path}: cannot be read (permission denied)") from None
-    except OSError:
-        raise ResultError(f"{path}: not an HDF5 file, or a damaged one") from None
+    except (OSError, SealError) as error:
+        raise ResultError(f"{path}: {_first_line(error)}") from None
 
 
 def _check_content(path: Path, file: h5py.File, needs: tuple[str, ...]) -> None:

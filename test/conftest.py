@@ -28,6 +28,14 @@ def program():
 
 
 @pytest.fixture
+def package(program, tmp_path, monkeypatch):
+    """The Python package with this program, in an empty folder."""
+    monkeypatch.setenv("ASPERITY", str(program))
+    monkeypatch.setenv("PYTHONPATH", str(ROOT / "python"))
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
 def diverging(program, asperity):
     """Like asperity, for runs that may outgrow all numbers: there the checked build ends at the first overflow, as it should."""
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from cases import seal
 
 HALF_WIDTH = 1.05797e-4  # [m]
 HERTZ_PRESSURE = 0.601736e9  # [Pa]
@@ -102,6 +103,7 @@ def write_result(
         put(report, "load_error_history", np.minimum(0.01 * history, 1.0))
         put(report, "tolerance_effective", 1e-8)
         put(report, "cycles", history.size)
+    seal(path)
     return path
 
 

@@ -263,15 +263,14 @@ def test_a_process_that_is_killed_leaves_the_older_table(folder, tmp_path):
 
 
 def with_words(path, name, words):
-    """Another file at `path`, whose /report/NAME is a text, complete by its last line."""
+    """Another file at `path`, whose /report/NAME is a text."""
     content = path.read_bytes()
     path.unlink()  # it may have other names
     path.write_bytes(content)
     with h5py.File(path, "r+") as file:
         del file[f"report/{name}"]
         file["report"].create_dataset(name, data=np.bytes_(words))
-    with path.open("ab") as file:
-        file.write(f"asperity checksum {0:016X} of the {path.stat().st_size} bytes before".encode().ljust(79) + b"\n")
+    cases.seal(path)
 
 
 @pytest.mark.parametrize("words", ["seven", "eight888"])

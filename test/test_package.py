@@ -19,11 +19,7 @@ from PIL import Image
 MINIMAL = ROOT / "input" / "minimal.nml"
 
 
-@pytest.fixture(autouse=True)
-def use_the_program(program, tmp_path, monkeypatch):
-    monkeypatch.setenv("ASPERITY", str(program))
-    monkeypatch.setenv("PYTHONPATH", str(ROOT / "python"))
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("package")
 
 
 @pytest.fixture
@@ -132,15 +128,6 @@ def test_what_is_no_result(tmp_path, content):
         asperity.read(path)
     with pytest.raises(FileNotFoundError):
         asperity.read(tmp_path / "b.h5")
-
-
-def test_a_program_that_is_not_there_or_does_nothing(monkeypatch):
-    monkeypatch.setenv("ASPERITY", "/nowhere/asperity")
-    with pytest.raises(asperity.AsperityError, match="/nowhere/asperity"):
-        asperity.run(MINIMAL)
-    monkeypatch.setenv("ASPERITY", shutil.which("false"))
-    with pytest.raises(asperity.AsperityError, match="status 1"):
-        asperity.run(MINIMAL)
 
 
 def test_the_version_is_that_of_the_program(asperity_version=re.compile(r"asperity (\S+) \(commit \S+\)")):

@@ -8,10 +8,14 @@
 The solver is the program; here is no numerical code. Results are read from its HDF5 files.
 """
 
-from .calls import NotConvergedWarning, Progress, check, run
-from .errors import AsperityError, Finding, InputError
-from .program import version
-from .result import Result, read
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .calls import NotConvergedWarning, Progress, check, run
+    from .errors import AsperityError, Finding, InputError
+    from .program import version
+    from .result import Result, read
 
 __all__ = [
     "AsperityError",
@@ -25,3 +29,26 @@ __all__ = [
     "run",
     "version",
 ]
+
+# Where each name is: modules are loaded when a name of theirs is asked for, so that `asperity.seal` costs no xarray.
+_MODULES = {
+    "calls": ("NotConvergedWarning", "Progress", "check", "run"),
+    "errors": ("AsperityError", "Finding", "InputError"),
+    "program": ("version",),
+    "result": ("Result", "read"),
+}
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name):
+        """A public name, or a module that has one, loaded at its first use."""
+        for module, names in _MODULES.items():
+            if name == module or name in names:
+                loaded = import_module(f".{module}", __name__)
+                globals()[name] = loaded if name == module else getattr(loaded, name)
+                return globals()[name]
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+    def __dir__():
+        """The public names, loaded or not."""
+        return sorted({*globals(), *__all__})

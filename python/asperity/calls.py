@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import re
-import subprocess
 import tempfile
 import warnings
-from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from .case_text import Case, name_and_text
+from .case_file import Case, namelist_of
 from .errors import AsperityError, Finding, InputError, findings_in
-from .program import program_path
+from .program import call, end_of, printable
 from .result import Result, read
 
 CONVERGED, BAD_INPUT, NOT_CONVERGED = 0, 1, 2
-# Lines that are kept for the message of an error.
-LAST_LINES = 50
+# Lines that are kept for the message of an error and the name of the result.
+LAST_LINES = 500
 _COUNT = re.compile(r"\b(\d+)/(\d+)\b")
+_NO_FINDINGS = ": no findings"
+_RESULT = "  result    "
 
 
 class NotConvergedWarning(UserWarning):
@@ -38,14 +38,20 @@ class Progress:
 def check(case: Case) -> list[Finding]:
     """All that is wrong with a case, empty if nothing is; nothing is computed.
 
-    `case`: path or text of a namelist, a mapping group -> key -> value, or a f90nml.Namelist.
+    `case`: path or text of a namelist, a mapping group -> key -> value, or a f90nml.Namelist. Raises FileNotFoundError, and
+    AsperityError if the program cannot say: it is not there, does not run, or died.
     """
-    name, text = name_and_text(case)
-    with tempfile.TemporaryDirectory(prefix="asperity-") as folder:
-        path = Path(folder) / f"{name}.nml"
-        path.write_text(text, encoding="utf-8", errors="surrogateescape")
-        done = subprocess.run([program_path(), "--check", path], capture_output=True, text=True, errors="replace", check=False)
-    return [] if done.returncode == CONVERGED else findings_in(done.stderr)
+    try:
+        with namelist_of(case) as arguments:
+            status, lines = call(["--check", *arguments])
+    except InputError as error:  # what no namelist can say
+        return error.findings
+    findings = findings_in(lines, arguments[0])
+    if status == CONVERGED and arguments[0] + _NO_FINDINGS in lines:
+        return []
+    if status == BAD_INPUT and findings:
+        return findings
+    raise AsperityError(end_of(status, lines))
 
 
 def run(
@@ -53,51 +59,47 @@ def run(
 ) -> Result:
     """Computes a case and returns its result.
 
-    `case`: as for `check`. `folder`: where the HDF5 file is kept, under the name of the case; without it the file lives as long as
-    the result. `threads`: of dry areas. `progress`: is called with each line of the log; True shows a bar of tqdm.
+    `case`: as for `check`. `folder`: where the HDF5 file is kept, without it the file lives as long as the result. It gets the name
+    that `output` of the case says, else that of the namelist, as from the program; a case without a file gets a name that no
+    result in the folder has: case.h5, case_2.h5, ... `threads`: of dry areas. `progress`: is called with each line of the log;
+    True shows a bar of tqdm.
 
-    Raises InputError with all findings, AsperityError if the program ends without a result. A case that does not converge gives
-    its result with `converged` False, and a NotConvergedWarning with the reason.
+    Raises FileNotFoundError, InputError with all findings, AsperityError if the program ends without a result. A case that does
+    not converge gives its result with `converged` False, and a NotConvergedWarning with the reason.
     """
-    name, text = name_and_text(case)
-    kept = tempfile.TemporaryDirectory(prefix="asperity-")
-    path = Path(kept.name) / f"{name}.nml"
-    path.write_text(text, encoding="utf-8", errors="surrogateescape")
-    target = Path(kept.name) if folder is None else Path(folder)
+    kept = tempfile.TemporaryDirectory(prefix="asperity-") if folder is None else None
+    target = Path(kept.name) if kept else Path(folder or "").absolute()
     target.mkdir(parents=True, exist_ok=True)
-    command = [str(program_path()), str(path), "--output", str(target), "--threads", str(threads)]
-    status, lines = _followed(command, _listener(progress))
-    if status == BAD_INPUT and lines:
-        raise InputError(findings_in("\n".join(lines)))
-    if status not in (CONVERGED, NOT_CONVERGED):
-        raise AsperityError("\n".join(lines) or f"the program ended with status {status}")
-    result = read(target / f"{name}.h5", keep=kept if folder is None else None)
+    with namelist_of(case, target) as arguments:
+        options = ["--output", str(target), "--threads", str(threads)]
+        status, lines = call([*arguments, *options], _listener(progress), LAST_LINES)
+    findings = findings_in(lines, arguments[0])
+    if status == BAD_INPUT and findings:
+        raise InputError(findings)
+    written = [line.removeprefix(_RESULT) for line in lines if line.startswith(_RESULT)]
+    if status not in (CONVERGED, NOT_CONVERGED) or not written:
+        raise AsperityError(end_of(status, lines))
+    result = read(target / Path(written[-1]).name, keep=kept)
     if not result.converged:
         warnings.warn(result.reason, NotConvergedWarning, stacklevel=2)
     return result
 
 
-def _followed(command: list[str], listen: Callable[[Progress], None]) -> tuple[int, list[str]]:
-    """Exit status and last lines of a call whose lines are passed on as they come."""
-    last: deque[str] = deque(maxlen=LAST_LINES)
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace") as process:
-        assert process.stdout is not None
-        try:
-            for line in process.stdout:
-                last.append(line.rstrip())
-                count = _COUNT.search(line)
-                listen(Progress(line.rstrip(), *map(int, count.groups())) if count else Progress(line.rstrip()))
-        except BaseException:  # also Ctrl-C: the program must not go on without its caller
-            process.terminate()
-            raise
-    return process.returncode, list(last)
-
-
-def _listener(progress: Callable[[Progress], None] | bool | None) -> Callable[[Progress], None]:
+def _listener(progress: Callable[[Progress], None] | bool | None) -> Callable[[str], None]:
+    """What is done with each line."""
     if progress is None or progress is False:
         return lambda _: None
-    if callable(progress):
-        return progress
+    show = progress if callable(progress) else _bar()
+
+    def listen(line: str) -> None:
+        text, count = printable(line), _COUNT.search(line)
+        show(Progress(text, *map(int, count.groups())) if count else Progress(text))
+
+    return listen
+
+
+def _bar() -> Callable[[Progress], None]:
+    """A bar of tqdm."""
     from tqdm import tqdm  # noqa: PLC0415 -- only for those who want a bar
 
     bar = tqdm(unit="step")

@@ -15,11 +15,19 @@ HERE = Path(__file__).resolve().parent
 
 def asperity() -> None:
     """The program, in place of this process."""
+    path = _program()
     try:
-        path = program_path()
+        os.execv(path, ["asperity", *sys.argv[1:]])
+    except OSError as error:
+        sys.exit(f"asperity: {path} cannot be run: {error.strerror}")
+
+
+def _program() -> Path:
+    """The program, else one line and status 1."""
+    try:
+        return program_path()
     except AsperityError as error:
         sys.exit(f"asperity: {error}")
-    os.execv(path, ["asperity", *sys.argv[1:]])
 
 
 def plot() -> None:
@@ -45,5 +53,5 @@ def _run_script(command: str, name: str) -> None:
     path = scripts[sys.argv[1]]
     sys.path.insert(0, str(folder))
     sys.argv = [str(path), *sys.argv[2:]]
-    os.environ.setdefault("ASPERITY", str(program_path()))
+    os.environ.setdefault("ASPERITY", str(_program()))
     runpy.run_path(str(path), run_name="__main__")

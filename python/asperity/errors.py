@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-_FINDING = re.compile(r"^(?P<file>.*?):(?P<line>\d+): (?:&(?P<group>\w+)(?: (?P<key>[^:]+))?: )?(?P<text>.*)$")
+_FINDING = re.compile(r"(?:(?P<line>\d+): | --set: )(?:&(?P<group>\w+)(?: (?P<key>[^:]+))?: )?(?P<text>.*)")
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Finding:
 
 
 class AsperityError(Exception):
-    """The program ended without a result; the message is what it said."""
+    """The program ended without a result, or a file is none: the message says why."""
 
 
 class InputError(AsperityError, ValueError):
@@ -36,14 +36,19 @@ class InputError(AsperityError, ValueError):
         self.findings = list(findings)
         super().__init__("\n".join(map(str, findings)))
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[list[Finding]]]:
+        """A copy, as one process gives it to another, has the findings too."""
+        return InputError, (self.findings,)
 
-def findings_in(text: str) -> list[Finding]:
-    """The findings that the program has printed, one a line."""
-    return [_finding(line) for line in text.splitlines() if line.strip()]
+
+def findings_in(lines: Sequence[str], path: str) -> list[Finding]:
+    """The findings about the namelist `path` that the program has printed, one a line; empty: these are no findings."""
+    own = [line.removeprefix(f"{path}:") for line in lines if line.startswith((f"{path}:", "asperity: "))]
+    return [_finding(line) for line in own]
 
 
 def _finding(line: str) -> Finding:
-    match = _FINDING.match(line)
+    match = _FINDING.fullmatch(line)
     if not match:
         return Finding(0, "", "", line.strip())
-    return Finding(int(match["line"]), match["group"] or "", (match["key"] or "").strip(), match["text"])
+    return Finding(int(match["line"] or 0), match["group"] or "", (match["key"] or "").strip(), match["text"])

@@ -1,0 +1,216 @@
+"""Cases given to the Python package: values of any type, texts and paths of any spelling; and programs that die."""
+
+import datetime
+import os
+import subprocess
+import sys
+from decimal import Decimal
+from enum import Enum
+from fractions import Fraction
+from pathlib import Path
+
+import asperity
+import f90nml
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+pytestmark = pytest.mark.usefixtures("package")
+
+DRY = {
+    "case": {"problem": "dry_line", "title": "plain"},
+    "bodies": {"reduced_modulus": 230e9},
+    "load": {"mean_pressure": [1e7, 2e7]},
+    "surface_1": {"shape": "sinusoid", "amplitude": 1e-7, "wavelength": 1e-4},
+    "domain": {"length": 1e-3, "intervals": 64},
+    "accuracy": {"error_bars": False},
+    "output": {"adequacy": False},
+}
+HEIGHTS = "x_m,z_m\n" + "".join(f"{i * 1e-5:.5f},{1e-7 * (i % 4):.2e}\n" for i in range(64))
+TEXT = """&bodies reduced_modulus = 230e9 /
+&load mean_pressure = 1e7, 2e7 /
+&accuracy error_bars = .false. /
+&output adequacy = .false. /
+"""
+MEASURED = DRY | {"surface_1": {"shape": "file", "file": "h.csv"}, "domain": {}}
+
+
+class Word(str, Enum):  # noqa: UP042 -- one that is written as Word.WORD by itself
+    WORD = "sinusoid"
+
+
+def test_values_of_many_types_are_the_same_case():
+    plain = asperity.run(DRY)
+    loads = [
+        (1e7, 2e7),
+        np.array([1e7, 2e7]),
+        [Decimal("1e7"), Fraction(20000000)],
+        pd.Series([1e7, 2e7]),
+        xr.DataArray([1e7, 2e7]),
+    ]
+    lengths = [Decimal("0.001"), np.float64(1e-3), np.longdouble("1e-3"), np.array(1e-3), Fraction(1, 1000), xr.DataArray(1e-3)]
+    intervals = [np.int8(64), np.uint64(64), np.array(64), True + 63, pd.Series([64]), range(64, 65)]
+    words = [Word.WORD, np.str_("sinusoid"), np.array("sinusoid"), ["sinusoid"], ("sinusoid",)]
+    for load, length, count, word in zip(loads, lengths, intervals, words, strict=False):
+        case = DRY | {"LOAD": {"Mean_Pressure": load}, "domain": {"length": length, "intervals": count}}
+        case = {key: case[key] for key in case if key != "load"} | {"surface_1": DRY["surface_1"] | {"shape": word}}
+        np.testing.assert_array_equal(asperity.run(case).pressure, plain.pressure)
+    fields = asperity.run(DRY | {"output": {"fields": ("pressure",), "adequacy": np.False_}})
+    assert "gap" not in fields.solution
+
+
+BAD = [
+    *(None, datetime.date(2026, 1, 2), datetime.datetime(2026, 1, 2), datetime.timedelta(1), 1j, float("nan"), Decimal("inf")),
+    *(b"1", {1.0}, {"a": 1}, [], (), [[1.0]], np.ones((2, 2)), object(), 10**400, np.datetime64(1, "ns"), Decimal("sNaN")),
+    *(pd.Timestamp("2026-01-02"), pd.NA, np.array([1, None]), np.array([np.datetime64(1, "ns")]), [np.timedelta64(1, "ns")]),
+    *(np.complex64(1), float, iter([1.0]), np.ma.masked_array([1.0, 2.0], [0, 1]), Decimal("1e999"), [pd.Timestamp(0)]),
+]  # fmt: skip
+
+
+def test_values_that_no_namelist_can_say_are_findings_all_at_once():
+    for value in BAD:
+        case = DRY | {"load": {"mean_pressure": value}, "domain": {"length": value, "intervals": 64}}
+        findings = asperity.check(case)
+        assert [(found.group, found.key) for found in findings] == [("load", "mean_pressure"), ("domain", "length")], value
+        assert all(found.text.startswith(("found", "cannot", "int too")) for found in findings), findings
+        with pytest.raises(asperity.InputError) as caught:
+            asperity.run(case)
+        assert caught.value.findings == findings
+    for bad in (
+        {1: {}},
+        {"a b": {}},
+        {"a/ &load": {}},
+        {"load": 3},
+        {"load": [1]},
+        {"load": {"x/ &y z": 1}},
+        {"Load": {}, "load": {}},
+        7,
+        b"&case /",
+    ):
+        assert asperity.check(bad)
+    assert asperity.check(DRY | {"case": {"problem": "dry_line", "title": "\ud800"}})
+
+
+def test_titles_are_kept_and_never_edited(tmp_path):
+    (tmp_path / "x").write_text(HEIGHTS, encoding="utf-8")
+    titles = [
+        "file = 'x'",
+        "it's",
+        "a \"b' c",
+        "back\\slash\\",
+        "\\'",
+        "a\\\\b",
+        "R&D / 50 % ! no",
+        "\u00a0\u200b ö \U0001f600",
+        "a = 1, b",
+    ]
+    for title in titles:
+        quoted = title.replace("'", "''")
+        text = (
+            f"&case problem = 'dry_line', title = '{quoted}' /\n"
+            + "&bodies reduced_modulus = 230e9 /\n&load mean_pressure = 1e7 /\n"
+        )
+        text += "&surface_1 shape = 'sinusoid', amplitude = 1e-7, wavelength = 1e-4 /\n&domain length = 1e-3, intervals = 64 /\n"
+        assert asperity.run(text).title == title
+        case = DRY | {"case": {"problem": "dry_line", "title": title}}
+        assert asperity.run(case).title == title
+        assert asperity.run(f90nml.Namelist(case)).title == title
+
+
+FOLDERS = [
+    "R&D",
+    "O'Neil",
+    'in "quotes"',
+    "&case x",
+    "a b",
+    "100% ! = #",
+    "Öl",
+    "back\\slash",
+    "-x",
+    "a.b",
+    "$HOME",
+    "*",
+]
+
+
+def test_folders_of_any_name(tmp_path, monkeypatch):
+    """Paths as text and as Path, relative and whole; heights beside the namelist, or in the current folder."""
+    text = f"&case problem = 'dry_line' /\n{TEXT}&surface_1 shape = 'file', file = 'h.csv' /\n"
+    expected = None
+    for i, name in enumerate(FOLDERS):
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "h.csv").write_text(HEIGHTS, encoding="utf-8")
+        (folder / "one & two.nml").write_text(text, encoding="utf-8-sig", newline="\r\n")
+        monkeypatch.chdir(tmp_path)
+        paths = [folder / "one & two.nml", str(folder / "one & two.nml"), f"./{name}/one & two.nml"]
+        found = [asperity.run(paths[i % 3], folder=folder / "results & more")]
+        assert found[0].path == folder / "results & more" / "one & two.h5"
+        monkeypatch.chdir(folder)
+        cases = [MEASURED, "one & two.nml", text, "\ufeff" + text.replace("\n", "\r\n"), text.replace("\n", "\r")]
+        found += [asperity.run(cases[j % 5]) for j in (i, i + 2)]
+        expected = expected or found[0]
+        for result in found:
+            np.testing.assert_array_equal(result.pressure, expected.pressure)
+    assert expected.case["load"]["mean_pressure"] == [1e7, 2e7]
+    with pytest.raises(FileNotFoundError):
+        asperity.run("R&D/nothing.nml")
+    with pytest.raises(FileNotFoundError):
+        asperity.check(Path("&case.nml"))
+    with pytest.raises(asperity.InputError):
+        asperity.run("a\0b")
+
+
+def test_a_folder_that_is_no_utf8(tmp_path, monkeypatch):
+    folder = tmp_path / os.fsdecode(b"latin\xf6")
+    folder.mkdir()
+    (folder / "h.csv").write_text(HEIGHTS, encoding="utf-8")
+    monkeypatch.chdir(folder)
+    f90nml.Namelist(MEASURED).write("one.nml")
+    assert asperity.run("one.nml", folder=folder).converged
+    with pytest.raises(asperity.InputError, match="UTF-8"):  # a whole path in the namelist would not be
+        asperity.run(MEASURED)
+
+
+def test_first_elements_of_arrays_stay_where_they_are():
+    """As f90nml reads them: a dictionary has them in _start_index."""
+    groups = f90nml.reads("&surface_1 shape = 'sinusoid', wavelength = 1e-4, amplitude(2) = 1e-7 /\n")
+    for case in (groups, groups.todict()):
+        findings = asperity.check(DRY | {"surface_1": case["surface_1"]})
+        assert any("found element 2 but not element 1" in found.text for found in findings)
+
+
+PROGRAMS = {
+    "SIGKILL": "kill -KILL $$",
+    "SIGSEGV": "kill -SEGV $$",
+    "status 0, without a word": "exit 0",
+    "status 1, without a word": "exit 1",
+    "status 3:\nno room": "echo no room >&2; exit 3",
+    "status 1:\nTraceback": "echo Traceback; exit 1",
+    "status 2": "exit 2",
+    "cannot be run: Permission denied": None,
+    "cannot be run: Exec format error": None,
+    "which is no file": None,
+}
+
+
+@pytest.mark.parametrize("words", PROGRAMS)
+def test_a_program_that_dies_or_does_not_start_is_said(words, tmp_path, monkeypatch):
+    program = tmp_path / "program"
+    monkeypatch.setenv("ASPERITY", str(program))
+    if "no file" not in words:
+        program.write_text("garbage" if "format" in words else f"#!/bin/sh\n{PROGRAMS[words]}\n", encoding="utf-8")
+        program.chmod(0o644 if "Permission" in words else 0o755)
+    for call in (lambda: asperity.check(DRY), lambda: asperity.run(DRY), asperity.version):
+        with pytest.raises(asperity.AsperityError) as caught:
+            call()
+        assert words in str(caught.value)
+        assert not isinstance(caught.value, asperity.InputError)
+    if PROGRAMS[words] is None:
+        code = "import sys; from asperity.commands import asperity; asperity()"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+        assert done.returncode == 1
+        assert done.stderr.startswith("asperity: ")
+        assert words in done.stderr
+        assert done.stderr.count("\n") == 1
