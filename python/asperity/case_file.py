@@ -99,11 +99,13 @@ def read_namelist(text: str) -> f90nml.Namelist:
 
 def _paths_in(text: str) -> list[str]:
     """Arguments of the program that make the relative paths of a text whole; of one that f90nml cannot read, none."""
+    entries: list[str] = []
+    if "file" not in text.lower():
+        return entries
     try:
         groups = read_namelist(text)
     except InputError:
-        return []
-    entries = []
+        return entries
     for group, keys in groups.items():
         file = keys.get("file") if isinstance(keys, Mapping) else None
         if file and isinstance(file, str) and not os.path.isabs(file):  # noqa: PTH117

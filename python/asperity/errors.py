@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-_FINDING = re.compile(r"(?:(?P<line>\d+): | --set: )(?:&(?P<group>\w+)(?: (?P<key>[^:]+))?: )?(?P<text>.*)")
+_FINDING = re.compile(r"(?:(?P<line>\d+):| --set:)? *(?:&(?P<group>\w+)(?: (?P<key>[^:]+))?: )?(?P<text>.*)")
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,5 @@ def findings_in(lines: Sequence[str], path: str) -> list[Finding]:
 
 def _finding(line: str) -> Finding:
     match = _FINDING.fullmatch(line)
-    if not match:
-        return Finding(0, "", "", line.strip())
+    assert match
     return Finding(int(match["line"] or 0), match["group"] or "", (match["key"] or "").strip(), match["text"])

@@ -137,7 +137,7 @@ def wrong(program: Path, source: random.Random, here: Path) -> str | None:
     if source.random() < 0.2:
         groups["case"]["output"] = "sub/" + word(source) + ".h5"
     kind = source.choice(["dictionary", "dictionary", "namelist", "text", "path", "bad"])
-    target = source.choice([None, here, here / word(source)])
+    target = source.choice([None, here, here / f"results {word(source)}"])
     if kind == "bad":
         return not_refused(dictionary(groups, source), source)
     case = {"dictionary": dictionary, "namelist": lambda case, _: f90nml.Namelist(case), "text": text, "path": text}[kind](
@@ -176,6 +176,6 @@ def not_refused(case: dict, source: random.Random) -> str | None:
     except asperity.InputError as error:
         if error.findings != findings or not findings:
             return f"other findings: {findings}"
-        is_named = kind == "group" or value == "\ud800" or any(found.group == group.lower() for found in findings)
+        is_named = kind == "group" or isinstance(value, str) or any(found.group == group.lower() for found in findings)
         return None if is_named else f"{kind} {group} {key} {value!r:.60}: {findings}"
     return f"taken: {kind} {group} {key} {value!r:.60}"
