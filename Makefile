@@ -35,7 +35,7 @@ DEMO := results/demo
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
 
-build: prepare ## the program, build/bin/asperity (NATIVE=1: for this processor only)
+build: prepare ## the program, build/bin/asperity, beside it asperity-heights (NATIVE=1: for this processor only)
 	@tools/fpm_build.sh --flag "$(RELEASE)"
 	@fpm install --flag "$(RELEASE)" --prefix build > build/install.log
 
@@ -85,7 +85,7 @@ lint: ## style of Fortran, Python and shell, types of the Python package, order 
 	ruff check --quiet .
 	ruff format --quiet --check .
 	$(PYTHON) -m mypy --no-error-summary python/asperity
-	shellcheck bootstrap .ci/run .ci/nightly $(wildcard tools/*.sh packaging/*.sh cluster/*.sh cluster/*.sbatch)
+	shellcheck bootstrap .ci/run .ci/nightly tools/asperity-heights $(wildcard tools/*.sh packaging/*.sh cluster/*.sh cluster/*.sbatch)
 	@echo "lint: no findings"
 
 demo: build ## the main job: a ridge passing through an oil film, a rough profile and area; results and figures in results/demo/
@@ -190,3 +190,4 @@ generate:
 
 prepare:
 	@sh tools/prepare.sh
+	@install -D tools/asperity-heights build/bin/asperity-heights
