@@ -3,6 +3,7 @@
 import csv
 import importlib.util
 import io
+import os
 import random
 import subprocess
 import sys
@@ -240,10 +241,16 @@ REFUSED = {
     "twice": ("0 1\n1 2\n1 1\n2 3\n", ["--unit", "mm"], "found 1 positions more than once"),
     "matrix": ("1 2 1 2\n2 1 2 1\n", ["--unit", "um"], "found 2 rows without known positions"),
     "matrix with numbers": (
-        "".join(f"{i} 0.{i} 0.{9 - i} 0.3\n" for i in range(9)),
+        "".join(f"{i} 0.{i * i % 7} 0.{9 - i} 0.3\n" for i in range(9)),
         ["--spacing", "1um"],
         "found positions or numbers",
     ),
+    "matrix with axes": (
+        "".join(";".join(str(i + j if 0 in (i, j) else i * j % 7) for j in range(9)) + "\n" for i in range(5)),
+        ["--spacing", "1um", "--unit", "um"],
+        "found positions or numbers",
+    ),
+    "channel": ("x_mm;z_um\n" + PROFILE, ["--channel", "1"], "found --channel, expected it for an instrument only"),
     "spacing and positions": ("x_mm;z_um\n" + PROFILE, ["--spacing", "2mm"], "0.001 m apart"),
     "two spacings": (
         '"Pixel size","2","um"\n1,2,1\n2,1,2\n',
@@ -290,6 +297,13 @@ READ = {
     "one column": ("0,5\n1,5\n2,25\n", ["--unit", "um", "--decimal", ",", "--spacing", "2"], [0.5, 1.5, 2.25], [2]),
     "Fortran": ("0 1.5D-1\n1 2.5d0\n2 -1D0\n", ["--unit", "um"], [0.15, 2.5, -1], [1]),
     "mark": ("0 1\n1 999\n2 3\n3 2\n", ["--unit", "um", "--missing", "999", "--fill"], [1, 2, 3, 2], [1]),
+    "mark that is a position too": (
+        "0 1\n1 2\n2 1\n3 0\n4 3\n",
+        ["--unit", "um", "--missing", "1", "--fill"],
+        [2, 2, 1, 0, 3],
+        [1],
+    ),
+    "word": ("0;1\n1;out\n2;3\n", ["--unit", "um", "--missing", "out", "--fill"], [1, 2, 3], [1]),
     "no mark": ("0 1\n1 2\n2 3\n3 -9999\n", ["--unit", "um", "--missing", "none"], [1, 2, 3, -9999], [1]),
     "gap": ("0 1\n1 2\n4 5\n5 1\n6 2\n", ["--unit", "um", "--fill"], [1, 2, 3, 4, 5, 1, 2], [1]),
     "words": ("0;1\n1;n/a\n2;BAD\n3;4\n4;\n", ["--unit", "um", "--fill"], [1, 2, 3, 4, 4], [1]),
@@ -361,6 +375,17 @@ def test_only_its_own_files_are_replaced(convert, tmp_path):
     assert not [path.name for path in tmp_path.iterdir() if "part" in path.name]
 
 
+def test_names_that_are_no_text(convert, tmp_path):
+    name = os.fsdecode(b"scan \xb5m.txt")
+    (tmp_path / name).write_text("x [mm];z [\u03bcm]\n" + PROFILE, encoding="utf-8")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "python"), "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    command = [sys.executable, "-m", "asperity.heights", name, "out.h5"]
+    done = subprocess.run(command, env=environment, capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b"2 z [\\u03bcm] (0.1 to 0.9)" in done.stdout
+    assert convert(name, "out.csv")[0] == 1
+
+
 def test_the_program_reads_what_is_written(asperity, tmp_path):
     """A profile and an area, through the command of a checkout."""
     command = ROOT / "build" / "bin" / "asperity-heights"
@@ -421,6 +446,7 @@ def test_area_of_an_instrument(library, convert, tmp_path, ending):
     assert "24 x 16 points, spacing 2 x 4 um, length 46 x 60 um" in words
     np.testing.assert_allclose(written()[0], z.T * 1e-6, rtol=0, atol=1e-14)
     np.testing.assert_allclose(written()[1], [2e-6, 4e-6], rtol=1e-12)
+    assert "found --spacing, expected it for a table only" in convert(f"scan.{ending}", "out.h5", "--spacing", "1um")[1]
     assert "expected no --unit" in convert(f"scan.{ending}", "out.h5", "--unit", "mm")[1]
     assert (
         "found 1 channels of heights (1 Default), expected --channel N" in convert(f"scan.{ending}", "out.h5", "--channel", "3")[1]

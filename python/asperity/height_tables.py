@@ -61,6 +61,15 @@ class Table:
         return ", ".join(words) + (", ..." if columns is None and self.values.shape[1] > 8 else "")
 
 
+@dataclass
+class Heights:
+    """Heights [m], (nx) or (ny, nx), NaN where none was measured; the spacing in x and y [m]; which of the file they are."""
+
+    z: Floats
+    spacing: tuple[float, ...]
+    origin: str = ""
+
+
 def unit_word(spelling: str) -> str:
     """The usual word for a unit of length; empty: it is none."""
     plain = re.sub("[µμ]", "u", spelling.strip().lower().replace("\u212b", "å"))
@@ -106,8 +115,10 @@ def read_text(text: str, decimal: str | None, missing: str | None) -> Table:
     """The table in a text: comments (#, %) and lines that are no rows of numbers may stand above it.
 
     `decimal` is the decimal mark, `.,` for both; None: that with which all cells are numbers. `missing` marks missing points,
-    besides the words that programs use for them. Refusal: a cell that is no number, rows of different lengths, doubts.
+    besides the words that programs use for them, if it is no number. Refusal: a cell that is no number, rows of different
+    lengths, doubts.
     """
+    missing = None if missing is None or NUMBER.fullmatch(missing) else missing
     lines = [line.strip(" ") for line in re.split(r"\r\n|\r|\n", text)]
     filled = [i for i, line in enumerate(lines) if line.lstrip()[:1] not in ("", "#", "%")]
     separator = _separator([lines[i] for i in filled], decimal, missing)

@@ -15,10 +15,10 @@ from __future__ import annotations
 
 import argparse
 import csv
+import io
 import os
 import sys
 import warnings
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -26,9 +26,11 @@ import h5py
 import numpy as np
 import pandas as pd
 
+from .height_instruments import read_instrument
 from .height_tables import (
     METRES,
     Floats,
+    Heights,
     Refusal,
     Table,
     columns_by_name,
@@ -47,15 +49,6 @@ from .height_tables import (
 PROGRAM = "asperity-heights"
 # Largest error of a position, in spacings: positions are printed with few digits.
 UNEVEN = 0.02
-
-
-@dataclass
-class Heights:
-    """Heights [m], (nx) or (ny, nx), NaN where none was measured; the spacing in x and y [m]; which of the file they are."""
-
-    z: Floats
-    spacing: tuple[float, ...]
-    origin: str = ""
 
 
 def places(x: Floats) -> tuple[int, float, np.ndarray[Any, np.dtype[np.int64]]] | None:
@@ -94,13 +87,22 @@ def gridded(positions: list[Floats], z: Floats, names: str) -> tuple[Floats, lis
     return grid, [axis[1] for axis in axes]
 
 
+def has_axis(matrix: Floats) -> bool:
+    """Whether the first column or row, but not the second, counts evenly: positions or numbers, no heights."""
+
+    def counts(line: Floats) -> bool:
+        found = places(line) if len(line) >= 8 else None
+        return found is not None and found[0] == len(line)
+
+    lines = [(m[k:, 0], m[k:, 1]) for m in (matrix, matrix.T) if m.shape[1] > 1 for k in (0, 1)]
+    return any(counts(first) and not counts(second) for first, second in lines)
+
+
 def heights_of_table(table: Table, options: argparse.Namespace) -> Heights:
     """The profile or area of columns with positions, or of a matrix."""
     units = [unit.strip() for unit in (options.unit or "").split(",")]
     if options.unit and (len(units) > 2 or not all(map(unit_word, units))):
         raise Refusal(f"--unit: found {options.unit!r}, expected one or two of {', '.join(METRES)}, as in mm,um")
-    if options.missing not in (None, "none"):
-        table.values[table.values == pd.to_numeric(options.missing.replace(",", "."), errors="coerce")] = np.nan
     spacings = [length_of(text, units[0], "--spacing") for text in (options.spacing or "").split(",") if text]
     columns = columns_of(table, options.columns) if options.columns else columns_by_name(table)
     is_doubtful = len(columns) == 2 and not table.names and not options.columns
@@ -108,9 +110,14 @@ def heights_of_table(table: Table, options: argparse.Namespace) -> Heights:
         axes = [places(column) for column in table.values.T[:2]]
         if np.prod([axis[0] if axis else 0 for axis in axes]) == len(table.values):
             columns = [0, 1, 2]
-    if len(columns) > 1 and not (is_doubtful and spacings):
-        return heights_at_positions(table, columns, units, spacings)
-    return heights_of_matrix(table, columns if options.columns else [], units, spacings)
+    has_positions = len(columns) > 1 and not (is_doubtful and spacings)
+    if not has_positions and not options.columns:
+        columns = []
+    if options.missing is not None:
+        z = table.values[:, columns[-1:] or slice(None)]
+        mark = pd.to_numeric(options.missing.replace(",", "."), errors="coerce")
+        table.values[:, columns[-1:] or slice(None)] = np.where(z == mark, np.nan, z)
+    return (heights_at_positions if has_positions else heights_of_matrix)(table, columns, units, spacings)
 
 
 def heights_at_positions(table: Table, columns: list[int], units: list[str], spacings: list[float]) -> Heights:
@@ -144,53 +151,11 @@ def heights_of_matrix(table: Table, columns: list[int], units: list[str], spacin
     spacings = spacings * 2 if len(spacings) == 1 else spacings or stated
     if stated and not np.allclose(stated, (spacings * 2)[:2], rtol=1e-6):
         raise Refusal(f"found a spacing of {stated[0]:.6g} m in the file, but {spacings[0]:.6g} m in --spacing, expected the same")
-    even = places(table.values[:, 0]) if width > 1 and rows >= 8 and not columns else None
-    if (even and even[0] == rows) or (not columns and has_known_names(table, "xy")):
+    if not columns and (has_axis(table.values) or has_known_names(table, "xy")):
         raise Refusal(f"found positions or numbers of rows, columns {table.listing()}, expected heights only, or --columns")
     columns = columns or list(range(width))
     z = table.values[:, columns] * metres(unit_of_matrix(table, columns), units[-1], "heights")
     return Heights(z.ravel(), (spacings[0],)) if 1 in z.shape else Heights(z, tuple(spacings))
-
-
-def heights_of_instrument(path: Path, options: argparse.Namespace) -> Heights:
-    """The heights in the file of an instrument."""
-    try:
-        from SurfaceTopography import open_topography  # noqa: PLC0415 - optional, and slow to load
-    except ImportError as error:
-        raise Refusal(
-            f"found no text; the files of instruments need a library: {sys.executable} -m pip install SurfaceTopography"
-        ) from error
-    try:
-        reader = open_topography(str(path))
-        # these have no mark by which a file is known, and take nearly any
-        channels = [] if reader.format() in ("asc", "xyz", "npz", "nms", "hgt") else list(reader.height_channels)
-        if not channels:
-            raise ValueError
-    except Exception as error:  # the readers raise what they like
-        raise Refusal("found no text, and no format that SurfaceTopography reads, expected heights") from error
-    names = [f"{i} {channel.name}" for i, channel in enumerate(channels, 1)]
-    number = 1 if options.channel is None and len(channels) == 1 else options.channel
-    if number is None or not 1 <= number <= len(channels):
-        raise Refusal(f"found {len(channels)} channels of heights ({', '.join(names)}), expected --channel N, one of them")
-    try:
-        topography = channels[number - 1].topography()
-        sizes, unit = topography.physical_sizes, topography.unit
-        z: Floats = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan).T
-        count, is_uniform = topography.nb_grid_pts, topography.is_uniform
-        scale = topography.to_unit("m").physical_sizes[0] / sizes[0] if unit else 1.0
-    except Exception as error:
-        raise Refusal(
-            f"found a file that SurfaceTopography cannot read ({type(error).__name__}: {error}), expected heights"
-        ) from error
-    if not is_uniform:
-        raise Refusal("found points that are not evenly spaced, expected a uniform grid")
-    if unit and options.unit:
-        raise Refusal(f"found the unit {unit} in the file, expected no --unit")
-    units = (options.unit or "").split(",")
-    scales = (scale, scale) if unit else (metres("", units[0], "positions"), metres("", units[-1], "heights"))
-    return Heights(
-        z * scales[1], tuple(float(s) / n * scales[0] for s, n in zip(sizes, count, strict=True)), f"channel {names[number - 1]}"
-    )
 
 
 def checked(heights: Heights, options: argparse.Namespace) -> str:
@@ -268,17 +233,20 @@ def convert(options: argparse.Namespace) -> str:
         raise Refusal(f"{output}: found FILE itself or no regular file, expected another name")
     try:
         data = path.read_bytes()
-        text = decoded(data)
-        if data.startswith(b"\x93NUMPY"):
+        is_array, text = data.startswith(b"\x93NUMPY"), decoded(data)
+        for name in ("channel",) if is_array or text is not None else ("spacing", "columns", "decimal"):
+            if getattr(options, name) is not None:
+                raise Refusal(f"found --{name}, expected it for {'an instrument' if name == 'channel' else 'a table'} only")
+        if is_array:
             heights = heights_of_table(read_npy(path), options)
         elif text is not None:
             heights = heights_of_table(read_text(text, options.decimal, options.missing), options)
         else:
-            heights = heights_of_instrument(path, options)
+            heights = read_instrument(path, options.channel, options.unit)
         filled = checked(heights, options)
     except (Refusal, OSError, ValueError, MemoryError, csv.Error) as error:
         raise Refusal(f"{path}: {error}") from error
-    write_heights(output, heights, path.name, options.force)
+    write_heights(output, heights, path.name.encode("utf-8", "replace").decode(), options.force)
     return f"{output}: {told(heights)}{filled}"
 
 
@@ -316,6 +284,8 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
+            if isinstance(sys.stdout, io.TextIOWrapper):
+                sys.stdout.reconfigure(errors="backslashreplace")  # names that the terminal cannot show
             print(convert(parser.parse_args(arguments)))
     except Refusal as error:
         print(f"{PROGRAM}: {' '.join(str(error).split())}", file=sys.stderr)
