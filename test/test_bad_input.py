@@ -114,7 +114,7 @@ def test_zero_byte(asperity, tmp_path):
 
 
 def test_utf_16(asperity, tmp_path):
-    assert findings_of(asperity, tmp_path, STEADY.encode("utf-16")) == ["1: found the byte 0xFF, expected a text file in UTF-8"]
+    assert findings_of(asperity, tmp_path, STEADY.encode("utf-16")) == ["1: found UTF-16, expected a text file in UTF-8"]
 
 
 def test_latin_1_title(asperity, tmp_path):

@@ -31,7 +31,8 @@ module input_manual
       'error: nothing is ignored.' // nl &
       // '- A value outside the typical magnitudes of its key is told, in one line: most '// &
       'often its unit is another one.' // nl &
-      // '- The file is UTF-8 text. Paths in it are relative to the file.' // nl &
+      // '- The file is UTF-8 text; LF, CR LF or CR ends a line. Paths in it are relative to '// &
+      'the file.' // nl &
       // '- "required" must be given, "chosen" is chosen by the program, "-" has no '// &
       'default: the meaning says when it is' // nl &
       // '  needed.' // nl

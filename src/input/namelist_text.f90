@@ -3,14 +3,14 @@
 !> Only the form is checked here: `input_keys` says which keys exist, `case_input` what their values
 !> mean. Accepted is standard namelist syntax: groups `&name ... /` (or
 !> `&end`), comments after `!`, several entries a line, values over several lines, blanks, tabs, CR
-!> LF line ends, a byte order mark. A string closes on its line.
+!> LF line ends (`text_file` makes LF of CR alone), a byte order mark. A string closes on its line.
 module namelist_text
    use, intrinsic :: iso_fortran_env, only: int64
    use findings, only: findings_t, quoted
    use namelist_source, only: key_start, line_feed, name_end, new_source, next_equals, source_t
    use number_text, only: read_integer
    use text, only: count_of, to_lower, to_text
-   use text_file, only: find_bad_byte
+   use text_file, only: encoding_fault
    implicit none (type, external)
    private
 
@@ -65,7 +65,7 @@ contains
       type(namelist_text_t), intent(out) :: pieces
       type(findings_t), intent(inout) :: findings
       type(source_t) :: source
-      character(len=4) :: byte
+      character(:), allocatable :: fault
       integer :: bad, position
 
       allocate (pieces%groups(max_groups), pieces%entries(max_entries))
@@ -74,11 +74,10 @@ contains
             'shown by asperity table)')
          return
       end if
-      bad = find_bad_byte(content)
+      call encoding_fault(content, fault, bad)
       if (bad > 0) then
-         write (byte, '(a,z2.2)') '0x', iachar(content(bad:bad))
          call findings%add(1 + count_of(line_feed, content(:bad - 1)), '', '', &
-            'found the byte ' // byte // ', expected a text file in UTF-8')
+            'found ' // fault // ', expected a text file in UTF-8')
          return
       end if
       call new_source(source, content, findings)

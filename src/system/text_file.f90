@@ -3,18 +3,20 @@ module text_file
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
    use file_identity, only: file_fault
-   use text, only: to_text
+   use text, only: count_of, to_text
    implicit none (type, external)
    private
 
-   public :: find_bad_byte, open_stream, read_text_file
+   public :: encoding_fault, open_stream, read_text_file
 
    !> Largest file that is read [bytes]; a namelist has a few thousand.
    integer(int64), parameter :: largest_file = 16777216_int64
+   character(*), parameter :: line_feed = achar(10), line_end = achar(13)//line_feed
 
 contains
 
-   !> Reads `file` into `content`, byte for byte.
+   !> Reads `file` into `content`. A line feed ends each line: a carriage return that stands alone
+   !> becomes one, and one before a line feed stays.
    !>
    !> Errors (input_error): the file does not exist, is a folder, a pipe or a device, cannot be
    !> read, is larger than 16 MB.
@@ -22,7 +24,7 @@ contains
       character(*), intent(in) :: file
       character(:), allocatable, intent(out) :: content
       type(error_t), allocatable, intent(out) :: error
-      integer :: unit, status
+      integer :: i, unit, status
       integer(int64) :: bytes
       character(len=256) :: message
 
@@ -40,6 +42,11 @@ contains
             // trim(message))
       end if
       close (unit, iostat=status)
+      do i = 1, len(content)
+         if (content(i:i) /= achar(13) .or. content(i:min(i + 1, len(content))) &
+            == line_end) cycle
+         content(i:i) = line_feed
+      end do
    end subroutine read_text_file
 
    !> Opens `file` for reading byte by byte; it has so many `bytes`. Errors (input_error): the file
@@ -64,6 +71,27 @@ contains
       if (status /= 0) call fail(error, input_error, file // ': cannot be opened: ' &
          // trim(message))
    end subroutine open_stream
+
+   !> What is wrong with `content` as a text in UTF-8, and at which byte; empty: nothing.
+   pure subroutine encoding_fault(content, fault, place)
+      character(*), intent(in) :: content
+      character(:), allocatable, intent(out) :: fault
+      integer, intent(out) :: place
+      character(*), parameter :: null = achar(0), mark = achar(255)//achar(254), &
+         other_mark = achar(254)//achar(255)
+      character(len=2) :: head
+      character(len=4) :: byte
+
+      fault = ''
+      place = find_bad_byte(content)
+      if (place == 0) return
+      write (byte, '(a,z2.2)') '0x', iachar(content(place:place))
+      fault = 'the byte '//byte
+      head = content
+      if (all(head /= [mark, other_mark]) .and. count_of(null, head) /= 1) return
+      fault = 'UTF-16'
+      place = 1
+   end subroutine encoding_fault
 
    !> Position of the first byte of `content` that is not UTF-8 text (0: none). Tab, line feed, form
    !> feed and carriage return are text; other control characters are not.
