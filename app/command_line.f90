@@ -52,12 +52,13 @@ contains
       type(command_t), intent(out) :: command
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: word
-      integer :: i, count
+      integer :: i, count, files
 
       command%action = 'run'
       command%output_dir = ''
       count = command_argument_count()
-      allocate (command%files(0), command%entries(0))
+      allocate (command%files(count), command%entries(0))
+      files = 0
       i = 1
       do while (i <= count)
          word = argument(i)
@@ -70,7 +71,7 @@ contains
             if (i == 1) then
                command%action = 'table'
             else
-               call read_file_name(command, word, error)
+               call read_file_name(command, word, files, error)
             end if
          case ('--quiet')
             command%is_quiet = .true.
@@ -84,11 +85,12 @@ contains
          case ('--keep-going')
             command%keeps_going = .true.
          case default
-            call read_file_name(command, word, error)
+            call read_file_name(command, word, files, error)
          end select
          if (allocated(error)) return
          i = i + 1
       end do
+      command%files = command%files(:files)
       if (size(command%files) > 0) return
       select case (command%action)
       case ('run', 'check')
@@ -167,10 +169,11 @@ contains
       end select
    end subroutine read_option_value
 
-   !> Adds a namelist file. Error: an unknown option; a name that is too long.
-   subroutine read_file_name(command, word, error)
+   !> Adds a file to so many `files`. Error: an unknown option; a name that is too long.
+   subroutine read_file_name(command, word, files, error)
       type(command_t), intent(inout) :: command
       character(*), intent(in) :: word
+      integer, intent(inout) :: files
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: hint
 
@@ -181,7 +184,8 @@ contains
       else if (len(word) > len(command%files)) then
          call fail(error, input_error, 'found a file name of more than 4096 characters')
       else
-         command%files = [character(len=len(command%files)) :: command%files, word]
+         files = files + 1
+         command%files(files) = word
       end if
    end subroutine read_file_name
 

@@ -11,7 +11,7 @@ program asperity
    use life_sign, only: watch_silence
    use operating_system, only: is_terminal, make_folder
    use progress_log, only: new_progress_log, progress_log_t
-   use read_cases, only: no_findings, read_all_cases, refused_t, status_bad_input, tell_refused
+   use read_cases, only: read_all_cases, refused_t, status_bad_input, tell_good, tell_refused
    use result_table, only: print_results
    use run_case, only: run_one_case
    use signal_calls, only: standard_error
@@ -81,7 +81,7 @@ contains
       call tell_refused(refused, command, status, error)
       if (allocated(error)) return
       if (command%action == 'check') then
-         call print_text(no_findings(cases), error)
+         call tell_good(cases, error)
       else
          call make_folder(command%output_dir)
          call run_cases(cases, command, status, error)

@@ -12,11 +12,12 @@ module read_cases
    use output_names, only: output_findings
    use progress_log, only: new_progress_log, progress_log_t
    use set_entries, only: put_entries
+   use standard_output, only: print_text, write_text
    use text_file, only: read_text_file
    implicit none (type, external)
    private
 
-   public :: no_findings, read_all_cases, refused_t, tell_refused
+   public :: read_all_cases, refused_t, tell_good, tell_refused
 
    !> Exit status of bad input, usage or file.
    integer, parameter, public :: status_bad_input = 1
@@ -49,7 +50,8 @@ contains
       end if
       problems = ''
       if (command%keeps_going .or. all(is_good)) then
-         problems = output_findings(cases, command%output_dir)
+         problems = output_findings(cases, command%output_dir, &
+            command%is_resume)
       else
          do i = 1, size(refused)
             if (i > 1) problems = problems // new_line('a')
@@ -66,16 +68,16 @@ contains
       type(case_t), allocatable, intent(out) :: cases(:)
       logical, intent(out) :: is_good(:)
       type(refused_t), allocatable, intent(inout) :: refused(:)
-      type(refused_t) :: one
+      type(refused_t), allocatable :: all_files(:)
       integer :: i
 
-      allocate (cases(size(files)))
+      allocate (cases(size(files)), all_files(size(files)))
       do i = 1, size(files)
-         one%file = trim(files(i))
-         call read_one(one%file, command, cases(i), one%findings)
-         is_good(i) = len(one%findings) == 0
-         if (.not. is_good(i)) refused = [refused, one]
+         all_files(i)%file = trim(files(i))
+         call read_one(all_files(i)%file, command, cases(i), all_files(i)%findings)
+         is_good(i) = len(all_files(i)%findings) == 0
       end do
+      refused = [refused, all_files(pack([(i, i=1, size(files))], .not. is_good))]
    end subroutine read_files
 
    !> Reads one file; `found` is what is wrong with it, empty if nothing.
@@ -123,17 +125,19 @@ contains
       end do
    end subroutine tell_refused
 
-   !> What --check says of good cases, and which of their values are unusual.
-   function no_findings(cases) result(text)
+   !> Says of good cases what --check says, and which of their values are unusual. Error: standard
+   !> output is lost.
+   subroutine tell_good(cases, error)
       type(case_t), intent(in) :: cases(:)
-      character(:), allocatable :: text
+      type(error_t), allocatable, intent(out) :: error
       integer :: i
 
-      text = ''
       do i = 1, size(cases)
-         text = text // cases(i)%file // ': no findings' // new_line('a')
-         text = text // unusual_lines(cases(i))
+         call write_text(cases(i)%file // ': no findings' // new_line('a') &
+            // unusual_lines(cases(i)), error)
+         if (allocated(error)) return
       end do
-   end function no_findings
+      call print_text('', error)   ! error: handed up
+   end subroutine tell_good
 
 end module read_cases

@@ -6,7 +6,7 @@ module result_start
    use checkpoint, only: read_checkpoint
    use checkpoint_content, only: checkpoint_t
    use errors, only: error_t
-   use file_seal, only: is_whole
+   use file_seal, only: seal_fault
    use film_statistics, only: new_statistics
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
@@ -139,7 +139,7 @@ contains
       type(error_t), allocatable :: error
 
       is_converged = .false.
-      is_complete = is_whole(path)
+      is_complete = seal_fault(path) == ''
       if (.not. is_complete) return
       call open_hdf5_input(reader, path, error)
       is_complete = .not. allocated(error)

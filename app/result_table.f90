@@ -1,17 +1,18 @@
 !> `asperity table`: a row for each result file, with its quantities in SI and their estimated
-!> errors, as text, CSV or a JSON object a line. A file that cannot be read is a row with the
-!> reason.
+!> errors, as text, CSV or a JSON object a line. A file that cannot be read, or is not what was
+!> written, is a row with the reason.
 module result_table
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use build_info, only: program_name
    use errors, only: error_t
+   use file_seal, only: has_seal, seal_fault
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use kinds, only: wp
    use missing_value, only: not_known
    use quantities, only: quantity_rows
    use quantity_text, only: number_text, prefixed_text
    use read_cases, only: status_bad_input
-   use standard_output, only: print_text
+   use standard_output, only: print_text, write_text
    use validity_table, only: limit_rows, stokes_number, surface_slope
    implicit none (type, external)
    private
@@ -25,8 +26,8 @@ module result_table
    logical, parameter :: is_short(*) = [quantity_rows%short /= '', .false., .false., .true., &
       .false., .true.]
    character(len=*), parameter :: nl = new_line('a')
-   !> Widest cell of the text.
-   integer, parameter :: cell_width = 512
+   !> Widest cell of the text; the layout from which on every result has a seal.
+   integer, parameter :: cell_width = 512, sealed_layout = 3
 
    !> What a file says.
    type :: result_row_t
@@ -41,6 +42,12 @@ module result_table
       character(len=16) :: units(size(names))
    end type result_row_t
 
+   !> A quantity of a CSV table, in one of its units.
+   type :: column_t
+      integer :: number
+      character(len=16) :: units
+   end type column_t
+
 contains
 
    !> Prints the table of `files` (n) as 'text', 'csv' or 'json'; files that cannot be read make
@@ -50,23 +57,20 @@ contains
       integer, intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
       type(result_row_t), allocatable :: rows(:)
-
-      call read_results(files, rows)
-      if (.not. all(rows%is_read)) status = status_bad_input
-      call print_text(table_of(rows, form), error)
-   end subroutine print_results
-
-   !> A row for each of `files` (n).
-   subroutine read_results(files, rows)
-      character(*), intent(in) :: files(:)
-      type(result_row_t), allocatable, intent(out) :: rows(:)
       integer :: i
 
       allocate (rows(size(files)))
       do i = 1, size(files)
          call read_row(trim(files(i)), rows(i))
+         if (.not. rows(i)%is_read) status = status_bad_input
+         if (form /= 'json') cycle   ! columns and their widths come from all rows
+         call write_text(json_line(rows(i))//nl, error)
+         if (allocated(error)) return
       end do
-   end subroutine read_results
+      if (form == 'csv') call write_csv(rows, error)   ! error: looked at below
+      if (form == 'text') call write_table(rows, error)   ! error: looked at below
+      if (.not. allocated(error)) call print_text('', error)   ! error: handed up
+   end subroutine print_results
 
    !> The row of one file.
    subroutine read_row(file, row)
@@ -74,7 +78,7 @@ contains
       type(result_row_t), intent(out) :: row
       type(hdf5_input_t) :: reader
       type(error_t), allocatable :: error
-      character(:), allocatable :: path
+      character(:), allocatable :: fault, path
       integer :: i
 
       row%file = file
@@ -82,6 +86,11 @@ contains
       row%values = not_known()
       row%errors = not_known()
       row%units = ''
+      fault = seal_fault(file)
+      if (fault /= '' .and. has_seal(file)) then   ! the library may not survive it
+         row%reason = fault
+         return
+      end if
       call open_hdf5_input(reader, file, error)   ! error: the reader keeps it
       if (reader%text('/', 'program') /= program_name) call reader%refuse('program', &
          'found no result of '//program_name)
@@ -95,6 +104,8 @@ contains
          row%errors(i) = reader%number_of(path, 'error_estimate', not_known())
          row%units(i) = reader%text(path, 'units')
       end do
+      if (reader%number_of('/', 'layout', 0.0_wp) >= sealed_layout) call reader%refuse('checksum', &
+         fault)
       call reader%close(error)
       row%is_read = .not. allocated(error)
       if (allocated(error)) row%reason = reason_of(error%message, file)
@@ -111,30 +122,12 @@ contains
       if (place > 0) reason = message(place + len(file) + 2:)
    end function reason_of
 
-   !> The rows as 'text', 'csv' or 'json'.
-   pure function table_of(rows, form) result(table)
+   !> Writes columns of equal width: file, quantities with their errors, what there is to say.
+   !> Error: standard output is lost.
+   subroutine write_table(rows, error)
       type(result_row_t), intent(in) :: rows(:)
-      character(*), intent(in) :: form
-      character(:), allocatable :: table
-      integer :: i
-
-      select case (form)
-      case ('csv')
-         table = csv_table(rows)
-      case ('json')
-         table = ''
-         do i = 1, size(rows)
-            table = table//json_line(rows(i))//nl
-         end do
-      case default
-         table = text_table(rows)
-      end select
-   end function table_of
-
-   !> Columns of equal width: file, quantities with their errors, what there is to say.
-   pure function text_table(rows) result(table)
-      type(result_row_t), intent(in) :: rows(:)
-      character(:), allocatable :: table, line
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: line
       character(len=cell_width), allocatable :: cells(:, :)
       integer, allocatable :: columns(:), widths(:)
       integer :: i, j, k
@@ -157,16 +150,16 @@ contains
          end do of_column
       end do
       widths = maxval(len_trim(cells), dim=1)
-      table = ''
       do i = 1, size(cells, 1)
          line = ''
          do j = 1, size(cells, 2)
             line = line//cells(i, j)(:widths(j))//'  '
          end do
          if (i > 1) line = line//remark(rows(i - 1))
-         table = table//trim(line)//nl
+         call write_text(trim(line)//nl, error)
+         if (allocated(error)) return
       end do
-   end function text_table
+   end subroutine write_table
 
    !> A value with a prefix of its unit.
    pure function shown_value(value, unit) result(shown)
@@ -204,60 +197,60 @@ contains
       end if
    end function remark
 
-   !> Every quantity that any of the files has, with its error, a column for each unit; what is not
-   !> known is empty.
-   pure function csv_table(rows) result(table)
+   !> Writes every quantity that any of the files has, with its error, a column for each unit; what
+   !> is not known is empty. Error: standard output is lost.
+   subroutine write_csv(rows, error)
       type(result_row_t), intent(in) :: rows(:)
-      character(:), allocatable :: table
-      integer :: i, k, first
+      type(error_t), allocatable, intent(out) :: error
+      type(column_t), allocatable :: columns(:)
+      character(:), allocatable :: line, name
+      integer :: i, k
 
-      table = 'file,problem,converged,reason'
-      do k = 1, size(names)
-         do first = 1, size(rows)
-            if (is_new_column(rows, first, k)) table = table//','//heading(k, '')//','// &
-               heading(k, '_error')
-         end do
+      columns = csv_columns(rows)
+      line = 'file,problem,converged,reason'
+      do k = 1, size(columns)
+         name = trim(names(columns(k)%number))
+         associate (unit => ' ['//trim(columns(k)%units)//']')
+            line = line//','//name//unit//','//name//'_error'//unit
+         end associate
       end do
-      table = table//nl
+      call write_text(line//nl, error)   ! error: the loop looks
       do i = 1, size(rows)
+         if (allocated(error)) return
          associate (row => rows(i))
-            table = table//csv_cell(row%file)//','//csv_cell(row%problem)//','//state(row, '') &
-               //','//csv_cell(row%reason)
-            do k = 1, size(names)
-               of_quantity: do first = 1, size(rows)
-                  if (.not. is_new_column(rows, first, k)) cycle of_quantity
-                  if (row%units(k) == rows(first)%units(k)) then
-                     table = table//','//exact(row%values(k), '')//','//exact(row%errors(k), '')
+            line = csv_cell(row%file)//','//csv_cell(row%problem)//','//state(row, '')//',' &
+               //csv_cell(row%reason)
+            do k = 1, size(columns)
+               associate (number => columns(k)%number)
+                  if (row%units(number) == columns(k)%units) then
+                     line = line//','//exact(row%values(number), '')//',' &
+                        //exact(row%errors(number), '')
                   else
-                     table = table//',,'
+                     line = line//',,'
                   end if
-               end do of_quantity
+               end associate
             end do
          end associate
-         table = table//nl
+         call write_text(line//nl, error)   ! error: the loop looks
       end do
+   end subroutine write_csv
 
-   contains
-
-      !> "h_min_error [m]".
-      pure function heading(k, ending)
-         integer, intent(in) :: k
-         character(*), intent(in) :: ending
-         character(:), allocatable :: heading
-
-         heading = trim(names(k))//ending//' ['//trim(rows(first)%units(k))//']'
-      end function heading
-
-   end function csv_table
-
-   !> Whether row `i` is the first that has quantity `k` in its unit.
-   pure function is_new_column(rows, i, k)
+   !> The columns of CSV: of each quantity all units that the rows have.
+   pure function csv_columns(rows) result(columns)
       type(result_row_t), intent(in) :: rows(:)
-      integer, intent(in) :: i, k
-      logical :: is_new_column
+      type(column_t), allocatable :: columns(:)
+      integer :: i, k
 
-      is_new_column = rows(i)%units(k) /= '' .and. all(rows(:i - 1)%units(k) /= rows(i)%units(k))
-   end function is_new_column
+      allocate (columns(0))
+      do k = 1, size(names)
+         of_rows: do i = 1, size(rows)
+            associate (unit => rows(i)%units(k))
+               if (any(columns%number == k .and. columns%units == unit)) cycle of_rows
+               if (unit /= '') columns = [columns, column_t(k, unit)]
+            end associate
+         end do of_rows
+      end do
+   end function csv_columns
 
    !> A text as a cell, in quotes where it needs them.
    pure function csv_cell(string) result(cell)

@@ -21,7 +21,6 @@ module run_dry_case
    use hdf5_file, only: hdf5_file_t
    use key_row, only: dry_area
    use influence_section, only: model_line
-   use interruption, only: set_patience
    use kinds, only: wp
    use life_sign, only: begin_activity
    use progress_log, only: progress_log_t
@@ -78,8 +77,7 @@ contains
       if (allocated(words)) call move_alloc(words, outcome%solution%report%note)
       call list_dry(case)
       result%inputs = case%effective
-      call set_patience(.true.)
-      call begin_activity('writing the result')
+      call result%begin_end()
       call write_dry_result(result%file, case%dry, outcome, errors, error)
       if (allocated(error)) then
          call result%discard()

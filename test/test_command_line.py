@@ -4,12 +4,19 @@ import csv
 import io
 import json
 import math
+import os
 import pathlib
 import random
+import subprocess
+import sys
 
 import h5py
 import pytest
-from cases import MOES, STEADY, contents, text, write
+from cases import MOES, STEADY, contents, seal, text, write
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent / "fuzz"))
+
+from damage import damaged
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 COARSE = STEADY.replace("intervals = 256", "intervals = 64") + "&accuracy error_bars = .false. /\n&output adequacy = .false. /\n"
@@ -236,3 +243,56 @@ def test_table_needs_results_and_a_form(asperity):
         done = asperity(*arguments)
         assert done.returncode == 1
         assert message in done.stderr
+
+
+def test_table_refuses_what_is_not_whole(asperity, tmp_path):
+    """Forty damaged copies, one with a bit of h_min turned over, one changed by another program: no row has other numbers."""
+    write(tmp_path, "a.nml", COARSE)
+    assert asperity("a.nml", "--quiet").returncode == 0
+    whole = (tmp_path / "a.h5").read_bytes()
+    source, names = random.Random(20261125), [f"damaged_{number}.h5" for number in range(40)]
+    for name in names:
+        (tmp_path / name).write_bytes(damaged(whole, source))
+    with h5py.File(tmp_path / "a.h5") as file:
+        place = whole.index(file["summary/h_min"][()].tobytes())
+    (tmp_path / "bit.h5").write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
+    (tmp_path / "changed.h5").write_bytes(whole)
+    with h5py.File(tmp_path / "changed.h5", "r+") as file:
+        file["summary/h_min"][()] *= 2
+    done = asperity("table", "a.h5", "bit.h5", "changed.h5", *names, "--format", "json")
+    first, bit, changed, *rows = map(json.loads, done.stdout.splitlines())
+    assert done.returncode == 1
+    assert (bit["converged"], bit["reason"]) == (None, "it is damaged: its checksum differs")
+    assert changed["converged"] is None
+    assert "it has no checksum" in changed["reason"]
+    assert sum(row["converged"] is None for row in rows) > 30
+    for row in rows:
+        assert row["converged"] is None or row | {"file": "a.h5"} == first, row["file"]
+    seal(tmp_path / "changed.h5")
+    (sealed,) = map(json.loads, asperity("table", "changed.h5", "--format", "json").stdout.splitlines())
+    assert sealed["h_min"]["value"] == 2 * first["h_min"]["value"]
+
+
+@pytest.mark.parametrize("what", ["--check", "--check, bad", "--check, one name", "text", "csv", "json"])
+def test_many_files_take_their_number_in_time(program, asperity, tmp_path, what):
+    """Four times as many: four times the processor time, not sixteen times."""
+    write(tmp_path, "a.nml", COARSE)
+    assert asperity("a.nml", "--quiet").returncode == 0
+    result = (tmp_path / "a.h5").read_bytes()
+    case = {
+        "--check, bad": COARSE.replace("speed_2", "sped_2"),
+        "--check, one name": COARSE.replace("&case", "&case output = 'b.h5',"),
+    }
+
+    def seconds(count):
+        names = [f"{number}.{'nml' if what.startswith('--check') else 'h5'}" for number in range(count)]
+        for name in names:
+            (tmp_path / name).write_bytes(case.get(what, COARSE).encode() if what.startswith("--check") else result)
+        words = [*names, "--check"] if what.startswith("--check") else ["table", *names, "--format", what]
+        with subprocess.Popen([program, *words], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as running:
+            _, status, usage = os.wait4(running.pid, 0)
+            running.returncode = os.waitstatus_to_exitcode(status)
+        assert running.returncode == (1 if "," in what else 0)
+        return usage.ru_utime + usage.ru_stime
+
+    assert seconds(1200) < 8 * seconds(300)

@@ -397,7 +397,7 @@ def test_who_reads_a_part_does_not_stop_the_run(asperity, tmp_path):
     """HDF5 locks what it reads, here a file that a killed run has left."""
     write(tmp_path, "a.nml", TRANSIENT)
     with h5py.File(tmp_path / "a.h5.part", "w") as part:
-        part["old"] = 1
+        part.attrs["program"] = np.bytes_("asperity")
     with h5py.File(tmp_path / "a.h5.part") as part:
         done = asperity("a.nml", "--quiet")
         assert part.id.valid
@@ -417,10 +417,14 @@ def test_killed_run_leaves_the_older_result(program, tmp_path):
 
 
 def test_part_of_a_killed_run_is_replaced(asperity, tmp_path):
+    """Also one of a run that was killed before it wrote anything, or while it began."""
     write(tmp_path, "a.nml", STEADY)
-    (tmp_path / "a.h5.part").write_bytes(b"left over")
-    assert asperity("a.nml").returncode == 0
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.nml"]
+    assert asperity("a.nml", "--quiet").returncode == 0
+    head = (tmp_path / "a.h5").read_bytes()
+    for left in (b"", head[:96], head[:96] + bytes(744) + head[840:872], head[:5000]):
+        (tmp_path / "a.h5.part").write_bytes(left)
+        assert asperity("a.nml", "--quiet").returncode == 0
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.nml"]
 
 
 def test_memory_does_not_grow_with_the_steps(program, tmp_path):

@@ -8,13 +8,15 @@ module hdf5_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
    use, intrinsic :: iso_fortran_env, only: int64, real32
-   use errors, only: error_t, output_error
+   use errors, only: error_t, fail, output_error
    use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_trunc_f, h5f_scope_global_f, &
       h5fclose_f, h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5gopen_f, h5kind_to_type, &
       h5oclose_f, h5oopen_f, hid_t
    use hdf5_library, only: get_string_type, hdf5_shared_t, shared_hdf5, start_hdf5
    use hdf5_reason, only: keep_hdf5_failure
    use kinds, only: wp
+   use own_file, only: any_mark, early_place, early_words, place_fault
+   use positional_file, only: open_positional_file, positional_file_t
    implicit none (type, external)
    private
 
@@ -81,14 +83,19 @@ module hdf5_file
 
 contains
 
-   !> Creates `path`, replacing an older file of that name.
+   !> Creates `path`, replacing an older file of that name that this program has written. Before the
+   !> library writes what the file begins with, its mark stands there.
    subroutine create_hdf5_file(file, path, error)
       type(hdf5_file_t), intent(out) :: file
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
+      type(positional_file_t) :: raw
+      character(:), allocatable :: fault
       integer :: status
 
       file%path = path
+      fault = place_fault(path, any_mark)
+      if (fault /= '') call fail(file%failure, output_error, 'cannot write '//path//fault)
       call start_hdf5(status)
       call file%check(status, 'starting the HDF5 library')
       if (.not. allocated(file%failure)) then
@@ -100,6 +107,11 @@ contains
             access_prp=file%shared%access)
          file%is_open = status >= 0
          call file%check(status, 'creating the file')
+         if (file%is_open) then
+            call open_positional_file(raw, path, for_writing=.true.)
+            call raw%write_reals(early_place, transfer(early_words, [0.0_wp]))
+            call raw%close()   ! a full disk the library finds as well
+         end if
       end if
       if (allocated(file%failure)) error = file%failure
    end subroutine create_hdf5_file

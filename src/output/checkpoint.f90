@@ -9,11 +9,12 @@ module checkpoint
    use checkpoint_content, only: checkpoint_t, format_number, visit_checkpoint
    use checkpoint_file, only: checkpoint_file_t
    use errors, only: error_t, fail, input_error, output_error
-   use file_seal, only: has_seal, is_whole, seal_file
+   use file_seal, only: seal_fault, seal_file
    use hdf5_attribute, only: write_attribute
    use hdf5_file, only: create_hdf5_file
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use operating_system, only: remove_file, rename_file, sync_file, sync_folder
+   use own_file, only: hdf5_mark, place_fault
    implicit none (type, external)
    private
 
@@ -44,7 +45,8 @@ contains
       if (.not. allocated(error)) then
          is_done = sync_file(path//'.tmp')
          if (is_done) is_done = rename_file(path//'.tmp', path)
-         if (.not. is_done) call fail(error, output_error, 'cannot write '//path)
+         if (.not. is_done) call fail(error, output_error, 'cannot write '//path &
+            //place_fault(path, hdf5_mark))
          call sync_folder(path)
       end if
       if (allocated(error)) is_done = remove_file(path//'.tmp')
@@ -59,9 +61,8 @@ contains
       type(checkpoint_file_t) :: file
       character(:), allocatable :: difference
 
-      if (.not. is_whole(path)) then
-         difference = 'it has no checksum: it is damaged, or of another version'
-         if (has_seal(path)) difference = 'it is damaged: its checksum differs'
+      difference = seal_fault(path)
+      if (difference /= '') then
          call fail(error, input_error, 'cannot read '//path//': '//difference//way_out)
          return
       end if

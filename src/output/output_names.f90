@@ -1,17 +1,15 @@
 !> Whether the results of a call can have their names: no result may take the place of an input, of
-!> another result, or of a file that is no result. What is compared are files, not paths: device and
-!> inode behind all links, or folder and name of what is not there yet.
+!> another result, or of a file that this program has not written. What is compared are files, not
+!> paths: device and inode behind all links, or folder and name of what is not there yet.
 module output_names
    use build_info, only: program_name
-   use case_record, only: beside_namelist, case_t, effective_t, result_path
-   use errors, only: error_t
-   use file_identity, only: file_identity_t, is_same_file, kind_folder, kind_missing, &
+   use case_record, only: beside_namelist, case_t, result_path
+   use file_identity, only: file_identity_t, identity_text, kind_missing, kind_other, &
       kind_regular, look_at_file
-   use file_seal, only: has_seal
-   use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use operating_system, only: folder_of
+   use own_file, only: any_mark, hdf5_mark, place_fault, xdmf_mark
    use result_name, only: working_endings
-   use xdmf_file, only: has_xdmf_mark, xdmf_path
+   use xdmf_file, only: xdmf_path
    implicit none (type, external)
    private
 
@@ -24,157 +22,180 @@ module output_names
       character(len=16) :: what = ''
       !> Number of its case.
       integer :: owner = 0
-      type(file_identity_t) :: file, folder
-      !> Name in its folder.
-      character(:), allocatable :: name
+      !> Where the path leads to: the file, or folder and name of what is not there yet.
+      character(:), allocatable :: key
+      !> Number of the first place with this key, and of the next one with a key of the same hash.
+      integer :: first = 0, next = 0
    end type place_t
 
 contains
 
    !> All objections to the results of `cases` in the folder `output_dir` (empty: where the
-   !> cases say), a line each.
-   function output_findings(cases, output_dir) result(problems)
+   !> cases say), a line each. A run that goes on with a checkpoint looks at it, and at NAME.part,
+   !> itself.
+   function output_findings(cases, output_dir, is_resume) result(problems)
       type(case_t), intent(in) :: cases(:)
       character(*), intent(in) :: output_dir
       character(:), allocatable :: problems
-      type(place_t), allocatable :: inputs(:), outputs(:)
+      logical, intent(in) :: is_resume
+      type(place_t), allocatable :: places(:)
       character(:), allocatable :: found
-      integer :: i
+      integer :: i, inputs
 
-      allocate (inputs, source=inputs_of(cases))
-      allocate (outputs, source=outputs_of(cases, output_dir))
+      call list_places(cases, output_dir, places, inputs)
+      call link_places(places)
       problems = ''
-      do i = 1, size(outputs)
-         found = first_finding(outputs, i, inputs, cases)
+      do i = inputs + 1, size(places)
+         found = first_finding(places, i, inputs, cases)
+         if (found == '') found = taken_finding(places(i), is_resume)
          if (found == '') cycle
          if (problems /= '') problems = problems//new_line('a')
-         problems = problems//cases(outputs(i)%owner)%file//': '//found
+         problems = problems//cases(places(i)%owner)%file//': '//found
       end do
    end function output_findings
 
-   !> Namelists and height files.
-   function inputs_of(cases) result(places)
+   !> Namelists and height files, so many `inputs`; behind them results, each followed by what is
+   !> written beside it.
+   subroutine list_places(cases, output_dir, places, inputs)
       type(case_t), intent(in) :: cases(:)
-      type(place_t), allocatable :: places(:)
-      integer :: i, j
+      character(*), intent(in) :: output_dir
+      type(place_t), allocatable, intent(out) :: places(:)
+      integer, intent(out) :: inputs
+      character(:), allocatable :: path
+      integer :: i, j, n
 
-      allocate (places(0))
+      n = size(cases)*(4 + size(working_endings))
       do i = 1, size(cases)
-         places = [places, new_place(cases(i)%file, 'namelist', i)]
+         n = n + count(cases(i)%effective%key == 'file')
+      end do
+      allocate (places(n))
+      n = 0
+      do i = 1, size(cases)
+         call add(cases(i)%file, 'namelist')
          do j = 1, size(cases(i)%effective)
             associate (entry => cases(i)%effective(j))
-               if (entry%key == 'file') places = [places, &
-                  new_place(beside_namelist(cases(i), trim(entry%text)), 'height file', i)]
+               if (entry%key == 'file') call add(beside_namelist(cases(i), trim(entry%text)), &
+                  'height file')
             end associate
          end do
       end do
-   end function inputs_of
-
-   !> Results, each followed by what is written beside it.
-   function outputs_of(cases, output_dir) result(places)
-      type(case_t), intent(in) :: cases(:)
-      character(*), intent(in) :: output_dir
-      type(place_t), allocatable :: places(:)
-      character(:), allocatable :: path
-      integer :: i, j
-
-      allocate (places(0))
+      inputs = n
       do i = 1, size(cases)
          path = result_path(cases(i), output_dir)
-         places = [places, new_place(path, 'result', i)]
-         if (cases(i)%has_xdmf) places = [places, new_place(xdmf_path(path), 'XDMF file', i)]
+         call add(path, 'result')
+         if (cases(i)%has_xdmf) then
+            call add(xdmf_path(path), 'XDMF file')
+            call add(xdmf_path(path)//'.part', 'temporary file')
+         end if
          do j = 1, size(working_endings)
-            places = [places, new_place(path//trim(working_endings(j)), 'temporary file', i)]
+            call add(path//trim(working_endings(j)), 'temporary file')
          end do
       end do
-   end function outputs_of
+      places = places(:n)
+
+   contains
+
+      !> One more, of case `i`.
+      subroutine add(path, what)
+         character(*), intent(in) :: path, what
+
+         n = n + 1
+         places(n)%path = path
+         places(n)%what = what
+         places(n)%owner = i
+         places(n)%key = key_of(path)
+      end subroutine add
+
+   end subroutine list_places
 
    !> Where `path` leads to.
-   function new_place(path, what, owner) result(place)
-      character(*), intent(in) :: path, what
-      integer, intent(in) :: owner
-      type(place_t) :: place
+   function key_of(path) result(key)
+      character(*), intent(in) :: path
+      character(:), allocatable :: key
+      type(file_identity_t) :: found
 
-      place%path = path
-      place%what = what
-      place%owner = owner
-      place%file = look_at_file(path, follows=.true.)
-      place%folder = look_at_file(folder_of(path), follows=.true.)
-      place%name = path(index(path, '/', back=.true.) + 1:)
-   end function new_place
+      key = path
+      found = look_at_file(path, follows=.true.)
+      if (found%kind /= kind_missing) then
+         key = identity_text(found)
+         return
+      end if
+      found = look_at_file(folder_of(path), follows=.true.)
+      if (found%kind /= kind_missing) key = identity_text(found) &
+         //path(index('/'//path, '/', back=.true.):)
+   end function key_of
 
-   !> Whether two places are one file, there or not yet.
-   elemental function is_same_place(one, other) result(is_same)
-      type(place_t), intent(in) :: one, other
-      logical :: is_same
+   !> Finds the first of the places with the same key, by a hash of it.
+   pure subroutine link_places(places)
+      type(place_t), intent(inout) :: places(:)
+      integer :: bucket, i, k, last(0:size(places))
 
-      is_same = is_same_file(one%file, other%file) .or. one%path == other%path
-      if (.not. is_same .and. one%name == other%name) is_same = is_same_file(one%folder, &
-         other%folder)
-   end function is_same_place
+      last = 0
+      do i = 1, size(places)
+         associate (place => places(i))
+            bucket = 0
+            do k = 1, len(place%key)
+               bucket = modulo(31*bucket + iachar(place%key(k:k)), size(last))
+            end do
+            place%next = last(bucket)
+            place%first = place%next
+            search: do while (place%first > 0)
+               if (places(place%first)%key == place%key) exit search
+               place%first = places(place%first)%next
+            end do search
+            if (place%first > 0) cycle
+            place%first = i
+            last(bucket) = i
+         end associate
+      end do
+   end subroutine link_places
 
-   !> The first objection to output `number`; empty: none. Of two outputs in one place the later one
-   !> is objected to, and only a result can be in the way of another one's files.
-   function first_finding(outputs, number, inputs, cases) result(found)
-      type(place_t), intent(in) :: outputs(:), inputs(:)
-      integer, intent(in) :: number
+   !> The first objection to output `number` because of other places, of which so many are `inputs`;
+   !> empty: none. Of two outputs in one place the later one is objected to, and only a result can
+   !> be in the way of another one's files.
+   function first_finding(places, number, inputs, cases) result(found)
+      type(place_t), intent(in) :: places(:)
+      integer, intent(in) :: number, inputs
       type(case_t), intent(in) :: cases(:)
       character(:), allocatable :: found
-      integer :: i
 
       found = ''
-      associate (output => outputs(number))
-         do i = 1, size(inputs)
-            if (.not. is_same_place(output, inputs(i))) cycle
-            found = 'found the '//trim(inputs(i)%what)//' '//inputs(i)%path//' as its ' &
-               //trim(output%what)// &
-               ', expected another &case output'
-            return
-         end do
-         do i = 1, number - 1
-            if (outputs(i)%owner == output%owner) cycle
-            if (output%what /= 'result' .and. outputs(i)%what /= 'result') cycle
-            if (.not. is_same_place(output, outputs(i))) cycle
-            found = 'found the '//trim(output%what)//' '//output%path &
-               //', which is also that of '// &
-               cases(outputs(i)%owner)%file//', expected different names'
-            return
-         end do
-         if (output%what /= 'temporary file' .and. .not. is_replaceable(output)) found = 'found ' &
-            //output%path//' as its '//trim(output%what)//', which is there and no ' &
-            //trim(output%what)//' of '//program_name &
-            //', expected another &case output (or remove it)'
+      associate (output => places(number), other => places(places(number)%first))
+         if (output%first <= inputs) then
+            found = 'found the '//trim(other%what)//' '//other%path//' as its ' &
+               //trim(output%what)//', expected another &case output'
+         else if (other%owner /= output%owner .and. any([other%what, output%what] &
+            == 'result')) then
+            found = 'found the '//trim(output%what)//' '//output%path//', which is also that of ' &
+               //cases(other%owner)%file//', expected different names'
+         end if
       end associate
    end function first_finding
 
-   !> Whether a result or XDMF file may take this place: nothing is there, or an older one. (A
-   !> folder stops its own case only, later.)
-   function is_replaceable(place) result(answer)
-      type(place_t), intent(in) :: place
-      logical :: answer
+   !> The objection to an `output` because of what is there already; empty: nothing, or an older
+   !> one. (A folder stops its own case only, later; so does a link instead of a temporary file.)
+   function taken_finding(output, is_resume) result(found)
+      type(place_t), intent(in) :: output
+      logical, intent(in) :: is_resume
+      character(:), allocatable :: found
+      type(file_identity_t) :: file
+      logical :: is_temporary, is_taken
 
-      answer = place%file%kind == kind_missing .or. place%file%kind == kind_folder
-      if (place%file%kind /= kind_regular) return
-      if (place%what == 'result') then
-         answer = is_result(place%path)
+      found = ''
+      is_temporary = output%what == 'temporary file'
+      if (is_temporary) then
+         file = look_at_file(output%path, follows=.false.)
+         is_taken = file%kind == kind_regular .and. place_fault(output%path, any_mark) /= ''
+         if (is_resume) is_taken = is_taken .and. index(output%path, '.tmp', back=.true.) &
+            == len(output%path) - 3
       else
-         answer = has_xdmf_mark(place%path)
+         file = look_at_file(output%path, follows=.true.)
+         is_taken = file%kind == kind_other .or. place_fault(output%path, merge(hdf5_mark, &
+            xdmf_mark, output%what == 'result')) /= ''
       end if
-   end function is_replaceable
-
-   !> Whether a file is a result of this program, of whatever version.
-   function is_result(path) result(answer)
-      character(*), intent(in) :: path
-      logical :: answer
-      type(hdf5_input_t) :: reader
-      type(error_t), allocatable :: error
-
-      answer = has_seal(path)   ! then what is between need not be looked at, damaged or not
-      if (answer) return
-      call open_hdf5_input(reader, path, error)   ! error: it stays in the reader
-      answer = reader%text('/', 'program') == program_name
-      call reader%close(error)
-      if (allocated(error)) answer = .false.
-   end function is_result
+      if (is_taken) found = 'found '//output%path//' as its '//trim(output%what) &
+         //', which is there and no '//trim(output%what)//' of '//program_name &
+         //', expected another &case output (or remove it)'
+   end function taken_finding
 
 end module output_names

@@ -1,11 +1,10 @@
 !> A result file from its first line to its final name, whatever it holds.
 !>
-!> While the case runs everything goes to NAME.part in the same folder. A steady result is completed
-!> there and renamed to NAME. The time steps of a transient are streamed into it, so that memory
-!> does not grow with their number; at the end the result is put together in NAME.tmp,
-!> which is then renamed. (NAME.part of a transient comes from NAME.tmp too, with T = 0 in it, so
-!> that it never shows anything that is not there.) An interrupted or failed run leaves an older
-!> NAME as it was.
+!> While the case runs NAME.part in the same folder holds its place. The time steps of a transient
+!> are streamed into it, so that memory does not grow with their number. At the end the result is
+!> put together in NAME.tmp, which is then renamed. (NAME.part of a transient comes from NAME.tmp
+!> too, with T = 0 in it, so that it never shows anything that is not there.) An interrupted or
+!> failed run leaves an older NAME as it was.
 module result_file
    use breakdown_text, only: write_breakdown
    use build_info, only: git_commit, program_name, program_version
@@ -22,6 +21,7 @@ module result_file
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use operating_system, only: lock_t, remove_file, rename_file, sync_file
+   use own_file, only: hdf5_mark, place_fault
    use result_labels, only: field_names
    use result_name, only: hold_name, result_name_t
    use result_sections, only: write_report, write_scaling
@@ -57,8 +57,6 @@ module result_file
       type(transient_store_t) :: store
       logical :: is_transient = .false.
       character(:), allocatable, private :: problem, title, namelist
-      !> Lock on the NAME.part that comes from NAME.tmp.
-      type(lock_t), private :: store_lock
       logical, private :: is_scaled = .false.
    contains
       !> Writes what is known before the run.
@@ -189,28 +187,40 @@ contains
       type(error_t), allocatable :: error
 
       result%is_transient = .true.
-      call result%file%close(error)   ! error: it stays in result%file%failure
+      call open_temporary(result)
       if (allocated(result%file%failure)) return
-      call create_hdf5_file(result%file, result%name%path//'.tmp', error)   ! error: as above
-      call write_description(result)
       call create_store(result%store, result%file, result%fields, capacity, nx, result%scaling)
-      call result%file%close(error)   ! error: as above
+      call result%file%close(error)   ! error: it stays in result%file%failure
       if (.not. allocated(result%file%failure)) call result%store%open(result%name%path//'.tmp')
    end subroutine start_store
+
+   !> Closes the file and begins another one, NAME.tmp; a failure stays in result%file%failure.
+   subroutine open_temporary(result)
+      class(result_file_t), intent(inout) :: result
+      type(error_t), allocatable :: error
+
+      call result%file%close(error)
+      if (allocated(error)) return
+      call create_hdf5_file(result%file, result%name%path//'.tmp', error)   ! error: it stays
+      call write_description(result)
+   end subroutine open_temporary
 
    !> NAME.tmp, with T = 0 in it, becomes NAME.part.
    subroutine publish_store(result)
       class(result_file_t), intent(inout) :: result
+      type(lock_t) :: lock
       logical :: is_done
 
       if (allocated(result%file%failure)) return
-      is_done = result%store_lock%take(result%name%path//'.tmp')
-      call result%store_lock%allow_readers()
+      is_done = lock%take(result%name%path//'.tmp')
+      call lock%allow_readers()
       if (is_done) is_done = rename_file(result%name%path//'.tmp', result%name%path//'.part')
       if (.not. is_done) call fail(result%file%failure, output_error, 'cannot rename ' &
          //result%name%path//'.tmp to '//result%name%path &
-         //'.part')
+         //'.part'//place_fault(result%name%path//'.part', hdf5_mark))
       result%store%file%path = result%name%path//'.part'
+      call result%name%lock%release()
+      result%name%lock = lock
    end subroutine publish_store
 
    !> A failure of the store counts as one of the file.
@@ -239,18 +249,15 @@ contains
       if (is_done) is_done = sync_file(self%name%path//'.part')
    end function sync
 
-   !> Makes the file ready for what is known at the end only: of a transient a new one, NAME.tmp.
+   !> Makes the file ready for what is known at the end only.
    subroutine begin_end(self)
       class(result_file_t), intent(inout) :: self
-      type(error_t), allocatable :: error
 
       ! with all time steps in the checkpoint the result can be put together again
       call set_patience(.not. (self%name%has_checkpoint &
          .and. self%name%kept_step == self%store%records() - 1))
       call begin_activity('writing the result')
-      if (.not. self%is_transient .or. allocated(self%file%failure)) return
-      call create_hdf5_file(self%file, self%name%path//'.tmp', error)   ! error: stays in the file
-      call write_description(self)
+      call open_temporary(self)
    end subroutine begin_end
 
    !> Copies the time steps into /transient; series in SI too if they are wanted.
@@ -285,13 +292,8 @@ contains
       call write_attribute(self%file, '/', 'reason', reason)
       call write_users(self%file)
       call self%file%close(error)
-      if (.not. allocated(error)) call self%name%give_to(self%name%path &
-         //trim(merge('.tmp ', '.part', self%is_transient)), error)
-      if (allocated(error) .or. self%is_transient) then
-         call self%discard()
-      else
-         call self%name%release()
-      end if
+      if (.not. allocated(error)) call self%name%give_to(error)   ! error: handed up
+      call self%discard()
    end subroutine publish
 
    !> Closes NAME.part and lets others write it.
@@ -299,7 +301,6 @@ contains
       class(result_file_t), intent(inout) :: self
 
       call self%store%file%close()
-      call self%store_lock%release()
       call self%name%release()
    end subroutine suspend
 
@@ -311,8 +312,8 @@ contains
 
       call self%file%close(error)   ! error: the file is given up anyway
       call self%store%file%close()
-      if (self%is_transient) is_removed = remove_file(self%name%path//'.tmp')
-      if (.not. self%name%has_checkpoint) is_removed = remove_file(self%name%path//'.part')
+      is_removed = remove_file(self%name%path//'.tmp')
+      if (.not. self%name%has_checkpoint) call self%name%remove_part()
       call self%suspend()
    end subroutine discard
 

@@ -1,9 +1,9 @@
 !> The name of a result while a run holds it: who may write it, which files lie beside it, and what
 !> happens to them when the run ends.
 !>
-!> NAME.part is what the run writes, NAME.tmp the result of a transient that is put together at the
-!> end, NAME.ckpt its checkpoint and NAME.ckpt.tmp the next one. An interrupted or failed run leaves
-!> an older NAME as it was.
+!> NAME.part keeps other runs away and holds the time steps of a transient, NAME.tmp is the result
+!> that is put together at the end, NAME.ckpt a checkpoint and NAME.ckpt.tmp the next one. An
+!> interrupted or failed run leaves an older NAME as it was, and every run what is not its own.
 module result_name
    use build_info, only: program_name
    use errors, only: error_t, fail, output_error
@@ -12,6 +12,7 @@ module result_name
    use interruption, only: forget_last_words, lay_down_last_words, &
       set_patience
    use operating_system, only: folder_of, is_folder, lock_t, remove_file, rename_file, sync_file
+   use own_file, only: hdf5_mark, place_fault
    use text, only: to_text
    implicit none (type, external)
    private
@@ -40,13 +41,15 @@ module result_name
       procedure :: expect_interruption
       !> That message.
       procedure :: interruption_text
-      !> Seals a complete file and gives it the name; the checkpoint goes.
+      !> Seals the complete NAME.tmp and gives it the name; the checkpoint goes.
       procedure :: give_to
       !> Removes the checkpoint and what an interrupted run may have left of the next one, and of
       !> the result.
       procedure :: remove_checkpoint
       !> Gives the name back without using it.
       procedure :: give_back
+      !> Removes NAME.part.
+      procedure :: remove_part
       !> Lets others write the result.
       procedure :: release
    end type result_name_t
@@ -122,24 +125,31 @@ contains
          self%path//working_endings(first:3))
    end subroutine expect_interruption
 
-   !> The file `temporary` becomes the result. Error: it cannot be renamed.
-   subroutine give_to(self, temporary, error)
+   !> NAME.tmp becomes the result. Error: it cannot have the name, because another file has taken
+   !> it, or that of NAME.part, during the run; it is NAME.new then.
+   subroutine give_to(self, error)
       class(result_name_t), intent(inout) :: self
-      character(*), intent(in) :: temporary
       type(error_t), allocatable, intent(out) :: error
-      logical :: is_done
+      character(:), allocatable :: fault
+      logical :: is_done, is_kept
 
-      call seal_file(temporary, error)
+      call seal_file(self%path//'.tmp', error)
       if (allocated(error)) return
-      is_done = .true.
-      if (self%has_checkpoint) is_done = sync_file(temporary)
+      is_kept = .true.
+      if (self%has_checkpoint) is_kept = sync_file(self%path//'.tmp')
       call set_patience(.true.)   ! the checkpoint goes
-      if (is_done) is_done = rename_file(temporary, self%path)
+      fault = place_fault(self%path, hdf5_mark)
+      if (.not. self%lock%holds(self%path//'.part')) fault = ': '//self%path &
+         //'.part was removed or replaced while the run went on'
+      is_done = is_kept .and. fault == ''
+      if (is_done) is_done = rename_file(self%path//'.tmp', self%path)
       if (is_done) then
          call self%remove_checkpoint()
-      else
-         call fail(error, output_error, 'cannot rename '//temporary//' to '//self%path)
+         return
       end if
+      if (is_kept) is_kept = rename_file(self%path//'.tmp', self%path//'.new')
+      if (is_kept) fault = fault//'; the result is '//self%path//'.new'
+      call fail(error, output_error, 'cannot rename '//self%path//'.tmp to '//self%path//fault)
    end subroutine give_to
 
    !> Removes NAME.ckpt, NAME.ckpt.tmp and NAME.tmp.
@@ -159,12 +169,19 @@ contains
    subroutine give_back(self, is_complete)
       class(result_name_t), intent(inout) :: self
       logical, intent(in) :: is_complete
-      logical :: is_removed
 
       if (is_complete) call self%remove_checkpoint()
-      if (is_complete .or. .not. self%had_part) is_removed = remove_file(self%path//'.part')
+      if (is_complete .or. .not. self%had_part) call self%remove_part()
       call self%release()
    end subroutine give_back
+
+   !> Removes NAME.part, unless that is another file by now.
+   subroutine remove_part(self)
+      class(result_name_t), intent(in) :: self
+      logical :: is_removed
+
+      if (self%lock%holds(self%path//'.part')) is_removed = remove_file(self%path//'.part')
+   end subroutine remove_part
 
    !> Lets others write the result; from now on an end by force removes nothing.
    subroutine release(self)

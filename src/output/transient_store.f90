@@ -5,7 +5,8 @@
 !> times of their own.
 module transient_store
    use, intrinsic :: iso_fortran_env, only: int64
-   use errors, only: error_t, fail, input_error
+   use checksum, only: checksum_t
+   use errors, only: error_t, fail, input_error, output_error
    use hdf5_axes, only: link_object, make_axis, name_axes
    use hdf5_dataset, only: label_t
    use hdf5_file, only: hdf5_file_t
@@ -238,7 +239,7 @@ contains
       end do
    end subroutine copy_into
 
-   !> Series `i` times `factor` into a group, with its axes.
+   !> Series `i` times `factor` into a group, with its axes. A failure: it is not what was stored.
    subroutine copy_series(store, file, i, group, factor, label)
       class(transient_store_t), intent(inout) :: store
       class(hdf5_file_t), intent(inout) :: file
@@ -247,6 +248,7 @@ contains
       real(wp), intent(in) :: factor
       type(label_t), intent(in) :: label
       type(series_t) :: copy
+      type(checksum_t) :: sums
       real(wp), allocatable :: values(:, :)
       character(:), allocatable :: path
       integer :: first, last, most
@@ -266,12 +268,16 @@ contains
             last = min(first + most - 1, series%records)
             allocate (values(max(series%row_length, 1), last - first + 1))
             call series%get(store%file, first, values)
+            call sums%add(reshape(values, [size(values)]))
             values = factor*values
             call copy%append(file, values)
             deallocate (values)
          end do
          call copy%close(file)
+         if (sums%digits() == series%sums%digits() .or. allocated(store%file%failure)) return
       end associate
+      call fail(store%file%failure, output_error, store%file%path &
+         //' was changed by another program while the run went on')
    end subroutine copy_series
 
    !> Names of all series.

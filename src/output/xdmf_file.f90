@@ -6,17 +6,17 @@
 !> of the film). It is made from the finished file, so that nothing is named that is not there.
 module xdmf_file
    use, intrinsic :: iso_fortran_env, only: int64
-   use build_info, only: program_name
    use errors, only: error_t, fail, output_error
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use hdf5_source, only: hdf5_source_t
    use operating_system, only: remove_file, rename_file
+   use own_file, only: any_mark, place_fault, xdmf_mark, xdmf_words
    use result_labels, only: field_names
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: has_xdmf_mark, write_xdmf, xdmf_path
+   public :: write_xdmf, xdmf_path
 
    !> A group of a result with the axes of its fields, the faster one first.
    type :: grid_row_t
@@ -40,8 +40,6 @@ module xdmf_file
    !> The axis of a direction without nodes.
    character(*), parameter :: zero = '<DataItem Dimensions="1" NumberType="Float" '// &
       'Precision="8" Format="XML">0</DataItem>'//nl
-   !> What tells such a file from others.
-   character(*), parameter :: mark = '<!-- made by '//program_name
 
 contains
 
@@ -58,22 +56,6 @@ contains
       xdmf_path = path(:last)//'.xdmf'
    end function xdmf_path
 
-   !> Whether the file `path` is one that this module has made.
-   function has_xdmf_mark(path) result(answer)
-      character(*), intent(in) :: path
-      logical :: answer
-      character(len=64) :: line
-      integer :: status, unit
-
-      answer = .false.
-      open (newunit=unit, file=path, action='read', status='old', iostat=status)
-      if (status /= 0) return
-      read (unit, '(/, a)', iostat=status) line
-      answer = status == 0
-      if (answer) answer = index(line, mark) == 1
-      close (unit)
-   end function has_xdmf_mark
-
    !> Writes the file beside the result `path`. Error (output_error): the result cannot be read, or
    !> the file not be written.
    subroutine write_xdmf(path, error)
@@ -85,7 +67,7 @@ contains
       integer :: i
 
       name = escaped(path(index(path, '/', back=.true.) + 1:))
-      text = '<?xml version="1.0" encoding="UTF-8"?>'//nl//mark//' -->'//nl &
+      text = '<?xml version="1.0" encoding="UTF-8"?>'//nl//xdmf_words//' -->'//nl &
          //'<Xdmf Version="2.0">'//nl//'<Domain>'//nl
       call open_hdf5_input(reader, path, failure)   ! error: the reader keeps it
       do i = 1, size(grid_rows)
@@ -228,10 +210,16 @@ contains
    subroutine put(path, text, error)
       character(*), intent(in) :: path, text
       type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: fault
       character(len=256) :: message
       integer :: status, unit
       logical :: is_done
 
+      fault = place_fault(path//'.part', any_mark)
+      if (fault /= '') then
+         call fail(error, output_error, 'cannot write '//path//'.part'//fault)
+         return
+      end if
       open (newunit=unit, file=path//'.part', access='stream', form='unformatted', &
          action='write', status='replace', iostat=status, iomsg=message)
       if (status == 0) then
@@ -249,7 +237,8 @@ contains
       is_done = rename_file(path//'.part', path)
       if (is_done) return
       is_done = remove_file(path//'.part')
-      call fail(error, output_error, 'cannot rename '//path//'.part to '//path)
+      call fail(error, output_error, 'cannot rename '//path//'.part to '//path &
+         //place_fault(path, xdmf_mark))
    end subroutine put
 
 end module xdmf_file

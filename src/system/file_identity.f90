@@ -6,11 +6,12 @@ module file_identity
    implicit none (type, external)
    private
 
-   public :: file_fault, file_identity_t, is_same_file, look_at_file, look_at_open_file
+   public :: file_fault, file_identity_t, identity_text, is_same_file, look_at_file, &
+      look_at_open_file
 
    !> What a path leads to; `kind_other`: a pipe, a device, a socket.
-   integer, parameter, public :: kind_missing = 0, kind_regular = 1, kind_folder = 2, &
-      kind_link = 3, kind_other = 4
+   integer, parameter, public :: kind_missing = 0, kind_regular = 1, kind_link = 3, kind_other = 4
+   integer, parameter :: kind_folder = 2
 
    !> A file as the operating system knows it.
    type :: file_identity_t
@@ -119,5 +120,14 @@ contains
       is_same = one%kind /= kind_missing .and. other%kind /= kind_missing
       is_same = is_same .and. one%inode == other%inode .and. all(one%device == other%device)
    end function is_same_file
+
+   !> Device and inode as a word.
+   pure function identity_text(identity) result(word)
+      type(file_identity_t), intent(in) :: identity
+      character(len=64) :: word
+
+      write (word, '(2(i0, a), i0)') identity%device(1), ':', identity%device(2), ':', &
+         identity%inode
+   end function identity_text
 
 end module file_identity

@@ -8,15 +8,13 @@ module file_seal
    use checksum, only: checksum_t
    use errors, only: error_t
    use kinds, only: wp
+   use own_file, only: seal_bytes, seal_words
    use positional_file, only: open_positional_file, positional_file_t, real_bytes
    implicit none (type, external)
    private
 
-   public :: has_seal, is_whole, seal_file
+   public :: has_seal, seal_fault, seal_file
 
-   !> Length of the line, its end included [bytes]; its first words.
-   integer, parameter :: seal_bytes = 80
-   character(len=*), parameter :: beginning = 'asperity checksum '
    !> Numbers that are read at once.
    integer(int64), parameter :: block_numbers = 65536_int64
 
@@ -48,21 +46,24 @@ contains
       call read_seal(path, bytes, digits, answer)
    end function has_seal
 
-   !> Whether `path` ends with a seal and is, byte for byte, what was sealed.
-   function is_whole(path) result(answer)
+   !> What the seal of `path` says against it; empty: it is, byte for byte, what was sealed.
+   function seal_fault(path) result(fault)
       character(*), intent(in) :: path
-      logical :: answer
+      character(:), allocatable :: fault
       type(positional_file_t) :: file
       integer(int64) :: bytes
       character(len=16) :: digits
+      logical :: is_there
 
-      call read_seal(path, bytes, digits, answer)
-      if (.not. answer) return
+      fault = 'it has no checksum: it is damaged, or of another version'
+      call read_seal(path, bytes, digits, is_there)
+      if (.not. is_there) return
       call open_positional_file(file, path, for_writing=.false.)
-      answer = digits_of(file, bytes) == digits
+      fault = ''
+      if (digits_of(file, bytes) /= digits) fault = 'it is damaged: its checksum differs'
       call file%close()
-      answer = answer .and. .not. allocated(file%failure)
-   end function is_whole
+      if (allocated(file%failure)) fault = file%failure%message
+   end function seal_fault
 
    !> The last line of `path`: bytes before it and their checksum; `is_there`: it is a seal, and as
    !> long as it says.
@@ -84,7 +85,7 @@ contains
       call file%read_reals(bytes, numbers)
       call file%close()
       line = transfer(numbers, line)
-      digits = line(len(beginning) + 1:)
+      digits = line(len(seal_words) + 1:)
       is_there = line == seal_line(bytes, digits) .and. .not. allocated(file%failure)
    end subroutine read_seal
 
@@ -94,7 +95,7 @@ contains
       character(len=16), intent(in) :: digits
       character(len=seal_bytes) :: line
 
-      write (line, '(a,a,a,i0,a)') beginning, digits, ' of the ', bytes, ' bytes before'
+      write (line, '(a,a,a,i0,a)') seal_words, digits, ' of the ', bytes, ' bytes before'
       line(seal_bytes:) = new_line('a')
    end function seal_line
 

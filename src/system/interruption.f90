@@ -9,11 +9,12 @@
 !>
 !> The request and the message are module variables: a signal handler has no arguments through which
 !> it could reach anything else. It only calls what POSIX allows there (poll, write, unlink,
-!> setitimer, signal, _exit), and allocates nothing. It may interrupt another handler, so what it
-!> calls is recursive.
+!> open, lseek, pread, close, setitimer, signal, _exit), and allocates nothing. It may interrupt
+!> another handler, so what it calls is recursive.
 module interruption
    use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_funptr, c_int, c_intptr_t, c_long, &
       c_null_char
+   use own_file, only: mark_of, no_mark
    use signal_calls, only: c_exit, c_signal, c_unlink, set_timer, tell
    implicit none (type, external)
    private
@@ -190,7 +191,7 @@ contains
       call ignore(signal_alarm)
       associate (set => sets(current))
          do i = 1, set%files
-            status = c_unlink(set%names(i))
+            if (mark_of(set%names(i)) /= no_mark) status = c_unlink(set%names(i))
          end do
          is_heard = is_taken
          is_taken = .true.

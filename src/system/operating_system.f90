@@ -3,7 +3,8 @@ module operating_system
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_null_char, &
       c_null_ptr, c_ptr, c_short, c_size_t
    use file_identity, only: is_same_file, look_at_file, look_at_open_file
-   use signal_calls, only: c_unlink
+   use own_file, only: any_mark, mark_of, place_fault
+   use signal_calls, only: c_close, c_open, c_unlink
    implicit none (type, external)
    private
 
@@ -28,6 +29,8 @@ module operating_system
       procedure :: take
       !> Lets others read the file, but not take the lock.
       procedure :: allow_readers
+      !> Whether the file is still there under its name.
+      procedure :: holds
       procedure :: release
    end type lock_t
 
@@ -74,15 +77,6 @@ module operating_system
          integer(c_int) :: status
       end function c_fcntl
 
-      !> open(2) without a mode: only for files that exist.
-      function c_open(path, flags) bind(c, name='open') result(descriptor)
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int), value :: flags
-         integer(c_int) :: descriptor
-      end function c_open
-
       !> mkdir(2).
       function c_mkdir(path, mode) bind(c, name='mkdir') result(status)
          import :: c_char, c_int
@@ -91,14 +85,6 @@ module operating_system
          integer(c_int), value :: mode
          integer(c_int) :: status
       end function c_mkdir
-
-      !> close(2).
-      function c_close(descriptor) bind(c, name='close') result(status)
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int), value :: descriptor
-         integer(c_int) :: status
-      end function c_close
 
       !> fsync(2): everything written to a file reaches the disk.
       function c_fsync(descriptor) bind(c, name='fsync') result(status)
@@ -140,20 +126,23 @@ module operating_system
 
 contains
 
-   !> Renames a file in one step, replacing an older one; true if that worked.
+   !> Renames a file in one step, replacing an older one that this program has written; true if that
+   !> worked.
    function rename_file(old, new) result(is_done)
       character(*), intent(in) :: old, new
       logical :: is_done
 
-      is_done = c_rename(old//c_null_char, new//c_null_char) == 0_c_int
+      is_done = place_fault(new, mark_of(old//c_null_char)) == ''
+      if (is_done) is_done = c_rename(old//c_null_char, new//c_null_char) == 0_c_int
    end function rename_file
 
-   !> Removes a file; true if that worked.
+   !> Removes a file that this program has written; true if that worked.
    function remove_file(path) result(is_done)
       character(*), intent(in) :: path
       logical :: is_done
 
-      is_done = c_unlink(path//c_null_char) == 0_c_int
+      is_done = place_fault(path, any_mark) == ''
+      if (is_done) is_done = c_unlink(path//c_null_char) == 0_c_int
    end function remove_file
 
    !> Whether `path` is an existing folder.
@@ -182,8 +171,7 @@ contains
          self%descriptor = opened(path, for_writing=.true.)
          if (self%descriptor < 0_c_int) cycle
          if (c_fcntl(self%descriptor, set_lock, c_flock_t(lock_to_write)) /= 0_c_int) exit
-         if (.not. is_same_file(look_at_open_file(self%descriptor), look_at_file(path, &
-            follows=.true.))) cycle
+         if (.not. self%holds(path)) cycle
          status = c_flock(self%descriptor, lock_exclusive)   ! not while somebody reads
          return
       end do
@@ -199,6 +187,15 @@ contains
 
       if (self%descriptor >= 0_c_int) status = c_flock(self%descriptor, lock_shared)
    end subroutine allow_readers
+
+   !> Whether `path` still leads to the locked file.
+   function holds(self, path)
+      class(lock_t), intent(in) :: self
+      character(*), intent(in) :: path
+      logical :: holds
+
+      holds = is_same_file(look_at_open_file(self%descriptor), look_at_file(path, follows=.true.))
+   end function holds
 
    !> Gives the lock back; twice does nothing.
    subroutine release(self)

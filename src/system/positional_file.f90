@@ -7,6 +7,7 @@ module positional_file
    use errors, only: error_t, fail, output_error
    use kinds, only: wp
    use operating_system, only: closed, opened
+   use signal_calls, only: c_pread
    implicit none (type, external)
    private
 
@@ -42,17 +43,6 @@ module positional_file
          integer(c_int64_t), value :: place
          integer(c_size_t) :: done
       end function c_pwrite
-
-      !> pread(2).
-      function c_pread(descriptor, bytes, count, place) bind(c, name='pread') result(done)
-         import :: c_int, c_int64_t, c_ptr, c_size_t
-         implicit none (type, external)
-         integer(c_int), value :: descriptor
-         type(c_ptr), value :: bytes
-         integer(c_size_t), value :: count
-         integer(c_int64_t), value :: place
-         integer(c_size_t) :: done
-      end function c_pread
    end interface
 
 contains

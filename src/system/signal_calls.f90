@@ -2,12 +2,13 @@
 !> async-signal-safe functions). The procedures are recursive: a signal may come while one of them
 !> runs.
 module signal_calls
-   use, intrinsic :: iso_c_binding, only: c_char, c_funptr, c_int, c_long, c_null_ptr, c_ptr, &
-      c_short, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_funptr, c_int, c_int64_t, c_long, c_null_ptr, &
+      c_ptr, c_short, c_size_t
    implicit none (type, external)
    private
 
-   public :: c_exit, c_signal, c_time, c_unlink, c_write, one_second, set_timer, tell
+   public :: c_close, c_exit, c_open, c_pread, c_seek, c_signal, c_time, c_unlink, c_write, &
+      one_second, set_timer, tell
 
    !> File descriptor of standard error.
    integer(c_int), parameter, public :: standard_error = 2_c_int
@@ -52,6 +53,43 @@ module signal_calls
          integer(c_size_t), value :: bytes
          integer(c_size_t) :: written
       end function c_write
+
+      !> open(2) without a mode: only for files that exist.
+      function c_open(path, flags) bind(c, name='open') result(descriptor)
+         import :: c_char, c_int
+         implicit none (type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), value :: flags
+         integer(c_int) :: descriptor
+      end function c_open
+
+      !> close(2).
+      function c_close(descriptor) bind(c, name='close') result(status)
+         import :: c_int
+         implicit none (type, external)
+         integer(c_int), value :: descriptor
+         integer(c_int) :: status
+      end function c_close
+
+      !> pread(2): bytes that were read, below 0 for an error.
+      function c_pread(descriptor, bytes, count, place) bind(c, name='pread') result(done)
+         import :: c_int, c_int64_t, c_ptr, c_size_t
+         implicit none (type, external)
+         integer(c_int), value :: descriptor
+         type(c_ptr), value :: bytes
+         integer(c_size_t), value :: count
+         integer(c_int64_t), value :: place
+         integer(c_size_t) :: done
+      end function c_pread
+
+      !> lseek(2): the new place [bytes], below 0 for an error.
+      function c_seek(descriptor, offset, origin) bind(c, name='lseek') result(place)
+         import :: c_int, c_int64_t
+         implicit none (type, external)
+         integer(c_int), value :: descriptor, origin
+         integer(c_int64_t), value :: offset
+         integer(c_int64_t) :: place
+      end function c_seek
 
       !> poll(2): 1 if the descriptor of `place` is ready within `time` [ms]; `count` is 1.
       function c_poll(place, count, time) bind(c, name='poll') result(ready)

@@ -39,7 +39,9 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
         (folder / f"{name}.nml").write_text(text, encoding="utf-8")
     if source.random() < 0.3:
         beside = folder / f"{source.choice(['x.h5', 'a.h5', 'b.h5'])}{source.choice(ENDINGS)}"
-        if not beside.exists():
+        if not beside.exists() and source.random() < 0.5:
+            beside.write_text("precious", encoding="utf-8")
+        elif not beside.exists():
             beside.symlink_to(source.choice(["precious.txt", "heights.h5", "a.nml"]))
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file() and not path.is_symlink()}
     links = {path: path.readlink() for path in folder.rglob("*") if path.is_symlink()}
