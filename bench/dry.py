@@ -51,7 +51,7 @@ PROFILES = ROOT / "test" / "data" / "profiles_ABCD.csv"
 SWEEP = """&case problem = 'dry_line' /
 &bodies youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3, hardness = 4e9 /
 &load mean_pressure = {loads} /
-&surface_1 shape = 'file', file = '{file}', dataset = 'z{name}_m' /
+&surface_1 shape = 'file', file = '{file}', positions = 'x_m', dataset = 'z{name}_m' /
 """
 
 

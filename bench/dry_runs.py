@@ -72,6 +72,7 @@ def profile_case(method: str, nodes: int, tolerance: float = 1e-6) -> Case:
         "surface_1": {
             "shape": "file",
             "file": str(ROOT / "test" / "data" / "profiles_ABCD.csv"),
+            "positions": "x_m",
             "dataset": "zC_m",
             "harmonics": 64,
         },

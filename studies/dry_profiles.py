@@ -35,7 +35,7 @@ def stand_in(name: str, loads: Sequence[float] = LOADS) -> Case:
     return changed(
         base_case("dry_profile"),
         load={"mean_pressure": pressures(loads)},
-        surface_1={"file": data, "dataset": f"z{name}_m"},
+        surface_1={"file": data, "positions": "x_m", "dataset": f"z{name}_m"},
     )
 
 

@@ -208,9 +208,9 @@ BAD_FILES = {
     "gap": ("x,z\n0,1e-6\n1,NaN\n2,0\n", "bad.csv:3:3: found 'NaN', expected a number"),
     "empty": ("x,z\n0,1e-6\n1,\n2,0\n", "bad.csv:3:3: found nothing, expected a number"),
     "word": ("x,z\n0,1e-6\n1,one\n2,0\n", "bad.csv:3:3: found 'one', expected a number"),
-    "uneven": ("x,z\n0,1e-6\n1,0\n2.5,0\n", "bad.csv:3: found uneven positions"),
+    "uneven": ("x,z\n0,1e-6\n1,0\n2.5,0\n", "bad.csv:3:1: found uneven positions"),
     "back_again": ("x,z\n0,1e-6\n1,0\n0,0\n", "found positions that neither rise nor fall"),
-    "one_node": ("x,z\n0,1e-6\n", "bad.csv: found 1 nodes"),
+    "one_node": ("x,z\n0,1e-6\n", "bad.csv:2:1: found 1 row of numbers, expected at least 2"),
     "unit": ("x,z\n0,1e-6\n1,0.1 um\n2,0\n", "bad.csv:3:3: found '0.1 um', expected a number"),
     "quotient": ("x,z\n0,1e-7/3\n1,0\n2,0\n", "bad.csv:2:3: found '1e-7/3', expected a number"),
     "product": ("x,z\n0,1e-6\n1, 3*1e-7\n2,0\n", "bad.csv:3:4: found '3*1e-7', expected a number"),
@@ -218,16 +218,16 @@ BAD_FILES = {
     "semicolon": ("x,z\n0,1;5\n1,0\n2,0\n", "bad.csv:2:3: found '1;5', expected a number"),
     "slash": ("x,z\n0,/\n1,0\n2,0\n", "bad.csv:2:3: found '/', expected a number"),
     "no_position": ("x,z\n0,1e-6\nNaN,0\n2,0\n", "bad.csv:3:1: found 'NaN', expected a number"),
-    "field_more": ("x,z\n0,1e-6,3\n1,0\n2,0\n", "bad.csv:2:1: found 3 fields, expected the 2 of the header"),
-    "field_less": ("x,z\n0,1e-6\n1\n2,0\n", "bad.csv:3:1: found 1 fields, expected the 2 of the first row"),
-    "decimal_commas": ("x,z\n0,0,1,0\n1,0,2,0\n", "bad.csv:2:1: found 4 fields, expected the 2 of the header"),
+    "field_more": ("x,z\n0,1e-6,3\n1,0\n2,0\n", "bad.csv:2:1: found 3 fields, expected the 2 of the first row"),
+    "field_less": ("x,z\n0,1e-6\n1\n2,0\n", "bad.csv:3:1: found 1 field, expected the 2 of the first row"),
+    "decimal_commas": ("x,z\n0,0,1,0\n1,0,2,0\n", "bad.csv:2:1: found 4 fields, expected the 2 of the first row"),
     "huge": ("x,z\n0,1e300\n1,0\n2,0\n", "bad.csv:2:3: found a height of 1.000E+300 m, expected at most 1000 m"),
     "tiny": ("x,z\n0,1e-300\n1,0\n2,0\n", "bad.csv: found heights that differ by 1.000E-300 m, expected 0 or at least 1.0E-20 m"),
     "far": ("x,z\n0,0\n1e300,0\n2e300,0\n", "bad.csv:3:1: found a position of 1.000E+300 m, expected at most 1000000000 m"),
-    "dense": ("x,z\n0,0\n1e-300,1\n2e-300,0\n", "bad.csv: found a spacing of 1.000E-300 m, expected 1.0E-15 to 1000000 m"),
-    "no_header": ("0,1e-6\n1,0\n2,0\n", "bad.csv:1:1: found no header line, expected one with the name z"),
-    "semicolons": ("x;z\n0,1e-6\n1,0\n", "bad.csv:2:1: found 2 fields, expected the 1 of the header"),
-    "no_column": ("x,height\n0,1e-6\n1,0\n", "found no column z in the header"),
+    "dense": ("x,z\n0,0\n1e-300,1\n2e-300,0\n", "bad.csv:4:1: found a spacing of 1.000E-300 m, expected 1.0E-15 to 1000000 m"),
+    "no_header": ("0,1e-6\n1,0\n2,0\n", "bad.csv:1:1: found no names, expected those of the keys"),
+    "semicolons": ("x;z\n0,1e-6\n1,0\n", "bad.csv:2:1: found 1 field, expected the 2 of the first row"),
+    "no_column": ("x,height\n0,1e-6\n1,0\n", "found 0 columns z in the names 'x,height', expected one"),
 }
 
 
@@ -249,11 +249,25 @@ def test_bad_file(asperity, tmp_path, name):
 
 
 def test_constant_surface_carries_the_mean_pressure(asperity, tmp_path):
-    write(tmp_path, "flat.csv", "x,z\n" + "".join(f"{i},3e-6\n" for i in range(16)))
-    surface = "shape = 'file', file = 'flat.csv'"
+    with h5py.File(tmp_path / "flat.h5", "w") as file:
+        file["z"] = np.full(16, 3e-6)
+    surface = "shape = 'file', file = 'flat.h5', dataset = 'z'"
     with solve(asperity, tmp_path, surface, [1e8], more="&domain length = 16.0 /") as file:
         np.testing.assert_allclose(file["solution/pressure"][:], 1e8)
         assert file["sweep/mean_separation"][0] == pytest.approx(0, abs=1e-12)
+
+
+def test_slope_and_curvature_are_named_as_what_they_are(asperity, tmp_path):
+    """Quotients of differences, which depend on the spacing, not derivatives of the heights."""
+    with solve(asperity, tmp_path, profile("C"), [1e8]) as file:
+        z, dx = file["solution/height_undeformed"][()], file["solution/x"][1] - file["solution/x"][0]
+        slope, curvature = file["surface/rms_slope_undeformed"], file["surface/rms_curvature_undeformed"]
+        assert slope[()] == pytest.approx(np.std((np.roll(z, -1) - z) / dx), rel=1e-9)
+        assert curvature[()] == pytest.approx(np.std((np.roll(z, -1) - 2 * z + np.roll(z, 1)) / dx**2), rel=1e-9)
+        names = [item.attrs["long_name"] for item in (slope, curvature)]
+    names = [name.decode() if isinstance(name, bytes) else name for name in names]
+    expected = ("slope from differences", "curvature from second differences")
+    assert names == [f"rms {words} of neighbouring nodes" for words in expected]
 
 
 def test_all_plastic(asperity, tmp_path):

@@ -1,4 +1,4 @@
-"""Positions of heights: datasets x and y of HDF5 files are read like the columns of tables; both may fall."""
+"""Heights in HDF5 files: positions in datasets x and y or dimension scales, which may fall; numbers that netCDF packs."""
 
 import h5py
 import numpy as np
@@ -102,12 +102,6 @@ def test_falling_positions_of_a_dataset(asperity, tmp_path):
     assert_profile(profile(asperity, tmp_path), Z[::-1])
 
 
-def test_falling_positions_of_a_table(asperity, tmp_path):
-    rows = np.column_stack([X[::-1], Z])
-    np.savetxt(tmp_path / "z.csv", rows, delimiter=",", header="x,z", comments="", fmt="%.17g")
-    assert_profile(read_back(asperity, tmp_path, "z.csv", ", detrend = 'none'"), Z[::-1])
-
-
 @pytest.mark.parametrize("falls", [(False, False), (True, False), (False, True), (True, True)])
 def test_positions_of_an_area(asperity, tmp_path, falls):
     ny, nx = 24, 36
@@ -159,19 +153,15 @@ def test_heights_of_a_result_need_nothing_more(asperity, tmp_path):
     assert_profile(again, first[0])
 
 
-@pytest.mark.parametrize("ending", ["csv", "h5"])
-def test_a_long_profile_that_falls(asperity, tmp_path, ending):
+def test_a_long_profile_that_falls(asperity, tmp_path):
     """In pieces, in oil: the same film as of the profile the other way round."""
     nodes = 200_000
     x = 1e-6 * np.arange(nodes)
     z = 1e-9 * np.sin(2 * np.pi * x / 97e-6) * (1 + x / x[-1])
     films = []
     for way in (1, -1):
-        if ending == "h5":
-            store(tmp_path / "z.h5", z[::way], x=x[::way])
-        else:
-            np.savetxt(tmp_path / "z.csv", np.column_stack([x, z])[::way], delimiter=",", header="x,z", comments="", fmt="%.17g")
-        surface = f"&surface_2 shape = 'file', file = 'z.{ending}'" + ", dataset = 'z'" * (ending == "h5") + " /\n"
+        store(tmp_path / "z.h5", z[::way], x=x[::way])
+        surface = "&surface_2 shape = 'file', file = 'z.h5', dataset = 'z' /\n"
         time = "&time transient = .true., end_time = 2.0, time_step = 0.05 /\n&accuracy error_bars = .false. /\n"
         write(tmp_path, "case.nml", STEADY + surface + time + "&output adequacy = .false. /\n")
         assert asperity("case.nml", "--quiet").returncode == 0
@@ -276,3 +266,74 @@ def test_lists_of_scales_that_are_none(asperity, tmp_path, kind):
             del file["relief"].attrs["DIMENSION_LIST"]
             file["relief"].attrs["DIMENSION_LIST"] = "distance" if kind == "text" else np.arange(3)
     assert "spacing" in relief(asperity, tmp_path, refused=True)
+
+
+def packed(rng, kind):
+    """Heights as numbers of a kind with the attributes that unpack them, and what they are [um]."""
+    factor, shift = float(10 ** rng.uniform(-5, -3)), float(rng.uniform(-1, 1))
+    counts = np.rint(1e9 * Z * rng.uniform(0.05, 0.2) + (100 if kind == "u1" else 0))
+    z = counts.astype(kind)
+    attributes = {"units": "um", "scale_factor": factor, "add_offset": shift}
+    for name in rng.permutation(list(attributes))[: rng.integers(2)]:
+        attributes.pop(str(name))
+    values = z.astype(float) * attributes.get("scale_factor", 1.0) + attributes.get("add_offset", 0.0)
+    return z, attributes, values / (1e6 if "units" in attributes else 1.0)
+
+
+@pytest.mark.parametrize("kind", ["i2", "i4", "u1", "f4", "f8", ">i2"])
+@pytest.mark.parametrize("mark", [None, "_FillValue", "missing_value", "valid_min", "valid_max"])
+def test_packed_heights(asperity, tmp_path, kind, mark):
+    """scale_factor, add_offset and marks as netCDF has them; a missing point is refused with its place."""
+    rng = np.random.default_rng([53, len(kind), sum(map(ord, f"{kind}{mark}"))])
+    z, attributes, expected = packed(rng, kind)
+    values = {"_FillValue": 255, "missing_value": 255, "valid_min": 3, "valid_max": 250} if kind == "u1" else {}
+    marks = {"_FillValue": -32000, "missing_value": 32000, "valid_min": -30000, "valid_max": 30000} | values
+    if kind.startswith("f"):
+        marks["_FillValue"] = 1e20
+    if mark:
+        attributes[mark] = np.array(marks[mark], dtype=kind)
+    # Scaled positions: half a micrometre a count, in mm.
+    scale = {"units": "mm", "scale_factor": SPACING * 1e3 / 4, "add_offset": 7.0}
+    store(tmp_path / "z.h5", z, {"z": attributes | {"si_scale": 1e-6}, "x": scale}, x=4 * np.arange(NODES, dtype="i4"))
+    keys = ", x_unit = 'mm', z_unit = 'um'"
+    found, x = profile(asperity, tmp_path, keys)
+    np.testing.assert_allclose(found, expected if "units" in attributes else expected * 1e-6, rtol=1e-12, atol=1e-20)
+    np.testing.assert_allclose(np.diff(x), SPACING, rtol=1e-9)
+    if not mark:
+        return
+    place = int(rng.integers(NODES))
+    beyond = {"valid_min": -1, "valid_max": 1}.get(mark, 0)
+    z[place] = marks[mark] + beyond
+    store(tmp_path / "z.h5", z, {"z": attributes, "x": scale}, x=4 * np.arange(NODES, dtype="i4"))
+    message = profile(asperity, tmp_path, keys, refused=True)
+    assert f"z.h5 (z): node {place + 1}: found " in message
+    assert "the mark of a missing point" in message
+
+
+@pytest.mark.parametrize(
+    ("value", "message"), [(9999.0, "found 0.00999900, far from"), (np.nan, "found a height that is no number")]
+)
+def test_a_missing_point_of_an_area(asperity, tmp_path, value, message):
+    z = 1e-7 * np.random.default_rng(5).standard_normal((12, 16))
+    z[7, 4] = value * 1e-6
+    store(tmp_path / "z.h5", z, {"z": {"spacing": SPACING}})
+    write(tmp_path, "case.nml", case_text(FILE.format("z.h5") + ", dataset = 'z'", [1e6], "", problem="dry_area"))
+    found = asperity("case.nml", "--quiet").stderr
+    assert f"z.h5: node 117: {message}" in found
+    assert found.endswith("expected heights without gaps (node 5 in x, 8 in y)\n")
+
+
+@pytest.mark.parametrize(
+    ("attributes", "keys", "message"),
+    [
+        ({"_Unsigned": "true"}, "", "found _Unsigned = true"),
+        ({"scale_factor": np.nan}, "", "in scale_factor and add_offset, expected numbers"),
+        ({"scale_factor": 0.0}, "", "(scale_factor): found 0"),
+        ({"add_offset": "none"}, "", "(add_offset): found text, expected numbers"),
+        ({"missing_value": [1.0, 2.0]}, "", "(missing_value): found 2 values, expected 1"),
+        ({}, ", positions = 'x'", "found the key positions, expected it for a table only"),
+    ],
+)
+def test_attributes_that_are_none(asperity, tmp_path, attributes, keys, message):
+    store(tmp_path / "z.h5", Z, {"z": attributes}, x=X)
+    assert message in profile(asperity, tmp_path, keys, refused=True)

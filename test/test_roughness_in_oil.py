@@ -29,8 +29,8 @@ def wave(nodes=400, waves=8, amplitude=40e-9):
 
 
 def write_csv(path, heights, spacing=SPACING):
-    table = "".join(f"{i * spacing:.9e},{0.0:.3e},{z:.17e}\n" for i, z in enumerate(heights))
-    path.write_text("x,other,z\n" + table, encoding="utf-8")
+    table = "".join(f"{i * spacing:.9e},{z:.17e}\n" for i, z in enumerate(heights))
+    path.write_text("x,z\n" + table, encoding="utf-8")
 
 
 def write_hdf5(path, heights, spacing=SPACING, **options):
@@ -302,8 +302,8 @@ def test_checkpoint_knows_the_heights(program, asperity, tmp_path):
     ("content", "message"),
     [
         ("x,z\n0,0\n1e-6,one\n", "p.csv:3:6: found 'one', expected a number"),
-        ("x,z\n0,0\n1e-6,1\n5e-6,1\n", "p.csv:3: found uneven positions"),
-        ("x,y\n0,0\n1e-6,1\n", "found no column z in the header 'x,y'"),
+        ("x,z\n0,0\n1e-6,1\n5e-6,1\n", "p.csv:3:1: found uneven positions"),
+        ("x,y\n0,0\n1e-6,1\n", "found 0 columns z in the names 'x,y'"),
         ("x,z\n0,0\n1e-6,nan\n", "p.csv:3:6: found 'nan', expected a number"),
     ],
 )

@@ -8,7 +8,8 @@ module hdf5_input
    use errors, only: error_t, fail, input_error
    use file_identity, only: file_fault
    use hdf5, only: h5aexists_by_name_f, h5aopen_by_name_f, h5dopen_f, h5f_acc_rdonly_f, &
-      h5fclose_f, h5fopen_f, h5kind_to_type, h5_integer_kind, h5_real_kind, h5lexists_f, hid_t
+      h5fclose_f, h5fis_hdf5_f, h5fopen_f, h5kind_to_type, h5_integer_kind, h5_real_kind, &
+      h5lexists_f, hid_t
    use hdf5_library, only: start_hdf5
    use hdf5_reason, only: keep_hdf5_failure
    use hdf5_source, only: hdf5_source_t, new_source, number_class, text_class
@@ -17,7 +18,7 @@ module hdf5_input
    implicit none (type, external)
    private
 
-   public :: hdf5_input_t, open_hdf5_input
+   public :: hdf5_input_t, is_hdf5, open_hdf5_input
 
    !> Most numbers that are read at once.
    integer, parameter :: max_values = 268435456
@@ -77,6 +78,17 @@ contains
       end if
       if (allocated(reader%failure)) error = reader%failure
    end subroutine open_hdf5_input
+
+   !> Whether there is a file at `path` that is HDF5 by its content.
+   logical function is_hdf5(path)
+      character(*), intent(in) :: path
+      integer :: status
+
+      is_hdf5 = .false.
+      if (file_fault(path) /= '') return
+      call start_hdf5(status)
+      if (status >= 0) call h5fis_hdf5_f(path, is_hdf5, status)
+   end function is_hdf5
 
    !> Keeps the first failure: `status` < 0 while `doing`.
    subroutine check(self, status, doing)

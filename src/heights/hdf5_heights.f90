@@ -2,18 +2,18 @@
 !> its nodes, read a stretch at a time.
 module hdf5_heights
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
    use findings, only: quoted
-   use hdf5, only: h5dget_space_f, h5dread_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
-      h5sselect_hyperslab_f, h5t_native_double, hid_t, hsize_t
+   use hdf5, only: hsize_t
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
+   use hdf5_part, only: read_part
    use hdf5_source, only: hdf5_source_t, number_class
    use height_limits, only: is_position, position_fault, scale_fault, spacing_fault
    use height_source, only: height_source_t
    use kinds, only: wp
-   use length_units, only: height_units_t, settle_unit, units_per_metre
+   use length_units, only: same_unit, settle_unit, silence_fault, units_per_metre
+   use measured_heights, only: height_request_t
    use position_range, only: position_range_t
    use text, only: to_text
    implicit none (type, external)
@@ -24,8 +24,6 @@ module hdf5_heights
    !> Spacing of a dataset without that attribute; any number of values.
    real(wp), parameter :: no_spacing = -huge(1.0_wp)
    integer(int64), parameter :: any_count = -1_int64
-   !> Relative difference of two scales that are the same.
-   real(wp), parameter :: same_scale = 1.0e-6_wp
    !> Datasets beside that of the heights that hold the positions of its nodes.
    character(*), parameter :: position_names(2) = ['x', 'y']
    !> A dimension without positions in files of netCDF: its dataset says so in the attribute NAME.
@@ -56,48 +54,53 @@ contains
    !> attribute `si_scale`. `spacing` (2) [m] from its attributes `spacing_x`, `spacing_y` or
    !> `spacing`, in the unit of `spacing_units` or `spacing_unit`, or else from the positions in its
    !> dimension scales or in the datasets x and y beside it, in theirs; 0 where there are none.
-   !> `units` are those that the keys say. Errors (input_error): no such file or dataset, another
-   !> number of dimensions; units that are unknown, contradict each other or are said of one only;
-   !> positions that are uneven.
-   subroutine open_hdf5_heights(source, file, dataset, units, spacing, error)
+   !> Errors (input_error): no such file or dataset, another number of dimensions; units that are
+   !> unknown, contradict each other or are said of one only; positions that are uneven; the key
+   !> positions.
+   subroutine open_hdf5_heights(source, request, spacing, error)
       type(hdf5_heights_t), intent(out) :: source
-      character(*), intent(in) :: file, dataset
-      type(height_units_t), intent(in) :: units
+      type(height_request_t), intent(in) :: request
       real(wp), intent(out) :: spacing(2)
       type(error_t), allocatable, intent(out) :: error
       type(hdf5_input_t) :: reader
       type(hdf5_source_t) :: values
+      character(:), allocatable :: fault
       logical :: exists
 
-      source%file = file
-      source%dataset = dataset
+      source%file = request%file
+      source%dataset = request%dataset
       spacing = 0.0_wp
-      call open_hdf5_input(reader, file, error)
+      call open_hdf5_input(reader, source%file, error)
       if (allocated(error)) return
-      exists = reader%has(dataset)
+      exists = reader%has(source%dataset)
       if (exists) then
-         call reader%open(values, dataset)
+         call reader%open(values, source%dataset)
          if (.not. allocated(reader%failure)) then
-            call look_at_dataset(reader, source, values, units, spacing)
+            call look_at_dataset(reader, source, values, request%units, spacing)
             call values%close()
-            call look_for_positions(reader, source, values%extents, units, spacing)
+            call look_for_positions(reader, source, values%extents, request%units, spacing)
          end if
       end if
       call reader%close(error)
       if (allocated(error)) return
-      if (.not. exists) then
-         call fail(error, input_error, file//': found no dataset '//quoted(dataset))
+      fault = ''
+      if (request%positions /= '') then
+         fault = 'found the key positions, expected it for a table only'
+      else if (.not. exists) then
+         fault = 'found no dataset '//quoted(source%dataset)
       else if (size(values%extents) < 1 .or. size(values%extents) > 2) then
-         call fail(error, input_error, file//': found '//to_text(size(values%extents)) &
-            //' dimensions in '// &
-            dataset//', expected 1 or 2')
+         fault = 'found '//to_text(size(values%extents))//' dimensions in '//source%dataset// &
+            ', expected 1 or 2'
       else
          source%grid = 1
          source%grid(:size(values%extents)) = values%extents
-         if (product(real(source%grid, wp)) > max_nodes) call fail(error, input_error, &
-            file//': found too many nodes in '//dataset)
-         if (.not. allocated(error)) source%nodes = product(source%grid)
+         if (product(real(source%grid, wp)) > max_nodes) then
+            fault = 'found too many nodes in '//source%dataset
+         else
+            source%nodes = product(source%grid)
+         end if
       end if
+      if (fault /= '') call fail(error, input_error, source%file//': '//fault)
    end subroutine open_hdf5_heights
 
    !> Spacing and scale of an open dataset. Failures: it holds no numbers or does not store them;
@@ -106,7 +109,7 @@ contains
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(inout) :: source
       type(hdf5_source_t), intent(in) :: values
-      type(height_units_t), intent(in) :: units
+      character(*), intent(in) :: units(2)
       real(wp), intent(inout) :: spacing(2)
       character(len=*), parameter :: names(3) = ['spacing  ', 'spacing_x', 'spacing_y']
       character(:), allocatable :: fault, unit
@@ -116,7 +119,7 @@ contains
       call reader%refuse(source%dataset, values%fault(number_class, any_count))
       call reader%refuse(source%dataset, values%fault_of_size())
       unit = unit_in(reader, source%dataset, 'spacing_')
-      call settle_unit(unit, units%x, 'the attribute of the spacing', 'x_unit', per_metre, fault)
+      call settle_unit(unit, units(1), 'the attribute of the spacing', 'x_unit', per_metre, fault)
       call reader%refuse(source%dataset, fault)
       do i = 1, size(names)
          stated = reader%number_of(source%dataset, trim(names(i)), no_spacing)
@@ -131,7 +134,7 @@ contains
             spacing(i - 1) = stated
          end if
       end do
-      call find_scale(reader, source%dataset, units%z, 'z_unit', source%si_scale, &
+      call find_scale(reader, source%dataset, units(2), 'z_unit', source%si_scale, &
          source%per_metre)
    end subroutine look_at_dataset
 
@@ -162,7 +165,7 @@ contains
       if (word == '') return
       fault = ''
       if (wanted /= '') fault = ' of the key '//key
-      if (abs(abs(si_scale)*stated - 1.0_wp) > same_scale) call &
+      if (abs(abs(si_scale)*stated - 1.0_wp) > same_unit) call &
          reader%refuse(dataset, 'found si_scale = '//to_text(si_scale, 4)// &
          ' [m] beside the unit '//word//fault//', expected the same of both')
    end subroutine find_scale
@@ -174,7 +177,7 @@ contains
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(inout) :: source
       integer(hsize_t), intent(in) :: extents(:)
-      type(height_units_t), intent(in) :: units
+      character(*), intent(in) :: units(2)
       real(wp), intent(inout) :: spacing(2)
       type(hdf5_source_t) :: values
       type(position_range_t) :: range
@@ -196,7 +199,7 @@ contains
          end if
          call values%close()
          if (.not. is_one) cycle
-         call read_positions(reader, path, extents(i), units%x, range)
+         call read_positions(reader, path, extents(i), units(1), range)
          call refuse_silence(reader, source, path, units)
          if (allocated(reader%failure)) return
          spacing(i) = range%distance()
@@ -211,7 +214,7 @@ contains
       type(hdf5_input_t), intent(inout) :: reader
       character(*), intent(in) :: dataset
       integer, intent(in) :: i
-      type(height_units_t), intent(in) :: units
+      character(*), intent(in) :: units(2)
       character(:), allocatable :: path, scale
 
       scale = reader%scale_of(dataset, i)
@@ -227,7 +230,7 @@ contains
          if (index(reader%text_of(path, 'NAME'), no_positions) /= 1) return
       end if
       path = ''
-      if (units%x /= '') path = scale
+      if (units(1) /= '') path = scale
    end function path_of_positions
 
    !> Whether something says the unit of a dataset: its attributes, or `wanted`, that of a key.
@@ -256,7 +259,7 @@ contains
       call find_scale(reader, path, wanted, 'x_unit', si_scale, per_metre)
       do first = 0, count - 1, block_nodes
          allocate (x(min(block_nodes, count - first)))
-         call read_stretch(reader, path, [first, 0_int64], [size(x, kind=hsize_t), 1_hsize_t], x)
+         call read_part(reader, path, [first, 0_int64], [size(x, kind=hsize_t), 1_hsize_t], x)
          if (allocated(reader%failure)) return
          bad = findloc(is_position(x), .false., dim=1)
          if (bad == 0) then
@@ -274,9 +277,10 @@ contains
          deallocate (x)
       end do
       if (range%mark_of_fault() > 0) then
-         call reader%refuse(path, 'node '//to_text(range%mark_of_fault())//': '//range%fault())
+         call reader%refuse(path, 'node '//to_text(range%mark_of_fault())//': '// &
+            range%fault(must_rise=.false.))
       else
-         call reader%refuse(path, range%fault())
+         call reader%refuse(path, range%fault(must_rise=.false.))
       end if
    end subroutine read_positions
 
@@ -285,22 +289,15 @@ contains
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(in) :: source
       character(*), intent(in) :: path
-      type(height_units_t), intent(in) :: units
-      real(wp) :: per_metre, si_scale
+      character(*), intent(in) :: units(2)
+      real(wp) :: per_metre(2), si_scale(2)
       logical :: is_silent(2)
 
-      is_silent = [.not. has_unit(reader, path, units%x), &
-         .not. has_unit(reader, source%dataset, units%z)]
-      if (all(is_silent) .or. .not. any(is_silent)) return
-      if (is_silent(1)) then
-         call find_scale(reader, source%dataset, units%z, 'z_unit', si_scale, per_metre)
-      else
-         call find_scale(reader, path, units%x, 'x_unit', si_scale, per_metre)
-      end if
-      if (abs(abs(si_scale)/per_metre - 1.0_wp) <= same_scale) return
-      call reader%refuse(path, 'found a unit of '//trim(merge('heights  ', 'positions', &
-         is_silent(1)))//' only, expected both, or the key '//merge('x_unit', 'z_unit', &
-         is_silent(1)))
+      is_silent = [.not. has_unit(reader, path, units(1)), &
+         .not. has_unit(reader, source%dataset, units(2))]
+      call find_scale(reader, path, units(1), 'x_unit', si_scale(1), per_metre(1))
+      call find_scale(reader, source%dataset, units(2), 'z_unit', si_scale(2), per_metre(2))
+      call reader%refuse(path, silence_fault(is_silent, per_metre/si_scale))
    end subroutine refuse_silence
 
    !> The unit that an attribute of a dataset says: `units` or `unit`, behind `front`.
@@ -330,7 +327,7 @@ contains
       if (self%falls(1) .and. self%grid(2) == 1) offset = self%nodes - first - size(z)
       extents = [size(z, kind=hsize_t), 1_hsize_t]
       if (self%grid(2) > 1) extents = self%grid
-      call read_stretch(reader, self%dataset, [offset, 0_int64], extents, z)
+      call read_part(reader, self%dataset, [offset, 0_int64], extents, z)
       if (.not. allocated(reader%failure)) then
          if (any(abs([self%si_scale, self%per_metre] - 1.0_wp) > 0.0_wp)) z = z*self%si_scale &
             /self%per_metre
@@ -348,38 +345,5 @@ contains
       if (falls(1)) z = z(extents(1):1:-1, :)
       if (falls(2)) z = z(:, extents(2):1:-1)
    end subroutine turn
-
-   !> Numbers of `dataset` from `offset` on, `extents` of them along each of its dimensions. What
-   !> cannot be read stays in the reader.
-   subroutine read_stretch(reader, dataset, offset, extents, z)
-      type(hdf5_input_t), intent(inout) :: reader
-      character(*), intent(in) :: dataset
-      integer(int64), intent(in) :: offset(2)
-      integer(hsize_t), intent(in) :: extents(2)
-      real(wp), contiguous, target, intent(out) :: z(:)
-      type(hdf5_source_t) :: source
-      integer(hid_t) :: file_space, memory_space
-      integer(hsize_t) :: start(2)
-      type(c_ptr) :: place
-      integer :: status
-
-      start = offset
-      place = c_loc(z)
-      call reader%open(source, dataset)
-      if (allocated(reader%failure)) return
-      call h5dget_space_f(source%id, file_space, status)
-      call reader%check(status, dataset)
-      call h5sselect_hyperslab_f(file_space, h5s_select_set_f, start, extents, status)
-      call reader%check(status, dataset//': fewer nodes than before')
-      call h5screate_simple_f(1, [size(z, kind=hsize_t)], memory_space, status)
-      call reader%check(status, dataset)
-      if (.not. allocated(reader%failure)) then
-         call h5dread_f(source%id, h5t_native_double, place, status, memory_space, file_space)
-         call reader%check(status, dataset//' as real numbers')
-      end if
-      call h5sclose_f(memory_space, status)
-      call h5sclose_f(file_space, status)
-      call source%close()
-   end subroutine read_stretch
 
 end module hdf5_heights

@@ -1,21 +1,23 @@
-!> Measured heights from a file: a CSV table, or HDF5.
+!> Measured heights from a file: a table, or HDF5, which its content tells.
 module height_file
    use, intrinsic :: iso_fortran_env, only: int64
    use case_memory, only: area_memory, file_memory
    use checksum, only: checksum_t
-   use csv_heights, only: csv_heights_t, open_csv_heights
    use errors, only: error_t, fail, input_error
    use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
+   use hdf5_input, only: is_hdf5
+   use hdf5_part, only: place_words
    use height_form, only: new_sums
    use height_limits, only: first_fault, height_fault, range_fault
+   use height_range, only: height_range_t
    use height_source, only: height_source_t
-   use measured_heights, only: heights_t
+   use height_table, only: conversion, height_table_t, open_table
+   use measured_heights, only: height_request_t, heights_t
    use kinds, only: wp
-   use length_units, only: height_units_t
    use large_pages, only: prefer_large_pages
    use life_sign, only: begin_activity
    use system_limits, only: memory_fault
-   use text, only: to_lower, to_text
+   use text, only: to_text
    implicit none (type, external)
    private
 
@@ -26,122 +28,126 @@ module height_file
 
 contains
 
-   !> Reads all of `file`; `dataset` and `units` as in `open_source`. Errors (input_error): as
-   !> there; gaps.
-   subroutine read_heights(file, dataset, units, heights, error)
-      character(*), intent(in) :: file, dataset
-      type(height_units_t), intent(in) :: units
+   !> Reads all heights of a file, those of an area if `is_area`, else of a profile. Errors
+   !> (input_error): as in `open_source`; gaps.
+   subroutine read_heights(request, is_area, heights, error)
+      type(height_request_t), intent(in) :: request
+      logical, intent(in) :: is_area
       type(heights_t), intent(out) :: heights
       type(error_t), allocatable, intent(out) :: error
       class(height_source_t), allocatable :: source
       character(:), allocatable :: fault
       integer(int64) :: grid(2)
 
-      call open_source(file, dataset, units, source, grid, heights%spacing, error)
+      call open_source(request, is_area, source, grid, heights%spacing, error)
       if (allocated(error)) return
       fault = memory_fault('a surface', file_memory(real(source%nodes, wp)))
       if (source%nodes > huge(heights%grid)) fault = 'found '//to_text(source%nodes) &
          //' nodes, expected at most '//to_text(huge(heights%grid))
       if (fault /= '') then
-         call fail(error, input_error, file//': '//fault)
+         call fail(error, input_error, request%file//': '//fault)
          return
       end if
       if (grid(2) > 1) call prefer_large_pages(area_memory(source%nodes))
       heights%grid = int(grid)
-      heights%file = file
+      heights%file = request%file
       call look_through(source, source%nodes, grid, heights, error)   ! error: handed up
    end subroutine read_heights
 
-   !> Opens the profile in `file`, of any length, and looks through it once; `heights` has its
+   !> Opens the profile in a file, of any length, and looks through it once; `heights` has its
    !> heights if they fit into one block: then they need not be read again. Errors (input_error): as
-   !> in `open_source`; gaps; an area.
-   subroutine open_heights(file, dataset, units, source, heights, error)
-      character(*), intent(in) :: file, dataset
-      type(height_units_t), intent(in) :: units
+   !> in `open_source`; gaps.
+   subroutine open_heights(request, source, heights, error)
+      type(height_request_t), intent(in) :: request
       class(height_source_t), allocatable, intent(out) :: source
       type(heights_t), intent(out) :: heights
       type(error_t), allocatable, intent(out) :: error
       integer(int64) :: grid(2)
 
-      call open_source(file, dataset, units, source, grid, heights%spacing, error)
+      call open_source(request, .false., source, grid, heights%spacing, error)
       if (allocated(error)) return
-      if (grid(2) > 1) then
-         call fail(error, input_error, file//': found an area, expected a profile')
-         return
-      end if
-      heights%file = file
+      heights%file = request%file
       call look_through(source, block_nodes, grid, heights, error)
       if (.not. allocated(error) .and. source%nodes > block_nodes) deallocate (heights%z)
    end subroutine open_heights
 
    !> Reads all heights of `source`, `block` of them at a time, for checksum and sums; `heights%z`
-   !> are the last ones. Errors (input_error): one of them is none; the surface is not flat, but too
-   !> low for its digits.
+   !> are the last ones. Errors (input_error): they are not those of a surface.
    subroutine look_through(source, block, grid, heights, error)
       class(height_source_t), intent(in) :: source
       integer(int64), intent(in) :: block, grid(2)
       type(heights_t), intent(inout) :: heights
       type(error_t), allocatable, intent(out) :: error
       type(checksum_t) :: checksum
-      integer(int64) :: first
-      integer :: bad
+      type(height_range_t) :: range
+      character(:), allocatable :: fault
+      integer(int64) :: bad, first
 
       heights%sums = new_sums(grid)
       allocate (heights%z(min(block, source%nodes)))
+      bad = 0
+      fault = ''
       do first = 0, source%nodes - 1, block
          associate (piece => heights%z(:min(block, source%nodes - first)))
             call source%get(first, piece, error)
             if (allocated(error)) return
             bad = first_fault(piece)
-            if (bad > 0) then
-               call fail(error, input_error, heights%file//': node '//to_text(first + bad)//': ' &
-                  //height_fault(piece(bad)))
-               return
-            end if
+            if (bad > 0) fault = height_fault(piece(bad))
+            if (bad > 0) bad = first + bad
+            if (bad > 0) exit
             call checksum%add(piece)
             call heights%sums%add(piece)
+            call range%add(piece, first + 1)
          end associate
       end do
       heights%digits = checksum%digits()
-      associate (lowest => heights%sums%lowest, highest => heights%sums%highest)
-         if (range_fault(lowest, highest) /= '') call fail(error, input_error, &
-            heights%file//': '//range_fault(lowest, highest))
-      end associate
+      if (fault == '') call range%find_fault(.false., fault, bad)
+      if (fault == '') fault = range_fault(heights%sums%lowest, heights%sums%highest)
+      if (bad > 0) fault = 'node '//to_text(bad)//': '//fault//place_words(bad, grid)
+      if (fault /= '') call fail(error, input_error, heights%file//': '//fault)
    end subroutine look_through
 
-   !> Opens `file`; `dataset` names the column of a CSV file (empty: the second) or the path in an
-   !> HDF5 file, `units` are those of the keys. Errors (input_error): no such file, column or
-   !> dataset; positions that are no numbers or uneven; fewer than two nodes.
-   subroutine open_source(file, dataset, units, source, grid, spacing, error)
-      character(*), intent(in) :: file, dataset
-      type(height_units_t), intent(in) :: units
+   !> Opens a file with an area (`is_area`) or a profile of `grid` nodes (ny = 1), `spacing` [m]
+   !> apart (0: it does not say). Errors (input_error): those of tables and of HDF5; fewer than two
+   !> nodes; an area for a profile, or the reverse.
+   subroutine open_source(request, is_area, source, grid, spacing, error)
+      type(height_request_t), intent(in) :: request
+      logical, intent(in) :: is_area
       class(height_source_t), allocatable, intent(out) :: source
       integer(int64), intent(out) :: grid(2)
       real(wp), intent(out) :: spacing(2)
       type(error_t), allocatable, intent(out) :: error
-      type(csv_heights_t), allocatable :: table
+      type(height_table_t), allocatable :: table
       type(hdf5_heights_t), allocatable :: set
-      character(:), allocatable :: ending
+      character(:), allocatable :: fault
 
       grid = 1
       spacing = 0.0_wp
-      call begin_activity('reading '//file(index(file, '/', back=.true.) + 1:))
-      ending = to_lower(file(index(file, '.', back=.true.) + 1:))
-      if (ending == 'h5' .or. ending == 'hdf5') then
+      fault = ''
+      call begin_activity('reading '//request%file(index(request%file, '/', back=.true.) + 1:))
+      if (is_hdf5(request%file)) then
          allocate (set)
-         call open_hdf5_heights(set, file, dataset, units, spacing, error)   ! error: below
+         call open_hdf5_heights(set, request, spacing, error)   ! error: below
          grid = set%grid
          call move_alloc(set, source)
       else
          allocate (table)
-         call open_csv_heights(table, file, dataset, units, spacing(1), error)   ! error: below
+         call open_table(table, request, spacing(1), error)   ! error: below
          grid(1) = table%nodes
          call move_alloc(table, source)
+         if (is_area) fault = conversion(request%file)
       end if
       if (allocated(error)) return
-      if (source%nodes < 2) call fail(error, input_error, file//': found ' &
-         //to_text(source%nodes)// &
-         ' nodes, expected at least 2')
+      if (source%nodes < 2) then
+         fault = 'found '//to_text(source%nodes)//' nodes, expected at least 2'
+      else if (is_area .and. grid(2) == 1) then
+         fault = 'found a profile, expected an area'//fault
+      else if (grid(2) > 1 .and. .not. is_area) then
+         fault = "found an area, expected a profile: problem = 'dry_area' takes areas"
+      else
+         fault = ''
+      end if
+      if (fault /= '') call fail(error, input_error, request%file//': '//fault)
    end subroutine open_source
 
 end module height_file

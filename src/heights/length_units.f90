@@ -7,12 +7,7 @@ module length_units
    implicit none (type, external)
    private
 
-   public :: find_unit, height_units_t, known_units, settle_unit, units_per_metre
-
-   !> The units that the keys say; empty: they say none.
-   type :: height_units_t
-      character(:), allocatable :: x, z
-   end type height_units_t
+   public :: find_unit, known_units, settle_unit, silence_fault, unit_among, units_per_metre
 
    !> A unit: one of its spellings, its word, its size.
    type :: unit_t
@@ -22,6 +17,8 @@ module length_units
       real(wp) :: per_metre
    end type unit_t
 
+   !> Relative difference of two units that are the same.
+   real(wp), parameter, public :: same_unit = 1.0e-6_wp
    real(wp), parameter :: inches = 1.0_wp/0.0254_wp
    !> In ASCII and lower case, a micro sign as u.
    type(unit_t), parameter :: units(*) = [ &
@@ -133,6 +130,40 @@ contains
       call units_per_metre(part, per_metre, word)
       is_unit = word /= '' .and. all(names_too /= plain) .or. any(other_units == plain)
    end function is_unit_behind_mark
+
+   !> The first word of a comment that is a unit of length other than metre and inch, which are
+   !> words too; empty if there is none.
+   pure function unit_among(comment) result(unit)
+      character(*), intent(in) :: comment
+      character(:), allocatable :: unit
+      character(:), allocatable :: word
+      real(wp) :: per_metre
+      integer :: first, length
+
+      first = 1
+      do while (first <= len(comment))
+         length = scan(comment(first:)//' ', '#%,;:=[](){}<>/_"'' '//achar(9)) - 1
+         unit = comment(first:first + length - 1)
+         call units_per_metre(unit, per_metre, word)
+         if (word /= '' .and. word /= 'm' .and. word /= 'in') return
+         first = first + length + 1
+      end do
+      unit = ''
+   end function unit_among
+
+   !> "found ..., expected ..." where a unit is said of positions (1) or of heights (2) alone and is
+   !> not the metre; else empty.
+   pure function silence_fault(is_silent, per_metre) result(fault)
+      logical, intent(in) :: is_silent(2)
+      real(wp), intent(in) :: per_metre(2)
+      character(:), allocatable :: fault
+
+      fault = ''
+      if (all(is_silent) .or. .not. any(is_silent)) return
+      if (abs(abs(merge(per_metre(2), per_metre(1), is_silent(1))) - 1.0_wp) > same_unit) fault = &
+         'found a unit of '//trim(merge('heights  ', 'positions', is_silent(1)))// &
+         ' only, expected both, or the key '//merge('x_unit', 'z_unit', is_silent(1))
+   end function silence_fault
 
    !> The unit that a file (`stated`, empty: none) and a key (`wanted`, empty: none) say together;
    !> metres if neither does. `fault`: they contradict each other, or the file says something else

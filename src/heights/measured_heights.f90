@@ -5,7 +5,16 @@ module measured_heights
    implicit none (type, external)
    private
 
-   public :: heights_t
+   public :: height_request_t, heights_t
+
+   !> What the keys of a surface say of its file.
+   type :: height_request_t
+      !> Its path; names of the columns of positions and heights, the latter the path in HDF5; empty
+      !> where they are not given.
+      character(:), allocatable :: file, positions, dataset
+      !> Units of positions and heights, blank where the file says them.
+      character(len=12) :: units(2) = ''
+   end type height_request_t
 
    !> Heights on a uniform grid.
    type :: heights_t

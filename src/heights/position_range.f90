@@ -4,6 +4,7 @@ module position_range
    use, intrinsic :: iso_fortran_env, only: int64
    use height_limits, only: spacing_fault
    use kinds, only: wp
+   use text, only: counted
    implicit none (type, external)
    private
 
@@ -62,13 +63,18 @@ contains
       if (self%falls) distance = -distance
    end function distance
 
-   !> "found ..., expected ..." where two or more positions are not those of a uniform grid; else
-   !> empty.
-   pure function fault(self)
+   !> "found ..., expected ..." where the positions are not those of a uniform grid, or fall though
+   !> they `must_rise`; else empty.
+   pure function fault(self, must_rise)
       class(position_range_t), intent(in) :: self
+      logical, intent(in) :: must_rise
       character(:), allocatable :: fault
 
-      if (.not. self%distance() > 0.0_wp) then
+      if (self%count < 2) then
+         fault = 'found '//counted(int(self%count), 'row')//' of numbers, expected at least 2'
+      else if (self%falls .and. must_rise) then
+         fault = 'found falling positions, expected rising ones'
+      else if (.not. self%distance() > 0.0_wp) then
          fault = 'found positions that neither rise nor fall, expected those of a uniform grid'
       else if (self%mark_of_fault() > 0) then
          fault = 'found uneven positions, expected a uniform grid'
@@ -83,6 +89,7 @@ contains
       integer(int64) :: mark
 
       mark = 0_int64
+      if (self%count < 2) return
       if (.not. self%distance() > 0.0_wp) return
       if (self%distance() < self%low) then
          mark = self%low_mark

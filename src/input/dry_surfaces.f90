@@ -11,7 +11,7 @@ module dry_surfaces
    use input_values, only: value_t
    use kinds, only: wp
    use life_sign, only: begin_activity
-   use surface_keys, only: features_of, has_shape, read_synthesis, surfaces, units_of
+   use surface_keys, only: features_of, has_shape, read_synthesis, request_of, surfaces
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text
    implicit none (type, external)
@@ -64,28 +64,16 @@ contains
       is_refinable = dry%is_periodic .or. .not. any(has_shape(dry%values, surfaces, 'file'))
    end function is_refinable
 
-   !> Reads the file of surface `i`, unless it is read already. Findings: the file; an area for a
-   !> profile, or the reverse.
+   !> Reads the file of surface `i`, unless it is read already. Finding: the file.
    subroutine load_file(dry, i)
       type(dry_case_t), intent(inout) :: dry
       integer, intent(in) :: i
       type(error_t), allocatable :: error
-      character(:), allocatable :: fault, path
 
       if (allocated(dry%files(i)%z)) return
-      fault = ''
-      path = trim(dry%values%text_value(surfaces(i), 'file'))
-      if (index(path, '/') /= 1) path = dry%folder // path
-      call read_heights(path, trim(dry%values%text_value(surfaces(i), 'dataset')), &
-         units_of(dry%values, surfaces(i)), dry%files(i), error)
-      if (allocated(error)) then
-         fault = error%message
-      else if (dry%values%problem == 'dry_line' .and. dry%files(i)%grid(2) > 1) then
-         fault = "found an area, expected a profile: problem = 'dry_area' takes areas"
-      else if (dry%values%problem == 'dry_area' .and. dry%files(i)%grid(2) == 1) then
-         fault = "found a profile, expected an area: problem = 'dry_line' takes profiles"
-      end if
-      if (fault /= '') call dry%values%refuse(surfaces(i), 'file', fault)
+      call read_heights(request_of(dry%values, surfaces(i), dry%folder), &
+         dry%values%problem == 'dry_area', dry%files(i), error)
+      if (allocated(error)) call dry%values%refuse(surfaces(i), 'file', error%message)
    end subroutine load_file
 
    !> Reads the files of both surfaces, once the lengths of the domain are known, and takes off

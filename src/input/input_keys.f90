@@ -249,10 +249,13 @@ module input_keys
          'centre xc of each element, from x = 0 of the domain', &
          range='>= -1e3, <= 1e3', used=of_features, problems=dry), &
       key_row_t('surface_1', 'file', text_kind, '', is_optional, &
-         'file of heights: table (CSV) with x in the first column; or HDF5 (.h5, .hdf5)', &
+         'file of heights: table of positions and heights, or HDF5', &
          used='shape = file', needed='shape = file', problems=every), &
       key_row_t('surface_1', 'dataset', text_kind, '', is_optional, &
-         'name of the column (default: the second), or path in the HDF5 file', &
+         'heights: name of the column (needed if there are more than two), or path in the HDF5 '// &
+            'file', used='shape = file', problems=every), &
+      key_row_t('surface_1', 'positions', text_kind, '', is_optional, &
+         'name of the column of positions, needed if there are more than two', &
          used='shape = file', problems=every), &
       key_row_t('surface_1', 'x_unit', word_kind, '', "'auto'", &
          'unit of the positions or spacings in the file; auto: what the file says, else m', &

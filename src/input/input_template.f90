@@ -56,6 +56,7 @@ module input_template
       example_t('surface_1', 'position', '-2.5, -3.0', .false.), &
       example_t('surface_1', 'file', "'profile.csv'", .false.), &
       example_t('surface_1', 'dataset', "'z'", .false.), &
+      example_t('surface_1', 'positions', "'x'", .false.), &
       example_t('surface_1', 'x_unit', "'mm'", .false.), &
       example_t('surface_1', 'z_unit', "'um'", .false.), &
       example_t('surface_1', 'detrend', "'line'", .false.), &
@@ -124,6 +125,7 @@ module input_template
       example_t('surface_1', 'position', '0.0', .false.), &
       example_t('surface_1', 'file', "'profile.csv'", .false.), &
       example_t('surface_1', 'dataset', "'z'", .false.), &
+      example_t('surface_1', 'positions', "'x'", .false.), &
       example_t('surface_1', 'x_unit', "'mm'", .false.), &
       example_t('surface_1', 'z_unit', "'um'", .false.), &
       example_t('surface_1', 'detrend', "'line'", .false.), &

@@ -17,7 +17,7 @@ module line_profiles
    use moes, only: central_film, moes_l_sum_from_mean, moes_m_sum_from_mean
    use profile, only: profile_length, profile_t
    use scaling, only: new_scaling, scaling_t
-   use surface_keys, only: features_of, read_synthesis, units_of
+   use surface_keys, only: features_of, read_synthesis, request_of
    use synthetic_pieces, only: new_synthetic_pieces, synthetic_pieces_t
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: add_sentence, to_text
@@ -86,15 +86,14 @@ contains
       type(case_t), intent(inout) :: case
       type(profile_t), intent(inout) :: profile
       type(error_t), allocatable :: error
-      character(:), allocatable :: fault, path
+      character(:), allocatable :: fault
       type(heights_t) :: heights
       type(trend_t) :: trend
       integer(int64) :: most, nodes
       integer :: harmonics
 
-      path = beside_namelist(case, trim(values%text_value(group, 'file')))
-      call open_heights(path, trim(values%text_value(group, 'dataset')), &
-         units_of(values, group), profile%source, heights, error)
+      call open_heights(request_of(values, group, beside_namelist(case, '')), profile%source, &
+         heights, error)
       if (allocated(error)) then
          call values%refuse(group, 'file', error%message)
          return
@@ -108,7 +107,7 @@ contains
          call compare_with_film(values, group, heights, trend, case)
          call list_trend(case, group, trend)
       else
-         call values%refuse(group, 'file', 'found no spacing in '//path// &
+         call values%refuse(group, 'file', 'found no spacing in '//heights%file// &
             ', expected the attribute spacing_x or spacing [m] of the dataset')
       end if
       profile%finest_wave = 2.0_wp*profile%spacing

@@ -3,13 +3,13 @@ module surface_keys
    use features, only: feature_ridge, feature_sinusoid, feature_t
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
-   use length_units, only: height_units_t
+   use measured_heights, only: height_request_t
    use synthetic_surface, only: synthesis_t
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: features_of, has_shape, read_synthesis, units_of
+   public :: features_of, has_shape, read_synthesis, request_of
 
    !> The groups of both surfaces.
    character(len=9), parameter, public :: surfaces(2) = ['surface_1', 'surface_2']
@@ -49,19 +49,20 @@ contains
       end do
    end function features_of
 
-   !> The units that the keys say of the file of the surface `group`.
-   pure function units_of(values, group) result(units)
+   !> What the keys say of the file of the surface `group`, in `folder` or with its own.
+   pure function request_of(values, group, folder) result(request)
       type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group
-      type(height_units_t) :: units
+      character(*), intent(in) :: group, folder
+      type(height_request_t) :: request
 
-      units%x = ''
-      units%z = ''
-      if (values%is_given(group, 'x_unit')) units%x = trim(values%word_value(group, 'x_unit'))
-      if (values%is_given(group, 'z_unit')) units%z = trim(values%word_value(group, 'z_unit'))
-      if (units%x == 'auto') units%x = ''
-      if (units%z == 'auto') units%z = ''
-   end function units_of
+      request%file = trim(values%text_value(group, 'file'))
+      if (index(request%file, '/') /= 1) request%file = folder//request%file
+      request%positions = trim(values%text_value(group, 'positions'))
+      request%dataset = trim(values%text_value(group, 'dataset'))
+      request%units(1) = values%word_value(group, 'x_unit')
+      request%units(2) = values%word_value(group, 'z_unit')
+      where (request%units == 'auto' .or. request%units == '?') request%units = ''
+   end function request_of
 
    !> The heights that the surface `group` wants; `longest` and `shortest` are its longest and
    !> shortest wave [m] where it does not give them, and the roll-off is at the longest then.

@@ -120,9 +120,9 @@ contains
       call name_axes(file, '/surface/height_density_'//name, '/surface/density_height')
       if (.not. allocated(state%power)) return
       call write_dataset(file, '/surface/rms_slope_'//name, state%rms_slope, &
-         new_label('rms slope', '1'))
+         new_label('rms slope from differences of neighbouring nodes', '1'))
       call write_dataset(file, '/surface/rms_curvature_'//name, state%rms_curvature, &
-         new_label('rms curvature', '1/m'))
+         new_label('rms curvature from second differences of neighbouring nodes', '1/m'))
       call write_dataset(file, '/surface/power_'//name, state%power, &
          new_label('mean square height in harmonics 1, 2, ... along x', 'm^2'))
       if (name == 'undeformed') call make_counter(file, '/surface/harmonic', size(state%power), &

@@ -1,4 +1,5 @@
-!> The lines of a text file of any length, one after another from any place on.
+!> The lines of a text file of any length, one after another from any place on. Each ends with LF,
+!> CR or CRLF; the byte order mark of UTF-8 before the first one is left out.
 module text_lines
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
@@ -9,6 +10,8 @@ module text_lines
 
    public :: open_lines, text_lines_t
 
+   character(*), parameter :: line_feed = achar(10), carriage_return = achar(13)
+   character(*), parameter :: line_ends = line_feed//carriage_return
    !> Longest line [bytes].
    integer, parameter, public :: longest_line = 65536
 
@@ -21,11 +24,14 @@ module text_lines
       integer(int64) :: number = 0_int64
       character(:), allocatable :: file
       integer, private :: unit = -1
-      !> Bytes of the file; the part of it that is held, from byte `base` on, filled up to `filled`,
-      !> read up to `used`.
-      integer(int64), private :: bytes = 0_int64, base = 1_int64
+      !> Bytes of the file.
+      integer(int64) :: bytes = 0_int64
+      !> The part of it that is held, from byte `base` on, filled up to `filled`, read up to `used`.
+      integer(int64), private :: base = 1_int64
       character(len=longest_line), private :: buffer = ''
       integer, private :: filled = 0, used = 0
+      !> The line before ended with CR: an LF that follows belongs to it.
+      logical, private :: after_return = .false.
    contains
       !> Goes to byte `place` (1 = the first), where line `number` begins.
       procedure :: seek
@@ -44,7 +50,9 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       lines%file = file
-      call open_stream(file, lines%unit, lines%bytes, error)   ! error: handed up
+      call open_stream(file, lines%unit, lines%bytes, error)
+      if (.not. allocated(error)) call lines%refill(error)   ! error: handed up
+      if (lines%buffer(:3) == char(239)//char(187)//char(191)) lines%used = 3
    end subroutine open_lines
 
    !> Goes elsewhere.
@@ -55,6 +63,7 @@ contains
       self%base = place
       self%filled = 0
       self%used = 0
+      self%after_return = .false.
       self%number = number - 1
    end subroutine seek
 
@@ -66,28 +75,31 @@ contains
       integer :: length
 
       is_there = .true.
-      length = index(self%buffer(self%used + 1:self%filled), new_line('a')) - 1
+      if (self%after_return .and. self%used == self%filled) call self%refill(error)
+      if (allocated(error)) return
+      if (self%after_return .and. self%used < self%filled) then
+         if (self%buffer(self%used + 1:self%used + 1) == line_feed) self%used = self%used + 1
+      end if
+      length = scan(self%buffer(self%used + 1:self%filled), line_ends) - 1
       if (length < 0) then
          call self%refill(error)
          if (allocated(error)) return
-         length = index(self%buffer(:self%filled), new_line('a')) - 1
+         length = scan(self%buffer(:self%filled), line_ends) - 1
       end if
       self%place = self%base + self%used
       self%number = self%number + 1
+      self%length = merge(self%filled, length, length < 0)
       if (length < 0) then
          is_there = self%filled > 0
-         self%length = self%filled
          if (self%filled == len(self%buffer) .and. self%base &
             + self%filled <= self%bytes) call fail(error, input_error, &
             self%file//':'//to_text(self%number)//': found a line of more than ' &
                //to_text(len(self%buffer))//' characters')
-      else
-         self%length = length
       end if
       self%line(:self%length) = self%buffer(self%used + 1:self%used + self%length)
       self%used = min(self%used + self%length + 1, self%filled)
-      if (self%length == 0) return
-      if (self%line(self%length:self%length) == achar(13)) self%length = self%length - 1
+      self%after_return = self%used > 0 .and. length >= 0
+      if (self%after_return) self%after_return = self%buffer(self%used:self%used) == carriage_return
    end subroutine next
 
    !> Moves what is not used to the front of the buffer and fills the rest.

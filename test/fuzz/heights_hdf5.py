@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 from surfaces import judged, solved
 
-TITLE = "HDF5 files of heights: attributes, types, shapes, values, storage"
+TITLE = "HDF5 files of heights: attributes, packed and missing values, types, shapes, storage"
 CASES = 240
 
 NEGATIVE = -1e-6  # of a spacing; as a scale it turns heights into depths
@@ -75,6 +75,20 @@ def bad_shape(file: h5py.File, _: np.ndarray, source: random.Random) -> None:
         file.create_dataset("z", data=np.zeros(shape)).attrs["spacing"] = 1e-6
 
 
+def missing(file: h5py.File, z: np.ndarray, source: random.Random) -> None:
+    """Packed heights of which one is missing or not valid, or lies far from all others."""
+    counts = np.rint(z / 1e-10).astype("i2")
+    name, value = source.choice([("_FillValue", -32768), ("missing_value", 0), ("valid_min", -32000), ("valid_max", 32000)])
+    beyond = {"valid_min": -1, "valid_max": 1}.get(name, 0)
+    far = source.random() < 0.3
+    counts = counts // 100 if far else counts
+    counts.flat[source.randrange(z.size)] = source.choice([-32768, 32767]) if far else value + beyond
+    data = file.create_dataset("z", data=counts)
+    data.attrs.update(spacing=1e-6, scale_factor=1e-10, add_offset=source.choice([0.0, 1e-6]))
+    if not far:
+        data.attrs[name] = source.choice([np.int16(value), np.array([value]), float(value)])
+
+
 def bad_storage(file: h5py.File, z: np.ndarray, source: random.Random) -> None:
     """Values in other files, in a dataset that contains itself, in one huge chunk, or declared and not stored."""
     kind = source.choice(["external", "virtual", "itself", "chunk", "declared", "link", "group", "loop"])
@@ -99,7 +113,7 @@ def bad_storage(file: h5py.File, z: np.ndarray, source: random.Random) -> None:
         file["z"].attrs["spacing"] = 1e-6
 
 
-ATTACKS = [bad_attribute, bad_attribute, bad_values, bad_type, bad_shape, bad_storage, bad_storage, None]
+ATTACKS = [bad_attribute, bad_attribute, bad_values, bad_type, bad_shape, bad_storage, bad_storage, missing, None]
 
 
 def attack(program: Path, source: random.Random, folder: Path) -> str | None:
