@@ -123,7 +123,11 @@ def test_what_is_no_file_in_place_of_a_result_is_a_row_with_its_reason(folder, p
     os.mkfifo(folder / "log" / "another.csv")
     assert gather(folder, program) == "small/gathered.h5: 3 failed, 1 not run\n"
     reasons = [row["reason"] for row in rows_of(folder).values()]
-    assert reasons[:3] == ["found a folder, pipe or device in place of result or case, expected a file"] * 3
+    assert reasons[:3] == [
+        "the result cannot be read: is no regular file",
+        "found a folder, pipe or device in place of the case, expected a file",
+        "the result cannot be read: is a folder, expected a result file (.h5)",
+    ]
     (folder / "index.csv").unlink()
     os.mkfifo(folder / "index.csv")
     done = call("gather.py", "small", folder=folder.parent, program=program)

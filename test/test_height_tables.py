@@ -199,12 +199,12 @@ def test_every_other_table_is_refused_with_the_command(asperity, tmp_path, name)
 @pytest.mark.parametrize(
     ("content", "expected"),
     [
-        (TEXT.encode("utf-16"), "found text in UTF-16"),
-        (TEXT.encode("utf-16-le"), "found text in UTF-16"),
-        (TEXT.encode("utf-16-be"), "found text in UTF-16"),
-        ("x [\u00b5m];z [\u00b5m]\n0;1\n1;2\n2;1\n".encode("latin-1"), "found bytes that are no text"),
-        (b"\x93NUMPY\x01\x00", "found bytes that are no text"),
-        (b"\x89HDF\r\n", "found bytes that are no text"),
+        (TEXT.encode("utf-16"), "found UTF-16"),
+        (TEXT.encode("utf-16-le"), "found UTF-16"),
+        (TEXT.encode("utf-16-be"), "found UTF-16"),
+        ("x [\u00b5m];z [\u00b5m]\n0;1\n1;2\n2;1\n".encode("latin-1"), "found the byte 0x"),
+        (b"\x93NUMPY\x01\x00", "found the byte 0x"),
+        (b"\x89HDF\r\n", "found the byte 0x"),
     ],
 )
 @pytest.mark.parametrize("file", ["a b.csv", "z.h5", "profile"])

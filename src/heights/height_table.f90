@@ -16,7 +16,7 @@ module height_table
    use number_text, only: read_real
    use position_range, only: position_range_t
    use text, only: counted, to_text
-   use text_file, only: find_bad_byte
+   use text_file, only: encoding_fault
    use text_lines, only: open_lines, text_lines_t
    implicit none (type, external)
    private
@@ -90,15 +90,10 @@ contains
    pure function text_fault(line) result(fault)
       character(*), intent(in) :: line
       character(:), allocatable :: fault
-      character(len=4) :: head
+      integer :: place
 
-      fault = ''
-      if (find_bad_byte(line) == 0) return
-      head = line
-      fault = 'found bytes that are no text, expected a table in UTF-8, or HDF5'
-      if (verify(head(:2), char(254)//char(255)) == 0 .or. head(1:1)//head(3:3) == achar(0)// &
-         achar(0) .or. head(2:2)//head(4:4) == achar(0)//achar(0)) fault = &
-         'found text in UTF-16, expected a table in UTF-8'
+      call encoding_fault(line, fault, place)
+      if (place > 0) fault = 'found '//fault//', expected a table in UTF-8, or HDF5'
    end function text_fault
 
    !> Separator, columns and units, from the present line, the first that is no comment: names, or
