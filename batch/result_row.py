@@ -123,8 +123,7 @@ class RowReader:
             attribute, name = h5a.open(group, key), "scaling_" + key.decode()
             if attribute.get_type().get_class() == h5t.STRING:
                 continue
-            attribute.read(self._number, mtype=h5t.NATIVE_DOUBLE)
-            values[name] = float(self._number)
+            values[name] = self._attribute(group, key)
             if name not in self.units:
                 unit = key + b"_units"
                 self.units[name] = self._text_attribute(group, unit) if h5a.exists(group, unit) else ""
@@ -158,7 +157,10 @@ class RowReader:
         return float(self._number)
 
     def _attribute(self, item: object, name: bytes) -> float:
-        h5a.open(item, name).read(self._number, mtype=h5t.NATIVE_DOUBLE)
+        attribute = h5a.open(item, name)
+        if attribute.get_space().get_simple_extent_npoints() != 1:  # read would write beyond the number
+            raise ValueError(f"{name.decode()} is no single number")
+        attribute.read(self._number, mtype=h5t.NATIVE_DOUBLE)
         return float(self._number)
 
     @staticmethod

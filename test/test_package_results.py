@@ -155,6 +155,19 @@ def test_a_foreign_file_with_a_seal_is_refused_in_words(tmp_path):
                 getattr(result, name)
 
 
+def test_an_array_in_the_place_of_a_number_gives_no_row(tmp_path):
+    """HDF5 would write all of it where there is room for one."""
+    path, namelist = tmp_path / "a.h5", cases.write(tmp_path, "a.nml", "&case /\n")
+    with h5py.File(path, "w") as file:
+        for name in ("program", "version", "git_commit"):
+            file.attrs[name] = np.bytes_("asperity")
+        file["input/namelist"] = np.bytes_("&case /\n")
+        file.attrs["converged"] = np.ones(4000)
+    cases.seal(path)
+    with pytest.raises(result_row.RowError, match="converged is no single number"):
+        result_row.RowReader().read(path, namelist)
+
+
 def test_the_seal_is_read_without_the_rest_of_the_package():
     code = "import asperity.seal, sys; assert not {'xarray', 'h5py', 'f90nml'} & set(sys.modules)"
     subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
