@@ -139,6 +139,8 @@ class RowReader:
         self.meanings[name] = words + meaning
 
     def _value(self, item: h5d.DatasetID) -> float | str:
+        if item.get_space().get_simple_extent_npoints() != 1:
+            raise ValueError("an array stands in the place of a single value")
         if item.get_type().get_class() != h5t.STRING:
             return self._number_of(item)
         text = np.empty(item.shape, item.dtype)
