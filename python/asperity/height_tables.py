@@ -171,6 +171,13 @@ def _separator(lines: list[str], decimal: str | None, missing: str | None) -> st
 
 def _numbers(cells: pd.Series[str], decimal: str | None, missing: str | None, line_of: Any) -> Floats:
     """The numbers of all cells, with the decimal mark and the separators of thousands that fit all of them; NaN: missing."""
+    if decimal in (None, ".") and not set("_,") & set("".join(cells)):
+        try:  # most files: plain numbers
+            plain: Floats = cells.to_numpy(dtype=float)
+        except ValueError:
+            plain = np.full(1, np.nan)
+        if np.all(np.isfinite(plain)):
+            return plain
     marked = cells.map(lambda cell: cell == missing or MISSING.fullmatch(cell) is not None).to_numpy(bool)
     body = cells[~marked].str.replace(r"(?<=\d)['’ ](?=\d{3}(?!\d))", "", regex=True).str.replace("[dD]", "e", regex=True)
     has_commas = body.str.contains(",", regex=False).any()

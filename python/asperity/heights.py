@@ -123,6 +123,7 @@ def heights_of_table(table: Table, options: argparse.Namespace) -> Heights:
 def heights_at_positions(table: Table, columns: list[int], units: list[str], spacings: list[float]) -> Heights:
     """Heights at positions in `columns`: x, z or x, y, z. An x or y that does not vary is left out."""
     *axes, last = columns
+    table.values = table.values[~np.all(np.isnan(table.values), axis=1)]  # spreadsheets end with blank rows
     stated, names = table.units or [""] * table.values.shape[1], table.listing()
     z = table.values[:, last] * metres(stated[last], units[-1], "heights")
     axes = [i for i in axes if np.ptp(table.values[:, i]) != 0] or axes[:1]
