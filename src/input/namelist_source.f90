@@ -47,6 +47,7 @@ contains
       do i = 1, len(source%text)
          source%line(i) = line
          associate (byte => source%text(i:i))
+            if (byte == carriage_return) byte = ' '   ! a line feed follows
             if (byte == line_feed) then
                if (mark /= ' ') then
                   call findings%add(line, '', '', 'found the string '// &
@@ -61,8 +62,7 @@ contains
             else if (mark /= ' ') then
                source%in_string(i) = .true.
                if (byte == mark) mark = ' '
-            else if (in_comment .or. byte == tab .or. byte == form_feed &
-               .or. byte == carriage_return) then
+            else if (in_comment .or. byte == tab .or. byte == form_feed) then
                byte = ' '
             else if (byte == '!') then
                in_comment = .true.
