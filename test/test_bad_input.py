@@ -7,6 +7,7 @@ import os
 import pathlib
 import random
 
+import f90nml
 import pytest
 from cases import STEADY, TRANSIENT
 
@@ -56,6 +57,19 @@ def test_one_bad_namelist_and_none_runs(asperity, tmp_path):
     assert done.returncode == 1
     assert "bad.nml:4: &load load_per_length: found -1e5, expected" in done.stderr
     assert not list(tmp_path.glob("*.h5*"))
+
+
+def test_a_grid_that_is_too_fine_for_its_method_is_found_by_check(asperity, tmp_path):
+    """Also where the program chooses it: not late, in the middle of a batch."""
+    waves = "&surface_1 shape = 'sinusoid', amplitude = 1e-9, wavelength = 1e-6 /\n"
+    case = (
+        STEADY.replace(", intervals = 256", "").replace("speed_1 = 0.1", "speed_1 = 0.0")
+        + waves
+        + "&solver method = 'newton_dense' /\n"
+    )
+    (found,) = findings_of(asperity, tmp_path, case)
+    assert "&domain intervals: found " in found
+    assert "which the program chooses, expected at most 8192 with method = 'newton_dense'" in found
 
 
 def test_empty_file(asperity, tmp_path):
@@ -144,6 +158,58 @@ def test_very_long_string(asperity, tmp_path):
 def test_million_values(asperity, tmp_path):
     lines = findings_of(asperity, tmp_path, STEADY.replace("1e5", "1, " * 1_000_000))
     assert len(lines) == 1
+
+
+def written(source, count):
+    """Entries of `mean_pressure` with random subscripts, and whether they state elements 1 to n once each."""
+    odd = [0, -1, 1, 2, 3, 1999, 2000, 2001, 2**31 - 1, 2**31, 2**63 - 1, 10**30]
+    lines, places, is_good = [], [], True
+    first = 1
+    for _ in range(count):
+        size = source.randint(1, 4)
+        start = first if source.random() < 0.8 else source.choice(odd)
+        last = start + size - 1 if source.random() < 0.8 else source.choice([start, start - 1, 2000, 2**31 - 1, 2**63, 10**30])
+        if source.random() < 0.5:
+            lines.append(f"mean_pressure({start}) = " + ", ".join(["1e7"] * size))
+            last = start + size - 1
+        else:
+            lines.append(f"mean_pressure({start}:{last}) = " + ", ".join(["1e7"] * size))
+        is_good = is_good and start >= 1 and last == start + size - 1
+        places += range(start, start + size)
+        first += size
+    is_good = is_good and sorted(places) == list(range(1, len(places) + 1))
+    source.shuffle(lines)
+    return " ".join(lines), is_good
+
+
+def test_random_subscripts(asperity, tmp_path):
+    """Elements and ranges, up to numbers that no memory holds: read, or refused at once."""
+    source = random.Random(31)
+    verdicts = {}
+    for number in range(60):
+        entries, verdicts[f"{number}.nml"] = written(source, source.randint(1, 4))
+        (tmp_path / f"{number}.nml").write_text(
+            "&case problem = 'dry_line' /\n&bodies reduced_modulus = 2e11 /\n&load " + entries + " /\n"
+            "&surface_1 shape = 'sinusoid', amplitude = 1e-7, wavelength = 1e-3 /\n&domain length = 1e-3, intervals = 64 /\n"
+        )
+    assert 10 < sum(verdicts.values()) < 50
+    done = asperity("--check", *verdicts, seconds=5)
+    assert done.returncode == 1
+    assert "Error" not in done.stderr
+    for name, is_good in verdicts.items():
+        assert (f"\n{name}:3: &load mean_pressure: found " in f"\n{done.stderr}") != is_good, (tmp_path / name).read_text()
+
+
+def test_ranges_of_f90nml(asperity, tmp_path):
+    namelist = f90nml.Namelist(case={"problem": "dry_line"}, bodies={"reduced_modulus": 2e11})
+    namelist["load"] = {"mean_pressure": [1e6, 2e6, 3e6]}
+    namelist["surface_1"] = {"shape": "sinusoid", "amplitude": 1e-7, "wavelength": 1e-3}
+    namelist["domain"] = {"length": 1e-3, "intervals": 64}
+    namelist.default_start_index = 1
+    namelist["load"].start_index["mean_pressure"] = [1]
+    namelist.write(tmp_path / "ranges.nml")
+    assert "(1:3)" in (tmp_path / "ranges.nml").read_text()
+    assert asperity("--check", "ranges.nml").returncode == 0
 
 
 def test_deep_nesting_of_quotes(asperity, tmp_path):

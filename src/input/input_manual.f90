@@ -26,7 +26,7 @@ module input_manual
       // nl // '  capitals. Words and texts stand in quotes and close on their line.' // nl &
       // '- Several values are separated by commas or blanks; `3*0.1` is three times 0.1; '// &
       '`amplitude(2) = 1e-7` sets one' // nl &
-      // '  element.' // nl &
+      // '  element, `amplitude(2:4) = ...` three.' // nl &
       // '- A key that is unknown, repeated, not used by the case or not built yet is an '// &
       'error: nothing is ignored.' // nl &
       // '- A value outside the typical magnitudes of its key is told, in one line: most '// &

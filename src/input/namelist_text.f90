@@ -24,8 +24,9 @@ module namelist_text
       character(:), allocatable :: values
       !> Line of the key.
       integer :: line = 0
-      !> Element at which the values start: 1, or the n of `key(n) = ...`.
-      integer :: first = 1
+      !> Element at which the values start: 1, or the n of `key(n) = ...`, and the m of
+      !> `key(n:m) = ...` at which they end; 0: it is not written.
+      integer :: first = 1, last = 0
       !> True if a subscript is written.
       logical :: has_subscript = .false.
       !> True if the subscript cannot be read (and is reported).
@@ -228,7 +229,7 @@ contains
    end subroutine split_group
 
    !> Adds the entry with its key from place(1), its `=` at place(2) and its values up to
-   !> place(3) - 1. Finds no key, a subscript that is not one positive number, a repeated key.
+   !> place(3) - 1. Finds no key, a subscript that is not n or n:m > 0, a repeated key.
    subroutine add_entry(source, place, group, pieces, findings)
       type(source_t), intent(in) :: source
       integer, intent(in) :: place(3)
@@ -237,8 +238,6 @@ contains
       type(findings_t), intent(inout) :: findings
       type(entry_t) :: entry
       integer :: bracket
-      integer(int64) :: first
-      logical :: good
       character(:), allocatable :: name, subscript
 
       entry%group = group
@@ -251,30 +250,44 @@ contains
       if (bracket > 0) then
          subscript = name(bracket + 1:len(name) - 1)
          name = trim(name(:bracket - 1))
-         entry%has_subscript = .true.
-         call read_integer(trim(adjustl(subscript)), first, good)
-         good = good .and. first >= 1 .and. first <= huge(entry%first)
-         if (good) then
-            entry%first = int(first)
-         else
-            call findings%add(entry%line, group, to_lower(name), &
-               'found the subscript (' // quoted(subscript) &
-               // '), expected one number, as in ' // to_lower(name) // '(2) = ...')
-            entry%is_broken = .true.
-         end if
+         call read_subscript(subscript, entry)
+         if (entry%is_broken) call findings%add(entry%line, group, to_lower(name), &
+            'found the subscript ('//quoted(subscript)//'), expected one number or a range, '// &
+            'as in '//to_lower(name)//'(2) = ... and '//to_lower(name)//'(2:4) = ...')
       end if
       entry%key = to_lower(name)
       if (entry%key == '') then
          call findings%add(entry%line, group, '', 'found = without a key, expected key = value')
       else if (repeated_line(pieces, entry) > 0) then
          call findings%add(entry%line, group, entry%key, 'found the key a second time, '// &
-            'expected it once (line ' &
-            // to_text(repeated_line(pieces, entry)) // ')')
+            'expected it once (line '//to_text(repeated_line(pieces, entry))//')')
       else
          pieces%entry_count = pieces%entry_count + 1
          pieces%entries(pieces%entry_count) = entry
       end if
    end subroutine add_entry
+
+   !> Reads n or n:m, positive numbers, into an entry, which is broken if it cannot.
+   pure subroutine read_subscript(subscript, entry)
+      character(*), intent(in) :: subscript
+      type(entry_t), intent(inout) :: entry
+      integer(int64) :: ends(2)
+      logical :: good(2)
+      integer :: colon
+
+      entry%has_subscript = .true.
+      colon = index(subscript // ':', ':')
+      call read_integer(trim(adjustl(subscript(:colon - 1))), ends(1), good(1))
+      ends(2) = ends(1)
+      good(2) = good(1)
+      if (colon <= len(subscript)) call read_integer(trim(adjustl(subscript(colon + 1:))), &
+         ends(2), good(2))
+      entry%is_broken = .not. all(good .and. ends >= 1)
+      if (entry%is_broken) return
+      ends = min(ends, int(huge(1)/2, int64))   ! far too many, but the reader can count on
+      entry%first = int(ends(1))
+      if (colon <= len(subscript)) entry%last = int(ends(2))
+   end subroutine read_subscript
 
    !> Line of an earlier entry with the same key and start as `entry`; 0: there is none.
    pure function repeated_line(pieces, entry) result(line)

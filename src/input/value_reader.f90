@@ -195,8 +195,11 @@ contains
          else if (size(pieces) > 1 .and. .not. is_array) then
             problem = to_text(size(pieces)) // ' values, ' // quoted(entry%values)
             hint = form_hint(trim(adjustl(entry%values)), row%kind == integer_kind)
-         else if (entry%first + size(pieces) - 1 > max_values) then
+         else if (max(entry%first + size(pieces) - 1, entry%last) > max_values) then
             problem = 'more than ' // to_text(max_values) // ' values'
+         else if (all(entry%last /= [0, entry%first + size(pieces) - 1])) then
+            problem = to_text(size(pieces))//' values for the elements '//to_text(entry%first) &
+               //' to '//to_text(entry%last)
          end if
       end if
       if (allocated(problem)) then
@@ -237,8 +240,7 @@ contains
       logical :: good
 
       if (slot%is_set(place)) call findings%add(entry%line, entry%group, entry%key, &
-         'found element ' // to_text(place) &
-         // ' a second time, expected it once')
+         'found element '//to_text(place)//' a second time, expected it once')
       slot%is_set(place) = .true.
       good = .true.
       select case (row%kind)
@@ -256,7 +258,7 @@ contains
          slot%words(place) = merge('.true. ', '.false.', slot%logical)
       case (word_kind, words_kind)
          call store_word(entry, row, piece, slot%words(place), findings)
-      case default
+      case default   ! text_kind
          good = piece%is_string
          slot%text = piece%text
       end select

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from pathlib import Path
 
@@ -57,14 +58,21 @@ def values(value: object, source: random.Random) -> str:
     return source.choice([", ", " , ", " ", ",\n   ", "\n", "\t"]).join(items)
 
 
+def section(first: int, part: list, source: random.Random) -> str:
+    """The subscript of a part of an array: where it begins, or begins and ends, with or without blanks."""
+    blank = source.choice(["", " "])
+    return f"{blank}({blank}{first}{source.choice(['', f'{blank}:{blank}{first + len(part) - 1}'])}{blank})"
+
+
 def entry(key: str, value: object, source: random.Random) -> str:
     """One entry, an array whole, by element or by section."""
     name = "".join(source.choice([letter.upper(), letter]) for letter in key)
     equals = source.choice([" = ", "=", "=\n", " =\t"])
     if isinstance(value, list) and source.random() < 0.4:
-        if source.random() < 0.1:
-            return f"{name}(1:{len(value)}){equals}{values(value, source)}"
-        return "\n".join(f"{name}({place}){equals}{word(item, source)}" for place, item in enumerate(value, 1))
+        ends = sorted({0, len(value), *(source.randint(0, len(value)) for _ in value)})
+        parts = [(first, value[first:last]) for first, last in itertools.pairwise(ends)]
+        source.shuffle(parts)
+        return "\n".join(name + section(first + 1, part, source) + equals + values(part, source) for first, part in parts)
     return name + equals + values(value, source)
 
 
