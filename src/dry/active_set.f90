@@ -74,14 +74,17 @@ contains
       allocate (self%is_busy(self%blocks, grid%ny), self%row(grid%ny))
    end subroutine new_active_set
 
-   !> Finds datum, F, residual and error of the pressure `p` with `v` = K p - z (both nx*ny).
-   subroutine survey(self, problem, p, v)
+   !> Finds datum (unless it is given), F, residual and error of the pressure `p` with `v` = K p - z
+   !> (both nx*ny).
+   subroutine survey(self, problem, p, v, datum)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(in) :: p(:)
       real(wp), contiguous, intent(inout) :: v(:)
+      real(wp), intent(in), optional :: datum
 
-      call find_datum(self, problem%hardness, p, v)
+      if (present(datum)) self%datum = datum
+      if (.not. present(datum)) call find_datum(self, problem%hardness, p, v)
       self%is_busy = .true.
       call look_at_rows(self, problem, 0.0_wp, p, v)
    end subroutine survey
@@ -329,9 +332,11 @@ contains
       if (is_found) self%datum = self%datum + sum(total)/sum(free)
    end subroutine follow_datum
 
-   !> Takes datum, counts and error from the last survey.
-   pure subroutine take_survey(set, solution)
+   !> Takes datum, counts and error from the last survey. Here alone a dry contact is found to be
+   !> solved: its error is at most the `tolerance`.
+   pure subroutine take_survey(set, tolerance, solution)
       type(active_set_t), intent(in) :: set
+      real(wp), intent(in) :: tolerance
       type(dry_solution_t), intent(inout) :: solution
 
       solution%datum = set%datum
@@ -340,6 +345,8 @@ contains
       solution%kkt = set%error
       solution%report%residual = set%error
       solution%report%load_error = set%load_error
+      solution%report%tolerance_effective = tolerance
+      solution%report%converged = set%error <= tolerance
    end subroutine take_survey
 
 end module active_set

@@ -83,7 +83,7 @@ contains
          do iteration = 0, settings%max_cycles
             if (must_refresh(work, problem, settings)) call refresh(problem, p, work)
             call report%add(work%set%error, work%set%load_error)
-            report%converged = work%set%error <= settings%tolerance
+            call take_survey(work%set, settings%tolerance, solution)
             stalled = stalled + 1
             if (work%set%error < 0.5_wp*best) then
                best = work%set%error
@@ -98,7 +98,6 @@ contains
       solution%report%reason = end_of_iteration(solution%report, work%set%error, &
          settings%max_cycles, is_stalled=stalled > patience)
       call move_alloc(work%v, solution%v)
-      call take_survey(work%set, solution)
    end subroutine iterate_conjugate_gradient
 
    !> Storage for a `grid`.

@@ -4,8 +4,8 @@ module dry_contact_solver
    use active_set, only: active_set_t, new_active_set, take_survey
    use dry_conjugate_gradient, only: iterate_conjugate_gradient
    use dry_problem, only: dry_problem_t, kernel_open
-   use dry_settings, only: dry_settings_t, method_steepest_descent
-   use dry_solution, only: dry_solution_t
+   use dry_settings, only: dry_settings_t, method_conjugate_gradient, method_steepest_descent
+   use dry_solution, only: dry_solution_t, end_of_iteration
    use dry_start, only: nested_start, neighbour_start
    use dry_steepest_descent, only: iterate_steepest_descent
    use errors, only: error_t, fail, input_error
@@ -52,13 +52,12 @@ contains
       if (problem%is_capped()) then
          largest_load = problem%hardness*size(problem%height)
          if (problem%load > largest_load*(1.0_wp + plastic_margin)) then
-            call fail(error, input_error, 'found a mean pressure of '// &
-               '' // to_text(problem%load/largest_load) &
-               // ' times the hardness, expected at most 1')
+            call fail(error, input_error, 'found a mean pressure of '//to_text(problem%load &
+               /largest_load)//' times the hardness, expected at most 1')
             return
          end if
          if (problem%load >= largest_load*(1.0_wp - plastic_margin)) then
-            call solve_all_plastic(problem, solution)
+            call solve_all_plastic(self, problem, solution)
             return
          end if
       end if
@@ -146,22 +145,23 @@ contains
       type(dry_solution_t), intent(inout) :: solution
       type(error_t), allocatable, intent(out) :: error
 
-      if (self%settings%method == method_steepest_descent) then
-         call iterate_steepest_descent(problem, self%settings, solution)
-      else
+      select case (self%settings%method)
+      case (method_conjugate_gradient)
          call iterate_conjugate_gradient(problem, self%settings, solution, error)
-         if (allocated(error)) return
-      end if
-      solution%report%tolerance_effective = self%settings%tolerance
+      case (method_steepest_descent)
+         call iterate_steepest_descent(problem, self%settings, solution)
+      case default
+         error stop 'iterate: a method without its case'
+      end select
    end subroutine iterate
 
-   !> Full contact of a periodic surface, p = mean + K^-1 z, if it keeps the bounds (`is_done`).
+   !> Full contact of a periodic surface, p = mean + K^-1 z, if it keeps the bounds and its error
+   !> the tolerance (`is_done`).
    subroutine solve_full_contact(self, problem, solution, is_done)
       class(dry_solver_t), intent(inout) :: self
       type(dry_problem_t), intent(inout) :: problem
       type(dry_solution_t), intent(inout) :: solution
       logical, intent(out) :: is_done
-      type(active_set_t) :: set
       real(wp), allocatable :: p(:)
       real(wp) :: mean_pressure
 
@@ -176,37 +176,43 @@ contains
       allocate (p(size(problem%height)))
       call problem%elastic%apply_inverse(problem%height, p)
       self%full_range = [minval(p), maxval(p)]
-      p = p + mean_pressure
-      is_done = minval(p) >= 0.0_wp .and. maxval(p) <= problem%hardness
-      if (.not. is_done) return
-      call move_alloc(p, solution%pressure)
-      call problem%find_v(solution%pressure, solution%v)
-      call new_active_set(set, problem%grid)
-      call set%survey(problem, solution%pressure, solution%v)
-      solution%report%method = 'full_contact'
-      solution%report%converged = .true.
-      solution%report%reason = 'full contact, closed form'
-      call take_survey(set, solution)
+      if (mean_pressure + minval(p) < 0.0_wp .or. mean_pressure + maxval(p) &
+         > problem%hardness) return
+      ! K of the mean is 0 but for its rounding, which a large mean would bring into v
+      call problem%find_v(p, solution%v)
+      solution%pressure = mean_pressure + p
+      call judge(self, problem, 'full_contact', solution)
+      is_done = solution%report%converged
    end subroutine solve_full_contact
 
    !> p = H everywhere; the datum is the one with the least plastic deformation, zero at one node.
-   subroutine solve_all_plastic(problem, solution)
+   subroutine solve_all_plastic(self, problem, solution)
+      class(dry_solver_t), intent(in) :: self
       type(dry_problem_t), intent(inout) :: problem
       type(dry_solution_t), intent(inout) :: solution
-      integer :: n
 
-      n = size(problem%height)
-      solution%pressure = [spread(problem%hardness, 1, n)]
+      solution%pressure = [spread(problem%hardness, 1, size(problem%height))]
       call problem%find_v(solution%pressure, solution%v)
-      solution%datum = maxval(solution%v)
-      solution%contacts = n
-      solution%capped = n
-      solution%kkt = 0.0_wp
-      solution%report%method = 'all_plastic'
-      solution%report%converged = .true.
-      solution%report%reason = 'all plastic, closed form'
-      solution%report%residual = 0.0_wp
-      solution%report%load_error = 0.0_wp
+      call judge(self, problem, 'all_plastic', solution, maxval(solution%v))
    end subroutine solve_all_plastic
+
+   !> Whether a closed form of that `name`, with its v and `datum` (else the mean of v), is a
+   !> solution, for the report.
+   subroutine judge(self, problem, name, solution, datum)
+      class(dry_solver_t), intent(in) :: self
+      type(dry_problem_t), intent(in) :: problem
+      character(*), intent(in) :: name
+      type(dry_solution_t), intent(inout) :: solution
+      real(wp), intent(in), optional :: datum
+      type(active_set_t) :: set
+
+      call new_active_set(set, problem%grid)
+      call set%survey(problem, solution%pressure, solution%v, datum)
+      call take_survey(set, self%settings%tolerance, solution)
+      solution%report%method = name
+      solution%report%reason = 'closed form'
+      if (.not. solution%report%converged) solution%report%reason = &
+         end_of_iteration(solution%report, set%error, 0, is_stalled=.false.)
+   end subroutine judge
 
 end module dry_contact_solver

@@ -71,6 +71,7 @@ contains
       self%load = 0.0_wp
       self%height = height - sum(height)/size(height)
       self%height_scale = norm2(self%height)/sqrt(real(size(height), wp))
+      if (self%height_scale <= epsilon(1.0_wp)) self%height_scale = 0.0_wp   ! flat but for rounding
       associate (nx => grid%nx, ny => grid%ny, aspect => grid%aspect, threads => grid%threads)
          select case (grid%kernel)
          case (kernel_band_limited)
@@ -80,7 +81,7 @@ contains
          case (kernel_element)
             call new_spectral_product(self%elastic, nx, ny, element_response(nx, ny, 1.0_wp, &
                aspect), threads, error, is_guess)
-         case default
+         case (kernel_open)
             if (ny == 1) then
                call new_convolution(self%elastic, open_line_kernel(nx, 1.0_wp/nx), threads, &
                   error, is_guess)
@@ -88,6 +89,8 @@ contains
                call new_convolution(self%elastic, open_area_kernel(nx, ny, 1.0_wp/nx, aspect/ny), &
                   threads, error, is_guess)
             end if
+         case default
+            error stop 'new_dry_problem: a kernel without its case'
          end select
       end associate
    end subroutine new_dry_problem

@@ -38,7 +38,7 @@ contains
             call problem%find_v(p, solution%v)
             call set%survey(problem, p, solution%v)
             call report%add(set%error, set%load_error)
-            report%converged = set%error <= settings%tolerance
+            call take_survey(set, settings%tolerance, solution)
             if (report%converged .or. set%error >= huge(1.0_wp)) exit
             if (iteration < settings%max_cycles) call descend(problem, set, direction, response, &
                q, p)
@@ -46,7 +46,6 @@ contains
          report%reason = end_of_iteration(report, set%error, settings%max_cycles, &
             is_stalled=.false.)
       end associate
-      call take_survey(set, solution)
    end subroutine iterate_steepest_descent
 
    !> p moves along r less its mean on F, by the length that minimises the energy; then back into

@@ -2,6 +2,7 @@
 !> the solver.
 module load_search
    use, intrinsic :: iso_fortran_env, only: int64
+   use active_set, only: active_set_t, new_active_set, take_survey
    use constants, only: pi
    use dry_contact_solver, only: dry_solver_t
    use dry_problem, only: dry_problem_t
@@ -82,9 +83,8 @@ contains
       solution%report%cycles = cycles
       if (.not. solution%report%converged .or. abs(search%miss) <= bound) return
       solution%report%converged = .false.
-      solution%report%reason = 'the separation is off by ' // to_text(abs(search%miss)/bound &
-         *solver%settings%tolerance, 3) &
-                               // ' times the rms height'
+      solution%report%reason = 'the separation is off by '//to_text(abs(search%miss)/bound &
+         *solver%settings%tolerance, 3)//' times the rms height'
    end subroutine solve_for_datum
 
    !> The load of the neighbouring solution; without one that of a bed of springs as stiff as the
@@ -138,27 +138,28 @@ contains
 
    !> Without a node between 0 and the hardness the datum may lie anywhere between two values: it is
    !> put where it is wanted, or at the nearer end, and `miss` is what is left. Nodes within the
-   !> `tolerance` of a bound are put on it.
+   !> `tolerance` of a bound are put on it, if that is a solution too.
    subroutine place_between(problem, tolerance, datum, solution, miss)
       type(dry_problem_t), intent(inout) :: problem
       real(wp), intent(in) :: tolerance, datum
       type(dry_solution_t), intent(inout) :: solution
       real(wp), intent(inout) :: miss
       real(wp), allocatable :: p(:), v(:)
-      real(wp) :: load_error, slack
+      type(active_set_t) :: set
+      real(wp) :: place, slack
 
       slack = tolerance*problem%load/solution%contacts
       if (any(solution%pressure > slack .and. solution%pressure < problem%hardness - slack)) return
       p = merge(problem%hardness, 0.0_wp, solution%pressure > 0.5_wp*problem%hardness)
-      load_error = abs(sum(p) - problem%load)/problem%load
-      if (load_error > tolerance) return
+      if (abs(sum(p) - problem%load)/problem%load > tolerance) return
       call problem%find_v(p, v)
-      solution%datum = max(datum, maxval(v, mask=p > 0.0_wp))
-      if (any(p <= 0.0_wp)) solution%datum = min(solution%datum, minval(v, mask=p <= 0.0_wp))
-      miss = solution%datum - datum
-      solution%contacts = count(p > 0.0_wp)
-      solution%capped = solution%contacts
-      solution%kkt = load_error
+      place = max(datum, maxval(v, mask=p > 0.0_wp))
+      if (any(p <= 0.0_wp)) place = min(place, minval(v, mask=p <= 0.0_wp))
+      call new_active_set(set, problem%grid)
+      call set%survey(problem, p, v, place)
+      if (set%error > tolerance) return
+      call take_survey(set, tolerance, solution)
+      miss = place - datum
       call move_alloc(p, solution%pressure)
       call move_alloc(v, solution%v)
    end subroutine place_between

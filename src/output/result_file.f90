@@ -271,8 +271,8 @@ contains
    end subroutine copy_steps
 
    !> Writes input, report and outcome, closes the file and gives it its final name. Every result of
-   !> every problem ends here: one with values that are no answer has not converged, whatever the
-   !> solver says.
+   !> every problem ends here: one with values that are no answer, or with more left than its bound,
+   !> has not converged, whatever the solver says.
    subroutine publish(self, report, error)
       class(result_file_t), intent(inout) :: self
       type(report_t), intent(inout) :: report
@@ -283,6 +283,9 @@ contains
       if (report%converged .and. allocated(self%file%nonsense)) then
          report%converged = .false.
          report%reason = self%file%nonsense
+      else if (report%converged .and. .not. report%residual <= report%tolerance_effective) then
+         report%converged = .false.
+         report%reason = 'the residual is above its bound'
       end if
       call write_report(self%file, report)
       if (self%is_scaled) call write_breakdown(self%file, report%breakdown, self%scaling)
