@@ -287,6 +287,11 @@ contains
                state%film = state%film + rise
                state%rigid_displacement = state%rigid_displacement + rise
             end if
+            if (attempts(max(attempt, first))%thesis_first) then
+               hierarchy%levels(hierarchy%finest)%is_kappa = .false.
+               call iterate(hierarchy, report)
+               hierarchy%levels(hierarchy%finest)%is_kappa = .true.
+            end if
             call iterate(hierarchy, report)
             if (.not. report%converged) cycle
             if (attempts(1)%method == method_fas) history%way = max(attempt, first)

@@ -121,7 +121,10 @@ contains
          attempts = [one_level(method_newton_krylov), with_sweeps(base, 0.6_wp, 3, 0.0_wp), &
             with_sweeps(base, 0.5_wp, 5, 0.0_wp)]
          attempts(3)%visits = 2
-         if (settings%space_scheme == 'kappa') attempts = attempts(:1)
+         if (settings%space_scheme == 'kappa') then
+            attempts = attempts([1, 1])
+            attempts(2)%thesis_first = .true.
+         end if
          if (contact%domain%intervals <= largest_dense) attempts = [attempts, &
             one_level(method_newton_dense)]
       else if (settings%smoother == 'gauss_seidel') then
