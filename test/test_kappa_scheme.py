@@ -13,6 +13,7 @@ import namelists
 
 STARTS = (({}, True), ({}, False), ({"levels": 1}, False))
 COUNT = 16
+MINIMAL = Path(__file__).resolve().parent.parent / "input" / "minimal.nml"
 
 
 def pressures(asperity, folder, moes, law, intervals):
@@ -87,3 +88,16 @@ def test_target_in_time_goes_back_where_kappa_fails(asperity, tmp_path):
     assert scheme == "upwind2"
     assert intervals == upwind_intervals < kappa_intervals
     assert np.isclose(h_min, upwind_h_min, rtol=1e-6, atol=0)
+
+
+def test_smallest_grids_call_no_library_wrongly(asperity, tmp_path):
+    """LAPACK prints a line of its own where it is given sizes that cannot be."""
+    said = ""
+    for intervals in (8, 10, 12, 14, 16, 20, 24, 28, 32):
+        for method in ("auto", "newton_krylov", "newton_dense"):
+            values = f"domain.intervals={intervals}", f"solver.method={method}", "solver.space_scheme=kappa"
+            changes = [word for value in values for word in ("--set", value)]
+            done = asperity(MINIMAL, *changes, "--output", tmp_path, "--quiet")
+            assert done.returncode in (0, 2)
+            said += done.stdout + done.stderr
+    assert "On entry" not in said

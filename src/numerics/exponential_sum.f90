@@ -65,7 +65,8 @@ contains
       allocate (points, source=candidates(:count))
    end function sample_points
 
-   !> Fits `kernel` (0:n) to about 1 %, good near j = 0. Fails (internal_error) if LAPACK does.
+   !> Fits `kernel` (0:n), n >= 2, to about 1 %, good near j = 0; where there are fewer points than
+   !> terms, exactly. Fails (internal_error) if LAPACK does.
    subroutine fit_exponentials(kernel, fit, error)
       real(wp), intent(in) :: kernel(0:)
       type(exponential_sum_t), intent(out) :: fit
@@ -77,7 +78,7 @@ contains
       integer :: l, n, rank, info
 
       n = ubound(kernel, 1)
-      allocate (points, source=sample_points(n))
+      points = sample_points(n)
       allocate (matrix(size(points), q + 1), work(64*(size(points) + q + 1)))
       allocate (pivots(q + 1), source=0)
       do l = 1, q
@@ -86,12 +87,12 @@ contains
          matrix(:, l + 1) = -exp(-rate*points)
       end do
       matrix(:, 1) = 1.0_wp
-      values = kernel(points)
+      values = [kernel(points), (0.0_wp, l=size(points), q)]   ! room for all terms
       matrix(:heavy_points, :) = heavy_weight*matrix(:heavy_points, :)
       values(:heavy_points) = heavy_weight*values(:heavy_points)
       ! an OpenBLAS without threads of its own may not be called by two threads at a time
       !$omp critical (lapack)
-      call dgelsy(size(points), q + 1, 1, matrix, size(points), values, size(points), pivots, &
+      call dgelsy(size(points), q + 1, 1, matrix, size(points), values, size(values), pivots, &
          rank_tolerance, rank, &
          work, size(work), info)
       !$omp end critical (lapack)
