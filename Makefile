@@ -75,11 +75,12 @@ unit-debug: prepare generate ## the unit tests alone, checked build
 	@tools/fpm_build.sh --tests --flag "$(DEBUG)"
 	@fpm test --flag "$(DEBUG)" -- $(ARGS)
 
-lint: ## style of Fortran, Python and shell, types of the Python package, order of the layers, errors that nobody looks at
+lint: ## style of Fortran, Python and shell, types of the Python package, order of the layers, errors that nobody looks at, laws without their case
 	fortitude check --quiet --output-format concise
 	$(PYTHON) tools/check_layers.py
 	$(PYTHON) tools/use_graph.py --most 16
 	$(PYTHON) tools/check_errors.py
+	$(PYTHON) tools/check_cases.py
 	$(PYTHON) tools/check_reads.py
 	$(PYTHON) tools/check_public.py
 	ruff check --quiet .

@@ -141,8 +141,10 @@ contains
          case (one_feature)
             if (ingredient%surface == 1) call leave_out(lean%surface_1, ingredient%feature)
             if (ingredient%surface == 2) call leave_out(lean%surface_2, ingredient%feature)
-         case default
+         case (squeeze)
             return   ! the same contact, solved in another way
+         case default
+            error stop 'contact_without: an ingredient without its case'
          end select
       end associate
    end function contact_without

@@ -291,7 +291,7 @@ contains
             smooth, summary, is_known, work, &
             watcher, error)   ! error: the caller looks
          if (is_known) call doubt_extremes(scene%contact, summary)
-      case default
+      case default   ! all others
          call run_scene(lean, watcher, summary, is_known, work, error)   ! error: the caller looks
       end select
    end subroutine run_without

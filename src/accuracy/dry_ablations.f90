@@ -169,7 +169,7 @@ contains
             if (2*harmonics >= shorter_side(base%grid)) cycle
             call truncate_harmonics(harmonics/2, [base%grid%nx, base%grid%ny], lean%height, error)
             if (allocated(error)) return
-         case default
+         case default   ! without_images
             call change_of_images(base, here%changes(:, i), here%edges(i), error)
             if (allocated(error)) return
             cycle

@@ -209,7 +209,7 @@ contains
          row = empty_row('harmonics', 'the harmonics 1 to '//to_text(harmonics/2)//' of ' &
             //to_text(harmonics))
          row%unknown = 'the grids that it may take do not carry these harmonics'
-      case default
+      case default   ! without_images
          row = empty_row('periodicity', 'an open half-space')
          if (kernel == kernel_open) row = empty_row('periodicity', 'a periodic one')
       end select

@@ -162,8 +162,7 @@ contains
          own(1) = larger(own(1), between(1))
       case (rule_between)
          own = [between(1) + exit_jitter*dx, quantity%between]
-      case default
-         ! its own values are enough, or what is known of them
+      case default   ! its own values are enough, or what is known of them
       end select
       if (allocated(values%other_scheme) .and. is_chance(quantity_rows(i))) own(1) = &
          error_by_other_scheme(values, i) + abs(quantity%value - quantity%between)

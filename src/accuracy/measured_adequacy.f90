@@ -328,7 +328,7 @@ contains
       case (squeeze)
          if (.not. kept(1)%is_tried) kept(1) = finest_passages(scene, runs)
          call find_places(scene, runs, kept(1), budget, passages, cost)
-      case default
+      case default   ! all others
          widths = coarse_widths
          cost = cost_of_coarse(scene, runs, kept(2)%is_tried)
          if (budget < cost) return

@@ -113,7 +113,7 @@ contains
          limit%value = of%film_loss
       case (viscosity_data)
          call compare_viscosity_data(of, limit)
-      case default
+      case default   ! all others
          if (of%has_momentum .and. any(i == [stokes_number, surface_slope, film_over_wave])) then
             limit%missing = 'the full momentum equations are solved'
          else if (of%scaling%is_dimensional) then
@@ -187,7 +187,7 @@ contains
             limit%value = film_reynolds_number(given%density, mean_speed, &
                summary%of(h_central)%value*scaling%film, oil%viscosity)
          case default
-            limit%missing = 'not evaluated'
+            error stop 'evaluate_in_si: a limit without its case'
          end select
       end associate
    end subroutine evaluate_in_si

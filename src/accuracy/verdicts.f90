@@ -88,7 +88,7 @@ contains
          text = 'matters below the accuracy'
       case (verdict_irrelevant)
          text = 'irrelevant'
-      case default
+      case default   ! verdict_unknown
          text = 'not known'
       end select
    end function verdict_text

@@ -9,7 +9,7 @@ module line_summary
    use line_state, only: line_state_t
    use missing_value, only: larger, not_known
    use quantities, only: quantity_count, quantity_rows, quantity_values, &
-      rule_between, rule_crest, rule_value
+      rule_between, rule_crest, rule_node, rule_value
    use reynolds_limits, only: reynolds_limits_t, unknown_limits, widen_limits
    implicit none (type, external)
    private
@@ -172,8 +172,10 @@ contains
          value = summary%of(i)%value
       case (rule_crest)
          value = summary%crests%highest
-      case default
+      case (rule_node, rule_between)
          value = summary%of(i)%between
+      case default
+         error stop 'value_between: a rule without its case'
       end select
    end function value_between
 

@@ -122,7 +122,7 @@ contains
       case (rolling_power)
          values = friction%rolling_power
       case default
-         values = not_known()
+         error stop 'quantity_values: a quantity without its case'
       end select
    end function quantity_values
 

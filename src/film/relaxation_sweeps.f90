@@ -67,8 +67,10 @@ contains
             call block_jacobi_sweep(level, kernel_diagonal, choice%relaxation)
          case (smoother_gauss_seidel)
             call gauss_seidel_sweep(level, kernel_diagonal, choice%relaxation)
-         case default
+         case (smoother_line)
             call line_sweep(level, choice%relaxation)
+         case default
+            error stop 'sweep: a smoother without its case'
          end select
       end associate
    end subroutine sweep

@@ -56,7 +56,7 @@ contains
          call set_effective(case, trim(row%group), trim(row%key), slot%integer)
       case (text_kind)
          call set_effective(case, trim(row%group), trim(row%key), slot%text)
-      case default
+      case default   ! words and logicals
          call set_effective(case, trim(row%group), trim(row%key), joined(slot%words, ', '))
       end select
    end subroutine list_value

@@ -16,8 +16,8 @@ module case_input
    use key_range, only: is_in_range
    use kinds, only: wp
    use line_profiles, only: make_surface
-   use lubricant, only: density_constant, density_dowson_higginson, lubricant_t, &
-      rheology_eyring, rheology_newtonian, viscosity_barus, viscosity_constant, viscosity_roelands
+   use lubricant, only: density_constant, density_laws, lubricant_t, rheologies, &
+      viscosity_constant, viscosity_laws, viscosity_roelands
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
    use number_text, only: read_real
    use namelist_text, only: namelist_text_t, split_namelist
@@ -178,18 +178,12 @@ contains
          oil%roelands_p0 = values%real_value('lubricant', 'roelands_p0')
          oil%roelands_z = values%real_value('lubricant', 'roelands_z')
          oil%eyring_stress = values%real_value('lubricant', 'eyring_stress')
-         oil%rheology = merge(rheology_eyring, rheology_newtonian, values%word_value('lubricant', &
-            'rheology') == 'eyring')
-         oil%density_law = merge(density_dowson_higginson, density_constant, &
-            values%word_value('lubricant', 'density_law') == 'dowson_higginson')
-         select case (values%word_value('lubricant', 'viscosity_law'))
-         case ('roelands')
-            oil%viscosity_law = viscosity_roelands
-         case ('barus')
-            oil%viscosity_law = viscosity_barus
-         case default
-            oil%viscosity_law = viscosity_constant
-         end select
+         oil%rheology = findloc(rheologies == values%word_value('lubricant', 'rheology'), &
+            .true., 1) - 1   ! -1: a word without a law, which stops where the law is needed
+         oil%density_law = findloc(density_laws == values%word_value('lubricant', 'density_law'), &
+            .true., 1) - 1
+         oil%viscosity_law = findloc(viscosity_laws == values%word_value('lubricant', &
+            'viscosity_law'), .true., 1) - 1
          if (case%has_moes) then
             call fill_moes_lubricant(case%moes_l, oil)
          else if (oil%viscosity_law == viscosity_roelands) then

@@ -117,7 +117,7 @@ contains
             dry%is_periodic)
       case ('feature', 'sinusoid')
          call add_features(dry, surfaces(i), z)
-      case default
+      case default   ! smooth, or refused
          return
       end select
       if (dry%values%findings%count > 0) return

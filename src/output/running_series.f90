@@ -206,7 +206,7 @@ contains
             if (file%number_at(content, 1) == known_version) place = content + 8
          case (continuation_message)
             place = count_in_block(file, file%number_at(content, 8), file%number_at(content + 8, 8))
-         case default
+         case default   ! all others
             continue
          end select
          message = content + file%number_at(message + 2, 2)

@@ -100,7 +100,7 @@ contains
       case (turbulence)
          words = 'the Reynolds number of the film is '//number//': not laminar'
       case default
-         words = ''
+         error stop 'limit_sentence: a limit without its case'
       end select
    end function limit_sentence
 

@@ -72,8 +72,10 @@ contains
          film = film_from_moes_units(2.65_wp*m_mean**(-0.13_wp)*l_mean**0.54_wp, m_mean)
       case (dowson_toyoda)
          film = film_from_moes_units(3.06_wp*m_mean**(-0.10_wp)*l_mean**0.56_wp, m_mean)
-      case default
+      case (moes_fit)
          film = central_film(moes_m_sum_from_mean(m_mean), moes_l_sum_from_mean(l_mean))
+      case default
+         error stop 'film_by_formula: a formula without its case'
       end select
    end function film_by_formula
 

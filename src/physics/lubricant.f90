@@ -16,6 +16,12 @@ module lubricant
    !> Rheology laws: mu whatever the shear; Eyring (module eyring).
    integer, parameter, public :: rheology_newtonian = 0, rheology_eyring = 1
 
+   !> Their names in the input, by number.
+   character(len=16), parameter, public :: viscosity_laws(0:2) = [character(len=16) :: &
+      'constant', 'barus', 'roelands'], density_laws(0:1) = [character(len=16) :: &
+      'constant', 'dowson_higginson'], rheologies(0:1) = [character(len=16) :: &
+      'newtonian', 'eyring']
+
    !> The lubricant as the user describes it.
    type, public :: lubricant_t
       !> Ambient viscosity mu_0 [Pa s] > 0.
@@ -71,9 +77,11 @@ contains
          call roelands_viscosities(p, fluid%alpha_bar, fluid%p0, fluid%z, ln_mu, dln_mu)
       case (viscosity_barus)
          call barus_viscosities(p, fluid%alpha_bar, ln_mu, dln_mu)
-      case default
+      case (viscosity_constant)
          ln_mu = 0.0_wp
          if (present(dln_mu)) dln_mu = 0.0_wp
+      case default
+         error stop 'fluid_viscosity: a law without its case'
       end select
    end subroutine fluid_viscosity
 
@@ -87,9 +95,11 @@ contains
       select case (fluid%density_law)
       case (density_dowson_higginson)
          call dowson_higginson_densities(p, fluid%c1, rho, drho)
-      case default
+      case (density_constant)
          rho = 1.0_wp
          if (present(drho)) drho = 0.0_wp
+      case default
+         error stop 'fluid_density: a law without its case'
       end select
    end subroutine fluid_density
 

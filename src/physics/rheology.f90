@@ -1,6 +1,8 @@
 !> How the lubricant thins under shear: the slip factor S of the flow between the surfaces, by the
 !> rheology of the fluid.
 !>
+!> A law that a procedure has no case for stops the program: none passes for another.
+!>
 !> The flow that H dP/dX drives is S >= 1 times that of the viscosity mu alone; S = 1 for a
 !> Newtonian lubricant. A solver asks whether the fluid thins (`thins`), for S, and how large the
 !> stress is beside the stress scale of the fluid (`wall_stress`).
@@ -21,6 +23,9 @@ module rheology
    !> solution comes near it.
    real(wp), parameter, public :: largest_exponent = 500.0_wp
 
+   !> Why the program stops where it would take one law for another.
+   character(*), parameter :: no_case = 'module rheology: a law without its case'
+
    !> S = exp(growth) factor at up to `slip_block` places, and the derivatives of ln S by the drive
    !> H dP/dX, by ln(mu/mu_0), and by ln H where dP/dX stays.
    type :: slip_t
@@ -35,7 +40,14 @@ contains
       type(fluid_t), intent(in) :: fluid
       logical :: thins
 
-      thins = fluid%rheology /= rheology_newtonian
+      select case (fluid%rheology)
+      case (rheology_newtonian)
+         thins = .false.
+      case (rheology_eyring)
+         thins = .true.
+      case default
+         error stop no_case
+      end select
    end function thins
 
    !> Shear stress at the walls, h/2 |dp/dx|, over the stress scale of the fluid [-], with the sign
@@ -58,7 +70,8 @@ contains
       real(wp), dimension(slip_block) :: sigma, ln_b
       integer :: m
 
-      if (fluid%rheology /= rheology_eyring) return
+      if (.not. thins(fluid)) return
+      if (fluid%rheology /= rheology_eyring) error stop no_case
       m = size(drive)
       sigma(:m) = fluid%sigma_scale*drive
       ln_b(:m) = fluid%ln_b_scale + ln_mu
@@ -73,7 +86,8 @@ contains
       real(wp), dimension(slip_block) :: sigma, ln_b, by_sigma
       integer :: m
 
-      if (fluid%rheology /= rheology_eyring) return
+      if (.not. thins(fluid)) return
+      if (fluid%rheology /= rheology_eyring) error stop no_case
       m = size(drive)
       sigma(:m) = fluid%sigma_scale*drive
       ln_b(:m) = fluid%ln_b_scale + ln_mu
@@ -96,8 +110,10 @@ contains
       case (rheology_eyring)
          call mean_stresses(fluid%sigma_scale*drive, fluid%ln_b_scale + ln_mu, inverse_film, stress)
          stress = stress_unit(fluid, couette)*stress
-      case default
+      case (rheology_newtonian)
          stress = couette*exp(min(ln_mu, largest_exponent))*inverse_film
+      case default
+         error stop no_case
       end select
    end subroutine evaluate_stress
 
@@ -111,6 +127,7 @@ contains
       real(wp) :: eyring
 
       eyring = 0.0_wp
+      if (all(fluid%rheology /= [rheology_newtonian, rheology_eyring])) error stop no_case
       if (fluid%rheology == rheology_eyring) eyring = 0.5_wp/fluid%sigma_scale
       rise = pressure_derivative_of_stress(abs(couette)*exp(min(ln_mu, largest_exponent))/film, &
          eyring, slope)
@@ -134,8 +151,9 @@ contains
       real(wp) :: ln_s
 
       ln_s = 0.0_wp
-      if (fluid%rheology == rheology_eyring) ln_s = ln_slip_factor(fluid%sigma_scale*drive, &
-         fluid%ln_b_scale + ln_mu - log(film))
+      if (.not. thins(fluid)) return
+      if (fluid%rheology /= rheology_eyring) error stop no_case
+      ln_s = ln_slip_factor(fluid%sigma_scale*drive, fluid%ln_b_scale + ln_mu - log(film))
    end function ln_slip
 
    !> `ln_slip` with its derivative by the drive.
@@ -147,7 +165,8 @@ contains
 
       ln_s = 0.0_wp
       by_drive = 0.0_wp
-      if (fluid%rheology /= rheology_eyring) return
+      if (.not. thins(fluid)) return
+      if (fluid%rheology /= rheology_eyring) error stop no_case
       call slip_factor(fluid%sigma_scale*drive, fluid%ln_b_scale + ln_mu - log(film), ln_s, &
          by_drive, by_ln_b)
       by_drive = by_drive*fluid%sigma_scale

@@ -146,7 +146,7 @@ contains
             change%u(1 + layer:m:step, 1 + column:n:stride) = value
          case (kind_v)
             change%v(1 + layer:m - 1:step, column:n:stride) = value
-         case default
+         case default   ! kind_p
             change%p(1 + layer:m:step, column:n:stride) = value
          end select
       end associate
@@ -168,7 +168,7 @@ contains
                   unknown = i*width - m + j
                case (kind_v)
                   unknown = i*width + j
-               case default
+               case default   ! kind_p
                   unknown = i*width + m - 1 + j
                end select
                do k = max(1, i + x_columns(1, kind)), min(n, i + x_columns(2, kind))

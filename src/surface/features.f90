@@ -101,7 +101,7 @@ contains
       case (feature_sinusoid)
          psi = psi + feature%amplitude*cos(2.0_wp*pi*distance/feature%wavelength)
       case default
-         return
+         error stop 'add_feature: a feature without its case'
       end select
    end subroutine add_feature
 

@@ -85,7 +85,7 @@ contains
          fault = 'found a folder, expected a file'
       case (kind_missing)
          fault = 'no such file'
-      case default
+      case default   ! all others
          fault = 'found a pipe, a device or a socket, expected a file'
       end select
    end function file_fault
@@ -107,7 +107,7 @@ contains
          identity%kind = kind_folder
       case (bits_link)
          identity%kind = kind_link
-      case default
+      case default   ! all others
          identity%kind = kind_other
       end select
    end function look

@@ -51,8 +51,35 @@ def test_a_chain_of_modules_is_bounded():
 
 
 def test_no_sources_is_a_finding(tmp_path):
-    for tool in ("check_layers.py", "check_errors.py", "check_reads.py", "check_public.py"):
+    for tool in ("check_layers.py", "check_errors.py", "check_cases.py", "check_reads.py", "check_public.py"):
         assert check(tool, tmp_path)[0] == 1
+
+
+LAW = """module laws
+contains
+subroutine stress(law, tau)
+   select case (law)
+   case (newtonian, {name})
+      tau = 1
+{default}
+   end select
+end subroutine
+end module
+"""
+
+
+def test_no_law_passes_for_another(tmp_path):
+    good = {
+        "stops": ("eyring", "case default\n error stop 'no case'"),
+        "others": ("eyring", "case default  ! all others\n tau = 2"),
+    }
+    good["literal"] = ("2", "case default\n tau = 2")
+    sources = {f"film__{name}": LAW.format(name=case, default=default) for name, (case, default) in good.items()}
+    assert check("check_cases.py", tmp_path, **sources) == (0, "")
+    bad = {"film__none": LAW.format(name="eyring", default=""), "film__law": LAW.format(name="a", default="case default\n tau = 2")}
+    status, output = check("check_cases.py", tmp_path, **bad)
+    assert status == 1
+    assert [line.split("film/")[1].split(": ")[0] for line in output.splitlines()] == ["law.f90:4", "none.f90:4"]
 
 
 GOOD_CALLS = """module good
