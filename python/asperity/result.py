@@ -58,11 +58,11 @@ class Result:
         self._stamp: tuple[int, ...] = ()
         with self._opened() as file:
             attributes = {name: _plain(value) for name, value in file.attrs.items()}
-            if attributes.get("program") != "asperity":
+            if str(attributes.get("program")) != "asperity":
                 raise AsperityError(f"{self.path}: no result of asperity")
             self.groups = [name for name, item in file.items() if isinstance(item, h5py.Group)]
         self.problem, self.title, self.reason = (str(attributes.get(name, "")) for name in ("problem", "title", "reason"))
-        self.converged = attributes.get("converged") == 1
+        self.converged = str(attributes.get("converged")) == "1"
         self.program = f"asperity {attributes.get('version', '')} {attributes.get('git_commit', '')}"
 
     def __reduce__(self) -> tuple[Any, ...]:
