@@ -1,19 +1,21 @@
 """The largest pressure: spikes that the grid does not resolve, over the whole (M, L) range, on chosen and given grids, and in time.
 
-Smooth contacts with Barus' and Roelands' law, incompressible and not, and light Eyring oils. The truth has dX so small that a
-spike which ends is resolved or nearly so, and an inlet several times as
-far out as the program puts one. Passages of features and waves begin in front of the contact and are compared with eight times the
-intervals and steps on the same domain: what is judged is `error_grid`.
+Smooth contacts with Barus' and Roelands' law, incompressible and not, and Eyring oils, light and nearly rolling. The truth has dX
+so small that a spike which ends is resolved or nearly so, and an inlet several times as far out as the program puts one. Passages
+of features and waves begin in front of the contact and are compared with eight times the intervals and steps on the same domain:
+what is judged is `error_grid`.
 """
 
 from __future__ import annotations
 
 import math
 import random
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import namelists
 from families import Family, Member
+from family_domain import width
 from passages import KINDS, MEAN_SPEED, OILS
 
 P_MAX = ("summary/p_max",)
@@ -21,6 +23,8 @@ NO_BARS = {"error_bars": False}
 LAWS = tuple({"viscosity_law": v, "density_law": d} for v in ("barus", "roelands") for d in ("constant", "dowson_higginson"))
 # Intervals of the truth: spikes, of which loads above M = 1 are in danger, need many, light contacts a long domain.
 FINE, LIGHT = 2**16, 2**15
+# The same for the corner that Eyring's law makes of a spike: a grid errs by up to half of what pressure falls over a spacing.
+CORNER_FINE = 2**17
 # H_c of Case 1; slide-to-roll ratios at which the second surface, or both, go through the contact in a short time.
 CASE_1_H = 0.469
 SLIDES = (-1.0, -0.3, 0.0, 0.3, 1.0, 5 / 3, 1.9, 2.5, 4.0)
@@ -68,6 +72,29 @@ def given(source: random.Random, count: int) -> list[Member]:
         groups, fine = contact(source, i)
         found.append(member(i, groups, {"intervals": 2 ** source.randint(6, 12)}, fine))
     return found
+
+
+def rolling(target: dict) -> Callable[[random.Random, int], list[Member]]:
+    """Eyring oils at 0.3 to 3 GPa that slide by 0 to 5 %, on grids that the program chooses: their spikes are corners."""
+
+    def draw(source: random.Random, count: int) -> list[Member]:
+        found = []
+        for i in range(count):
+            hertz, l = 10 ** source.uniform(8.48, 9.48), source.uniform(8, 35)  # noqa: E741
+            speed_number = (l / (namelists.OIL_ALPHA * namelists.STEEL_MODULUS)) ** 4
+            m = 2 * math.pi * (hertz / namelists.STEEL_MODULUS) ** 2 / math.sqrt(speed_number)
+            slide = 0.0 if i % 3 == 0 else source.uniform(0, 0.05)
+            groups = namelists.steel(m, l, slide, 10 ** source.uniform(6, 7.3))
+            groups["lubricant"] |= LAWS[i % 4]
+            if i % 4 < 2:
+                del groups["lubricant"]["roelands_p0"]
+            s = width(m, l)
+            fine = {"intervals": CORNER_FINE, "inlet": "tail", "x_inlet": -(1 + 16 * s), "x_outlet": 1 + max(s, 0.5)}
+            truth = groups | {"domain": fine, "accuracy": NO_BARS}
+            found.append(Member(f"{i:03d}", namelists.namelist(groups | {"accuracy": target}), namelists.namelist(truth)))
+        return found
+
+    return draw
 
 
 @dataclass(frozen=True)
@@ -165,5 +192,13 @@ def in_time(source: random.Random, count: int) -> list[Member]:
 FAMILIES = [
     Family("pressure", "Largest pressure, chosen grids", P_MAX, chosen, count=60),
     Family("pressure_grids", "Largest pressure, given grids of 64 to 4096 intervals", P_MAX, given, count=60),
+    Family("pressure_rolling", "Largest pressure, Eyring oils that hardly slide", P_MAX, rolling({}), count=60),
+    Family(
+        "pressure_target",
+        "A target for the largest pressure, Eyring oils that hardly slide",
+        P_MAX,
+        rolling({"target": 0.01, "target_p_max": 0.01}),
+        count=60,
+    ),
     Family("pressure_in_time", "Largest pressure of passages", P_MAX, in_time, count=40, estimate="error_grid"),
 ]

@@ -1,10 +1,17 @@
 """p_central: the pressure at X = 0, beside a largest pressure that is that of a spike which the grid does not resolve."""
 
+import sys
+from pathlib import Path
+
 import h5py
 import numpy as np
 import pytest
 from conftest import ROOT
 from scipy.interpolate import CubicSpline
+
+sys.path.append(str(Path(__file__).resolve().parent.parent / "bench"))
+
+import namelists
 
 MINIMAL = ROOT / "input" / "minimal.nml"
 
@@ -45,6 +52,67 @@ def test_spike_rises_on_finer_grids_by_no_more_than_its_error(asperity, tmp_path
     with h5py.File(tmp_path / "minimal.h5") as file:
         found = file["summary/p_max"]
         assert 0.001 * SPIKE < SPIKE - found[()] < found.attrs["error_estimate"]
+
+
+# M and L (sum), slide-to-roll ratio and Eyring stress [Pa] of steel contacts with Barus' oil, dense or not, whether p_max has a
+# target of 1 %, and p_max [GPa] on 2^17 intervals.
+CORNERS = [
+    (5.941, 13.02, 0.00443, 1.96e6, "constant", False, 0.9653),
+    (20.56, 18.6, 0.0, 4e6, "constant", False, 2.0788),
+    (1.156, 24.43, 0.0387, 7.83e6, "constant", False, 0.9835),
+    (10.38, 34.37, 0.0, 8.38e6, "roelands", False, 3.3033),
+    (9.115, 31.02, 0.0321, 8.03e6, "constant", False, 2.7888),
+    (17.7, 32.74, 0.0417, 1.42e6, "constant", False, 2.6120),
+    (4.365, 34.08, 0.0, 3.35e6, "dowson_higginson", False, 1.7529),
+    (8.367, 33.49, 0.0345, 3.12e6, "dowson_higginson", True, 1.8336),
+    (9.034, 23.28, 0.00107, 9.22e6, "constant", True, 2.8899),
+    (4.824, 31.28, 0.023, 4.33e6, "dowson_higginson", True, 1.4866),
+    (32.49, 24.64, 0.0348, 6e6, "constant", True, 2.5653),
+]
+
+
+@pytest.mark.parametrize(("m", "l", "slide", "stress", "oil", "has_target", "truth"), CORNERS)
+def test_corner_of_a_nearly_rolling_eyring_oil_is_in_the_error(asperity, tmp_path, m, l, slide, stress, oil, has_target, truth):  # noqa: E741
+    """Flanks that Eyring's law makes equally steep meet in a corner, which a grid of any spacing cuts off."""
+    groups = namelists.steel(m, l, slide, stress)
+    if oil == "roelands":
+        groups["lubricant"] |= {"density_law": "constant"}
+    else:
+        del groups["lubricant"]["roelands_p0"]
+        groups["lubricant"] |= {"viscosity_law": "barus", "density_law": oil}
+    if has_target:
+        groups["accuracy"] = {"target": 0.01, "target_p_max": 0.01}
+    (tmp_path / "case.nml").write_text(namelists.namelist(groups), encoding="utf-8")
+    assert asperity("--quiet", "case.nml").returncode == 0
+    with h5py.File(tmp_path / "case.h5") as file:
+        found = file["summary/p_max"]
+        error, estimate = abs(found[()] - truth * 1e9), found.attrs["error_estimate"]
+    assert error <= estimate < 10 * error
+    if has_target:
+        assert error <= 0.01 * truth * 1e9
+
+
+# Entrainment speed, load and Eyring stress of two such contacts, and p_max on 2^16 intervals [GPa].
+ROLLING = [(60.5894, 2.81817e6, 3.84e6, 2.1637), (71.4056, 2.26146e6, 7.154e6, 2.1049)]
+
+
+@pytest.mark.parametrize(("speed", "load", "stress", "truth"), ROLLING)
+def test_corner_below_the_largest_pressure_is_told(asperity, tmp_path, speed, load, stress, truth):
+    groups = {
+        "bodies": {"reduced_radius": 0.02, "reduced_modulus": 2e11, "entrainment_speed": speed, "slide_to_roll": 0.0},
+        "load": {"load_per_length": load},
+        "lubricant": {"viscosity": 0.1, "viscosity_law": "barus", "pressure_viscosity": 2e-8},
+    }
+    groups["lubricant"] |= {"rheology": "eyring", "eyring_stress": stress}
+    (tmp_path / "case.nml").write_text(namelists.namelist(groups), encoding="utf-8")
+    coarse = asperity("case.nml")
+    assert "pressure spike" in spike_words(coarse)
+    error = row(coarse.stdout.splitlines(), "p_max")
+    assert error is None or error > 1
+    fine = asperity("case.nml", "--set", "accuracy.target=0.01", "--set", "accuracy.target_p_max=0.01")
+    assert row(fine.stdout.splitlines(), "p_max") < 1
+    with h5py.File(tmp_path / "case.h5") as file:
+        assert abs(file["summary/p_max"][()] - truth * 1e9) <= file["summary/p_max"].attrs["error_estimate"]
 
 
 def spike_words(done):

@@ -9,7 +9,7 @@
 module inlet_change
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
-   use line_summary, only: crests_t, line_summary_t, value_between
+   use line_summary, only: line_summary_t, value_between
    use missing_value, only: quotient
    use quantities, only: h_central, quantity_count, quantity_rows, rule_crest
    implicit none (type, external)
@@ -61,8 +61,8 @@ contains
       integer :: i
 
       do i = 1, quantity_count
-         near = compared_value(self%near, i)
-         far = compared_value(self%far, i)
+         near = compared_value(self, self%near, i)
+         far = compared_value(self, self%far, i)
          if (quantity_rows(i)%field == 'x') then
             changes(i) = near - far
          else
@@ -73,23 +73,18 @@ contains
       end do
    end function changes
 
-   !> What is compared of row `i`: the value between the nodes, of crests that beside a spike.
-   pure function compared_value(summary, i) result(value)
+   !> What is compared of row `i` of a `summary`, one of both: the value between the nodes, of
+   !> crests that beside a spike, where both have one.
+   pure function compared_value(self, summary, i) result(value)
+      type(inlet_change_t), intent(in) :: self
       type(line_summary_t), intent(in) :: summary
       integer, intent(in) :: i
       real(wp) :: value
 
       value = value_between(summary, i)
-      if (quantity_rows(i)%rule == rule_crest) value = crest_beside(summary%crests)
+      if (quantity_rows(i)%rule /= rule_crest) return
+      if (all(ieee_is_finite([self%near%crests%spike, self%far%crests%spike, &
+         self%near%crests%other, self%far%crests%other]))) value = summary%crests%other
    end function compared_value
-
-   !> The largest pressure beside a spike.
-   pure function crest_beside(crests) result(pressure)
-      type(crests_t), intent(in) :: crests
-      real(wp) :: pressure
-
-      pressure = crests%highest
-      if (ieee_is_finite(crests%other)) pressure = crests%other
-   end function crest_beside
 
 end module inlet_change

@@ -22,7 +22,10 @@
 !>     P^2 = P_node^2 ( 1 + min( c_flow dX/l_flow(P) , c_density (dX/l_density(P))^(2/3) ) ) ,
 !>
 !> or there is none. The numbers come from 90 contacts (M_sum 0.1 to 2000, L_sum 0.5 to 35, all
-!> laws) on 64 to 262144 intervals.
+!> laws) on 64 to 262144 intervals. Where an oil thins P/l_flow is the slope of the flanks, which
+!> meet in a corner: the top is up to half a spacing from the node, hence c_flow = 1/2, half of it
+!> by the factor of safety. Where such a corner is less steep than a spike the grid tells how high
+!> it may be (`corner_top` of line_summary).
 module pressure_spike
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -35,8 +38,8 @@ module pressure_spike
 
    public :: ceiling_of_spike, final_height, shear_of_spike, smoothing_lengths, spike_law_t
 
-   !> c_flow, c_density and the power of it.
-   real(wp), parameter :: flow_growth = 0.15_wp, density_growth = 1.1_wp, &
+   !> c_flow, that of an oil that thins, c_density and the power of it.
+   real(wp), parameter :: flow_growth = 0.15_wp, corner_growth = 0.5_wp, density_growth = 1.1_wp, &
       density_power = 2.0_wp/3.0_wp
    !> A spike may grow this many times as much.
    real(wp), parameter :: safety = 2.0_wp
@@ -94,9 +97,15 @@ contains
          end if
       else
          start = edge_strength*film**(2.0_wp/3.0_wp)/sqrt(dx)
-         if (flow_length(min(start, crests%highest), film) >= dx) return
-         if (final_height(law, start, film, dx) > crests%highest) ceiling = not_known()
+         if (flow_length(min(start, crests%highest), film) < dx) then
+            if (final_height(law, start, film, dx) > crests%highest) ceiling = not_known()
+         end if
       end if
+      if (.not. (ieee_is_finite(ceiling) .and. thins(law%fluid))) return
+      if (crests%corner_top <= max(ceiling, crests%highest)) return
+      ceiling = crests%corner_top
+      height = crests%corner + sure_share*(ceiling - crests%corner)
+      if (height <= crests%highest) ceiling = not_known()
 
    contains
 
@@ -162,7 +171,8 @@ contains
       do i = 1, max_steps
          lengths = smoothing_lengths(law, height, film)/dx
          next = huge(1.0_wp)
-         if (lengths(1) > tiny(1.0_wp)) next = flow_growth/lengths(1)
+         if (lengths(1) > tiny(1.0_wp)) next = merge(corner_growth, flow_growth, thins(law%fluid)) &
+            /lengths(1)
          if (lengths(2) > tiny(1.0_wp)) next = min(next, density_growth/lengths(2)**density_power)
          next = pressure*sqrt(1.0_wp + next)
          if (next > highest_growth*pressure) exit
