@@ -59,10 +59,10 @@ class RowReader:
 
     def read(self, path: Path, namelist: Path) -> Row:
         """The row of a result of the case `namelist`; raises RowError."""
-        if namelist.exists() and not namelist.is_file():  # to open a pipe may take for ever
-            raise RowError("found a folder, pipe or device in place of the case, expected a file")
         try:
             check_seal(path)
+            if namelist.exists() and not namelist.is_file():  # to open a pipe may take for ever
+                raise RowError("found a folder, pipe or device in place of the case, expected a file")
             file = h5f.open(bytes(path), h5f.ACC_RDONLY, _ACCESS)
             try:
                 return self._read_open(file, namelist)

@@ -78,11 +78,14 @@ contains
       type(crests_t), intent(in) :: crests
       real(wp), intent(in) :: film, dx
       real(wp) :: ceiling, start, height, crest
+      logical :: is_corner
 
+      ! of several times one or another has the corner at a node
+      is_corner = thins(law%fluid) .and. crests%corner_top >= 0.0_wp
       ceiling = 0.0_wp
       if (law%lambda <= 0.0_wp) return
       if (ieee_is_finite(crests%spike)) then
-         height = final_height(law, crests%spike, crests%spike_film, dx)
+         height = final_height(law, crests%spike, crests%spike_film, dx, is_corner)
          crest = 0.0_wp
          if (ieee_is_finite(crests%other)) crest = crests%other
          ceiling = height
@@ -98,10 +101,10 @@ contains
       else
          start = edge_strength*film**(2.0_wp/3.0_wp)/sqrt(dx)
          if (flow_length(min(start, crests%highest), film) < dx) then
-            if (final_height(law, start, film, dx) > crests%highest) ceiling = not_known()
+            if (final_height(law, start, film, dx, is_corner) > crests%highest) ceiling = not_known()
          end if
       end if
-      if (.not. (ieee_is_finite(ceiling) .and. thins(law%fluid))) return
+      if (.not. (ieee_is_finite(ceiling) .and. is_corner)) return
       if (crests%corner_top <= max(ceiling, crests%highest)) return
       ceiling = crests%corner_top
       height = crests%corner + sure_share*(ceiling - crests%corner)
@@ -160,19 +163,21 @@ contains
    end function shear_of_spike
 
    !> Height in the end of a spike whose top node on a grid of spacing `dx` has this `pressure` and
-   !> `film`; `endless` where none is found.
-   pure function final_height(law, pressure, film, dx) result(height)
+   !> `film`; `endless` where none is found. `is_corner`: its flanks may meet in one.
+   pure function final_height(law, pressure, film, dx, is_corner) result(height)
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: pressure, film, dx
-      real(wp) :: height, next, lengths(2)
+      logical, intent(in), optional :: is_corner
+      real(wp) :: height, next, lengths(2), growth
       integer :: i
 
+      growth = flow_growth
+      if (present(is_corner)) growth = merge(corner_growth, flow_growth, is_corner)
       height = pressure
       do i = 1, max_steps
          lengths = smoothing_lengths(law, height, film)/dx
          next = huge(1.0_wp)
-         if (lengths(1) > tiny(1.0_wp)) next = merge(corner_growth, flow_growth, thins(law%fluid)) &
-            /lengths(1)
+         if (lengths(1) > tiny(1.0_wp)) next = growth/lengths(1)
          if (lengths(2) > tiny(1.0_wp)) next = min(next, density_growth/lengths(2)**density_power)
          next = pressure*sqrt(1.0_wp + next)
          if (next > highest_growth*pressure) exit

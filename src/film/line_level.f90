@@ -97,12 +97,11 @@ contains
       call new_toeplitz(level%convolution, level%kernel, error)
       if (allocated(error)) return
       allocate (level%state%pressure(0:n), level%state%film(0:n), level%rhs_reynolds(0:n), &
-         level%rhs_film(0:n), source=0.0_wp)
+         level%rhs_film(0:n), level%start%pressure(0:n), level%start%film(0:n), source=0.0_wp)
       allocate (level%mobility(0:n), level%density(0:n), level%ln_mu(0:n), level%operator(0:n), &
          level%deflection(0:n), source=0.0_wp)
       allocate (level%face_mobility(n), source=0.0_wp)
       allocate (level%work(0:n), level%correction(0:n), source=0.0_wp)
-      level%start = level%state
       allocate (level%film_diagonal(0:n), level%diagonal(0:n), source=-1.0_wp)
    end subroutine new_level
 

@@ -47,7 +47,7 @@ module line_summary
       !> within two spacings: P and H of its top node.
       real(wp) :: spike, spike_film
       !> That maximum if the grid does not resolve its bends: P of its node, and how high it may be
-      !> between the nodes; 0: it does, or these are the extremes of several times.
+      !> between the nodes; 0: it does; negative: these are the extremes of several times.
       real(wp) :: corner = 0.0_wp, corner_top = 0.0_wp
    end type crests_t
 
@@ -128,8 +128,7 @@ contains
       summary%crests%highest = larger(summary%crests%highest, other%crests%highest)
       summary%crests%other = larger(summary%crests%other, other%crests%other)
       call widen_limits(summary%limits, other%limits)
-      summary%crests%corner = 0.0_wp   ! one step or another has it at a node
-      summary%crests%corner_top = 0.0_wp
+      summary%crests%corner_top = -1.0_wp
       if (.not. ieee_is_finite(other%crests%spike)) return
       if (ieee_is_finite(summary%crests%spike) &
          .and. other%crests%spike <= summary%crests%spike) return

@@ -148,12 +148,15 @@ contains
       type(key_row_t), intent(in) :: row
       type(value_t), intent(inout) :: slot
       type(findings_t), intent(inout) :: findings
+      type(entry_t) :: entry   ! gfortran loses the texts of a constructor that is an argument
 
       call clear(slot)
       if (any(row%default == [character(len=len(row%default)) :: is_required, is_chosen, &
          is_optional])) return
-      call read_entry(entry_t(trim(row%group), trim(row%key), trim(row%default)), row, slot, &
-         findings)
+      entry%group = trim(row%group)
+      entry%key = trim(row%key)
+      entry%values = trim(row%default)
+      call read_entry(entry, row, slot, findings)
       slot%is_given = .false.
       slot%is_set = [logical ::]
    end subroutine read_default

@@ -40,7 +40,7 @@ contains
       real(wp) :: spike
 
       lines = ''
-      spike = summary%crests%corner
+      spike = merge(summary%crests%corner, 0.0_wp, summary%crests%corner_top > 0.0_wp)
       if (ieee_is_finite(summary%crests%spike)) spike = summary%crests%spike
       if (.not. is_central_shown(summary) .or. .not. spike > 0.0_wp) return
       if (spike < summary%of(p_max)%value) then
