@@ -1,11 +1,13 @@
 """The kappa space scheme at pressure spikes; and contacts of wide ranges with the default solver.
 
 Heavy contacts on given grids by the kappa scheme are judged by the thesis's on many more intervals of the same domain. Wide
-contacts are heavy, fast and slide far (M to 3000, L to 60, tau_0 0.5 to 20 MPa, slide-to-roll ratios to 20).
+contacts are heavy, fast and slide far (M to 3000, L to 60, tau_0 0.5 to 20 MPa, slide-to-roll ratios to 20). Stiff ones have
+Barus' oil with alpha p_h of 31 to 259, where every grid has a spike that it does not resolve beside the smallest film.
 """
 
 from __future__ import annotations
 
+import math
 import random
 
 import namelists
@@ -19,6 +21,8 @@ SPIKE_FINE = 2**17
 FILMS = ("summary/h_min", "summary/h_central")
 # The least film of the heaviest needs so many.
 FINE = 2**18
+# Wanted accuracy of stiff contacts; None: the program's grid.
+TARGETS = (None, 0.01, 0.003)
 
 
 def spiked(source: random.Random, count: int) -> list[Member]:
@@ -50,7 +54,23 @@ def wide(source: random.Random, count: int) -> list[Member]:
     return found
 
 
+def stiff(source: random.Random, count: int) -> list[Member]:
+    """Barus' oil, dense or not, on domain and grid of the program, two of three with a target."""
+    found = []
+    for i in range(count):
+        rise, l = 31 * (259 / 31) ** source.random(), source.uniform(10, 30)  # noqa: E741
+        m = 2 * math.pi * (rise / l) ** 2  # alpha p_h = L sqrt(M/(2 pi))
+        groups = {"moes": {"moes_m": m, "moes_l": l, "velocity": "sum"}, "lubricant": LAWS[i % 2]}
+        s = width(m, l)
+        fine = {"intervals": FINE, "inlet": "tail", "x_inlet": -(1 + 16 * s), "x_outlet": 1 + max(0.75 * s, 0.5)}
+        truth = groups | {"domain": fine, "accuracy": NO_BARS}
+        groups["accuracy"] = {"target": TARGETS[i // 2 % 3]}
+        found.append(Member(f"{i:03d}", namelists.namelist(groups), namelists.namelist(truth)))
+    return found
+
+
 FAMILIES = [
     Family("kappa_spikes", "Spikes by the kappa scheme, given grids", (*FILMS, "summary/p_max"), spiked, 96, estimate="error_grid"),
     Family("wide", "Heavy, fast and sliding contacts, chosen domain and grid", FILMS, wide),
+    Family("stiff", "Barus' oil at high pressures, chosen domain and grid, targets", FILMS, stiff, 48),
 ]

@@ -26,9 +26,11 @@ module grid_errors
 contains
 
    !> Estimated error and extrapolated value of the first of `values` on n, n/2, n/4, n/8 intervals
-   !> (NaN: not known), whose observed order has these `bounds`.
-   pure function error_on_grids(values, bounds) result(error_and_limit)
+   !> (NaN: not known), whose observed order has these `bounds`. An order that does not last may
+   !> fall to the lowest one after one more grid.
+   pure function error_on_grids(values, bounds, lasts) result(error_and_limit)
       real(wp), intent(in) :: values(4), bounds(2)
+      logical, intent(in) :: lasts
       real(wp) :: error_and_limit(2)
       real(wp) :: changes(3), order
 
@@ -48,6 +50,8 @@ contains
          ! terms of two orders and opposite signs may make the last difference small by chance
          if (ieee_is_finite(values(3))) error = max(error, error_from_levels(values(2), values(3), &
             order)/2.0_wp**orders(2))
+         ! the next change 1/2^p of the last, those after it half of the one before: 2/2^p together
+         if (.not. lasts) error = error*2*(1 - 0.5_wp**order)
          if (all(changes > 0.0_wp) .or. all(changes < 0.0_wp)) error = steady_safety/safety*error
       end associate
    end function error_on_grids

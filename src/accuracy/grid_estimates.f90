@@ -60,7 +60,7 @@ contains
       type(quantity_t) :: smallest
 
       smallest = summary%of(h_min)
-      call estimate_at_rest(values, h_min, 0.0_wp, smallest)
+      call estimate_at_rest(values, h_min, 0.0_wp, ieee_is_finite(summary%crests%spike), smallest)
       error = huge(1.0_wp)
       if (ieee_is_finite(smallest%error_grid)) error = smallest%error_grid/smallest%value
    end function estimated_error
@@ -79,7 +79,8 @@ contains
          else if (is_transient) then
             call estimate_in_time(values, i, dx, summary%of(i))
          else
-            call estimate_at_rest(values, i, dx, summary%of(i))
+            call estimate_at_rest(values, i, dx, ieee_is_finite(summary%crests%spike), &
+               summary%of(i))
          end if
       end do
    end subroutine estimate_grid_errors
@@ -142,19 +143,23 @@ contains
       end if
    end subroutine estimate_pressure
 
-   !> The grid of row `i` at rest.
-   pure subroutine estimate_at_rest(values, i, dx, quantity)
+   !> The grid of row `i` at rest. Where it shows a pressure spike, whose place it knows to a
+   !> spacing, an order of the smallest film does not last.
+   pure subroutine estimate_at_rest(values, i, dx, is_spiked, quantity)
       type(coarse_values_t), intent(in) :: values
       integer, intent(in) :: i
       real(wp), intent(in) :: dx
+      logical, intent(in) :: is_spiked
       type(quantity_t), intent(inout) :: quantity
       type(quantity_t) :: levels(4)
       real(wp) :: bounds(2), between(2), own(2)
+      logical :: lasts
 
       bounds = merge(quantity_rows(i)%kappa_orders, orders, values%is_kappa)
+      lasts = .not. (is_spiked .and. is_chance(quantity_rows(i)))
       levels = on_levels(values, i, quantity)
-      own = error_on_grids(levels%value, bounds)
-      between = error_on_grids(levels%between, bounds)
+      own = error_on_grids(levels%value, bounds, lasts)
+      between = error_on_grids(levels%between, bounds, lasts)
       if (i == h_central) own = [error_of_line(quantity, between), between(2)]
       between(1) = between(1) + abs(quantity%value - quantity%between)
       select case (quantity_rows(i)%rule)
@@ -194,7 +199,7 @@ contains
       films = not_known()
       known = min(size(values%other_scheme), 3)
       films(:known) = values%other_scheme(:known)%of(i)%between
-      error_and_limit = error_on_grids(films, orders)
+      error_and_limit = error_on_grids(films, orders, lasts=.true.)
       error = kappa_share/safety*error_and_limit(1)
    end function error_by_other_scheme
 
