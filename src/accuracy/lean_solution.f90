@@ -146,7 +146,7 @@ contains
       type(line_summary_t) :: summary
 
       summary = level_summary(level)
-      summary%crests%corner_top = -1.0_wp   ! contacts on one grid are compared, corners by their nodes
+      summary%crests%corner_top = -1.0_wp   ! contacts on one grid: by their nodes
       call doubt_spike(level%fluid, level%lambda, level%dx, summary)
    end function summary_with_doubt
 

@@ -101,8 +101,8 @@ contains
       else
          start = edge_strength*film**(2.0_wp/3.0_wp)/sqrt(dx)
          if (flow_length(min(start, crests%highest), film) < dx) then
-            if (final_height(law, start, film, dx, is_corner) > crests%highest) &
-               ceiling = not_known()
+            height = final_height(law, start, film, dx, is_corner)
+            if (height > crests%highest) ceiling = not_known()
          end if
       end if
       if (.not. (ieee_is_finite(ceiling) .and. is_corner)) return
