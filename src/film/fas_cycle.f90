@@ -77,7 +77,8 @@ contains
          call inject(fine%state%pressure, coarse%state%pressure)
          call inject(fine%state%film, coarse%state%film)
          coarse%state%rigid_displacement = fine%state%rigid_displacement
-         coarse%start = coarse%state
+         coarse%start_pressure(:) = coarse%state%pressure
+         coarse%start_film(:) = coarse%state%film
          coarse%inverse_time_step = fine%inverse_time_step
          coarse%has_tail = .false.
          coarse%rhs_load = carried_load(coarse) + load_defect(fine)
@@ -141,8 +142,8 @@ contains
       type(line_level_t), intent(inout) :: coarse
       real(wp) :: share
 
-      coarse%work = coarse%state%pressure - coarse%start%pressure
-      coarse%correction = coarse%state%film - coarse%start%film
+      coarse%work = coarse%state%pressure - coarse%start_pressure
+      coarse%correction = coarse%state%film - coarse%start_film
       call prolong_linear(coarse%work, fine%work)
       call prolong_linear(coarse%correction, fine%correction)
       share = 1.0_wp

@@ -51,8 +51,9 @@ module line_level
       integer :: products = 0
       !> Nodes X.
       real(wp), allocatable :: x(:)
-      !> Unknowns, and of a coarse problem those that it was posed with.
-      type(film_state_t) :: state, start
+      !> Unknowns, and P and H of those that a coarse problem was posed with.
+      type(film_state_t) :: state
+      real(wp), allocatable :: start_pressure(:), start_film(:)
       !> Right sides: L_R(P, H) = rhs_reynolds, H - H0 + K P = rhs_film, dX sum P = rhs_load.
       real(wp), allocatable :: rhs_reynolds(:), rhs_film(:)
       real(wp) :: rhs_load = contact_load
@@ -97,7 +98,7 @@ contains
       call new_toeplitz(level%convolution, level%kernel, error)
       if (allocated(error)) return
       allocate (level%state%pressure(0:n), level%state%film(0:n), level%rhs_reynolds(0:n), &
-         level%rhs_film(0:n), level%start%pressure(0:n), level%start%film(0:n), source=0.0_wp)
+         level%rhs_film(0:n), level%start_pressure(0:n), level%start_film(0:n), source=0.0_wp)
       allocate (level%mobility(0:n), level%density(0:n), level%ln_mu(0:n), level%operator(0:n), &
          level%deflection(0:n), source=0.0_wp)
       allocate (level%face_mobility(n), source=0.0_wp)

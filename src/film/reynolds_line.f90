@@ -115,7 +115,7 @@ contains
          end do
          if (has_close_exit(level)) then
             i = level%exit_node
-            flow(i) = flow(i) - level%exit_conductance*(p(i) - level%start%pressure(i))
+            flow(i) = flow(i) - level%exit_conductance*(p(i) - level%start_pressure(i))
          end if
       end associate
       if (level%is_kappa) call add_third_order(level)

@@ -91,7 +91,7 @@ contains
             flow = downstream*(p(i + 1) - p(i)) - upstream*(p(i) - p(i - 1)) - flow &
                - squeeze*rho(i)*h(i)
             if (i == exit_node) flow = flow - level%exit_conductance*(p(i) &
-               - level%start%pressure(i))
+               - level%start_pressure(i))
             change = min(max(relaxation*(level%rhs_reynolds(i) - flow)/level%diagonal(i), -p(i)), &
                largest_pressure)
             p(i) = min(p(i) + change, largest_pressure)

@@ -26,7 +26,7 @@ module own_file
    !> From the name of the attribute to the end of its value, at most; an HDF5 file (superblock of
    !> version 0) that holds nothing; a seal [bytes].
    integer, parameter :: attribute_bytes = 64, empty_bytes = 800
-   character(len=*), parameter :: signature = achar(137)//'HDF'//achar(13)//achar(10)//achar(26) &
+   character(len=*), parameter :: signature = char(137)//'HDF'//achar(13)//achar(10)//achar(26) &
       //achar(10)//c_null_char
    integer, parameter, public :: seal_bytes = 80
    !> Bytes that are looked at.

@@ -77,8 +77,8 @@ contains
       character(*), intent(in) :: content
       character(:), allocatable, intent(out) :: fault
       integer, intent(out) :: place
-      character(*), parameter :: null = achar(0), mark = achar(255)//achar(254), &
-         other_mark = achar(254)//achar(255)
+      character(*), parameter :: null = achar(0), mark = char(255)//char(254), &
+         other_mark = char(254)//char(255)
       character(len=2) :: head
       character(len=4) :: byte
 
