@@ -284,7 +284,7 @@ contains
          ends(2), good(2))
       entry%is_broken = .not. all(good .and. ends >= 1)
       if (entry%is_broken) return
-      ends = min(ends, int(huge(1)/2, int64))   ! far too many, but the reader can count on
+      ends = min(ends, int(shiftr(huge(1), 1), int64))   ! far too many, but the reader can count on
       entry%first = int(ends(1))
       if (colon <= len(subscript)) entry%last = int(ends(2))
    end subroutine read_subscript

@@ -59,8 +59,8 @@ contains
       if (index(request%file, '/') /= 1) request%file = folder//request%file
       request%positions = trim(values%text_value(group, 'positions'))
       request%dataset = trim(values%text_value(group, 'dataset'))
-      request%units(1) = values%word_value(group, 'x_unit')
-      request%units(2) = values%word_value(group, 'z_unit')
+      request%units(1) = trim(values%word_value(group, 'x_unit'))
+      request%units(2) = trim(values%word_value(group, 'z_unit'))
       where (request%units == 'auto' .or. request%units == '?') request%units = ''
    end function request_of
 
