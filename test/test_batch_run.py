@@ -129,7 +129,7 @@ def test_a_case_that_ends_its_process_does_not_end_the_others(tmp_path, program)
     folder = swept(tmp_path, program)
     crashing = tmp_path / "crashing"
     crashing.write_text(
-        f"""#!{sys.executable}
+        f"""#!/usr/bin/env python3
 import os, signal, subprocess, sys
 for i, word in enumerate(sys.argv[1:]):
     if word == "case_0003.nml":
