@@ -41,6 +41,7 @@ SINUSOID = """&case problem = 'ehl_line' /
 &surface_{surface} shape = 'sinusoid', amplitude = {wave[0]}, wavelength = {wave[1]} /
 &time transient = .true., end_time = 2.0 /
 &accuracy target = {target} /
+&solver space_scheme = 'kappa' /
 &output adequacy = .false. /
 """
 
