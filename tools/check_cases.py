@@ -5,11 +5,10 @@ Its `case default` is there and stops the program (`error stop`), or says in a c
 Prints `file:line: ...`; exit status 1 if anything is found.
 """
 
-import pathlib
 import re
 import sys
 
-from check_errors import statements
+from check_errors import main, statements
 
 NAMES = re.compile(r"case\s*\(\s*[a-z]\w*(\s*,\s*[a-z]\w*)*\s*\)$")
 
@@ -36,15 +35,5 @@ def findings_of(path):
                 yield f"{path}:{first}: a select case over named constants without a default that stops"
 
 
-def main():
-    """Check every Fortran file under src/ and app/ of the given folder."""
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".")
-    paths = sorted([*root.glob("src/**/*.f90"), *root.glob("app/**/*.f90")])
-    findings = [finding for path in paths for finding in findings_of(path)]
-    findings += [] if paths else ["no source files found"]
-    sys.stdout.writelines(f"{finding}\n" for finding in findings)
-    return 1 if findings else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(findings_of))

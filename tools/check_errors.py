@@ -64,8 +64,8 @@ def findings_of(path):
             yield f"{path}:{number}: the call can fail, but `{last[1]}` is not looked at after it"
 
 
-def main():
-    """Check every Fortran file under src/ and app/ of the given folder."""
+def main(findings_of):
+    """Check every Fortran file under src/ and app/ of the given folder by `findings_of(path)`."""
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".")
     paths = sorted([*root.glob("src/**/*.f90"), *root.glob("app/**/*.f90")])
     findings = [finding for path in paths for finding in findings_of(path)]
@@ -75,4 +75,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(findings_of))
