@@ -30,7 +30,7 @@ DEMO_CASES := input/case3_demo.nml input/case1.nml input/dry_profile.nml input/d
 DEMO := results/demo
 
 .DEFAULT_GOAL := help
-.PHONY: help build debug test test-debug unit unit-debug sanitize fuzz lint demo figures bench bench-program chart orders accuracy accuracy-time stability docs notebooks wheel clean prepare generate
+.PHONY: help build debug test test-debug unit unit-debug sanitize golden fuzz lint demo figures bench bench-program chart orders accuracy accuracy-time stability docs notebooks wheel clean prepare generate
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-12s %s\n", $$1, $$2}' Makefile
@@ -59,6 +59,9 @@ test: build generate ## all tests: unit tests, then end-to-end tests of build/bi
 test-debug: debug generate ## all tests with the checked build
 	@tools/fpm_build.sh --tests --flag "$(DEBUG)"
 	@$(PYTHON) tools/run_tests.py build/bin/asperity-debug fpm test --flag "$(DEBUG)" -- -v
+
+golden: build ## everything that small cases leave and print, beside what is stored (ARGS=--store: keep it; ARGS=--count: instructions)
+	$(PYTHON) test/golden.py $(ARGS)
 
 fuzz: build ## attacks with damaged, hostile and odd files; writes the table of docs/testing.md (ARGS="KIND --seed S": without it)
 	$(PYTHON) test/fuzz/run.py $(or $(ARGS),--page)

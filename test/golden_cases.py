@@ -1,0 +1,226 @@
+"""The cases of golden.py: small namelists whose results, texts and statuses are stored in full.
+
+Each case is a list of steps in an empty folder. A step is a command line, in which `asperity` is the program, or
+`stop NAME.nml`: run it, and end it by SIGTERM after its first checkpoint. `files` are written before.
+"""
+
+import math
+import random
+
+LUBRICANT = """&lubricant viscosity = 0.14, roelands_z = 0.6, roelands_p0 = 1.98e8, rheology = 'eyring', eyring_stress = 3.3e6 /
+"""
+CASE_1 = (
+    """&case title = 'Öl', problem = 'ehl_line' /
+&bodies radius_1 = 0.01, radius_2 = 2.0, youngs_modulus_1 = 206e9, youngs_modulus_2 = 206e9,
+        poisson_ratio_1 = 0.3, poisson_ratio_2 = 0.3, speed_1 = 0.1, speed_2 = 1.1 /
+&load load_per_length = 1e5 /
+"""
+    + LUBRICANT
+)
+DOMAIN = "&domain x_inlet = -4.0, x_outlet = 1.5, intervals = 128 /\n"
+PLAIN = CASE_1 + DOMAIN
+STOKES = PLAIN.replace("'ehl_line'", "'ehl_line', equations = 'stokes'").replace("128", "64")
+MOES = """&case problem = 'ehl_line' /
+&moes moes_m = {m}, moes_l = {l}, velocity = '{velocity}' /
+&lubricant viscosity_law = 'barus', density_law = 'constant' /
+"""
+STEEL = """&case title = 'dry', problem = '{problem}' /
+&bodies youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3, youngs_modulus_2 = 70e9, poisson_ratio_2 = 0.33{more} /
+"""
+
+
+def feature(surface, amplitude=2e-7, position=-1.6, more=""):
+    """A ridge or dent on a surface."""
+    return f"&surface_{surface} shape = 'feature', amplitude = {amplitude}, wavelength = 1e-4, position = {position}{more} /\n"
+
+
+def wave(surface, amplitude=3e-8, wavelength=6e-5, position=0.1, more=""):
+    """A waviness on a surface."""
+    return (
+        f"&surface_{surface} shape = 'sinusoid', amplitude = {amplitude}, wavelength = {wavelength},"
+        f" position = {position}{more} /\n"
+    )
+
+
+def time(end, step, more=""):
+    """A passage; without a step the program chooses one."""
+    chosen = f", time_step = {step}" if step else ""
+    return f"&time transient = .true., end_time = {end}{chosen}{more} /\n"
+
+
+def dry(problem, load, domain, surface, more="", bodies=""):
+    """A dry contact."""
+    return (
+        STEEL.format(problem=problem, more=bodies) + f"&load {load} /\n&domain {domain} /\n&surface_1 shape = {surface} /\n" + more
+    )
+
+
+def tilted(seed, columns):
+    """A table of heights on a slope, with waves; names and units in its header."""
+    source = random.Random(seed)
+    phases = [source.uniform(0, 2 * math.pi) for _ in range(6)]
+    lines = ["position [um],height [nm]" + (",other [nm]" if columns == 3 else "")]
+    for node in range(128):
+        x = 2.0 * node
+        z = 3.0 * x + sum(40 / (k + 1) * math.sin(2 * math.pi * (k + 1) * node / 128 + phases[k]) for k in range(6))
+        lines.append(f"{x:.3f},{z:.6f}" + (f",{-z:.6f}" if columns == 3 else ""))
+    return "\n".join(lines) + "\n"
+
+
+TARGET = "&accuracy target = 0.02 /\n"
+NO_BARS = "&accuracy error_bars = .false. /\n"
+NO_ADEQUACY = "&output adequacy = .false. /\n"
+WAVES = "'synthetic', seed = 3, rms_height = 2e-7, wavelength_short = 2e-5"
+LINE = "length = 2.56e-4, intervals = 128"
+AREA = "length_x = 1.6e-4, length_y = 1.2e-4, intervals_x = 32, intervals_y = 48"
+BUSY = (
+    PLAIN.replace("128", "64")
+    + wave(1)
+    + wave(2, wavelength=4e-5, position=-0.2)
+    + time(3.0, 0.01, ", statistics_from = 0.5")
+    + "&solver film_floor = 3.2e-7, on_film_breakdown = 'continue' /\n"
+    + "&output checkpoint_interval = 0.0, film_thresholds = 4e-7, 5e-7, profile_stride = 7,"
+    + " fields = 'film_thickness', 'pressure', 'shear_stress_1', 'shear_stress_mean', 'shear_stress_2' /\n"
+)
+MOVING = STOKES.replace("x_outlet = 1.5", "x_outlet = 2.0") + feature(1, 5e-8, -1.4) + time(0.6, 0.05)
+
+# Namelists that are run alone, with status and all they print.
+ONE = {
+    # steady
+    "smooth": PLAIN,
+    "smooth_chosen": CASE_1,
+    "moes_barus": MOES.format(m=10.0, l=5.0, velocity="mean") + DOMAIN,
+    "moes_sum": MOES.format(m=30.0, l=8.0, velocity="sum"),
+    "newtonian_constant": CASE_1.replace("rheology = 'eyring', eyring_stress = 3.3e6", "density_law = 'constant'")
+    .replace("load_per_length = 1e5", "hertz_pressure = 0.4e9")
+    .replace("speed_1 = 0.1, speed_2 = 1.1", "entrainment_speed = 0.7, slide_to_roll = -0.3, hardness = 1e9"),
+    "kappa_adequacy": PLAIN + "&solver space_scheme = 'kappa' /\n",
+    "target": CASE_1 + "&accuracy target = 0.003, target_p_max = 0.03 /\n",
+    "climb_fails": CASE_1
+    + "&accuracy target = 0.001, target_p_max = 0.001 /\n"
+    + "&solver method = 'fas_block_jacobi', max_cycles = 5 /\n",
+    "rest_features": PLAIN.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 1.2, speed_2 = 0.0")
+    + feature(2, "1e-7, -1e-7", "-0.3, 0.4").replace("'feature'", "'feature', 'feature'").replace("1e-4,", "1e-4, 8e-5,", 1),
+    "velocity_layers": PLAIN + "&output velocity_layers = 5, xdmf = .true. /\n",
+    "fas_hybrid": PLAIN + "&solver method = 'fas_block_jacobi', smoother = 'hybrid' /\n",
+    "fas_gauss_seidel": PLAIN + "&solver method = 'fas_block_jacobi', smoother = 'gauss_seidel', levels = 4 /\n" + NO_ADEQUACY,
+    "block_jacobi": PLAIN.replace("128", "64") + "&solver method = 'block_jacobi', max_cycles = 60 /\n" + NO_BARS,
+    "dense": PLAIN + "&solver method = 'newton_dense', start = 'hertz' /\n" + NO_BARS,
+    # in time
+    "ridge_slow": PLAIN + feature(1) + time(0.6, 0.05),
+    "ridge_fast": PLAIN + feature(2) + time(0.6, 0.05, ", scheme = 'backward_euler'"),
+    "one_step": PLAIN + feature(2) + time(0.05, 0.05) + NO_ADEQUACY,
+    "odd_steps": PLAIN.replace("128", "160") + feature(2) + time(0.35, 0.05, ", statistics_from = 0.1"),
+    "periodic": PLAIN + wave(1) + wave(2, wavelength=4e-5, position=-0.2) + time(1.0, 0.04),
+    "outlet_cut": CASE_1 + "&domain x_inlet = -3.0, x_outlet = 1.02, intervals = 96 /\n" + feature(2) + time(0.4, 0.05),
+    "node_at_one": CASE_1 + "&domain x_inlet = -3.0, x_outlet = 2.0, intervals = 160 /\n" + feature(2) + time(0.3, 0.05),
+    "breakdown_recovers": PLAIN.replace("x_outlet = 1.5", "x_outlet = 3.0")
+    + feature(2, 6e-7, -2.0)
+    + time(3.2, 0.04, ", scheme = 'backward_euler'")
+    + "&solver film_floor = 250e-9, on_film_breakdown = 'continue' /\n&output film_thresholds = 1e-7, 3e-7 /\n",
+    "floor_between_grids": PLAIN + feature(2, 4e-7) + time(0.8, 0.02) + "&solver film_floor = 3.0e-7 /\n",
+    "auto_lean": CASE_1.replace("'ehl_line'", "'ehl_line', model = 'auto'") + feature(2, 2e-10, -2.5) + time(2.2, None) + TARGET,
+    "auto_rest": CASE_1.replace("'ehl_line'", "'ehl_line', model = 'auto'").replace(
+        "speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 1.2, speed_2 = 0.0"
+    )
+    + feature(2, 2e-7, 0.2)
+    + time(8.0, None)
+    + TARGET,
+    "target_in_time": CASE_1 + feature(2, 5e-8) + time(0.3, None) + TARGET,
+    "strides": PLAIN
+    + feature(2)
+    + time(0.6, 0.05)
+    + "&output profile_stride = 5, film_thresholds = 3e-7, 5e-7, fields = 'film_thickness', 'pressure', 'shear_stress_1',"
+    + " 'shear_stress_mean', 'shear_stress_2', xdmf = .true. /\n",
+    # full momentum
+    "stokes": STOKES,
+    "inertia": STOKES + "&film layers = 6, inertia = .true. /\n",
+    "moving_lower": MOVING + "&film layers = 6 /\n",
+    "moving_upper": STOKES + wave(2, 2e-8) + time(0.3, 0.05) + "&film layers = 5 /\n" + NO_ADEQUACY,
+    # dry
+    "line": dry("dry_line", "mean_pressure = 5e7, 3e8, 1e8", LINE, WAVES, bodies=", hardness = 4e9"),
+    "line_elastic": dry("dry_line", "load_per_length = 2e4", LINE, WAVES + ", skewness = -0.5, kurtosis = 4.0"),
+    "line_target": dry("dry_line", "mean_pressure = 1e8", "length = 2.56e-4", WAVES, "&accuracy target = 0.005 /\n"),
+    "full_contact": dry(
+        "dry_line",
+        "mean_pressure = 2e7, 2e9, 5e7, loading = 'history'",
+        LINE,
+        "'sinusoid', amplitude = 1e-7, wavelength = 1.28e-4",
+        bodies=", hardness = 3e9",
+    ),
+    "steepest": dry("dry_line", "mean_pressure = 1e8", LINE, WAVES, "&solver method = 'steepest_descent' /\n" + NO_ADEQUACY),
+    "area": dry("dry_area", "mean_pressure = 5e7, 2e8", AREA, WAVES + ", hurst = 0.6"),
+    "area_plastic": dry(
+        "dry_area",
+        "mean_pressure = 1e8, 3e8, 2e8, loading = 'history'",
+        AREA + ", kernel = 'element'",
+        WAVES,
+        "&output fields = 'pressure', 'gap', 'plastic_deformation', precision = 'single', xdmf = .true. /\n",
+        ", hardness = 2e9",
+    ),
+    "area_separation": dry("dry_area", "separation = 4e-7, 2e-7", AREA, WAVES),
+    "sphere": dry(
+        "dry_area",
+        "hertz_pressure = 1e9",
+        "length_x = 3.6e-4, length_y = 3.6e-4, intervals_x = 48, intervals_y = 40, periodic = .false.",
+        "'parabola'",
+        bodies=", reduced_radius = 0.005",
+    ),
+    "cylinder": dry(
+        "dry_line", "load_per_length = 1e5", "length = 6e-4, intervals = 160", "'parabola'", bodies=", reduced_radius = 0.01"
+    ),
+    "tilted_files": dry(
+        "dry_line",
+        "mean_pressure = 2e8",
+        "periodic = .true.",
+        "'file', file = 'a.csv', cutoff_long = 1.28e-4, cutoff_short = 1e-5",
+        "&surface_2 shape = 'file', file = 'b.csv', dataset = 'other', positions = 'position', detrend = 'line', harmonics = 9 /\n",
+    ),
+    "file_in_oil": PLAIN.replace("128", "64")
+    + "&surface_2 shape = 'file', file = 'a.csv', cutoff_short = 2e-5 /\n"
+    + time(0.2, 0.05)
+    + NO_ADEQUACY,
+    # refused
+    "refused": PLAIN.replace("load_per_length = 1e5", "load_per_length = -1e5, lod = 3").replace("128", "100")
+    + feature(2).replace("'feature'", "'ridge'")
+    + "&solver smoother = 'line', method = 'newton_dense' /\n&output fields = 'film' /\n",
+    "refused_dry": dry("dry_area", "mean_pressure = 1e8, load = 3.0", "length_x = 1e-4", "'file', file = 'none.csv'"),
+}
+
+HEIGHTS = {"a.csv": tilted(1, 2), "b.csv": tilted(2, 3)}
+
+# Namelists together, other commands, and what is interrupted and goes on.
+MORE = {
+    "several": (
+        {"a.nml": PLAIN + NO_ADEQUACY, "b.nml": ONE["refused"], "c.nml": ONE["line_elastic"]},
+        [
+            "asperity a.nml c.nml --set load.load_per_length=1.5e5 --output out --outcomes",
+            "asperity a.nml b.nml --keep-going --quiet",
+            "asperity --check a.nml b.nml c.nml",
+            "asperity table out/a.h5 out/c.h5",
+            "asperity table a.h5 out/a.h5 out/c.h5 --format csv",
+            "asperity table out/a.h5 --format json",
+        ],
+    ),
+    "texts": (
+        {},
+        [
+            "asperity --help",
+            "asperity --keys",
+            "asperity --template ehl_line",
+            "asperity --template dry_line",
+            "asperity --template dry_area",
+            "asperity",
+            "asperity none.nml --nothing",
+        ],
+    ),
+    "stopped": ({"a.nml": BUSY}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
+    "stopped_not": ({"a.nml": BUSY}, ["asperity a.nml --quiet"]),
+    "stopped_momentum": (
+        {"a.nml": MOVING.replace("0.05", "0.005") + "&film layers = 5 /\n&output checkpoint_interval = 0.0 /\n" + NO_BARS},
+        ["stop a.nml", "asperity a.nml --resume --quiet"],
+    ),
+}
+
+# Cases whose instructions are counted: a steady contact, a climb, passages, momentum, lines and areas.
+COUNTED = ("smooth", "target", "ridge_slow", "auto_lean", "moving_upper", "line", "area", "sphere")
