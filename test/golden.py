@@ -24,7 +24,6 @@ import tempfile
 import time
 
 import numpy as np
-
 from cases import contents
 from golden_cases import COUNTED, HEIGHTS, MORE, ONE
 
