@@ -29,6 +29,7 @@ PAGES = [
 LINKED_PAGES = [
     *PAGES,
     "CHANGELOG.md",
+    "docs/decisions.md",
     "docs/input.md",
     "docs/ford.md",
     "docs/thesis.md",
