@@ -25,6 +25,14 @@ class Numbers:
             yield from (form.format(part, i) for part, count in counts.items() for i in range(1, count + 1))
 
 
+def items(cell):
+    """The names in a first cell, as in "(2.6) to (2.8), (A.5)" or "Figure 5.1, A.1"."""
+    kind = re.match(r"[A-Z][a-z]+ |", cell)[0]
+    for part in cell.removeprefix(kind).split(", "):
+        stem, first, end, last = re.fullmatch(r"(.*?)(\d+)(\)?)(?: to \1(\d+)\3)?", part).groups()
+        yield from (f"{kind}{stem}{i}{end}" for i in range(int(first), int(last or first) + 1))
+
+
 def table_under(page, heading=HEADING):
     """The rows of the tables of a section as lists of cells, headers too."""
     section = re.split(r"^## ", page.split(f"## {heading}\n")[1], flags=re.M)[0]
@@ -33,10 +41,13 @@ def table_under(page, heading=HEADING):
 
 
 def check_rows(page, numbers, verdicts):
-    """A row for each number, in order, with no cell empty and a verdict that begins with one of these words."""
+    """Each number in one row, rows in order, with no cell empty and a verdict that begins with one of these words."""
     header, *rows = table_under(page)
     assert header == HEADER
-    assert [row[0] for row in rows] == list(numbers.names())
+    names = list(numbers.names())
+    places = [[names.index(name) for name in items(row[0])] for row in rows]
+    assert sorted(place for row in places for place in row) == list(range(len(names)))
+    assert places == sorted(sorted(place) for place in places)
     assert [row for row in rows if len(row) != len(HEADER) or not all(row)] == []
     assert [row for row in rows if not row[-1].startswith(verdicts)] == []
 
