@@ -3,7 +3,7 @@
 module case_notes
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use case_record, only: case_t
-   use domain_choice, only: choose_domain, inlet_error
+   use domain_choice, only: inlet_error
    use inlet_errors, only: domain_error
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -77,14 +77,11 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: watcher
       character(:), allocatable, intent(inout) :: note
-      type(line_contact_t) :: whole
       character(:), allocatable :: words
 
       if (case%accuracy%target > 0.0_wp) return
-      whole = contact
-      call choose_domain(whole)
-      words = coarse_waves(whole, case%time)
-      if (len(words) == 0 .and. case%accuracy%has_error_bars) words = long_steps(whole, case%time)
+      words = coarse_waves(contact, case%time)
+      if (len(words) == 0 .and. case%accuracy%has_error_bars) words = long_steps(contact, case%time)
       call tell(case, watcher, words, note)
    end subroutine tell_coarse_waves
 

@@ -3,7 +3,6 @@
 module grid_check
    use case_memory, only: lubricated_memory
    use case_record, only: case_t
-   use domain_choice, only: choose_domain
    use errors, only: error_t, fail, input_error
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -24,12 +23,9 @@ contains
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(in) :: contact
       type(error_t), allocatable, intent(out) :: error
-      type(line_contact_t) :: whole
       character(:), allocatable :: fault
 
-      whole = contact
-      call choose_domain(whole)
-      associate (intervals => whole%domain%intervals, method => case%solver%method)
+      associate (intervals => contact%domain%intervals, method => case%solver%method)
          fault = fault_of(intervals)
          if (intervals > max_intervals_of(method)) fault = 'found '//to_text(intervals) &
             //' intervals, which the program '// &
@@ -39,7 +35,7 @@ contains
       if (fault /= '') call fail(error, input_error, case%file//': &domain intervals: '//fault)
       associate (most => case%solver%max_intervals)
          most = max_refined_intervals
-         do while (most > whole%domain%intervals .and. fault_of(most) /= '')
+         do while (most > contact%domain%intervals .and. fault_of(most) /= '')
             most = most/2
          end do
       end associate
@@ -54,7 +50,7 @@ contains
          type(time_settings_t) :: time
          real(wp) :: steps
 
-         own = whole
+         own = contact
          own%domain%intervals = intervals
          time = case%time
          call choose_time_step(own, time)

@@ -6,7 +6,7 @@ module outlet_check
    use case_notes, only: tell
    use case_record, only: case_t
    use coarse_runs, only: run_farther, run_longer, run_other_scheme
-   use domain_choice, only: choose_domain
+   use domain_choice, only: chosen_outlet
    use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
    use features, only: rough_surface_t
@@ -25,11 +25,11 @@ module outlet_check
 
 contains
 
-   !> Both ends of the domain of the solved `contact`, for the error bars of the result; `open`: the
-   !> contact as it was posed. Error: memory or a library failed.
-   subroutine check_ends(case, open, contact, watcher, report, error)
+   !> Both ends of the domain of the solved `contact`, for the error bars of the result. Error:
+   !> memory or a library failed.
+   subroutine check_ends(case, contact, watcher, report, error)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: open, contact
+      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: watcher
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
@@ -57,45 +57,43 @@ contains
             call run_longer(bars, contact, case%solver, case%time, watcher, error)
             if (allocated(error)) return
          end if
-         call tell_outlet(case, open, contact%domain%x_outlet, outlet_error(bars), watcher, &
-            report)
+         call tell_outlet(case, contact, outlet_error(bars), watcher, report)
       end if
       watcher%writer%bars = bars
    end subroutine check_ends
 
    !> Adds a note to the report that the outlet cuts the film off, unless that is known to change
    !> the quantities only a little; `change`: by how much, NaN if it is not known.
-   subroutine tell_outlet(case, open, x_outlet, change, watcher, report)
+   subroutine tell_outlet(case, contact, change, watcher, report)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: open
-      real(wp), intent(in) :: x_outlet, change
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: change
       type(run_observer_t), intent(inout) :: watcher
       type(report_t), intent(inout) :: report
 
       if (ieee_is_finite(change)) then
          if (change <= telling_change) return
       end if
-      call tell(case, watcher, outlet_note(open, x_outlet, change), report%note)
+      call tell(case, watcher, outlet_note(contact, change), report%note)
    end subroutine tell_outlet
 
    !> What is wrong with the outlet and how to mend it; `change`: of the quantities, NaN if unknown.
-   pure function outlet_note(open, x_outlet, change) result(note)
-      type(line_contact_t), intent(in) :: open
-      real(wp), intent(in) :: x_outlet, change
+   pure function outlet_note(contact, change) result(note)
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: change
       character(:), allocatable :: note
-      type(line_contact_t) :: own
+      real(wp) :: chosen
 
-      note = 'the film is still under pressure at the outlet X = '//to_text(x_outlet, 4)
+      note = 'the film is still under pressure at the outlet X = ' &
+         //to_text(contact%domain%x_outlet, 4)
       if (ieee_is_finite(change)) then
          note = note//', which changes its quantities by up to '//to_text(100*change, 2)//' %'
       else
          note = note//', and what that changes is not known'
       end if
-      own = open
-      own%domain%has_outlet = .false.
-      call choose_domain(own)
-      if (own%domain%x_outlet > x_outlet) then
-         note = note//': without x_outlet the program takes '//to_text(own%domain%x_outlet, 4)
+      chosen = chosen_outlet(contact)
+      if (chosen > contact%domain%x_outlet) then
+         note = note//': without x_outlet the program takes '//to_text(chosen, 4)
       else
          note = note//': x_outlet farther out cures it'
       end if

@@ -15,7 +15,6 @@ module read_cases
    use line_contact, only: line_contact_t
    use output_names, only: output_findings
    use progress_log, only: new_progress_log, progress_log_t
-   use scaling, only: scaling_t
    use set_entries, only: put_entries
    use standard_output, only: print_text, write_text
    use text_file, only: read_text_file
@@ -93,7 +92,6 @@ contains
       character(:), allocatable, intent(out) :: found
       character(:), allocatable :: content
       type(findings_t) :: findings
-      type(scaling_t) :: scaling
       type(line_contact_t) :: contact
       type(error_t), allocatable :: error
 
@@ -112,7 +110,7 @@ contains
       if (findings%count > 0) then
          found = findings%report(file)
       else if (case%problem == lubricated) then
-         call build_line_contact(case, scaling, contact)
+         call build_line_contact(case, contact)
          call check_grid(case, contact, error)
          if (allocated(error)) found = error%message
       end if

@@ -10,7 +10,7 @@ module run_case
    use coarse_runs, only: companions_t
    use command_line, only: command_t
    use decision_section, only: solved_text
-   use domain_choice, only: choose_domain
+   use domain_choice, only: choose_domain, reopen
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
    use film_heating, only: new_heating
@@ -111,9 +111,10 @@ contains
 
       watcher%log = log
       watcher%threads = threads
-      call build_line_contact(case, watcher%scaling, contact)
+      watcher%scaling = case%scaling
+      call build_line_contact(case, contact)
       whole = contact
-      case%solver = scaled_solver(case, watcher%scaling)
+      case%solver = scaled_solver(case)
       watcher%film_floor = case%solver%film_floor
       call watcher%log%start_case(case%file, watcher%scaling)
       call check_grid(case, contact, error)
@@ -166,6 +167,8 @@ contains
             choice, watcher, error)
          if (allocated(error) .or. .not. choice%is_steady) return
          call take_model(choice, contact, case%time)
+         call reopen(contact%domain)
+         call choose_domain(contact, case%accuracy%target)
          call watcher%log%say(case%file//': solves '//solved_text(choice))
       end associate
       call set_effective(case, 'time', 'transient', '.false.')
@@ -183,12 +186,10 @@ contains
       character(:), allocatable :: note
       type(companions_t), allocatable :: companions
       type(error_bars_t) :: bars
-      type(line_contact_t) :: open, whole
       real(wp) :: seconds
       logical :: is_open
 
       seconds = 0.0_wp
-      open = contact
       watcher%writer%passage%times = new_passage_times(contact, case%time)
       case%solver%target = case%accuracy%target
       case%solver%target_p_max = case%accuracy%target_p_max
@@ -200,10 +201,11 @@ contains
       if (allocated(case%time%resume_from)) then
          if (case%accuracy%target > 0.0_wp) then   ! as before pilot runs chose the rest
             bars = new_error_bars(contact, case%time, case%solver%space_scheme)
+            bars%unseen = ''
             bars%forecast = watcher%writer%bars%forecast
             watcher%writer%bars = bars
          end if
-         contact%domain%intervals = watcher%intervals
+         if (watcher%intervals > 0) contact%domain%intervals = watcher%intervals
          case%time%time_step = watcher%time_step
          case%solver%space_scheme = watcher%space_scheme
          call settle_tolerance(case%solver)
@@ -211,10 +213,8 @@ contains
          call choose_grid(case, contact, watcher, seconds, error)
          if (allocated(error) .or. watcher%wants_stop) return
       end if
-      whole = contact
-      call choose_domain(whole, case%solver%target)
-      call choose_time_step(whole, case%time)
-      if (watcher%has_coarse_runs) watcher%writer%bars = new_error_bars(whole, case%time, &
+      call choose_time_step(contact, case%time)
+      if (watcher%has_coarse_runs) watcher%writer%bars = new_error_bars(contact, case%time, &
          case%solver%space_scheme)
       watcher%writer%bars%left_out = watcher%writer%choice%influence
       call note_unusual(case, note)
@@ -237,9 +237,9 @@ contains
          if (allocated(error)) return
          report%converged = .not. watcher%wants_stop
       end if
-      call check_ends(case, open, contact, watcher, report, error)
+      call check_ends(case, contact, watcher, report, error)
       if (allocated(error)) return
-      call check_forecast(case, whole, watcher, state, report, seconds, &
+      call check_forecast(case, contact, watcher, state, report, seconds, &
          error)   ! error: the caller looks
       call fill_chosen(case, contact, report)
       call fill_numbers(case, contact, report, watcher%writer%choice)

@@ -3,7 +3,6 @@ module side_by_side
    use case_memory, only: lubricated_memory
    use case_record, only: case_t
    use coarse_runs, only: companions_t, make_companion_runs, new_companions
-   use domain_choice, only: choose_domain
    use errors, only: error_t
    use interruption, only: is_interrupted
    use iteration_report, only: report_t
@@ -59,24 +58,23 @@ contains
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
-      type(line_contact_t) :: whole
+      real(wp) :: x_outlet
       logical :: is_off
 
-      whole = contact
-      call choose_domain(whole, case%solver%target)
-      if (.not. can_run_beside(whole, case, watcher)) then
+      if (.not. can_run_beside(contact, case, watcher)) then
          call solve_contact(contact, case%solver, case%time, watcher, state, report, &
             error)   ! error: the caller looks
          return
       end if
       allocate (companions)
-      companions = new_companions(whole, case%solver, case%time)
+      companions = new_companions(contact, case%solver, case%time)
+      x_outlet = contact%domain%x_outlet
       !$omp parallel num_threads(2) private(is_off)
       ! the first thread alone writes and takes signals
       !$omp master
       call solve_contact(contact, case%solver, case%time, watcher, state, report, error)
       is_off = allocated(error) .or. .not. report%converged
-      if (.not. is_off) is_off = abs(contact%domain%x_outlet - whole%domain%x_outlet) > 0.0_wp
+      if (.not. is_off) is_off = abs(contact%domain%x_outlet - x_outlet) > 0.0_wp
       call begin_activity('coarse runs')
       if (is_off) then
          !$omp atomic write

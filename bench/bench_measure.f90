@@ -5,7 +5,6 @@ module bench_measure
    use case_input, only: read_case
    use case_record, only: case_t
    use coarse_runs, only: run_farther
-   use domain_choice, only: choose_domain
    use ehl_line_steady, only: solve_steady
    use error_bars, only: apply_error_bars, error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
@@ -19,7 +18,6 @@ module bench_measure
    use line_state, only: line_state_t
    use missing_value, only: not_known
    use resolution_choice, only: choose_resolution
-   use scaling, only: scaling_t
    use solver_settings, only: solver_settings_t, time_settings_t
    use steady_target, only: solve_contact
    use wall_clock, only: wall_seconds
@@ -63,7 +61,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: case
       type(findings_t) :: findings
-      type(scaling_t) :: scaling
       real(wp), allocatable :: times(:, :)
       real(wp) :: start
       real(wp) :: processor_start, processor_end
@@ -74,7 +71,7 @@ contains
          call fail(error, input_error, findings%report(job%name))
          return
       end if
-      call build_line_contact(case, scaling, outcome%contact)
+      call build_line_contact(case, outcome%contact)
       allocate (times(job%runs, timed_phases))
       start = wall_seconds()
       call cpu_time(processor_start)
@@ -178,7 +175,6 @@ contains
       integer :: batch, call, k, products
 
       contact = outcome%contact
-      call choose_domain(contact)
       call new_hierarchy(hierarchy, contact, case%solver%levels, error)
       if (allocated(error)) return
       call pose_steady_problem(hierarchy, contact, with_roughness=.true.)

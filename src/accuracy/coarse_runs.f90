@@ -1,7 +1,7 @@
 !> Runs of the same case on coarser grids, in a transient with larger time steps, where the run
 !> itself has not passed them on its way.
 module coarse_runs
-   use domain_choice, only: choose_domain, farthest, inlet_error
+   use domain_choice, only: choose_inlet, farthest, inlet_error
    use ehl_line_solver, only: solve_ehl_line
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
@@ -181,7 +181,6 @@ contains
       if (steps < 2) return
       collector%watcher => watcher
       own = contact
-      call choose_domain(own)
       slow = time
       slow%time_step = time%end_time/slow_steps
       associate (apart => bars%apart, n => own%domain%intervals)
@@ -297,7 +296,7 @@ contains
       chosen = contact
       chosen%domain%has_inlet = .false.
       chosen%domain%inlet = 'auto'
-      call choose_domain(chosen)
+      call choose_inlet(chosen)
       contact%domain%inlet = chosen%domain%inlet
       do doubling = 1, max_doublings
          is_out = contact%domain%x_inlet <= chosen%domain%x_inlet
@@ -344,7 +343,6 @@ contains
 
       collector%passed = [line_summary_t ::]
       coarse = contact
-      call choose_domain(coarse)
       coarse%domain%intervals = coarse%domain%intervals/factor
       is_known = .false.
       if (coarse%domain%intervals < min_intervals) return

@@ -12,7 +12,6 @@ module model_choice
    use ablations, only: has_roughness, ingredient_t, ingredients_of, roughness, squeeze
    use adequacy, only: compared, influence_t, new_influence
    use coarse_passages, only: changes_without, run_passages
-   use domain_choice, only: choose_domain
    use entry_zone, only: is_moving
    use errors, only: error_t
    use expected_film, only: film_estimate
@@ -70,7 +69,6 @@ contains
       if (needs_passage) return
       choice%why = cheap_passage
       whole = scene
-      call choose_domain(whole%contact, target)
       call choose_time_step(whole%contact, whole%time)
       call move_profiles(whole%contact, 0.0_wp, error)
       if (allocated(error)) return

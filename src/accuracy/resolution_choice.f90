@@ -15,7 +15,7 @@
 !> tried is in docs/decisions.md.
 module resolution_choice
    use coarse_runs, only: run_for_comparison
-   use domain_choice, only: choose_domain, inlet_error
+   use domain_choice, only: inlet_error
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
    use inlet_errors, only: domain_error
@@ -88,12 +88,9 @@ contains
       logical :: is_last
 
       bars = new_error_bars(contact, time, settings%space_scheme)
+      bars%unseen = ''   ! of a grid that is not the one
       target = settings%target
-      if (.not. contact%domain%has_inlet) then
-         call choose_domain(contact, settings%target)
-         target = target - domain_error(inlet_error(contact))
-      end if
-      call choose_domain(contact)
+      if (contact%domain%inlet_is_chosen) target = target - domain_error(inlet_error(contact))
       search = new_search(contact, settings, time)
       search%collector%watcher => watcher
       call settle_tolerance(settings)
@@ -117,6 +114,7 @@ contains
       end do
       if (chosen%intervals == 0) chosen = search%pilots%last
       contact%domain%intervals = chosen%intervals
+      contact%domain%intervals_are_chosen = .false.
       time%time_step = time%end_time/chosen%steps
       bars%waves%time_step = time%time_step
       if (has_forecast(search%pilots)) bars%forecast = forecast_at(search%pilots, chosen)

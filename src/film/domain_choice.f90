@@ -22,12 +22,13 @@ module domain_choice
    use expected_film, only: film_estimate, newtonian_film
    use line_contact, only: closing_slope, finest_wave, line_contact_t
    use moes, only: rigid_film
+   use solver_settings, only: domain_t
    use wave_resolution, only: intervals_at_least, nodes_in_wave, wanted_nodes
    implicit none (type, external)
    private
 
-   public :: choose_domain, inlet_error, inlet_pressure_error, intervals_for, &
-      intervals_for_film
+   public :: choose_domain, choose_inlet, chosen_intervals, chosen_outlet, inlet_error, &
+      inlet_pressure_error, intervals_for, intervals_for_film, reopen
 
    !> Spacing that gives 1 % in the central film: dX <= 0.045 sqrt(H_c).
    real(wp), parameter, public :: accurate_spacing = 0.045_wp
@@ -61,7 +62,48 @@ contains
    pure subroutine choose_domain(contact, target)
       type(line_contact_t), intent(inout) :: contact
       real(wp), intent(in), optional :: target
-      real(wp) :: tolerance, width, smooth
+
+      associate (domain => contact%domain)
+         if (.not. domain%has_outlet) then
+            domain%x_outlet = chosen_outlet(contact)
+            domain%has_outlet = .true.
+            domain%may_lengthen = .true.
+         end if
+         call choose_inlet(contact, target)
+         if (domain%intervals <= 0) then
+            domain%intervals = chosen_intervals(contact)
+            domain%intervals_are_chosen = .true.
+         end if
+      end associate
+   end subroutine choose_domain
+
+   !> Leaves open again what the program has chosen of a domain.
+   pure subroutine reopen(domain)
+      type(domain_t), intent(inout) :: domain
+
+      domain%has_outlet = .not. domain%may_lengthen
+      domain%has_inlet = .not. domain%inlet_is_chosen
+      if (domain%front_is_chosen) domain%inlet = 'auto'
+      if (domain%intervals_are_chosen) domain%intervals = 0
+   end subroutine reopen
+
+   !> Outlet where the program chooses it: behind X = sqrt(1 + s^2) the gap opens faster, about as
+   !> sqrt(X^2 - 1), than passing waves of the slope s close it, and pressure does not build up
+   !> again.
+   pure function chosen_outlet(contact) result(x_outlet)
+      type(line_contact_t), intent(in) :: contact
+      real(wp) :: x_outlet, smooth
+
+      smooth = max(1.5_wp, 1 + 0.5_wp*sqrt(2*newtonian_film(contact)))
+      x_outlet = max(smooth, min(wave_margin*sqrt(1 + closing_slope(contact)**2), &
+         1 + max_widening*(smooth - 1)))
+   end function chosen_outlet
+
+   !> Inlet, and what is in front of it, where they are open; `target` as above. The outlet is known.
+   pure subroutine choose_inlet(contact, target)
+      type(line_contact_t), intent(inout) :: contact
+      real(wp), intent(in), optional :: target
+      real(wp) :: tolerance, width
 
       tolerance = default_inlet_error
       if (present(target)) then
@@ -69,32 +111,18 @@ contains
       end if
       width = sqrt(2*newtonian_film(contact))
       associate (domain => contact%domain)
-         if (.not. domain%has_outlet) then
-            ! behind X = sqrt(1 + s^2) the gap opens faster, about as sqrt(X^2 - 1), than passing
-            ! waves of the slope s close it, and pressure does not build up again
-            smooth = max(1.5_wp, 1 + 0.5_wp*width)
-            domain%x_outlet = max(smooth, min(wave_margin*sqrt(1 + closing_slope(contact)**2), &
-               1 + max_widening*(smooth - 1)))
-            domain%has_outlet = .true.
-            domain%may_lengthen = .true.
-         end if
          if (domain%inlet == 'auto') then
+            domain%front_is_chosen = .true.
             domain%inlet = 'zero'
             if (finest_wave(contact) >= huge(1.0_wp) .and. .not. domain%has_inlet) then
                if (domain%x_outlet + distance('zero') > least_shortening*(domain%x_outlet &
                   + distance('tail'))) domain%inlet = 'tail'
             end if
          end if
-         domain%inlet_is_chosen = .not. domain%has_inlet
-         if (domain%inlet_is_chosen) domain%x_inlet = -distance(domain%inlet)
+         if (domain%has_inlet) return
+         domain%x_inlet = -distance(domain%inlet)
          domain%has_inlet = .true.
-         if (domain%intervals <= 0) then
-            domain%intervals = min(max(intervals_for(contact, accurate_spacing), &
-               min_intervals), max_intervals)
-            domain%intervals = max(domain%intervals, &
-               min(intervals_at_least(wanted_nodes/nodes_in_wave(contact)*domain%intervals), &
-               max_for_waves))
-         end if
+         domain%inlet_is_chosen = .true.
       end associate
 
    contains
@@ -108,7 +136,21 @@ contains
             merge(min(tolerance, default_tail_error), tolerance, inlet == 'tail'))
       end function distance
 
-   end subroutine choose_domain
+   end subroutine choose_inlet
+
+   !> Intervals where the program chooses them, on the contact's domain: for 1 % in the central film,
+   !> and for its waves.
+   pure function chosen_intervals(contact) result(intervals)
+      type(line_contact_t), intent(in) :: contact
+      integer :: intervals
+      type(line_contact_t) :: posed
+
+      posed = contact
+      intervals = min(max(intervals_for(contact, accurate_spacing), min_intervals), max_intervals)
+      posed%domain%intervals = intervals
+      intervals = max(intervals, min(intervals_at_least(wanted_nodes/nodes_in_wave(posed) &
+         *intervals), max_for_waves))
+   end function chosen_intervals
 
    !> c of an inlet at X = -(1 + c S) that starves the film by the share `tolerance`, for what is in
    !> front of it.

@@ -1,7 +1,7 @@
 !> The lubricated line contact from its data to its fields: the page to read beside chapter 2 of the
 !> thesis.
 module ehl_line_solver
-   use domain_choice, only: choose_domain, farthest, inlet_error, inlet_pressure_error
+   use domain_choice, only: choose_domain, farthest, inlet_error, inlet_pressure_error, reopen
    use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
@@ -13,7 +13,7 @@ module ehl_line_solver
    use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem
    use line_state, only: line_state_t
    use observer, only: observer_t
-   use solver_settings, only: domain_t, solver_settings_t, time_settings_t
+   use solver_settings, only: solver_settings_t, time_settings_t
    use state_output, only: fill_properties, fill_state
    use wall_clock, only: wall_seconds
    use wave_resolution, only: choose_time_step
@@ -60,14 +60,12 @@ contains
       procedure(find_steady_interface), optional :: find_steady
       type(line_hierarchy_t) :: hierarchy
       type(time_settings_t) :: whole_steps
-      type(domain_t) :: open
       real(wp) :: start, begin
       logical :: is_resumed
 
       start = wall_seconds()
       is_resumed = allocated(time%resume_from)
       if (is_resumed) report = time%resume_from%report
-      open = contact%domain
       whole_steps = time
       call choose_domain(contact, settings%target)
       call choose_time_step(contact, whole_steps)
@@ -98,10 +96,9 @@ contains
             if (report%converged .and. report%outlet_pressure > 0.0_wp &
                .and. contact%domain%may_lengthen .and. contact%domain%x_outlet < farthest) then
                ! at twice the distance from the end of the contact; all else is chosen anew
-               open%x_outlet = min(2*contact%domain%x_outlet - 1, farthest)
-               open%has_outlet = .true.
-               open%may_lengthen = .true.
-               contact%domain = open
+               call reopen(contact%domain)
+               contact%domain%x_outlet = min(2*contact%domain%x_outlet - 1, farthest)
+               contact%domain%has_outlet = .true.
                call solve_ehl_line(contact, settings, time, watcher, state, report, error, &
                   find_steady)
                return

@@ -40,8 +40,9 @@ module solver_settings
       character(len=word_length) :: inlet = 'zero'
       !> True: the outlet is the program's, which moves it out where it cuts the film off.
       logical :: may_lengthen = .false.
-      !> True: so is the inlet.
-      logical :: inlet_is_chosen = .false.
+      !> True: so is the inlet; what is in front of it; the number of intervals.
+      logical :: inlet_is_chosen = .false., front_is_chosen = .false., &
+         intervals_are_chosen = .false.
    end type domain_t
 
    !> Steady or in time, and the steps. Time is dimensionless, T = t u_s/(2 b).

@@ -21,7 +21,7 @@ module case_input
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
    use number_text, only: read_real
    use namelist_text, only: namelist_text_t, split_namelist
-   use scaling, only: scaling_t, new_scaling
+   use scaling, only: new_moes_scaling, new_scaling
    use set_entries, only: set_entry_t, tell_apart
    use text, only: to_text
    use roelands_relation, only: complete_roelands
@@ -116,6 +116,11 @@ contains
       call fill_lubricant(values, case)
       call fill_materials(values, case%materials)
       call fill_numerics(values, case)
+      if (case%has_moes) then
+         call new_moes_scaling(case%scaling, case%moes_m, case%moes_l, case%lubricant)
+      else
+         call new_scaling(case%scaling, case%bodies, case%lubricant, case%load_per_length)
+      end if
       call check_regime(values, case)
       if (values%findings%count > 0) return
       call list_effective(values, case)
@@ -284,14 +289,12 @@ contains
    subroutine check_regime(values, case)
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(in) :: case
-      type(scaling_t) :: scales
       character(:), allocatable :: key
 
       if (case%has_moes) return
       key = 'load_per_length'
       if (values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
-      call new_scaling(scales, case%bodies, case%lubricant, case%load_per_length)
-      associate (m => key_rows(find_key('moes', 'moes_m')), &
+      associate (scales => case%scaling, m => key_rows(find_key('moes', 'moes_m')), &
          l => key_rows(find_key('moes', 'moes_l')))
          if (scales%half_width >= case%bodies%reduced_radius) then
             call values%refuse('load', key, 'found a contact of half-width ' &

@@ -6,6 +6,7 @@ module case_record
    use input_keys, only: find_key, key_rows
    use kinds, only: wp
    use lubricant, only: lubricant_t
+   use scaling, only: scaling_t
    use solver_settings, only: domain_t, time_settings_t, solver_settings_t, word_length
    use text, only: to_text
    use unusual_values, only: unusual_t
@@ -94,6 +95,8 @@ module case_record
       type(materials_t) :: materials
       !> w [N/m].
       real(wp) :: load_per_length
+      !> The scales of a lubricated contact that follow from these.
+      type(scaling_t) :: scaling
       !> Amplitude and wavelength [m], position [half-widths], speed [m/s].
       type(rough_surface_t) :: surface_1, surface_2
       type(domain_t) :: domain

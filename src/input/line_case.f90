@@ -8,7 +8,7 @@ module line_case
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use passage_times, only: place_features
    use solver_settings, only: solver_settings_t
-   use scaling, only: scaling_t, new_scaling, new_moes_scaling, scaled_fluid
+   use scaling, only: scaled_fluid
    use surface_scaling, only: scaled_surface
    implicit none (type, external)
    private
@@ -17,53 +17,39 @@ module line_case
 
 contains
 
-   !> Makes `scaling` and `contact` of a case.
-   !> The domain is as in the case: what is left open there is chosen by the solver.
-   subroutine build_line_contact(case, scaling, contact)
+   !> The contact of a case, with its whole domain: what the case leaves open is
+   !> chosen here.
+   subroutine build_line_contact(case, contact)
       type(case_t), intent(in) :: case
-      type(scaling_t), intent(out) :: scaling
       type(line_contact_t), intent(out) :: contact
-      type(line_contact_t) :: whole
 
-      if (case%has_moes) then
-         call new_moes_scaling(scaling, case%moes_m, case%moes_l, case%lubricant)
-      else
-         call new_scaling(scaling, case%bodies, case%lubricant, case%load_per_length)
-      end if
-      contact%lambda = scaling%lambda
-      contact%moes_m_sum = moes_m_sum_from_mean(scaling%moes_m)
-      contact%moes_l_sum = moes_l_sum_from_mean(scaling%moes_l)
-      contact%slide_to_roll = scaling%slide_to_roll
-      contact%fluid = scaled_fluid(scaling, case%lubricant, case%bodies)
+      contact%lambda = case%scaling%lambda
+      contact%moes_m_sum = moes_m_sum_from_mean(case%scaling%moes_m)
+      contact%moes_l_sum = moes_l_sum_from_mean(case%scaling%moes_l)
+      contact%slide_to_roll = case%scaling%slide_to_roll
+      contact%fluid = scaled_fluid(case%scaling, case%lubricant, case%bodies)
       contact%domain = case%domain
-      if (scaling%is_dimensional) then
-         contact%surface_1 = scaled_surface(case%surface_1, scaling)
-         contact%surface_2 = scaled_surface(case%surface_2, scaling)
-         whole = contact
-         ! the domain that the solver will choose: the inlet depends on the wanted accuracy
-         if (whole%domain%has_inlet) then
-            call choose_domain(whole)
-         else
-            call choose_domain(whole, case%accuracy%target)
-         end if
-         call place_surface(contact%surface_1, whole%domain%x_inlet, whole%domain%x_outlet)
-         call place_surface(contact%surface_2, whole%domain%x_inlet, whole%domain%x_outlet)
-         if (case%time%is_transient) call place_features(contact)
+      if (case%scaling%is_dimensional) then
+         contact%surface_1 = scaled_surface(case%surface_1, case%scaling)
+         contact%surface_2 = scaled_surface(case%surface_2, case%scaling)
       else
          allocate (contact%surface_1%features(0), contact%surface_2%features(0))
          contact%surface_1%speed = 1.0_wp
          contact%surface_2%speed = 1.0_wp
       end if
+      call choose_domain(contact, case%accuracy%target)
+      call place_surface(contact%surface_1, contact%domain%x_inlet, contact%domain%x_outlet)
+      call place_surface(contact%surface_2, contact%domain%x_inlet, contact%domain%x_outlet)
+      if (case%time%is_transient) call place_features(contact)
    end subroutine build_line_contact
 
    !> The settings of the solver, with the floor of the film as H.
-   pure function scaled_solver(case, scaling) result(settings)
+   pure function scaled_solver(case) result(settings)
       type(case_t), intent(in) :: case
-      type(scaling_t), intent(in) :: scaling
       type(solver_settings_t) :: settings
 
       settings = case%solver
-      if (scaling%is_dimensional) settings%film_floor = case%film_floor/scaling%film
+      if (case%scaling%is_dimensional) settings%film_floor = case%film_floor/case%scaling%film
    end function scaled_solver
 
 end module line_case

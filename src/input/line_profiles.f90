@@ -16,7 +16,6 @@ module line_profiles
    use kinds, only: wp
    use moes, only: central_film, moes_l_sum_from_mean, moes_m_sum_from_mean
    use profile, only: profile_length, profile_t
-   use scaling, only: new_scaling, scaling_t
    use surface_keys, only: features_of, read_synthesis, request_of
    use synthetic_pieces, only: new_synthetic_pieces, synthetic_pieces_t
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
@@ -174,14 +173,14 @@ contains
       type(heights_t), intent(in) :: heights
       type(trend_t), intent(in) :: trend
       type(case_t), intent(inout) :: case
-      type(scaling_t) :: scales
       type(form_t) :: form
       character(:), allocatable :: words
       real(wp) :: film, height
 
-      call new_scaling(scales, case%bodies, case%lubricant, case%load_per_length)
-      film = scales%film*central_film(moes_m_sum_from_mean(scales%moes_m), &
-         moes_l_sum_from_mean(scales%moes_l))
+      associate (scales => case%scaling)
+         film = scales%film*central_film(moes_m_sum_from_mean(scales%moes_m), &
+            moes_l_sum_from_mean(scales%moes_l))
+      end associate
       form = trend%form
       if (is_filtered(values, group)) form%terms = 0.0_wp   ! the sums are those without it
       height = rms_height(heights%sums, form)
@@ -286,15 +285,13 @@ contains
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: speed
       real(wp) :: length
-      type(scaling_t) :: scales
 
-      call new_scaling(scales, case%bodies, case%lubricant, case%load_per_length)
       length = usual_domain
       if (case%domain%has_inlet .and. case%domain%has_outlet) length = case%domain%x_outlet &
          - case%domain%x_inlet
-      if (case%time%is_transient) length = length + 2.0_wp*abs(speed)/scales%speed_sum &
+      if (case%time%is_transient) length = length + 2.0_wp*abs(speed)/case%scaling%speed_sum &
          *case%time%end_time
-      length = length*scales%half_width
+      length = length*case%scaling%half_width
    end function passage
 
    !> Where a scaled surface is at time 0 (lengths in half-widths): what is given is the centre of

@@ -3,13 +3,11 @@
 !> noise: they get a note only.)
 module wave_validation
    use case_record, only: case_t
-   use domain_choice, only: choose_domain
    use features, only: rough_surface_t
    use input_values, only: input_values_t
    use kinds, only: wp
    use line_case, only: build_line_contact
    use line_contact, only: line_contact_t
-   use scaling, only: scaling_t
    use solver_settings, only: time_settings_t
    use text, only: to_text
    use wave_resolution, only: choose_time_step, intervals_at_least, min_in_a_wave
@@ -24,18 +22,16 @@ contains
    subroutine check_waves(values, case)
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(in) :: case
-      type(scaling_t) :: scaling
       type(line_contact_t) :: contact
       type(time_settings_t) :: time
 
       if (case%has_moes .or. case%accuracy%target > 0.0_wp) return
-      call build_line_contact(case, scaling, contact)
-      call choose_domain(contact)
+      call build_line_contact(case, contact)
       time = case%time
       call choose_time_step(contact, time)
-      call check_surface(values, 'surface_1', contact%surface_1, contact, scaling%half_width, &
+      call check_surface(values, 'surface_1', contact%surface_1, contact, case%scaling%half_width, &
          time%time_step)
-      call check_surface(values, 'surface_2', contact%surface_2, contact, scaling%half_width, &
+      call check_surface(values, 'surface_2', contact%surface_2, contact, case%scaling%half_width, &
          time%time_step)
    end subroutine check_waves
 
