@@ -11,6 +11,7 @@ export FPM_LDFLAGS := -Lbuild/static -static-libgfortran -static-libgcc -Wl,--as
 
 PYTHON := python3
 NATIVE ?= 0
+OPT ?= -O3
 WERROR ?= 0
 # OpenMP shares areas between threads (--threads); with it all local arrays are on the stack: none becomes static, kept between calls.
 # The checked build has one thread and local arrays up to 1 MB on the stack: with OpenMP every allocatable result, assigned to an
@@ -19,7 +20,7 @@ WERROR ?= 0
 # that an `if` guards counts as out of bounds (the checked build looks at run time).
 COMMON := -std=f2018 -g -fbacktrace -fmax-errors=20 -Wall -Wextra -Wno-maybe-uninitialized -Wno-function-elimination -Wno-do-subscript $(if $(filter 1,$(WERROR)),-Werror)
 # With OpenMP some of these results even count as certainly uninitialized; the checked build looks for what is.
-RELEASE := $(COMMON) -Wno-uninitialized -fopenmp -O3 -funroll-loops -fno-semantic-interposition $(if $(filter 1,$(NATIVE)),-march=native)
+RELEASE := $(COMMON) -Wno-uninitialized -fopenmp $(OPT) -funroll-loops -fno-semantic-interposition $(if $(filter 1,$(NATIVE)),-march=native)
 DEBUG := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fcheck=all,no-array-temps -finit-real=snan -finit-integer=-99999999 -ffpe-trap=invalid,zero,overflow
 # Without OpenMP, as the checked build. Not `null`: gfortran loads the address of an optional argument that is absent; a null pointer
 # that is used for more than that ends in a report of the other sanitizer.
@@ -56,9 +57,9 @@ test: build generate ## all tests: unit tests, then end-to-end tests of build/bi
 	@tools/fpm_build.sh --tests --flag "$(RELEASE)"
 	@$(PYTHON) tools/run_tests.py build/bin/asperity fpm test --flag "$(RELEASE)" -- -v
 
-test-debug: debug generate ## all tests with the checked build
+test-debug: debug generate ## the same with the checked build (ARGS=--paths: of the end-to-end tests those marked `path`)
 	@tools/fpm_build.sh --tests --flag "$(DEBUG)"
-	@$(PYTHON) tools/run_tests.py build/bin/asperity-debug fpm test --flag "$(DEBUG)" -- -v
+	@$(PYTHON) tools/run_tests.py $(ARGS) build/bin/asperity-debug fpm test --flag "$(DEBUG)" -- -v
 
 golden: build ## everything that small cases leave and print, beside what is stored (ARGS=--store: keep it; ARGS=--count: instructions)
 	$(PYTHON) test/golden.py $(ARGS)
@@ -81,11 +82,12 @@ unit-debug: prepare generate ## the unit tests alone, checked build
 lint: ## style of Fortran, Python and shell, types of the Python package, order of the layers, errors that nobody looks at, laws without their case
 	fortitude check --quiet --output-format concise
 	$(PYTHON) tools/check_layers.py
-	$(PYTHON) tools/use_graph.py --most 16
+	$(PYTHON) tools/use_graph.py --most 17
 	$(PYTHON) tools/check_errors.py
 	$(PYTHON) tools/check_cases.py
 	$(PYTHON) tools/check_reads.py
 	$(PYTHON) tools/check_public.py
+	$(PYTHON) tools/check_size.py
 	ruff check --quiet .
 	ruff format --quiet --check .
 	$(PYTHON) -m mypy --no-error-summary python/asperity

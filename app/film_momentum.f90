@@ -33,8 +33,7 @@ contains
       if (.not. (case%equations == 'stokes' .and. case%time%is_transient)) return
       march%walls = walls_of(case, watcher)
       march%layers = case%layers
-      allocate (watcher%momentum, source=march)
-      watcher%wants_parts = .true.
+      allocate (watcher%follower, source=march)
    end subroutine prepare_momentum
 
    !> What the equations need to know of the bodies.
@@ -62,8 +61,8 @@ contains
       if (case%equations /= 'stokes' .or. .not. report%converged) return
       call begin_activity('full momentum equations of the film')
       associate (writer => watcher%writer)
-         if (allocated(watcher%momentum)) then
-            select type (march => watcher%momentum)
+         if (allocated(watcher%follower)) then
+            select type (march => watcher%follower)
             type is (momentum_march_t)
                writer%momentum = march%fields()
                call compare_passage(writer%film_passage, writer%momentum)

@@ -66,7 +66,7 @@ contains
       call run_apart(watcher%writer%bars, contact, case%solver, case%time, watcher, error)
       if (allocated(error)) return
       seconds = seconds + wall_seconds() - start
-      report%converged = .not. watcher%wants_stop
+      report%converged = .not. watcher%is_stopping
       call tell_measured_error(case, watcher, state, report)
    end subroutine check_forecast
 

@@ -1,17 +1,20 @@
 !> The end of a lubricated case: its result is written and its closing table printed, or what an
 !> interrupted run needs to go on is kept.
 module result_end
+   use case_limits, only: judge_limits
    use case_outcome, only: case_outcome_t, give_up, outcome_of, status_interrupted, &
       status_not_written
    use case_record, only: case_t
    use closing_table, only: close_case, closing_words_t
    use decision_section, only: decision_lines
    use errors, only: error_t
+   use film_velocity, only: velocity_profile
    use formulas_section, only: formula_lines
    use influence_section, only: model_line
    use interruption, only: take_last_words
    use iteration_report, only: report_t
    use kinds, only: wp
+   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use run_observer, only: run_observer_t
    use spike_text, only: spike_lines
@@ -19,9 +22,36 @@ module result_end
    implicit none (type, external)
    private
 
-   public :: finish_result, suspend_result
+   public :: end_result
 
 contains
+
+   !> Ends the result of a case, whose `contact` has all of its roughness: as an `error` has it, as
+   !> an interrupted run, or with a last `state`.
+   subroutine end_result(case, contact, watcher, state, report, error, outcome)
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
+      type(error_t), allocatable, intent(in) :: error
+      type(case_outcome_t), intent(out) :: outcome
+
+      if (allocated(error)) then
+         call give_up(error, watcher%log, outcome)
+      else if (watcher%is_stopping .and. .not. report%converged &
+         .and. .not. watcher%writer%has_failed()) then
+         call suspend_result(watcher, outcome)
+      else
+         call judge_limits(case, contact, state, report, watcher)
+         if (case%output_settings%velocity_layers > 0 .and. allocated(state%shear_stress_mean)) then
+            watcher%writer%velocity = velocity_profile(contact%fluid, contact%lambda, &
+               contact%slide_to_roll, state%x, state%pressure, state%film_thickness, &
+               case%output_settings%velocity_layers)
+         end if
+         call finish_result(case, watcher, state, report, outcome)
+      end if
+   end subroutine end_result
 
    !> Writes the result and prints its closing table.
    subroutine finish_result(case, watcher, state, report, outcome)

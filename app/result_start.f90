@@ -7,10 +7,13 @@ module result_start
    use checkpoint_content, only: checkpoint_t
    use errors, only: error_t
    use file_seal, only: seal_fault
+   use film_heating, only: new_heating
    use film_statistics, only: new_statistics
+   use grid_check, only: check_grid
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
    use kinds, only: wp
+   use line_contact, only: line_contact_t
    use missing_value, only: not_known
    use result_file, only: field_name_length, open_result, reopen_result
    use result_name, only: hold_name, result_name_t
@@ -26,16 +29,20 @@ module result_start
 contains
 
    !> Opens the result `path` of `case`; with `is_resume` at the last checkpoint, if there is one.
-   !> `case%time%resume_from` then says where the run goes on. Errors: the result cannot be written;
-   !> the checkpoint is of no use.
-   subroutine start_result(case, path, is_resume, watcher, error)
+   !> `case%time%resume_from` then says where the run goes on. Errors: the grid does not fit; the
+   !> result cannot be written; the checkpoint is of no use.
+   subroutine start_result(case, contact, path, is_resume, watcher, error)
       type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(in) :: contact
       character(*), intent(in) :: path
       logical, intent(in) :: is_resume
       type(run_observer_t), intent(inout) :: watcher
       type(error_t), allocatable, intent(out) :: error
       logical :: has_checkpoint
 
+      call check_grid(case, contact, error)
+      if (allocated(error)) return
+      call watcher%start_clock()
       watcher%checkpoint_interval = case%output_settings%checkpoint_interval
       inquire (file=path//'.ckpt', exist=has_checkpoint)
       if (case%time%is_transient .or. has_checkpoint) watcher%case = case_identity(case)
@@ -55,6 +62,8 @@ contains
             statistics = new_statistics(thresholds/watcher%scaling%film)
          end if
       end associate
+      watcher%writer%heating = new_heating(watcher%scaling, case%bodies, &
+         case%materials%effusivity, case%materials%conductivity)
       watcher%writer%profile_stride = case%output_settings%profile_stride
       if (any(index(watcher%writer%fields, 'shear_stress') == 1)) watcher%stress_stride = &
          watcher%writer%profile_stride
@@ -101,7 +110,7 @@ contains
       watcher%writer%bars%forecast = checkpoint%forecast
       watcher%writer%statistics = checkpoint%statistics
       if (allocated(checkpoint%momentum)) then
-         watcher%momentum_before = checkpoint%momentum
+         watcher%follower%earlier = checkpoint%momentum
          watcher%writer%film_passage = checkpoint%film_passage
       end if
       call watcher%log%say(case%file//': goes on after step '//to_text(checkpoint%march%step) &

@@ -10,7 +10,7 @@ module side_by_side
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
-   use observer, only: observer_t
+   use listener, only: listener_t
    use run_observer, only: run_observer_t
    use steady_target, only: solve_contact
    use system_limits, only: memory_fault, memory_t, processors, thread_memory
@@ -21,10 +21,10 @@ module side_by_side
 
    !> Listens to coarse runs, which tell nothing: they end when the program is interrupted or when
    !> the run itself has made them useless.
-   type, extends(observer_t) :: onlooker_t
+   type, extends(listener_t) :: onlooker_t
       logical, pointer :: are_off => null()
    contains
-      procedure :: look_outside
+      procedure :: wants_stop
    end type onlooker_t
 
 contains
@@ -84,7 +84,7 @@ contains
       call help(companions)
       !$omp end parallel
       if (companions%are_off) deallocate (companions)
-      call watcher%look_outside()
+      watcher%is_stopping = watcher%is_stopping .or. is_interrupted()
    end subroutine solve_beside
 
    !> The part of one thread in the coarse runs.
@@ -96,14 +96,15 @@ contains
       call make_companion_runs(companions, onlooker)
    end subroutine help
 
-   !> Whether the run is of any use.
-   subroutine look_outside(self)
+   !> Whether the run is of no use.
+   function wants_stop(self)
       class(onlooker_t), intent(inout) :: self
-      logical :: are_off
+      logical :: wants_stop, are_off
 
       !$omp atomic read
       are_off = self%are_off
-      self%wants_stop = self%wants_stop .or. are_off .or. is_interrupted()
-   end subroutine look_outside
+      wants_stop = self%is_stopping .or. are_off .or. is_interrupted()
+      self%is_stopping = wants_stop
+   end function wants_stop
 
 end module side_by_side

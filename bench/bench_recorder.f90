@@ -5,14 +5,15 @@ module bench_recorder
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: keep_extremes, line_summary_t, summary_of
-   use observer, only: observer_t
+   use listener, only: listener_t
+   use march_state, only: march_state_t
    implicit none (type, external)
    private
 
    public :: recorder_t, start_recorder, record_steady, largest_difference
 
    !> What is kept of one run.
-   type, extends(observer_t) :: recorder_t
+   type, extends(listener_t) :: recorder_t
       !> Seconds of processor time after which the run is stopped, counted from `start`.
       real(wp) :: limit = huge(1.0_wp)
       real(wp) :: start = 0.0_wp
@@ -21,14 +22,11 @@ module bench_recorder
       !> Largest residual of all time steps.
       real(wp) :: residual = 0.0_wp
       type(line_summary_t) :: summary
-      !> Coarser grids that a steady solution has passed.
-      type(line_summary_t), allocatable :: coarser(:)
       !> P of all stored times (nx, 0:steps); only the steady solution: (nx, 0:0).
       real(wp), allocatable :: pressure(:, :)
    contains
-      procedure :: on_cycle => watch_clock
+      procedure :: wants_stop => is_over
       procedure :: on_step => keep_step
-      procedure :: keep_coarser
    end type recorder_t
 
 contains
@@ -76,46 +74,28 @@ contains
       end do
    end function largest_difference
 
-   !> Stops the run when its time is over.
-   subroutine watch_clock(self, cycle, residual, load_error)
-      class(recorder_t), intent(inout) :: self
-      integer, intent(in) :: cycle
-      real(wp), intent(in) :: residual
-      real(wp), intent(in) :: load_error
-
-      associate (unused_cycle => cycle, unused_residual => residual, &
-         unused_load_error => load_error)
-      end associate
-      self%wants_stop = self%wants_stop .or. is_over(self)
-   end subroutine watch_clock
-
    !> Whether the run has had its time.
    function is_over(self)
-      class(recorder_t), intent(in) :: self
+      class(recorder_t), intent(inout) :: self
       logical :: is_over
       real(wp) :: now
 
       call cpu_time(now)
-      is_over = now - self%start > self%limit
+      self%is_stopping = self%is_stopping .or. now - self%start > self%limit
+      is_over = self%is_stopping
    end function is_over
 
-   !> Keeps the quantities of coarser grids.
-   subroutine keep_coarser(self, coarser)
-      class(recorder_t), intent(inout) :: self
-      type(line_summary_t), intent(in) :: coarser(:)
-
-      self%coarser = coarser
-   end subroutine keep_coarser
-
    !> Keeps a time step.
-   subroutine keep_step(self, step, steps, state, report)
+   subroutine keep_step(self, step, steps, state, history, report)
       class(recorder_t), intent(inout) :: self
       integer, intent(in) :: step
       integer, intent(in) :: steps
       type(line_state_t), intent(in) :: state
+      type(march_state_t), intent(in) :: history
       type(report_t), intent(in) :: report
 
-      self%wants_stop = self%wants_stop .or. is_over(self)
+      associate (unused => history)
+      end associate
       if (step > 0) self%residual = max(self%residual, report%residual)
       if (.not. self%is_recording) return
       if (step == 0) then

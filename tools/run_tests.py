@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Run the unit tests and the end-to-end tests, and make sure that every test that exists has run.
 
-    run_tests.py PROGRAM UNIT_COMMAND...
+    run_tests.py [--paths] PROGRAM UNIT_COMMAND...
 
 PROGRAM is the asperity that the end-to-end tests call; UNIT_COMMAND runs the unit tests (with -v, which names each).
 The names of the tests that exist are read from the test files themselves, independently of the tools that run them: a
 test that did not run counts as failed, and so does one that is skipped, unless its reason starts with "not applicable".
+With --paths only end-to-end tests that are marked `path` run: about one for every path through the program.
 The last line is `N passed, N failed`; exit status 0 only if none failed.
 """
 
@@ -66,12 +67,14 @@ def run_unit_tests(command):
     return passed, failed + len(missing)
 
 
-def run_python_tests(program):
-    """Run pytest over all end-to-end tests; returns (passed, failed)."""
+def run_python_tests(program, paths_only):
+    """Run pytest over all end-to-end tests, or those marked `path`; returns (passed, failed)."""
     report = LOG / "pytest.xml"
     report.unlink(missing_ok=True)
     environment = {**os.environ, "ASPERITY": str(program.resolve()), "PYTHONDONTWRITEBYTECODE": "1"}
     command = [sys.executable, "-m", "pytest", "--tb=short", f"--junitxml={report}", "test"]
+    if paths_only:
+        command += ["-m", "path"]
     if importlib.util.find_spec("xdist"):
         command += ["--numprocesses", "2", "--dist", "worksteal"]
     status = subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode
@@ -89,7 +92,7 @@ def run_python_tests(program):
             failed += 1
         elif skipped is None:
             passed += 1
-    missing = sorted(python_tests_that_exist() - ran)
+    missing = [] if paths_only else sorted(python_tests_that_exist() - ran)
     for name in missing:
         print(f"end-to-end test did not run: {name}")
     failed += len(missing)
@@ -103,9 +106,11 @@ def main():
     """Run both kinds of tests and print the sum."""
     start = time.monotonic()
     LOG.mkdir(parents=True, exist_ok=True)
-    unit = run_unit_tests(sys.argv[2:])
+    paths_only = sys.argv[1] == "--paths"
+    program, *unit_command = sys.argv[2 if paths_only else 1 :]
+    unit = run_unit_tests(unit_command)
     print(f"unit tests: {unit[0]} passed, {unit[1]} failed", flush=True)
-    python = run_python_tests(pathlib.Path(sys.argv[1]))
+    python = run_python_tests(pathlib.Path(program), paths_only)
     print(f"end-to-end tests: {python[0]} passed, {python[1]} failed, all tests in {time.monotonic() - start:.0f} s")
     passed, failed = unit[0] + python[0], unit[1] + python[1]
     print(f"{passed} passed, {failed} failed")

@@ -16,7 +16,7 @@ module ablation_runs
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, value_between
    use missing_value, only: exceeds, not_known, quotient
-   use observer, only: observer_t
+   use listener, only: listener_t
    use quantities, only: p_max, quantity_count, quantity_rows, sliding_rows
    use verdicts, only: no_solution
    implicit none (type, external)
@@ -56,7 +56,7 @@ contains
       logical, intent(in) :: ends_early
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(lean_level_t) :: full(2)
       integer :: g, i
@@ -68,7 +68,7 @@ contains
          do g = 1, 2
             call solve_from(full(g), contact, grids(g), pressure_on(state, grids(g)), &
                budget, watcher, error)
-            if (allocated(error) .or. watcher%wants_stop) return
+            if (allocated(error) .or. watcher%is_stopping) return
             if (full(g)%is_solved) call add_kappa(full(g), budget - full(g)%work, watcher)
             budget = budget - full(g)%work
          end do
@@ -77,7 +77,7 @@ contains
             if (budget < usual_steps*sum(grids)) cycle
             call measure_one(contact, list(i), full, adequacy%accuracy, ends_early, budget, &
                adequacy%rows(i), watcher, error)
-            if (allocated(error) .or. watcher%wants_stop) return
+            if (allocated(error) .or. watcher%is_stopping) return
          end do
       end associate
    end subroutine measure_at_rest
@@ -95,7 +95,7 @@ contains
       logical, intent(in) :: ends_early
       real(wp), intent(inout) :: budget
       type(influence_t), intent(inout) :: row
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(lean_level_t) :: lean(2)
       real(wp) :: rest
@@ -107,7 +107,7 @@ contains
       do g = 1, 2
          call solve_without(lean(g), contact, ingredient, full(g), &
             min(budget, most_steps*full(g)%level%n), rest, watcher, error)
-         if (allocated(error) .or. watcher%wants_stop) return
+         if (allocated(error) .or. watcher%is_stopping) return
          budget = budget - lean(g)%work
          if (.not. lean(g)%is_solved) row%unknown = no_solution
          if (.not. lean(1)%is_solved) return

@@ -14,7 +14,7 @@ module coarse_passages
    use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
-   use observer, only: observer_t
+   use listener, only: listener_t
    use own_passages, only: is_told_by_own, own_runs_t, scheme_of
    use passage_extremes, only: passage_extremes_t
    use passage_pairs, only: coarser_scene, doubt_extremes, known_passages, least_intervals, &
@@ -39,7 +39,7 @@ contains
       integer, intent(in) :: grids(2)
       character(*), intent(in) :: space_scheme
       type(passages_t), intent(out) :: passages
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       integer :: g
 
@@ -56,7 +56,7 @@ contains
    subroutine run_grid(passages, g, watcher, error)
       type(passages_t), intent(inout) :: passages
       integer, intent(in) :: g
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
 
       call run_scene(passages%scenes(g), watcher, passages%full(g), passages%is_known, &
@@ -70,7 +70,7 @@ contains
       type(own_runs_t), intent(in) :: runs
       type(passages_t), intent(inout) :: coarse
       real(wp), intent(inout) :: budget
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
 
       if (coarse%is_tried) return
@@ -88,13 +88,13 @@ contains
       type(passages_t), intent(inout) :: coarse
       type(passages_t), intent(out) :: slow
       real(wp), intent(inout) :: budget
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
 
       call run_coarsest(scene, runs, coarse, budget, watcher, error)
       if (allocated(error)) return
       slow = coarse
-      if (watcher%wants_stop) slow%is_known = .false.
+      if (watcher%is_stopping) slow%is_known = .false.
       if (.not. slow%is_known) return
       slow%work = 0.0_wp
       slow%scenes(2)%time%time_step = 2*coarse%scenes(2)%time%time_step
@@ -115,7 +115,7 @@ contains
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
       logical, intent(inout) :: is_open(:)
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: passages
       real(wp), dimension(quantity_count) :: all_there, change
@@ -135,7 +135,7 @@ contains
       do i = 1, size(list)
          if (.not. is_part(i)) cycle
          call change_on_grid(passages, g, list(i), change, doubt, is_known, watcher, error)
-         if (allocated(error) .or. watcher%wants_stop) return
+         if (allocated(error) .or. watcher%is_stopping) return
          if (is_known) call take_part(change, doubt, adequacy%rows(whole)%change, all_there, &
             adequacy%rows(i))
          is_open(i) = verdict_on(adequacy%rows(i), adequacy%accuracy) == verdict_unknown
@@ -156,7 +156,7 @@ contains
       real(wp), intent(out) :: all_there(quantity_count)
       logical, intent(out) :: is_known
       real(wp), intent(inout) :: budget
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: doubt(quantity_count, 2)
 
@@ -170,7 +170,7 @@ contains
          passages = coarse
       end if
       passages%work = 0.0_wp
-      if (.not. passages%is_known .or. watcher%wants_stop) return
+      if (.not. passages%is_known .or. watcher%is_stopping) return
       call change_on_grid(passages, g, all_roughness, all_there, doubt, is_known, watcher, &
          error)   ! error: the caller looks
    end subroutine look_at_all
@@ -183,7 +183,7 @@ contains
       type(ingredient_t), intent(in) :: ingredient
       real(wp), dimension(quantity_count, 2), intent(out) :: changes, doubt
       logical, intent(out) :: is_known
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: coarser_doubt(quantity_count, 2)
 
@@ -202,7 +202,7 @@ contains
       type(ingredient_t), intent(in) :: ingredient
       real(wp), intent(out) :: change(quantity_count), doubt(quantity_count, 2)
       logical, intent(out) :: is_known
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(line_summary_t) :: lean
 
@@ -230,7 +230,7 @@ contains
    !> The extremes of a scene; what it took is added to `work`.
    subroutine run_scene(scene, watcher, summary, is_known, work, error)
       type(scene_t), intent(in) :: scene
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(line_summary_t), intent(out) :: summary
       logical, intent(out) :: is_known
       real(wp), intent(inout) :: work
@@ -243,7 +243,7 @@ contains
       is_known = .false.
       own = scene%contact
       own%domain%may_lengthen = .false.
-      collector%watcher => watcher
+      collector%parent => watcher
       collector%passage = passage_extremes_t(new_passage_times(own, scene%time))
       call solve_ehl_line(own, scene%settings, scene%time, collector, state, report, error)
       if (allocated(error)) return
@@ -263,7 +263,7 @@ contains
       type(line_summary_t), intent(out) :: summary
       logical, intent(out) :: is_known
       real(wp), intent(inout) :: work
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(scene_t) :: lean
       type(line_state_t) :: state
@@ -299,7 +299,7 @@ contains
    !> The steady contact of a scene on its own grid, with the surfaces at their first places.
    subroutine solve_steadily(scene, watcher, state, is_solved, error)
       type(scene_t), intent(in) :: scene
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(line_state_t), intent(out) :: state
       logical, intent(out) :: is_solved
       type(error_t), allocatable, intent(out) :: error
@@ -309,7 +309,7 @@ contains
 
       own = scene%contact
       own%domain%may_lengthen = .false.
-      collector%watcher => watcher
+      collector%parent => watcher
       call solve_ehl_line(own, solver_settings_t(method='newton_krylov', max_cycles=max_cycles, &
          explains_failure=.false.), time_settings_t(), collector, state, report, error)
       is_solved = report%converged .and. .not. allocated(error)

@@ -10,7 +10,7 @@ module coarse_runs
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
-   use observer, only: observer_t
+   use listener, only: listener_t
    use run_collector, only: collector_t
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
@@ -61,19 +61,19 @@ contains
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
       type(time_settings_t) :: steady
 
       bars = new_error_bars(contact, steady, settings%space_scheme)
-      collector%watcher => watcher
+      collector%parent => watcher
       call run_coarser(contact, settings, steady, 2, collector, bars%has_half, error)
       if (allocated(error)) return
       bars%half = collector%summary
-      if (size(collector%passed) > 0) then
+      if (size(collector%coarser) > 0) then
          bars%has_quarter = .true.
-         bars%quarter = collector%passed(1)
+         bars%quarter = collector%coarser(1)
       else
          call run_coarser(contact, settings, steady, 4, collector, bars%has_quarter, &
             error)   ! error: the caller looks
@@ -105,13 +105,13 @@ contains
    !> quantities are then unknown.
    subroutine make_companion_runs(companions, watcher)
       type(companions_t), intent(inout) :: companions
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(collector_t) :: collector
       type(time_settings_t) :: time
       logical :: are_off
       integer :: i
 
-      collector%watcher => watcher
+      collector%parent => watcher
       time = companions%time
       time%scheme = 'bdf2'
       do
@@ -167,7 +167,7 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
       type(line_contact_t) :: own
@@ -179,7 +179,7 @@ contains
       steps = nint(time%end_time/time%time_step)
       slow_steps = (steps + 1)/2
       if (steps < 2) return
-      collector%watcher => watcher
+      collector%parent => watcher
       own = contact
       slow = time
       slow%time_step = time%end_time/slow_steps
@@ -206,14 +206,14 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
       type(line_contact_t) :: longer
       integer :: doubling
 
       if (.not. bars%has_half) return
-      collector%watcher => watcher
+      collector%parent => watcher
       longer = contact
       do doubling = 1, merge(1, 3, time%is_transient)
          associate (domain => longer%domain)
@@ -241,7 +241,7 @@ contains
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
       type(line_contact_t) :: longer
@@ -259,7 +259,7 @@ contains
          call reach_out(longer, 2*max_chosen(settings), is_out)
          if (.not. is_out) return
       end if
-      collector%watcher => watcher
+      collector%parent => watcher
       exact = settings
       exact%tolerance = 0.0_wp
       associate (inlet => bars%inlet)
@@ -312,7 +312,7 @@ contains
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
       type(solver_settings_t) :: other
@@ -320,12 +320,12 @@ contains
       logical :: is_known
 
       if (.not. bars%is_kappa) return
-      collector%watcher => watcher
+      collector%parent => watcher
       other = settings
       other%space_scheme = 'upwind2'
       call run_coarser(contact, other, steady, 1, collector, is_known, error)
-      if (allocated(error) .or. .not. is_known .or. size(collector%passed) == 0) return
-      bars%other_scheme = [collector%summary, collector%passed]
+      if (allocated(error) .or. .not. is_known .or. size(collector%coarser) == 0) return
+      bars%other_scheme = [collector%summary, collector%coarser]
    end subroutine run_other_scheme
 
    !> The case on `factor` times fewer intervals with a time step as much larger; its quantities are
@@ -341,7 +341,7 @@ contains
       type(line_contact_t) :: coarse
       type(time_settings_t) :: coarse_time
 
-      collector%passed = [line_summary_t ::]
+      collector%coarser = [line_summary_t ::]
       coarse = contact
       coarse%domain%intervals = coarse%domain%intervals/factor
       is_known = .false.

@@ -17,7 +17,7 @@ module lean_solution
    use line_summary, only: line_summary_t
    use newton_line, only: solve_newton
    use newton_work, only: newton_t
-   use observer, only: observer_t
+   use listener, only: listener_t
    use passage_extremes, only: passage_extremes_t
    use passage_times, only: new_passage_times
    use pressure_errors, only: doubt_spike
@@ -62,7 +62,7 @@ contains
       integer, intent(in) :: intervals
       type(film_state_t), intent(in) :: start
       real(wp), intent(in) :: work
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       type(error_t), allocatable, intent(out) :: error
 
       call pose(self, contact, intervals, 0.0_wp, error)
@@ -78,7 +78,7 @@ contains
    subroutine add_kappa(self, work, watcher)
       type(lean_level_t), intent(inout) :: self
       real(wp), intent(in) :: work
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       type(film_state_t) :: thesis
 
       thesis = self%level%state
@@ -126,7 +126,7 @@ contains
    subroutine solve_level_of(self, work, watcher)
       type(lean_level_t), intent(inout) :: self
       real(wp), intent(in) :: work
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       logical :: halts(size(ieee_usual))
 
       ! A trial may diverge beyond all numbers, which is then no solution; checked builds go on too.
@@ -161,7 +161,7 @@ contains
       type(lean_level_t), intent(in) :: full
       real(wp), intent(in) :: work
       real(wp), intent(inout) :: rest
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(line_contact_t) :: other
       logical :: is_open
@@ -195,7 +195,7 @@ contains
       type(line_summary_t), intent(out) :: summary
       logical, intent(out) :: is_known
       real(wp), intent(inout) :: work
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(line_contact_t) :: own
       type(lean_level_t) :: lean

@@ -20,7 +20,7 @@ module measured_adequacy
    use kinds, only: wp
    use line_hierarchy, only: coarsest_for_film
    use line_state, only: line_state_t
-   use observer, only: observer_t
+   use listener, only: listener_t
    use own_passages, only: cost_of_coarse, finest_passages, is_told_by_own, own_runs_t
    use passage_pairs, only: coarse_tolerance, cost_of, march_weight, passage_grids, passages_t, &
       scene_t, schemes, steps_to_start, widths
@@ -62,7 +62,7 @@ contains
       type(own_runs_t), intent(in) :: runs
       real(wp), intent(in) :: accuracy
       type(adequacy_t), intent(out) :: adequacy
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: budget
 
@@ -97,29 +97,29 @@ contains
       type(own_runs_t), intent(in) :: runs
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: kept(2)
       logical, dimension(size(list)) :: is_open, takes_rest
 
       call measure_smooth(scene, list, budget, adequacy, watcher, error)
-      if (allocated(error) .or. watcher%wants_stop) return
+      if (allocated(error) .or. watcher%is_stopping) return
       is_open = .true.
       call ask_own(scene, runs, list, list%kind == roughness, kept, budget, adequacy, is_open, &
          watcher, error)
-      if (allocated(error) .or. watcher%wants_stop) return
+      if (allocated(error) .or. watcher%is_stopping) return
       call look_at_rest(list, adequacy, is_open)
       call measure_parts(scene, runs, list, kept(2), budget, adequacy, is_open, watcher, error)
-      if (allocated(error) .or. watcher%wants_stop) return
+      if (allocated(error) .or. watcher%is_stopping) return
       takes_rest = list%kind == squeeze .and. is_told_by_own(scene, runs, list)
       call ask_own(scene, runs, list, is_open .and. .not. takes_rest, kept, budget, adequacy, &
          is_open, watcher, error)
-      if (allocated(error) .or. watcher%wants_stop) return
+      if (allocated(error) .or. watcher%is_stopping) return
       call compare_passages(scene, list, is_open .and. .not. takes_rest, budget, adequacy, &
          watcher, error)
-      if (allocated(error) .or. watcher%wants_stop) return
+      if (allocated(error) .or. watcher%is_stopping) return
       call ask_time_step(scene, runs, any(takes_rest), kept, budget, adequacy, watcher, error)
-      if (allocated(error) .or. watcher%wants_stop) return
+      if (allocated(error) .or. watcher%is_stopping) return
       call ask_own(scene, runs, list, takes_rest, kept, budget, adequacy, is_open, watcher, &
          error)   ! error: the caller looks
    end subroutine measure_passage
@@ -134,7 +134,7 @@ contains
       type(passages_t), intent(inout) :: kept(2)
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: larger
       real(wp) :: cost
@@ -166,7 +166,7 @@ contains
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
       logical, intent(inout) :: is_open(:)
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       logical :: is_known
       integer :: i
@@ -175,7 +175,7 @@ contains
          if (.not. (is_chosen(i) .and. is_told_by_own(scene, runs, list(i)))) cycle
          call compare_with_own(scene, runs, list(i), kept, budget, adequacy%rows(i), is_known, &
             watcher, error)
-         if (allocated(error) .or. watcher%wants_stop) return
+         if (allocated(error) .or. watcher%is_stopping) return
          is_open(i) = .not. is_known
       end do
    end subroutine ask_own
@@ -203,7 +203,7 @@ contains
       type(ingredient_t), intent(in) :: list(:)
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(scene_t) :: smooth
       type(adequacy_t) :: own
@@ -246,7 +246,7 @@ contains
       logical, intent(in) :: is_open(:)
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: passages(size(schemes))
       integer :: i
@@ -257,7 +257,7 @@ contains
       do i = 1, size(list)
          if (is_open(i)) call compare_one(scene, list(i), passages, budget, adequacy%in_time, &
             adequacy%rows(i), watcher, error)
-         if (allocated(error) .or. watcher%wants_stop) return
+         if (allocated(error) .or. watcher%is_stopping) return
       end do
    end subroutine compare_passages
 
@@ -270,7 +270,7 @@ contains
       real(wp), intent(inout) :: budget
       integer, intent(in) :: grids(2)
       type(influence_t), intent(inout) :: row
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), cost, spent
       logical :: is_known
@@ -281,7 +281,7 @@ contains
          if (.not. passages(k)%is_tried) then
             if (budget < cost) return
             call run_passages(scene, grids, schemes(k), passages(k), watcher, error)
-            if (allocated(error) .or. watcher%wants_stop) return
+            if (allocated(error) .or. watcher%is_stopping) return
             budget = budget - passages(k)%work
          end if
          ! smooth surfaces take one steady solution
@@ -313,7 +313,7 @@ contains
       real(wp), intent(inout) :: budget
       type(influence_t), intent(inout) :: row
       logical, intent(out) :: is_known
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: passages
       real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), cost, widths(4)
@@ -333,7 +333,7 @@ contains
          cost = cost_of_coarse(scene, runs, kept(2)%is_tried)
          if (budget < cost) return
          call run_coarsest(scene, runs, kept(2), budget, watcher, error)
-         if (allocated(error) .or. watcher%wants_stop) return
+         if (allocated(error) .or. watcher%is_stopping) return
          if (.not. kept(2)%is_known) return
          passages = kept(2)
       end select

@@ -21,7 +21,7 @@ module model_choice
    use model_decision, only: at_rest, changes_little, cheap_in_motion, cheap_passage, &
       cheap_steady, goes_along, may_matter, model_choice_t, not_measured, start_counts, too_high, &
       wanted
-   use observer, only: observer_t
+   use listener, only: listener_t
    use passage_pairs, only: newton_per_step, passage_grids, passages_t, scene_t, schemes, widths
    use passage_times, only: new_passage_times
    use quantities, only: h_central, h_min, quantity_count
@@ -51,7 +51,7 @@ contains
       real(wp), intent(in) :: target
       logical, intent(in) :: needs_passage
       type(model_choice_t), intent(out) :: choice
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(scene_t) :: whole
       type(ingredient_t), allocatable :: list(:)
@@ -105,7 +105,7 @@ contains
       type(ingredient_t), intent(in) :: list(:)
       real(wp), intent(in) :: target
       type(model_choice_t), intent(inout) :: choice
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       integer :: i
 
@@ -148,7 +148,7 @@ contains
       type(ingredient_t), intent(in) :: ingredient
       type(influence_t), intent(inout) :: row
       integer, intent(out) :: grids(2)
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: passages
       real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), budget
@@ -162,7 +162,7 @@ contains
       if (any(grids == 0)) return
       do k = 1, size(schemes)
          call run_passages(scene, grids, schemes(k), passages, watcher, error)
-         if (allocated(error) .or. watcher%wants_stop) return
+         if (allocated(error) .or. watcher%is_stopping) return
          if (.not. passages%is_known) cycle
          call changes_without(passages, ingredient, changes, doubt, is_known, watcher, error)
          if (allocated(error)) return

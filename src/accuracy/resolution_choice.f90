@@ -22,7 +22,7 @@ module resolution_choice
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use missing_value, only: not_known
-   use observer, only: observer_t
+   use listener, only: listener_t
    use pilots, only: add_other_scheme, add_pilot, begun_anew, cheapest_resolution, forecast_at, &
       has_forecast, new_pilots, next_direction, nothing, pilots_t, refined, resolution_t
    use quantities, only: quantity_count
@@ -80,7 +80,7 @@ contains
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(inout) :: settings
       type(time_settings_t), intent(inout) :: time
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(error_t), allocatable, intent(out) :: error
       type(search_t) :: search
       type(resolution_t) :: chosen
@@ -92,7 +92,7 @@ contains
       target = settings%target
       if (contact%domain%inlet_is_chosen) target = target - domain_error(inlet_error(contact))
       search = new_search(contact, settings, time)
-      search%collector%watcher => watcher
+      search%collector%parent => watcher
       call settle_tolerance(settings)
       call check_first(search%pilots, settings%method, error)
       if (allocated(error)) return
@@ -100,7 +100,7 @@ contains
          call run_pilot(search, error)
          if (allocated(error)) return
          settings%space_scheme = search%settings%space_scheme
-         if (watcher%wants_stop) return
+         if (watcher%is_stopping) return
          if (.not. search%has_solution .and. is_finest(search%pilots)) exit
          call learn(search)
          is_last = is_finest(search%pilots) .or. is_dear(search)
@@ -176,7 +176,7 @@ contains
       call run(search, error)
       if (allocated(error)) return
       if (search%has_solution .or. .not. search%may_change_scheme &
-         .or. search%collector%watcher%wants_stop) return
+         .or. search%collector%parent%is_stopping) return
       search%settings%space_scheme = 'upwind2'
       call run(search, error)
       if (allocated(error)) return
@@ -224,7 +224,7 @@ contains
       real(wp) :: values(quantity_count)
 
       if (search%settings%space_scheme /= 'kappa' .or. search%pilots%is_beside_known) return
-      if (.not. has_forecast(search%pilots) .or. search%collector%watcher%wants_stop) return
+      if (.not. has_forecast(search%pilots) .or. search%collector%parent%is_stopping) return
       beside = search
       beside%settings%space_scheme = 'upwind2'
       call run(beside, error)

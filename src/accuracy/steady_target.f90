@@ -20,7 +20,7 @@ module steady_target
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use nested_start, only: coarse_run_tolerance, first_guess, max_firsts, solve_level
-   use observer, only: is_stopped, observer_t
+   use listener, only: is_stopped, listener_t
    use quantities, only: p_max
    use solver_choice, only: adopt, steady_attempts
    use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
@@ -49,7 +49,7 @@ contains
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
@@ -71,7 +71,7 @@ contains
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
@@ -94,7 +94,7 @@ contains
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
          call adopt(hierarchy, ways(i))
          call climb(hierarchy, contact, goal, watcher, bars, is_sound, error)
-         if (allocated(error) .or. watcher%wants_stop) return
+         if (allocated(error) .or. watcher%is_stopping) return
          if (is_sound) exit
       end do
       if (.not. is_sound) then
@@ -120,7 +120,7 @@ contains
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       type(goal_t), intent(in) :: goal
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       type(error_bars_t), intent(inout) :: bars
       logical, intent(out) :: is_sound
       type(error_t), allocatable, intent(out) :: error
@@ -159,7 +159,7 @@ contains
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
       type(goal_t), intent(in) :: goal
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       type(error_bars_t), intent(inout) :: bars
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
@@ -174,7 +174,7 @@ contains
          if (allocated(error)) return
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
          call solve_steady(hierarchy, contact, goal%settings, watcher, report)
-         if (watcher%wants_stop) return
+         if (watcher%is_stopping) return
          if (2*contact%domain%intervals > max_chosen(goal%settings)) return
          if (report%converged) then
             associate (level => hierarchy%levels(hierarchy%finest))

@@ -14,7 +14,7 @@ module continuation
    use line_hierarchy, only: count_work, line_hierarchy_t
    use lubricant, only: fluid_density, fluid_t
    use newton_line, only: solve_newton
-   use observer, only: is_stopped, observer_t
+   use listener, only: is_stopped, listener_t
    use rheology, only: eased_fluid
    implicit none (type, external)
    private
@@ -47,7 +47,7 @@ contains
       integer, intent(in) :: k
       real(wp), intent(in) :: factor
       logical, intent(out) :: is_sound
-      class(observer_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: watcher
       type(fluid_t) :: fluid
       real(wp) :: ratio, reached, wanted
 
@@ -78,7 +78,7 @@ contains
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
       logical, intent(out) :: is_settled
-      class(observer_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: watcher
       real(wp), allocatable :: right_side(:)
       real(wp) :: time_step
       integer :: step
@@ -113,7 +113,7 @@ contains
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k, max_newton_steps
       logical, intent(out) :: is_solved
-      class(observer_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: watcher
       type(film_state_t) :: before
 
       associate (level => hierarchy%levels(k))

@@ -10,7 +10,7 @@ module cycle_control
       method_fas
    use line_level, only: largest_pressure
    use newton_line, only: solve_newton
-   use observer, only: is_stopped, observer_t
+   use listener, only: is_stopped, listener_t
    use relaxation_sweeps, only: sweep_under_load
    use residuals, only: measure_residual, residual_t
    use text, only: counted, to_text
@@ -64,7 +64,7 @@ contains
    subroutine iterate(hierarchy, report, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(report_t), intent(inout) :: report
-      class(observer_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: watcher
       type(residual_t) :: residual
       type(film_state_t) :: before
       type(course_t) :: course
@@ -86,7 +86,8 @@ contains
             call report%add(residual%reynolds, residual%load)
             report%tolerance_effective = effective_tolerance(choice%tolerance, residual)
             hierarchy%goal = report%tolerance_effective
-            if (present(watcher)) call watcher%on_cycle(cycle, residual%reynolds, residual%load)
+            if (present(watcher)) call watcher%on_stage('cycle', cycle, &
+               [residual%reynolds, residual%load])
             call follow(course, cycle, residual)
             report%converged = residual%film_is_open &
                .and. residual%reynolds <= report%tolerance_effective &

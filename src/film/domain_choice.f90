@@ -99,7 +99,8 @@ contains
          1 + max_widening*(smooth - 1)))
    end function chosen_outlet
 
-   !> Inlet, and what is in front of it, where they are open; `target` as above. The outlet is known.
+   !> Inlet, and what is in front of it, where they are open; `target` as above. The outlet is
+   !> known.
    pure subroutine choose_inlet(contact, target)
       type(line_contact_t), intent(inout) :: contact
       real(wp), intent(in), optional :: target
@@ -138,8 +139,8 @@ contains
 
    end subroutine choose_inlet
 
-   !> Intervals where the program chooses them, on the contact's domain: for 1 % in the central film,
-   !> and for its waves.
+   !> Intervals where the program chooses them, on the contact's domain: for 1 % in the central
+   !> film, and for its waves.
    pure function chosen_intervals(contact) result(intervals)
       type(line_contact_t), intent(in) :: contact
       integer :: intervals

@@ -10,9 +10,10 @@ module ehl_line_solver
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles
    use level_summaries, only: coarser_summaries
-   use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem
+   use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, &
+      report_cost
    use line_state, only: line_state_t
-   use observer, only: observer_t
+   use listener, only: listener_t
    use solver_settings, only: solver_settings_t, time_settings_t
    use state_output, only: fill_properties, fill_state
    use wall_clock, only: wall_seconds
@@ -26,13 +27,13 @@ module ehl_line_solver
       !> Builds the grids of a contact whose domain is complete and solves the steady contact on the
       !> finest; the number of intervals is its choice.
       subroutine find_steady_interface(hierarchy, contact, settings, watcher, report, error)
-         import :: error_t, line_contact_t, line_hierarchy_t, observer_t, report_t, &
+         import :: error_t, line_contact_t, line_hierarchy_t, listener_t, report_t, &
             solver_settings_t
          implicit none (type, external)
          type(line_hierarchy_t), intent(inout) :: hierarchy
          type(line_contact_t), intent(inout) :: contact
          type(solver_settings_t), intent(in) :: settings
-         class(observer_t), intent(inout) :: watcher
+         class(listener_t), intent(inout) :: watcher
          type(report_t), intent(inout) :: report
          type(error_t), allocatable, intent(out) :: error
       end subroutine find_steady_interface
@@ -43,8 +44,9 @@ contains
    !> Solves one contact on its grid, or where `find_steady` is given on the one that finds. Steady:
    !> with the surfaces at rest where they are. Transient: from the smooth steady contact.
    !> `contact%domain` is completed where the user left it open; an outlet of the program that cuts
-   !> the steady film off is moved out. The observer is told every cycle of the steady solution and
-   !> every time step, and the summaries of the coarser grids that a steady solution has passed.
+   !> the steady film off is moved out. The listener is told every cycle of the steady solution and
+   !> every time step, and gets the summaries of the coarser grids that a steady solution has
+   !> passed.
    !> With `time%resume_from` the transient goes on there. Not converging is in the report; `error`
    !> is for failures of memory, libraries and files of heights.
    ! allow(too-many-arguments)  the last is optional
@@ -53,7 +55,7 @@ contains
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
@@ -77,6 +79,7 @@ contains
       if (allocated(error)) return
       hierarchy%is_kappa = settings%space_scheme == 'kappa'
       hierarchy%work_units = report%work_units
+      hierarchy%earlier_pairs = report%fft_pairs
       hierarchy%setup_seconds = wall_seconds() - start
       if (present(find_steady)) then
          call find_steady(hierarchy, contact, settings, watcher, report, error)
@@ -109,14 +112,13 @@ contains
             call march(hierarchy, contact, settings, whole_steps, watcher, state, report)
             seconds(phase_transient) = seconds(phase_transient) + wall_seconds() - begin
          else if (report%converged) then
-            call watcher%keep_coarser(coarser_summaries(hierarchy))
+            watcher%coarser = coarser_summaries(hierarchy)
             call look_for_breakdown(state%x, state%film_thickness, settings, 0, 0.0_wp, report)
          end if
       end associate
       if (all(state%film_thickness > 0.0_wp)) call fill_properties(contact, state)
       report%levels = hierarchy%finest - hierarchy%coarsest + 1
-      report%fft_pairs = report%fft_pairs + sum(hierarchy%levels%products)
-      report%work_units = hierarchy%work_units
+      call report_cost(hierarchy, report)
       report%wall_seconds = report%wall_seconds + wall_seconds() - start
    end subroutine solve_ehl_line
 
@@ -127,13 +129,13 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       type(report_t), intent(inout) :: report
 
       hierarchy%wants_coarse_runs = settings%wants_coarse_runs .and. .not. time%is_transient
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
       call solve_steady(hierarchy, contact, settings, watcher, report)
-      if (settings%explains_failure .and. .not. (report%converged .or. watcher%wants_stop)) then
+      if (settings%explains_failure .and. .not. (report%converged .or. watcher%is_stopping)) then
          if (.not. time%is_transient) call blame_surfaces(hierarchy%levels(hierarchy%finest), &
             contact, report)
          call blame_grid(contact, settings, .not. time%is_transient, watcher, report)

@@ -11,7 +11,7 @@ module ehl_line_steady
       pose_coarser_levels, pose_steady_problem, relaxation_t, roughness_at
    use line_level, only: line_level_t
    use nested_start, only: bump_start, full_multigrid_start
-   use observer, only: lookout_t, observer_t
+   use listener, only: relay_t, listener_t
    use continuation, only: follow_time
    use solver_choice, only: adopt, note_choice, steady_attempts
    use solver_settings, only: solver_settings_t
@@ -42,7 +42,7 @@ contains
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(report_t), intent(inout) :: report
       logical, intent(in), optional :: is_started
       type(relaxation_t), allocatable :: attempts(:)
@@ -72,13 +72,13 @@ contains
          if (is_sound) then
             if (attempts(i)%thesis_first) call start_from_thesis(hierarchy, watcher)
             call iterate(hierarchy, report, watcher)
-            if (report%converged .or. watcher%wants_stop) return
+            if (report%converged .or. watcher%is_stopping) return
          else
             report%converged = .false.
             report%reason = 'the exact solution of the coarse start grid failed'
             if (attempts(i)%follows_time) report%reason = 'the start in pseudo-time came to no end'
-            if (watcher%wants_stop) report%reason = 'stopped from outside'
-            if (watcher%wants_stop) return
+            if (watcher%is_stopping) report%reason = 'stopped from outside'
+            if (watcher%is_stopping) return
          end if
          failure = report%method//': '//report%reason
          if (i == 1) failures = failure
@@ -91,12 +91,12 @@ contains
    !> Start of the kappa scheme from the solution of the thesis's scheme on the same level.
    subroutine start_from_thesis(hierarchy, watcher)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      class(observer_t), intent(inout), target :: watcher
-      type(lookout_t) :: lookout
+      class(listener_t), intent(inout), target :: watcher
+      type(relay_t) :: lookout
       type(relaxation_t) :: choice
       type(report_t) :: report
 
-      lookout%watcher => watcher
+      lookout%parent => watcher
       choice = hierarchy%relaxation
       hierarchy%relaxation%tolerance = rough_tolerance
       hierarchy%relaxation%max_cycles = rough_cycles
@@ -114,9 +114,9 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       logical, intent(in) :: with_roughness
-      class(observer_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: watcher
       type(report_t), intent(inout) :: report
-      type(lookout_t) :: lookout
+      type(relay_t) :: lookout
       type(line_contact_t) :: finer
       integer :: fitted, given, last
       logical :: is_solved
@@ -124,7 +124,7 @@ contains
       given = contact%domain%intervals
       fitted = intervals_for_film(contact)
       if (given >= fitted .and. .not. any(settings%method == blaming_methods)) return
-      lookout%watcher => watcher
+      lookout%parent => watcher
       finer = contact
       finer%domain%intervals = max(fitted, 2*given)
       if (thins(contact%fluid)) finer%domain%intervals = 2*given
@@ -132,7 +132,7 @@ contains
       is_solved = .false.
       do while (finer%domain%intervals <= last)
          call try_grid(finer, settings%space_scheme, with_roughness, lookout, is_solved)
-         if (watcher%wants_stop) return
+         if (watcher%is_stopping) return
          if (is_solved) exit
          finer%domain%intervals = 2*finer%domain%intervals
       end do
@@ -165,7 +165,7 @@ contains
       type(line_contact_t), intent(in) :: contact
       character(*), intent(in) :: space_scheme
       logical, intent(in) :: with_roughness
-      class(observer_t), intent(inout) :: lookout
+      class(listener_t), intent(inout) :: lookout
       logical, intent(out) :: is_solved
       type(line_hierarchy_t) :: hierarchy
       type(solver_settings_t) :: settings

@@ -18,11 +18,11 @@ module ehl_line_transient
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: min_in_wave, intervals_for_waves, line_contact_t, move_profiles
-   use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, roughness_at
+   use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, report_cost, roughness_at
    use line_state, only: line_state_t
    use march_history, only: extrapolate, foretelling, remember
    use march_state, only: march_state_t
-   use observer, only: observer_t
+   use listener, only: listener_t
    use solver_choice, only: adopt, note_choice, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t, word_length
    use reynolds_line, only: evaluate_coefficients
@@ -54,7 +54,7 @@ contains
 
    !> Marches from the smooth steady solution on the finest level, whose film the surfaces then
    !> enter without a new solve, or from where an earlier run stood, to `time%end_time`, with a step
-   !> from `choose_time_step`; the observer gets every step. Ends early, not converged, where a step
+   !> from `choose_time_step`; the listener gets every step. Ends early, not converged, where a step
    !> finds no solution, or the heights of a surface cannot be read any more; `state` is then the
    !> last good one. The profiles are at hand where it begins.
    subroutine march(hierarchy, contact, settings, time, watcher, state, report)
@@ -62,7 +62,7 @@ contains
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
-      class(observer_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: watcher
       type(line_state_t), intent(inout) :: state
       type(report_t), intent(inout) :: report
       type(march_state_t) :: history
@@ -73,7 +73,7 @@ contains
       call note_choice(report, plan%attempts(1))
       plan%length = time%time_step
       plan%scheme = time%scheme
-      plan%keeps_parts = watcher%wants_parts
+      plan%keeps_parts = allocated(watcher%follower)
       steps = nint(time%end_time/time%time_step)
       associate (level => hierarchy%levels(hierarchy%finest))
          call watcher%on_stage('time steps on '//to_text(level%n)//' intervals')
@@ -95,19 +95,18 @@ contains
             call evaluate_coefficients(level)
             call fill_state(contact, level, 0.0_wp, state)
          end if
-         if (watcher%wants_parts) call watcher%on_start(contact, state, report)
+         call start_follower(watcher, contact, state, report)
          if (.not. report%converged) return
          if (.not. allocated(time%resume_from)) call hand_out(0)
          do step = history%step + 1, steps
-            if (watcher%wants_stop) then
+            if (watcher%wants_stop()) then
                call refuse(report, 'stopped from outside')
                return
             end if
             plan%step = step
             plan%ends = part_ends(plan%scheme, step, plan%length)
             call take_step(hierarchy, contact, plan, history, report)
-            if (report%converged .and. watcher%wants_parts) call watcher%on_parts(plan%parts, &
-               report)
+            if (report%converged) call advance_follower(watcher, plan, report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
                   to_text(step*plan%length)//'): '//report%reason//hints(contact, state))
@@ -127,24 +126,54 @@ contains
 
    contains
 
-      !> Gives the observer the state after a step, and where the transient stands, if it wants
-      !> that.
+      !> Gives the listener the state after a step, and where the transient stands.
       subroutine hand_out(step)
          integer, intent(in) :: step
 
          associate (level => hierarchy%levels(hierarchy%finest))
             call fill_state(contact, level, step*plan%length, state, watcher%wants_stresses(step))
-            call watcher%on_step(step, steps, state, report)
-            if (.not. watcher%wants_state) return
-            history%film = level%state%film
          end associate
-         history%report = report
-         history%report%fft_pairs = report%fft_pairs + sum(hierarchy%levels%products)
-         history%report%work_units = hierarchy%work_units
-         call watcher%keep_state(history)
+         call report_cost(hierarchy, report)
+         call watcher%on_step(step, steps, state, history, report)
       end subroutine hand_out
 
    end subroutine march
+
+   !> Begins, or goes on with, the other equations of a follower, if there is one: at T = 0 with
+   !> the smooth steady pressure of `contact` and the film that the surfaces have entered. Where it
+   !> cannot, the report is not converged.
+   subroutine start_follower(watcher, contact, state, report)
+      class(listener_t), intent(inout) :: watcher
+      type(line_contact_t), intent(in) :: contact
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
+      character(:), allocatable :: reason
+
+      if (.not. allocated(watcher%follower)) return
+      if (allocated(watcher%follower%earlier)) then
+         call watcher%follower%resume(contact, state, watcher%follower%earlier, reason)
+         deallocate (watcher%follower%earlier)
+      else
+         call watcher%follower%begin(contact, state, reason)
+      end if
+      if (allocated(reason)) call refuse(report, reason)
+   end subroutine start_follower
+
+   !> Repeats the parts of a step, in the same way.
+   subroutine advance_follower(watcher, plan, report)
+      class(listener_t), intent(inout) :: watcher
+      type(step_plan_t), intent(in) :: plan
+      type(report_t), intent(inout) :: report
+      character(:), allocatable :: reason
+      integer :: i
+
+      if (.not. plan%keeps_parts) return
+      do i = 1, size(plan%parts)
+         call watcher%follower%advance(plan%parts(i), reason)
+         if (allocated(reason)) call refuse(report, reason)
+         if (allocated(reason)) return
+      end do
+   end subroutine advance_follower
 
    !> The end of a reason: where the film of the last good step is smallest, and how many intervals
    !> the finest wave of the surfaces has, where these are too few. (A ridge of 1.2 central films

@@ -13,7 +13,7 @@ module face_mobility
    use lubricant, only: fluid_density, fluid_t, fluid_viscosity
    use rheology, only: block_size => slip_block, evaluate_slip, evaluate_slip_slopes, &
       largest_exponent, slip_t, thins
-   use sinh_series, only: ds, s, series_limit
+   use eyring, only: ds, s, series_limit
    implicit none (type, external)
    private
 

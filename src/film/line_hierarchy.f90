@@ -1,8 +1,10 @@
 !> The grids of a lubricated line contact from the coarsest of the nested start to the finest, and
 !> the settings resolved.
 module line_hierarchy
+   use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t
    use features, only: surface_height
+   use iteration_report, only: report_t
    use kinds, only: wp
    use expected_film, only: film_estimate
    use line_contact, only: line_contact_t
@@ -15,7 +17,8 @@ module line_hierarchy
 
    public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_coarser_levels, &
       pose_steady_problem, roughness_at
-   public :: add_level, coarsest_for_film, count_work, is_newton, new_growing_hierarchy
+   public :: add_level, coarsest_for_film, count_work, is_newton, new_growing_hierarchy, &
+      report_cost
 
    !> Smoother words.
    integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, &
@@ -84,6 +87,8 @@ module line_hierarchy
       real(wp) :: setup_seconds = 0.0_wp
       !> Sweeps weighted by nodes, in sweeps of the finest level.
       real(wp) :: work_units = 0.0_wp
+      !> Pairs of transforms before these levels.
+      integer(int64) :: earlier_pairs = 0_int64
    end type line_hierarchy_t
 
    !> Bounds of the coarsest grid of the cycles (intervals).
@@ -293,5 +298,14 @@ contains
       hierarchy%work_units = hierarchy%work_units &
          + sweeps*real(hierarchy%levels(k)%n, wp)/hierarchy%levels(hierarchy%top)%n
    end subroutine count_work
+
+   !> Puts what has been done so far into the report.
+   pure subroutine report_cost(hierarchy, report)
+      type(line_hierarchy_t), intent(in) :: hierarchy
+      type(report_t), intent(inout) :: report
+
+      report%fft_pairs = hierarchy%earlier_pairs + sum(hierarchy%levels%products)
+      report%work_units = hierarchy%work_units
+   end subroutine report_cost
 
 end module line_hierarchy

@@ -27,9 +27,9 @@ module march_state
       !> Which of the ways of solution found it; the next step begins with that where the ways are
       !> relaxations of one method.
       integer :: way = 1
-      !> H of the newest solution (0:n).
+      !> H of the newest solution (0:n), and outcome, history and cost up to here: of a state that
+      !> is kept.
       real(wp), allocatable :: film(:)
-      !> Outcome, history and cost up to here.
       type(report_t) :: report
    end type march_state_t
 

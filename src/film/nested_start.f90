@@ -14,7 +14,7 @@ module nested_start
    use line_level, only: contact_load, line_level_t
    use quantities, only: exit_between_nodes
    use newton_line, only: solve_newton
-   use observer, only: is_stopped, observer_t
+   use listener, only: is_stopped, listener_t
    use reynolds_line, only: evaluate_coefficients
    use transfer, only: prolong_cubic
    use rheology, only: eased_fluid, thins, wall_stress
@@ -47,7 +47,7 @@ contains
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       logical, intent(out) :: is_sound
-      class(observer_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: watcher
       integer :: finest, first, k, last
 
       first = 1
@@ -82,7 +82,7 @@ contains
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: first
       logical, intent(out) :: is_sound
-      class(observer_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: watcher
       type(line_contact_t) :: eased
       real(wp) :: tolerance
       integer :: k
@@ -136,7 +136,7 @@ contains
       integer, intent(in) :: k
       real(wp), intent(in) :: tolerance
       logical, intent(out) :: is_sound
-      class(observer_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: watcher
       type(film_state_t) :: thesis
 
       associate (level => hierarchy%levels(k), is_solved => hierarchy%newton%is_converged)

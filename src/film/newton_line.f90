@@ -11,7 +11,7 @@ module newton_line
    use kinds, only: wp
    use line_level, only: line_level_t
    use newton_work, only: allocate_work, newton_t
-   use observer, only: is_stopped, observer_t
+   use listener, only: is_stopped, listener_t
    use reynolds_jacobian, only: evaluate_jacobian
    use two_sum, only: rest_of_sum
    use rheology, only: thins, wall_stress
@@ -56,7 +56,7 @@ contains
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: tolerance
       integer, intent(in) :: max_steps
-      class(observer_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: watcher
       real(wp), intent(in), optional :: goal
       logical, intent(in), optional :: film_is_exact
       real(wp) :: previous_step, share

@@ -4,7 +4,7 @@ module film_passage
    use kinds, only: wp
    use line_state, only: line_state_t
    use quantities, only: central_value, parabola_minimum
-   use time_follower, only: follower_t
+   use listener, only: follower_t
    implicit none (type, external)
    private
 

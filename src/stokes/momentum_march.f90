@@ -19,7 +19,7 @@ module momentum_march
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t
    use momentum_rows, only: evaluate_rows, momentum_rows_t
    use momentum_setup, only: pose_momentum, set_walls, take_level, walls_t
-   use time_follower, only: follower_t
+   use listener, only: follower_t
    use time_part, only: time_part_t
    implicit none (type, external)
    private

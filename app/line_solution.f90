@@ -1,0 +1,168 @@
+!> The solution of a lubricated case with the coarse runs that tell its errors.
+module line_solution
+   use breakdown_text, only: breakdown_sentence
+   use case_notes, only: note_unusual, tell, tell_coarse_waves, tell_missed_target
+   use case_record, only: case_t
+   use chosen_values, only: fill_chosen, fill_numbers, fill_passage
+   use coarse_runs, only: companions_t
+   use error_bars, only: error_bars_t, new_error_bars
+   use errors, only: error_t
+   use grid_comparison, only: check_forecast, compare_grids
+   use grid_estimates, only: take_coarser
+   use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_state, only: all_finite, line_state_t
+   use outlet_check, only: check_ends
+   use passage_times, only: new_passage_times, passage_note
+   use resolution_choice, only: choose_resolution, settle_tolerance
+   use run_observer, only: run_observer_t
+   use side_by_side, only: solve_beside
+   use wall_clock, only: wall_seconds
+   use wave_resolution, only: choose_time_step, nodes_in_wave, steps_in_wave
+   implicit none (type, external)
+   private
+
+   public :: solve_line_case
+
+contains
+
+   !> The case itself and its coarse runs, which come after it unless they choose its grid, or are
+   !> made beside it on another thread.
+   subroutine solve_line_case(case, contact, watcher, state, report, error)
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(inout) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      type(line_state_t), intent(out) :: state
+      type(report_t), intent(out) :: report
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: note
+      type(companions_t), allocatable :: companions
+      real(wp) :: seconds
+      logical :: is_open
+
+      seconds = 0.0_wp
+      watcher%writer%passage%times = new_passage_times(contact, case%time)
+      case%solver%target = case%accuracy%target
+      case%solver%target_p_max = case%accuracy%target_p_max
+      case%solver%wants_coarse_runs = case%accuracy%has_error_bars
+      ! the solver chooses the grid
+      is_open = case%accuracy%target > 0.0_wp .and. .not. case%time%is_transient
+      watcher%has_coarse_runs = case%accuracy%has_error_bars &
+         .and. (is_open .or. .not. case%accuracy%target > 0.0_wp)
+      if (allocated(case%time%resume_from)) then
+         call restore_resolution(case, contact, watcher)
+      else if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
+         call choose_grid(case, contact, watcher, seconds, error)
+         if (allocated(error) .or. watcher%is_stopping) return
+      end if
+      call choose_time_step(contact, case%time)
+      if (watcher%has_coarse_runs) watcher%writer%bars = new_error_bars(contact, case%time, &
+         case%solver%space_scheme)
+      watcher%writer%bars%left_out = watcher%writer%choice%influence
+      call note_unusual(case, note)
+      call tell(case, watcher, case%note, note)
+      call tell_coarse_waves(case, contact, watcher, note)
+      call tell_missed_target(case, contact, watcher, note)
+      call tell(case, watcher, passage_note(contact, watcher%writer%passage%times), note)
+      watcher%intervals = contact%domain%intervals
+      watcher%time_step = case%time%time_step
+      watcher%space_scheme = case%solver%space_scheme
+      call solve_beside(contact, case, companions, watcher, state, report, error)
+      if (allocated(error)) return
+      report%nodes_per_wave = nodes_in_wave(contact)
+      report%steps_per_wave = steps_in_wave(contact, case%time)
+      call move_alloc(note, report%note)
+      call refuse_nonsense(state, report)
+      call keep_coarser(watcher)
+      if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
+      if (watcher%has_coarse_runs .and. report%converged) then
+         call compare_grids(case, contact, watcher, companions, seconds, error)
+         if (allocated(error)) return
+         report%converged = .not. watcher%is_stopping
+      end if
+      call check_ends(case, contact, watcher, report, error)
+      if (allocated(error)) return
+      call check_forecast(case, contact, watcher, state, report, seconds, &
+         error)   ! error: the caller looks
+      call fill_chosen(case, contact, report)
+      call fill_numbers(case, contact, report, watcher%writer%choice)
+      call fill_passage(case, contact, watcher%writer%passage%times)
+      call complete_report(watcher, seconds, report)
+   end subroutine solve_line_case
+
+   !> Grid, time step and scheme of the run that this one goes on with.
+   subroutine restore_resolution(case, contact, watcher)
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(inout) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      type(error_bars_t) :: bars
+
+      if (case%accuracy%target > 0.0_wp) then   ! as before pilot runs chose the rest
+         bars = new_error_bars(contact, case%time, case%solver%space_scheme)
+         bars%unseen = ''
+         bars%forecast = watcher%writer%bars%forecast
+         watcher%writer%bars = bars
+      end if
+      if (watcher%intervals > 0) contact%domain%intervals = watcher%intervals
+      case%time%time_step = watcher%time_step
+      case%solver%space_scheme = watcher%space_scheme
+      call settle_tolerance(case%solver)
+   end subroutine restore_resolution
+
+   !> Coarser grids that a steady solution has passed need not be run any more.
+   subroutine keep_coarser(watcher)
+      type(run_observer_t), intent(inout) :: watcher
+
+      if (.not. (watcher%has_coarse_runs .and. allocated(watcher%coarser))) return
+      if (size(watcher%coarser) < 2) return
+      call take_coarser(watcher%writer%bars, watcher%coarser)
+      watcher%has_coarse_runs = .false.
+   end subroutine keep_coarser
+
+   !> Intervals and time step for the accuracy that is wanted of a transient, by pilot runs, and the
+   !> `seconds` that they took. Error: memory or a library failed.
+   subroutine choose_grid(case, contact, watcher, seconds, error)
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(inout) :: contact
+      type(run_observer_t), intent(inout) :: watcher
+      real(wp), intent(out) :: seconds
+      type(error_t), allocatable, intent(out) :: error
+      type(error_bars_t) :: bars
+      real(wp) :: start
+
+      start = wall_seconds()
+      call choose_resolution(bars, contact, case%solver, case%time, watcher, &
+         error)   ! error: the caller looks
+      watcher%writer%bars = bars
+      seconds = wall_seconds() - start
+   end subroutine choose_grid
+
+   !> Completes the report by what the solver does not know: a film breakdown in SI, the times of
+   !> separate coarse runs and of output.
+   subroutine complete_report(watcher, seconds, report)
+      type(run_observer_t), intent(in) :: watcher
+      real(wp), intent(in) :: seconds
+      type(report_t), intent(inout) :: report
+
+      if (index(report%reason, 'film breakdown') == 1 &
+         .and. watcher%scaling%is_dimensional) report%reason = &
+         breakdown_sentence(report%breakdown, watcher%film_floor, watcher%scaling)
+      associate (phases => report%phase_seconds)
+         phases(phase_error_bars) = phases(phase_error_bars) + seconds
+         phases(phase_output) = watcher%output_seconds
+         phases(phase_transient) = max(phases(phase_transient) - watcher%output_seconds, 0.0_wp)
+      end associate
+   end subroutine complete_report
+
+   !> A solution that is not finite counts as not converged.
+   subroutine refuse_nonsense(state, report)
+      type(line_state_t), intent(in) :: state
+      type(report_t), intent(inout) :: report
+
+      if (.not. report%converged .or. all_finite(state)) return
+      report%converged = .false.
+      report%reason = 'the solution holds values that are not finite'
+   end subroutine refuse_nonsense
+
+end module line_solution

@@ -1,0 +1,180 @@
+!> How a solver tells its progress and hands over time steps without knowing who listens.
+module listener
+   use film_state, only: film_state_t
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_state, only: line_state_t
+   use line_summary, only: line_summary_t
+   use march_state, only: march_state_t
+   use momentum_history, only: momentum_history_t
+   use time_part, only: time_part_t
+   implicit none (type, external)
+   private
+
+   public :: follower_t, is_stopped, listener_t, relay_t
+
+   !> Repeats the time steps of a passage with other equations.
+   type, abstract :: follower_t
+      !> Its pressure, film and H0 at the end of the last step.
+      type(film_state_t) :: state
+      !> Its largest difference of pressures across the film then [p_h].
+      real(wp) :: pressure_variation = 0.0_wp
+      !> Where it goes on; not allocated: at T = 0.
+      type(momentum_history_t), allocatable :: earlier
+   contains
+      !> From the smooth steady pressure of a contact, whose film the surfaces have entered, at
+      !> T = 0; `reason` why it cannot.
+      procedure(begin_interface), deferred :: begin
+      !> Goes on by one part; `reason` why it cannot.
+      procedure(advance_interface), deferred :: advance
+      !> Where it stands after a step, and going on from there; `reason` why it cannot.
+      procedure(kept_interface), deferred :: kept
+      procedure(resume_interface), deferred :: resume
+   end type follower_t
+
+   abstract interface
+      subroutine begin_interface(self, contact, state, reason)
+         import :: follower_t, line_contact_t, line_state_t
+         implicit none (type, external)
+         class(follower_t), intent(inout) :: self
+         type(line_contact_t), intent(in) :: contact
+         type(line_state_t), intent(in) :: state
+         character(:), allocatable, intent(out) :: reason
+      end subroutine begin_interface
+
+      subroutine advance_interface(self, part, reason)
+         import :: follower_t, time_part_t
+         implicit none (type, external)
+         class(follower_t), intent(inout) :: self
+         type(time_part_t), intent(in) :: part
+         character(:), allocatable, intent(out) :: reason
+      end subroutine advance_interface
+
+      function kept_interface(self) result(history)
+         import :: follower_t, momentum_history_t
+         implicit none (type, external)
+         class(follower_t), intent(in) :: self
+         type(momentum_history_t) :: history
+      end function kept_interface
+
+      subroutine resume_interface(self, contact, state, history, reason)
+         import :: follower_t, line_contact_t, line_state_t, momentum_history_t
+         implicit none (type, external)
+         class(follower_t), intent(inout) :: self
+         type(line_contact_t), intent(in) :: contact
+         type(line_state_t), intent(in) :: state
+         type(momentum_history_t), intent(in) :: history
+         character(:), allocatable, intent(out) :: reason
+      end subroutine resume_interface
+   end interface
+
+   !> Listens to a solver. This one ignores everything: extend it to hear something.
+   type :: listener_t
+      !> The solver ends after this cycle or step, as not converged (a full disk, a signal).
+      logical :: is_stopping = .false.
+      !> Number of time steps between states with shear stresses; 0: none has them.
+      integer :: stress_stride = 0
+      !> Repeats the time steps with other equations; not allocated: there are none.
+      class(follower_t), allocatable :: follower
+      !> Set by the solver after a steady solution: quantities on the coarser grids that it has
+      !> passed, of n/2 intervals, n/4 ...
+      type(line_summary_t), allocatable :: coarser(:)
+   contains
+      !> Whether the state of a time step is to have shear stresses.
+      procedure, non_overridable :: wants_stresses
+      !> After each time step, and once at T = 0 with step = 0.
+      procedure :: on_step => ignore_step
+      !> What is computed from now on, or after a cycle of a steady solution.
+      procedure :: on_stage => ignore_stage
+      !> Whether the solver shall end: asked after each cycle of a steady solution and between the
+      !> parts of its start.
+      procedure :: wants_stop
+   end type listener_t
+
+   !> Listens to a run that serves another one: forwards stages to the listener of that run, and
+   !> stops where that one wants to.
+   type, extends(listener_t) :: relay_t
+      class(listener_t), pointer :: parent => null()
+   contains
+      procedure :: on_stage => forward_stage
+      procedure :: wants_stop => ask_parent
+   end type relay_t
+
+contains
+
+   !> Whether the listener, if any, wants the solver to end.
+   function is_stopped(listener)
+      class(listener_t), intent(inout), optional :: listener
+      logical :: is_stopped
+
+      is_stopped = .false.
+      if (present(listener)) is_stopped = listener%wants_stop()
+   end function is_stopped
+
+   !> At step 0, and at every one of `stress_stride` after that.
+   pure function wants_stresses(self, step) result(answer)
+      class(listener_t), intent(in) :: self
+      integer, intent(in) :: step
+      logical :: answer
+
+      answer = self%stress_stride > 0
+      if (answer) answer = mod(step, self%stress_stride) == 0
+   end function wants_stresses
+
+   !> Time step `step` of `steps` is done (0 = the start) and left `state`, from which later steps
+   !> go on with `history`; `report` as far as it is known.
+   subroutine ignore_step(self, step, steps, state, history, report)
+      class(listener_t), intent(inout) :: self
+      integer, intent(in) :: step, steps
+      type(line_state_t), intent(in) :: state
+      type(march_state_t), intent(in) :: history
+      type(report_t), intent(in) :: report
+
+      associate (unused_self => self, unused_step => step, unused_steps => steps, &
+         unused_state => state, unused_history => history, unused_report => report)
+      end associate
+   end subroutine ignore_step
+
+   !> `words` in a few words; of a cycle its number, from 1, and the residual and the load error
+   !> after it [-].
+   subroutine ignore_stage(self, words, cycle, residuals)
+      class(listener_t), intent(inout) :: self
+      character(*), intent(in) :: words
+      integer, intent(in), optional :: cycle
+      real(wp), intent(in), optional :: residuals(2)
+
+      associate (unused_self => self, unused_words => words)
+         if (present(cycle) .and. present(residuals)) return
+      end associate
+   end subroutine ignore_stage
+
+   !> Whether `is_stopping` is set.
+   function wants_stop(self)
+      class(listener_t), intent(inout) :: self
+      logical :: wants_stop
+
+      wants_stop = self%is_stopping
+   end function wants_stop
+
+   !> Forwards a stage; cycles stay here.
+   recursive subroutine forward_stage(self, words, cycle, residuals)
+      class(relay_t), intent(inout) :: self
+      character(*), intent(in) :: words
+      integer, intent(in), optional :: cycle
+      real(wp), intent(in), optional :: residuals(2)
+
+      if (present(cycle) .or. present(residuals)) return
+      call self%parent%on_stage(words)
+   end subroutine forward_stage
+
+   !> Asks the listener of the other run.
+   recursive function ask_parent(self) result(wants_stop)
+      class(relay_t), intent(inout) :: self
+      logical :: wants_stop
+
+      wants_stop = self%parent%wants_stop()
+      self%is_stopping = wants_stop
+   end function ask_parent
+
+end module listener

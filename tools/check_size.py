@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""Lines of the sources by their purpose, and their largest parts; status 1 above the bounds below, which only ever fall."""
+
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", "src/surface", "include")
+# What tells how sure the numbers are: a folder, and files of others.
+SURE = re.compile(
+    r"src/accuracy/|/(dry_errors|dry_resolution|dry_resampling|contact_edges|grid_comparison|dry_target|outlet_check"
+    r"|side_by_side|case_notes|case_limits|(dry_)?adequacy_section|decision_section|validity_section|formulas_section)\.f90"
+)
+# name: bound
+BOUNDS = {
+    "sources": 45_400,
+    "how sure": 9_400,
+    "tests": 42_000,
+    "bench": 8_200,
+    "words of pages": 58_000,
+    "imports of a file": 43,
+    "components of a type": 45,
+}
+
+
+def tracked(*patterns):
+    """Paths of tracked files."""
+    done = subprocess.run(["git", "ls-files", *patterns], cwd=ROOT, capture_output=True, text=True, check=True)
+    return [ROOT / path for path in done.stdout.splitlines() if (ROOT / path).is_file()]
+
+
+def text_of(path):
+    """Text of a file."""
+    return path.read_text(encoding="utf-8", errors="replace")
+
+
+def lines_of(paths):
+    """Lines of files together."""
+    return sum(len(text_of(path).splitlines()) for path in paths)
+
+
+def components(text):
+    """The most components that a type of a source declares."""
+    most = 0
+    for body in re.findall(r"(?ms)^ *type\b[^(\n]*::[^\n]*\n(.*?)^ *(?:contains|end type)", text):
+        names = [re.sub(r"\([^()]*\)|=.*", "", line.split("::")[1]) for line in body.splitlines() if re.match(r"[^!]*::", line)]
+        most = max(most, sum(len(entry.split(",")) for entry in names))
+    return most
+
+
+def main():
+    """Prints all and compares."""
+    if not (ROOT / ".git").exists():
+        print("size: not applicable without git")
+        return 0
+    sources = tracked("src/*.f90", "app/*.f90", "include/*")
+    name = {path: path.relative_to(ROOT).as_posix() for path in sources}
+    sure = [path for path in sources if SURE.search(name[path])]
+    computes = [path for path in sources if name[path].startswith(COMPUTES) and path not in sure]
+    found = {
+        "sources": lines_of(sources),
+        "how sure": lines_of(sure),
+        "tests": lines_of(tracked("test/*.py", "test/*.pf", "test/*.f90", "test/*.nml", "test/*.toml", "test/*.txt")),
+        "bench": lines_of(tracked("bench/*")),
+        "words of pages": sum(len(text_of(path).split()) for path in tracked("*.md")),
+        "imports of a file": max(len(re.findall(r"(?m)^ *use\b", text_of(path))) for path in sources),
+        "components of a type": max(components(text_of(path)) for path in sources),
+    }
+    print(f"computes {lines_of(computes)} of {found['sources']} lines, {100 * lines_of(computes) / found['sources']:.0f} %")
+    for what, number in found.items():
+        print(f"{what}: {number}{f', more than {BOUNDS[what]}' if number > BOUNDS[what] else ''}")
+    return any(number > BOUNDS[what] for what, number in found.items())
+
+
+if __name__ == "__main__":
+    sys.exit(main())
