@@ -14,21 +14,17 @@ module bench_recorder
    !> What is kept of one run.
    type, extends(observer_t) :: recorder_t
       !> Seconds of processor time after which the run is stopped, counted from `start`.
-      real(wp) :: limit = huge(1.0_wp)
-      real(wp) :: start = 0.0_wp
+      real(wp) :: limit = huge(1.0_wp), start = 0.0_wp
       !> True: keep pressure and extremes; false: only watch the clock.
       logical :: is_recording = .false.
       !> Largest residual of all time steps.
       real(wp) :: residual = 0.0_wp
       type(line_summary_t) :: summary
-      !> Coarser grids that a steady solution has passed.
-      type(line_summary_t), allocatable :: coarser(:)
       !> P of all stored times (nx, 0:steps); only the steady solution: (nx, 0:0).
       real(wp), allocatable :: pressure(:, :)
    contains
       procedure :: on_cycle => watch_clock
       procedure :: on_step => keep_step
-      procedure :: keep_coarser
    end type recorder_t
 
 contains
@@ -82,30 +78,14 @@ contains
       integer, intent(in) :: cycle
       real(wp), intent(in) :: residual
       real(wp), intent(in) :: load_error
+      real(wp) :: now
 
       associate (unused_cycle => cycle, unused_residual => residual, &
          unused_load_error => load_error)
       end associate
-      self%wants_stop = self%wants_stop .or. is_over(self)
-   end subroutine watch_clock
-
-   !> Whether the run has had its time.
-   function is_over(self)
-      class(recorder_t), intent(in) :: self
-      logical :: is_over
-      real(wp) :: now
-
       call cpu_time(now)
-      is_over = now - self%start > self%limit
-   end function is_over
-
-   !> Keeps the quantities of coarser grids.
-   subroutine keep_coarser(self, coarser)
-      class(recorder_t), intent(inout) :: self
-      type(line_summary_t), intent(in) :: coarser(:)
-
-      self%coarser = coarser
-   end subroutine keep_coarser
+      self%wants_stop = self%wants_stop .or. now - self%start > self%limit
+   end subroutine watch_clock
 
    !> Keeps a time step.
    subroutine keep_step(self, step, steps, state, report)
@@ -115,7 +95,7 @@ contains
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
 
-      self%wants_stop = self%wants_stop .or. is_over(self)
+      call watch_clock(self, step, report%residual, 0.0_wp)
       if (step > 0) self%residual = max(self%residual, report%residual)
       if (.not. self%is_recording) return
       if (step == 0) then
