@@ -8,11 +8,11 @@ from __future__ import annotations
 import argparse
 import csv
 import os
-import selectors
+import signal
 import subprocess
 import sys
 import tempfile
-import time
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -125,16 +125,15 @@ def measured(command: list[object], folder: Path | None = None, environment: dic
 
 @dataclass
 class Job:
-    """A namelist and what the bench program does with it, in the order of its `#job` line: runs at most, seconds after which none
-
-    follows, seconds after which one is stopped, whether its fields are the reference, are compared with it, has error bars.
-    """
+    """A namelist and what the bench program does with it, in the order of its `#job` line."""
 
     name: str
     namelist: str
+    # Runs at most; seconds after which none follows, and after which one is stopped.
     runs: int = 1
     seconds: float = 1e9
     limit: float = 1e9
+    # Its fields are the reference, are compared with it; it passes the coarser grids of error bars.
     reference: int = 0
     compare: int = 0
     bars: int = 0
@@ -174,8 +173,9 @@ def run(jobs: list[Job], patience: float = 600.0) -> dict[str, Answer]:
     answers: dict[str, Answer] = {}
     left = list(jobs)
     while left:
-        finished, reason = _run_process(left, answers, patience)
-        left = left[finished:]
+        done, reason = _run_process(left, patience)
+        answers |= done
+        left = left[len(done) :]
         if left:
             answers[left[0].name] = failed(left[0].name, reason)
             left = left[1:]
@@ -189,51 +189,35 @@ def run_parallel(jobs: list[Job], processes: int = 2, patience: float = 60.0) ->
         return {name: answer for part in parts for name, answer in part.items()}
 
 
-def _run_process(jobs: list[Job], answers: dict[str, Answer], patience: float) -> tuple[int, str]:
-    """One process; returns how many jobs it has answered, and why the next one has none."""
+def _run_process(jobs: list[Job], patience: float) -> tuple[dict[str, Answer], str]:
+    """The answers of one process, and why there is none to the next job."""
+    answers: dict[str, Answer] = {}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "jobs"
         path.write_text("".join(each.text() for each in jobs), encoding="utf-8")
-        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "bufsize": 0}
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         with subprocess.Popen([PROGRAM, path], env=ENVIRONMENT, **pipes) as process:
-            finished = _read(_lines(process, patience), answers)
-            is_cut = process.poll() is None
-            if is_cut:
-                process.kill()
-            errors = process.stderr.read().decode()
-    if process.returncode == 1 and not is_cut:
+
+            def lines() -> Iterator[str]:
+                while True:
+                    watch = threading.Timer(patience, process.kill)
+                    watch.start()
+                    line = process.stdout.readline()
+                    watch.cancel()
+                    if not line.endswith("\n"):
+                        return
+                    yield line
+
+            rows = csv.reader(lines(), skipinitialspace=True)
+            names = next(rows, [])
+            for words in rows:
+                if words[0] == "refused":
+                    answers[words[1]] = failed(words[1], f"refused: {words[2]}")
+                else:
+                    pairs = zip(names, words, strict=True)
+                    answers[words[0]] = Answer({name: value if name in WORDS else float(value) for name, value in pairs})
+            errors = process.stderr.read()
+    if process.returncode == 1:
         sys.exit(f"{PROGRAM.name}: {errors.strip()}")
-    return finished, "no answer within the time limit, killed" if is_cut else f"the program crashed, status {process.returncode}"
-
-
-def _lines(process: subprocess.Popen, patience: float) -> Iterator[str]:
-    """Complete lines of the output as they come; ends when nothing came for `patience` seconds."""
-    rest = b""
-    with selectors.DefaultSelector() as selector:
-        selector.register(process.stdout, selectors.EVENT_READ)
-        last = time.monotonic()
-        while time.monotonic() - last < patience:
-            if not selector.select(1.0):
-                continue
-            piece = os.read(process.stdout.fileno(), 65536)
-            if not piece:
-                process.wait()
-                return
-            last = time.monotonic()
-            *lines, rest = (rest + piece).split(b"\n")
-            yield from (line.decode() for line in lines)
-
-
-def _read(lines: Iterator[str], answers: dict[str, Answer]) -> int:
-    """Reads the answers from the lines; returns their number."""
-    count = 0
-    rows = csv.reader(lines, skipinitialspace=True)
-    names = next(rows, [])
-    for words in rows:
-        if words[0] == "refused":
-            answers[words[1]] = failed(words[1], f"refused: {words[2]}")
-        else:
-            pairs = zip(names, words, strict=True)
-            answers[words[0]] = Answer({name: value if name in WORDS else float(value) for name, value in pairs})
-        count += 1
-    return count
+    killed = process.returncode == -signal.SIGKILL
+    return answers, "no answer within the time limit, killed" if killed else f"the program crashed, status {process.returncode}"

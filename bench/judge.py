@@ -124,9 +124,10 @@ def beside(groups: Groups, domain: dict, fine: dict, **others: dict) -> Member:
 def finer_passage(
     groups: Groups, ends: tuple[float, float], fewest: Callable[[float], int] | int, longest: float, **time: object
 ) -> Callable[[Resolution], Groups]:
-    """The truth of a passage, made from the resolution of its case: a domain that reaches `ends` and FARTHER, FINER intervals, as
+    """The truth of a passage, made from the resolution of its case.
 
-    4, 5, 6 or 7 times a power of two, but no fewer than `fewest` (of its length), a FINER time step, but none above `longest`.
+    Its domain reaches `ends` and FARTHER; it has FINER intervals, but no fewer than `fewest` (of its length), and a FINER time
+    step, but none above `longest`; `time` are further keys.
     """
 
     def finer(found: Resolution) -> Groups:

@@ -77,24 +77,18 @@ def case_3(
     return case_1(intervals, solver, surface_2=RIDGE, time=settings)
 
 
-def plane(m: float, l: float, law: dict | None = None) -> Groups:  # noqa: E741
+def plane(m: float, oil: float, law: dict | None = None) -> Groups:
     """Groups of a smooth Newtonian contact by Moes' numbers (speed sum); Barus and incompressible without a law."""
-    barus = {"viscosity_law": "barus" if l > 0 else "constant", "density_law": "constant"}
-    return {"moes": {"moes_m": m, "moes_l": l, "velocity": "sum"}, "lubricant": barus | (law or {})}
+    barus = {"viscosity_law": "barus" if oil > 0 else "constant", "density_law": "constant"}
+    return {"moes": {"moes_m": m, "moes_l": oil, "velocity": "sum"}, "lubricant": barus | (law or {})}
 
 
-def moes(m: float, l: float, intervals: int | None, solver: dict | None = None, **others: dict) -> str:  # noqa: E741
+def moes(m: float, oil: float, intervals: int | None, solver: dict | None = None, **others: dict) -> str:
     """Its text; the domain is chosen by the program unless `domain` is given."""
-    return namelist(merged(plane(m, l) | {"solver": solver or {}, "domain": {"intervals": intervals}}, **others))
+    return namelist(merged(plane(m, oil) | {"solver": solver or {}, "domain": {"intervals": intervals}}, **others))
 
 
-def steel(
-    m: float,
-    l: float,  # noqa: E741
-    slide_to_roll: float = 0.0,
-    eyring_stress: float | None = None,
-    law: dict | None = None,
-) -> Groups:
+def steel(m: float, l: float, slide: float = 0.0, eyring_stress: float | None = None, law: dict | None = None) -> Groups:  # noqa: E741
     """Groups of a contact in SI with the Moes numbers (speed sum) M and L: steel, mineral oil, u2 faster than u1."""
     speed_number = (l / (OIL_ALPHA * STEEL_MODULUS)) ** 4  # mu_0 u_s/(E' R)
     speed_sum = speed_number * STEEL_MODULUS * RADIUS / OIL_VISCOSITY
@@ -104,7 +98,7 @@ def steel(
         del oil["roelands_p0"]
     if eyring_stress is not None:
         oil |= {"rheology": "eyring", "eyring_stress": eyring_stress}
-    speeds = {f"speed_{i}": 0.5 * speed_sum * (1 + sign * 0.5 * slide_to_roll) for i, sign in ((1, -1), (2, 1))}
+    speeds = {f"speed_{i}": 0.5 * speed_sum * (1 + sign * 0.5 * slide) for i, sign in ((1, -1), (2, 1))}
     bodies = {"reduced_radius": RADIUS, "reduced_modulus": STEEL_MODULUS} | speeds
     return {"bodies": bodies, "load": {"load_per_length": load}, "lubricant": oil}
 

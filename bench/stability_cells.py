@@ -101,10 +101,7 @@ def mega(pressure: float) -> float | None:
 
 
 def steady_maps(quick: bool) -> Iterator[StabilityMap]:
-    """Newtonian contacts over Moes' plane, Barus incompressible and Roelands compressible, and Reynolds-Eyring; tau_0 against load
-
-    and slide-to-roll; the given number of intervals against the load, for four lubricants.
-    """
+    """Maps over Moes' plane, of Newtonian oils and Reynolds-Eyring; tau_0 against load and slide; intervals against load."""
     n = 256 if quick else 1024
     given = f"{n} intervals"
     oils = [0, 5, 10, 20, 40] if quick else [0, 1, 2.5, 5, 7.5, 10, 15, 20, 25, 30, 40]
