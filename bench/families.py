@@ -37,17 +37,18 @@ AREA, DRY = summary("contact_area_fraction"), summary("contact_area_fraction", "
 PLASTIC = (*summary("contact_area_fraction", "plastic_area_fraction", "mean_separation"), "sweep/dp_mean")
 DOMAIN, GRID = "error_domain", "error_grid"
 SAMPLED = summary("h_min", "h_min_node", "h_central", "p_max", "x_cavitation")
-NODAL = {"summary/h_min_node": "summary/h_min"}
+ALL = {"heeds_notes": False}
+NODAL = ALL | {"limits": {"summary/h_min_node": "summary/h_min"}}
 CORNER = {"target": 0.01, "target_p_max": 0.01}
 
 FAMILIES = [
     *(
-        Family("contacts", f"{name}_{part}", f"{name} contacts", SAMPLED, steady.sample(fresh, longer), count, bar, limits=NODAL)
+        Family("contacts", f"{name}_{part}", f"{name} contacts", SAMPLED, steady.sample(fresh, longer), count, bar, **NODAL)
         for name, fresh, count in (("fitted", False, 255), ("fresh", True, 224))
         for part, longer, bar in (("grid", False, GRID), ("whole", True, "error_estimate"))
     ),
     *(
-        Family("passages", f"{name}_{scheme}_{n}", f"{name} passages", SAMPLED, in_time.sample(seeds, n, scheme), 240, GRID)
+        Family("passages", f"{name}_{scheme}_{n}", f"{name} passages", SAMPLED, in_time.sample(seeds, n, scheme), 240, GRID, **ALL)
         for name, seeds in (("fitted", (1, 2)), ("fresh", (21, 22)))
         for n in (256, 128)
         for scheme in ("bdf2", "backward_euler")

@@ -90,6 +90,8 @@ class Family:
     finish: Callable[[random.Random, Member], Member] | None = None
     # The truth of a member goes on to a later time: its end is told by a note, which then counts.
     truth_goes_on: bool = False
+    # False: judged whatever is noted.
+    heeds_notes: bool = True
     # What the answer of a quantity is on the finer grid, if not its own: figures of the nodes tend to those between them.
     limits: dict[str, str] = field(default_factory=dict)
     # Members are given, not drawn, and few: each truth must be within, no share is asked to be within ten times.
@@ -175,7 +177,7 @@ class Result:
 
 def read(family: Family, file: h5py.File) -> Result:
     """What is judged of a result; of a sweep the last load."""
-    parts = as_text(file["report/note"][()]).split("; ") if "report/note" in file else []
+    parts = as_text(file["report/note"][()]).split("; ") if family.heeds_notes and "report/note" in file else []
     note = [part for part in parts if UNUSUAL not in part and (family.truth_goes_on or not part.startswith(TOLD))]
     values = {}
     for path in (path for path in family.quantities if path in file):
