@@ -4,7 +4,8 @@
 !>     asperity-bench JOBS      a file of namelists, each below a line
 !>                              `#job runs seconds limit reference compare bars name`
 !>
-!> After the head come lines of values, and `refused,name,"message"` for a namelist with findings.
+!> After the head come, for each job, lines `times,name,setup,steady,transient,all` of its runs and
+!> a line of values, or `refused,name,"message"` for a namelist with findings.
 program asperity_bench
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use bench_measure, only: job_t, measure, measurement_t
@@ -27,9 +28,7 @@ program asperity_bench
    call read_text_file(trim(file), content, error)
    if (allocated(error)) call stop_with(error%message)
    write (output_unit, '(a)') 'name,method,inlet,converged,intervals,x_inlet,x_outlet,levels,'// &
-      'cycles,steps,residual,load_error,tolerance,step_residual,fft_pairs,work_units,runs,'// &
-      'setup_least,steady_least,transient_least,all_least,setup_median,steady_median,'// &
-      'transient_median,all_median,setup_high,steady_high,transient_high,all_high,'// &
+      'cycles,steps,residual,load_error,tolerance,step_residual,fft_pairs,work_units,'// &
       'processor,h_min,h_central,p_max,difference,reason'
    do while (index(content, marker) == 1)
       next = index(content(2:), marker)
@@ -66,19 +65,22 @@ contains
       job%text = text(line_end + 1:)
    end subroutine read_job
 
-   !> One line; its last value is text in quotes.
+   !> The times of each run, and a line of values, the last one text in quotes.
    subroutine print_outcome(job, outcome)
       type(job_t), intent(in) :: job
       type(measurement_t), intent(in) :: outcome
+      integer :: run
 
+      do run = 1, size(outcome%times, 2)
+         write (output_unit, '(3a,4(",",es11.4))') 'times,"', job%name, '"', outcome%times(:, run)
+      end do
       associate (report => outcome%report, first => outcome%first, domain => outcome%contact%domain)
          write (output_unit, '(7a,2(",",i0),2(",",g0),3(",",i0),4(",",es10.3e3),",",i0,",",'// &
-            'es12.5,",",i0,17(",",es24.16e3),3a)') '"', job%name, '","', report%method, '","', &
+            'es12.5,5(",",es24.16e3),3a)') '"', job%name, '","', report%method, '","', &
             trim(domain%inlet), '"', merge(1, 0, report%converged), domain%intervals, &
             domain%x_inlet, domain%x_outlet, report%levels, report%cycles, report%steps, &
             report%residual, report%load_error, report%tolerance_effective, first%residual, &
-            report%fft_pairs, report%work_units, outcome%runs, outcome%least, outcome%median, &
-            outcome%high, outcome%processor, &
+            report%fft_pairs, report%work_units, outcome%processor, &
             first%summary%of([h_min, h_central, p_max])%value, outcome%difference, &
             ',"', flat(report%reason), '"'
       end associate

@@ -43,10 +43,8 @@ module bench_measure
       !> The first run, with its fields if asked for.
       type(recorder_t) :: first
       type(line_contact_t) :: contact
-      !> Runs done.
-      integer :: runs = 0
-      !> Wall time of the runs by phase [s]: the least, the median, and what nine tenths stay below.
-      real(wp), dimension(timed_phases) :: least = 0.0_wp, median = 0.0_wp, high = 0.0_wp
+      !> Wall time of each run by phase [s].
+      real(wp), allocatable :: times(:, :)
       !> Mean processor time of a run, planning included [s].
       real(wp) :: processor = 0.0_wp
       !> Largest difference in P to the reference; NaN without one.
@@ -67,7 +65,7 @@ contains
       real(wp), allocatable :: times(:, :)
       real(wp) :: start
       real(wp) :: processor_start, processor_end
-      integer :: phase, run
+      integer :: run
 
       call read_case(job%text, job%name, case, findings)
       if (findings%count > 0) then
@@ -75,22 +73,18 @@ contains
          return
       end if
       call build_line_contact(case, scaling, outcome%contact)
-      allocate (times(job%runs, timed_phases))
+      allocate (times(timed_phases, job%runs))
       start = wall_seconds()
       call cpu_time(processor_start)
       do run = 1, job%runs
-         call run_once(job, case, run == 1, outcome, times(run, :), error)
+         call run_once(job, case, run == 1, outcome, times(:, run), error)
          if (allocated(error)) return
-         outcome%runs = run
          if (wall_seconds() - start > job%seconds) exit
       end do
       call cpu_time(processor_end)
-      outcome%processor = (processor_end - processor_start)/outcome%runs
-      outcome%least = minval(times(:outcome%runs, :), 1)
-      do phase = 1, timed_phases
-         outcome%median(phase) = quantile(times(:outcome%runs, phase), 0.5_wp)
-         outcome%high(phase) = quantile(times(:outcome%runs, phase), 0.9_wp)
-      end do
+      run = min(run, job%runs)
+      outcome%processor = (processor_end - processor_start)/run
+      outcome%times = times(:, :run)
       outcome%difference = not_known()
       if (.not. allocated(outcome%first%pressure)) return
       if (job%is_compared .and. allocated(reference)) then
@@ -143,23 +137,5 @@ contains
       outcome%report = report
       outcome%first = watcher
    end subroutine run_once
-
-   !> What the share `part` (0 to 1) of the values stays below, linear between two of them.
-   pure function quantile(values, part) result(bound)
-      real(wp), intent(in) :: values(:), part
-      real(wp) :: bound
-      real(wp) :: sorted(size(values)), place
-      integer :: i, j
-
-      sorted = values
-      do i = 1, size(values) - 1
-         j = i - 1 + minloc(sorted(i:), 1)
-         sorted([i, j]) = sorted([j, i])
-      end do
-      place = 1 + part*(size(values) - 1)
-      i = min(int(place), max(size(values) - 1, 1))
-      j = min(i + 1, size(values))
-      bound = sorted(i) + (place - i)*(sorted(j) - sorted(i))
-   end function quantile
 
 end module bench_measure

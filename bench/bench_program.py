@@ -19,11 +19,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
+import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 ASPERITY = ROOT / "build" / "bin" / "asperity"
 PROGRAM = ROOT / "build" / "bin" / "asperity-bench"
 ENVIRONMENT = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+PHASES = ("setup", "steady", "transient", "all")
 WORDS = {"name", "method", "inlet", "reason"}
 # Longest run [s of wall time, generous: other work may share the machine].
 PATIENCE = 3600
@@ -209,13 +211,20 @@ def _run_process(jobs: list[Job], patience: float) -> tuple[dict[str, Answer], s
                     yield line
 
             rows = csv.reader(lines(), skipinitialspace=True)
-            names = next(rows, [])
+            names, times = next(rows, []), {}
             for words in rows:
                 if words[0] == "refused":
                     answers[words[1]] = failed(words[1], f"refused: {words[2]}")
+                elif words[0] == "times":
+                    times.setdefault(words[1], []).append([float(word) for word in words[2:]])
                 else:
                     pairs = zip(names, words, strict=True)
-                    answers[words[0]] = Answer({name: value if name in WORDS else float(value) for name, value in pairs})
+                    answer = {name: value if name in WORDS else float(value) for name, value in pairs}
+                    answer["runs"] = len(times[words[0]])
+                    for phase, values in zip(PHASES, zip(*times[words[0]], strict=True), strict=True):
+                        quantiles = zip(("least", "median", "high"), np.quantile(values, (0, 0.5, 0.9)), strict=True)
+                        answer |= {f"{phase}_{word}": float(value) for word, value in quantiles}
+                    answers[words[0]] = Answer(answer)
             errors = process.stderr.read()
     if process.returncode == 1:
         sys.exit(f"{PROGRAM.name}: {errors.strip()}")

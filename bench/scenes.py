@@ -45,12 +45,16 @@ def judge(name: str, groups: Groups) -> list[Row]:
     rows = adequacy_dry.judge((name, groups)) if is_dry else adequacy.judge((name, groups), squeeze_changes)
     if not rows:
         sys.exit(f"scenes.py: {name}: does not converge, or not on the fine grid")
-    best: dict[str, Row] = {}
-    for row in rows:
-        most = best.setdefault(row.ingredient, row)
-        if math.isnan(most.truth) or abs(row.truth) > abs(most.truth):
-            best[row.ingredient] = row
-    return [row for row in best.values() if row.ingredient not in NUMERICAL]
+    names = [name for name in dict.fromkeys(row.ingredient for row in rows) if name not in NUMERICAL]
+    return [
+        max((row for row in rows if row.ingredient == name), key=lambda row: (known(row.truth), known(row.change)))
+        for name in names
+    ]
+
+
+def known(change: float) -> float:
+    """The size of a change; less than any if it is not known."""
+    return -1.0 if math.isnan(change) else abs(change)
 
 
 def outcome(row: Row) -> str:
