@@ -28,11 +28,7 @@ from family_dry import PROBLEMS, height_file
 from namelists import BARE, namelist
 
 COLUMNS = ("work", "asked", "aim", "value", "unit", "verdict", "note")
-PEERS = {
-    "aspher": (1e-6, 1e-7, 1e-8, 1e-10),
-    "tamaas": (1e-6, 1e-8, 1e-10, 1e-12),
-    "ContactMechanics": (1e-4, 1e-6, 1e-8),
-}
+PEERS = {"aspher": (1e-6, 1e-7, 1e-8, 1e-10), "tamaas": (1e-6, 1e-8, 1e-10, 1e-12), "ContactMechanics": (1e-4, 1e-6, 1e-8)}
 WANTED = 1e-6
 ONE_THREAD = ENVIRONMENT | {"OMP_WAIT_POLICY": "passive"}
 PROFILES = ROOT / "test" / "data" / "profiles_ABCD.csv"

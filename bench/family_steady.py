@@ -77,9 +77,7 @@ def given_outlet(source: random.Random, i: int) -> Member:
     outlet, inlet, n = 1 + s * log_uniform(source, 0.05, 2), max(-(1 + 20 * s), -450.0), 8192
     common = {"x_inlet": inlet, "inlet": "tail"}
     return beside(
-        groups,
-        common | {"x_outlet": outlet, "intervals": n},
-        common | {"x_outlet": 2 * outlet - inlet, "intervals": 2 * n},
+        groups, common | {"x_outlet": outlet, "intervals": n}, common | {"x_outlet": 2 * outlet - inlet, "intervals": 2 * n}
     )
 
 
