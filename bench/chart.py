@@ -242,7 +242,7 @@ def conclusions(panels: list[Panel], failures: list[Answer]) -> str:
 
 
 def besides(panel: Panel) -> list[str]:
-    """The thesis's setting beside the default of at most its error, the whole program beside the solution, the spread of times."""
+    """The thesis's setting beside the default of at most its error, the whole program beside the solution."""
     lines = []
     for point in panel.besides.get(THESIS, []):
         error = f"error {100 * point.error:.3g} %, {show_time(point.seconds)}"
@@ -253,9 +253,7 @@ def besides(panel: Panel) -> list[str]:
     if whole := panel.besides.get(WHOLE, []):
         first, last = (f"{show_time(point.seconds)} on {point.intervals}" for point in (whole[0], whole[-1]))
         lines.append(f"  the whole program takes {first} and {last} intervals")
-    ratios = [point.high / point.seconds for points in panel.curves.values() for point in points]
-    spread = f"{np.median(ratios):.2f} x the least (median of the points), {max(ratios):.2f} x (worst)"
-    return [*lines, f"  nine tenths of the runs stay below {spread}"]
+    return lines
 
 
 def orders(panel: Panel) -> str:
