@@ -37,7 +37,7 @@ AREA, DRY = summary("contact_area_fraction"), summary("contact_area_fraction", "
 PLASTIC = (*summary("contact_area_fraction", "plastic_area_fraction", "mean_separation"), "sweep/dp_mean")
 DOMAIN, GRID = "error_domain", "error_grid"
 SAMPLED = summary("h_min", "h_min_node", "h_central", "p_max", "x_cavitation")
-ALL = {"heeds_notes": False}
+ALL = {"is_sample": True}
 NODAL = ALL | {"limits": {"summary/h_min_node": "summary/h_min"}}
 CORNER = {"target": 0.01, "target_p_max": 0.01}
 

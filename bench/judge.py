@@ -90,8 +90,8 @@ class Family:
     finish: Callable[[random.Random, Member], Member] | None = None
     # The truth of a member goes on to a later time: its end is told by a note, which then counts.
     truth_goes_on: bool = False
-    # False: judged whatever is noted.
-    heeds_notes: bool = True
+    # A sample that is always the same, `count` members at most, judged whatever is noted.
+    is_sample: bool = False
     # What the answer of a quantity is on the finer grid, if not its own: figures of the nodes tend to those between them.
     limits: dict[str, str] = field(default_factory=dict)
     # Members are given, not drawn, and few: each truth must be within, no share is asked to be within ten times.
@@ -100,7 +100,8 @@ class Family:
     def members(self, seed: int, count: int) -> list[Member]:
         """So many of a seed."""
         source = random.Random(f"{self.name} {seed}")
-        found = self.draw() if self.given else [self.draw(source, i) for i in range(count)]
+        most = min(count, self.count) if self.is_sample else count
+        found = self.draw() if self.given else [self.draw(source, i) for i in range(most)]
         return [self.finish(source, member) for member in found] if self.finish else found
 
 
@@ -177,7 +178,7 @@ class Result:
 
 def read(family: Family, file: h5py.File) -> Result:
     """What is judged of a result; of a sweep the last load."""
-    parts = as_text(file["report/note"][()]).split("; ") if family.heeds_notes and "report/note" in file else []
+    parts = as_text(file["report/note"][()]).split("; ") if "report/note" in file and not family.is_sample else []
     note = [part for part in parts if UNUSUAL not in part and (family.truth_goes_on or not part.startswith(TOLD))]
     values = {}
     for path in (path for path in family.quantities if path in file):
