@@ -26,7 +26,7 @@ DEBUG := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fcheck=all,no-array-temps -
 # that is used for more than that ends in a report of the other sanitizer.
 SANITIZE := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize=null
 
-BENCH := bench/bench_jobs.f90 bench/bench_recorder.f90 bench/bench_measure.f90 bench/asperity_bench.f90
+BENCH := bench/bench_recorder.f90 bench/bench_measure.f90 bench/asperity_bench.f90
 DEMO_CASES := input/case3_demo.nml input/case1.nml input/dry_profile.nml input/dry_area.nml
 DEMO := results/demo
 
@@ -128,7 +128,7 @@ regime: build ## films over Moes' numbers, for the chart of postproc/regime.py, 
 formulas: build ## film formulas of handbooks beside computed films: how far they are off (ARGS=--quick)
 	$(PYTHON) studies/film_formulas.py $(ARGS)
 
-scenes: build ## the ten scenes of input/scenes/: verdicts beside fine grids, docs/scenes.md and its figures
+scenes: build ## the ten scenes of input/scenes/: verdicts beside fine grids; makes docs/scenes.md and its figures
 	-$(PYTHON) bench/scenes.py --page
 
 chapter3: build ## thesis, chapter 3: elastic against elastic-perfectly plastic, load, unload, reload (ARGS=--quick)
@@ -160,15 +160,16 @@ orders: bench-program ## table of the observed orders in time, in results/orders
 	$(PYTHON) bench/orders.py $(ARGS)
 
 accuracy: bench-program ## are the error bars honest, what does a wanted accuracy cost, in results/accuracy/ (ARGS=--quick: shorter)
-	$(PYTHON) bench/accuracy.py $(ARGS)
+	$(PYTHON) bench/targets.py $(ARGS)
 	$(PYTHON) bench/families.py $(ARGS)
 
 accuracy-time: build bench-program ## the same for transients: error bars and wanted accuracy of passages (ARGS=--quick: fewer)
-	$(PYTHON) bench/accuracy_time.py $(ARGS)
+	$(PYTHON) bench/targets.py --in-time $(ARGS)
+	$(PYTHON) bench/families.py passages --output results/accuracy/passages $(ARGS)
 
 stability: bench-program ## maps of where each method converges, in results/stability/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/stability.py $(ARGS)
-	$(PYTHON) bench/dry_stability.py $(ARGS)
+	$(PYTHON) bench/stability.py --dry $(ARGS)
 
 # The program that bench, chart and stability use: many cases in one process. Made from the library that `make build` leaves.
 bench-program: build

@@ -9,79 +9,49 @@ other has both speeds. Rigid bodies are as many times of STIFFNESSES as stiff as
 seconds; less than the first of them tells only whether elasticity is needed. Of the time step the program tells by how much
 quantities may be off because of it: that is judged as the error bar of no change, beside the same grid with a FINER_STEP of it.
 
-    honest     the true change is within the error bar
-    right      the verdict is that of the true changes (needed: one above the accuracy; irrelevant: all below a tenth of it)
-    not known  no change, or no verdict
-
-Asked for: 95 % honest, 95 % right. --seed draws another sample, for fitting; the default one judges (docs/performance.md).
-Writes adequacy.csv and adequacy.txt.
+What is judged, and asked for: bench/ingredients.py. --seed draws another sample, for fitting; the default one judges. Writes
+adequacy.csv and adequacy.txt.
 """
 
 from __future__ import annotations
 
 import copy
-import csv
 import math
 import random
-import re
-import subprocess
 import sys
-import tempfile
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from pathlib import Path
 
 import h5py
+import ingredients
 import namelists
-from bench_program import ENVIRONMENT, ROOT, new_parser, output_folder
+from bench_program import new_parser
+from ingredients import NO_TRUTH, NUMERICAL, Row, bare, change_of, rows_of, run, verdict_of
+from namelists import Groups, merged
 
-PROGRAM = ROOT / "build" / "bin" / "asperity"
 SEED = 884211
 TARGET, PLACES = 2e-4, 48
 STIFFNESSES = (2000.0, 200.0, 20.0, 5.0, 2.0)
 FINER_STEP = 0.25
 COUNTS, QUICK = (45, 24), (8, 4)
-WITHIN = 0.95
-NO_EXTRAS = {"accuracy": {"error_bars": False}, "output": {"adequacy": False}}
 STILL = ("h_min", "h_central", "p_max")
 QUANTITIES = (*STILL, "friction_coefficient")
-NUMERICAL = ("grid", "time_step", "domain", "iteration", "validity")
-PATIENCE = 1800
-# Of these everything in half-widths is scaled with the half-width.
-LENGTHS = {"surface_1": ("position",), "surface_2": ("position",), "domain": ("x_inlet", "x_outlet")}
-TIMES = {"time": ("end_time", "time_step", "statistics_from")}
-Groups = dict[str, dict]
+# Of these everything in half-widths, and the times, are scaled with the half-width.
+LENGTHS = {
+    **{"surface_1": ("position",), "surface_2": ("position",), "domain": ("x_inlet", "x_outlet")},
+    "time": ("end_time", "time_step", "statistics_from"),
+}
+# Keys of the oil without which an ingredient is gone, and those that come instead.
+LEAN_OIL = {
+    "compressibility": ((), {"density_law": "constant"}),
+    "piezoviscosity": (("pressure_viscosity", "roelands_p0"), {"viscosity_law": "constant"}),
+    "roelands": (("roelands_p0",), {"viscosity_law": "barus"}),
+    "shear_thinning": (("rheology", "eyring_stress"), {}),
+}
 
 
-@dataclass
-class Row:
-    """One quantity of one ingredient of a scene: change, error bar, true change; the verdicts are those of the ingredient."""
-
-    scene: str
-    ingredient: str
-    quantity: str
-    change: float
-    error: float
-    truth: float
-    verdict: str
-    true_verdict: str
-    accuracy: float
-    measured_on: str
-    left_out: float
-
-
-def run(groups: Groups, read: Callable[[h5py.File], object]) -> object:
-    """Runs a namelist in a folder of its own; None where it does not converge."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "case.nml").write_text(namelists.namelist(groups), encoding="utf-8")
-        command = [PROGRAM, "--quiet", "case.nml"]
-        done = subprocess.run(command, cwd=folder, env=ENVIRONMENT, check=False, capture_output=True, text=True, timeout=PATIENCE)
-        if done.returncode != 0:
-            return None
-        with h5py.File(folder / "case.h5") as file:
-            return read(file)
+def scaled(value: object, factor: float) -> object:
+    """A value, or each of a list of them, times a factor."""
+    return [each * factor for each in value] if isinstance(value, list) else value * factor
 
 
 def quantities(file: h5py.File) -> dict[str, float]:
@@ -91,49 +61,24 @@ def quantities(file: h5py.File) -> dict[str, float]:
 
 def told(file: h5py.File) -> dict[str, dict]:
     """What the program says of each ingredient, and the resolution of the run."""
-    group = file["adequacy"]
-    rows = {}
-    for name, row in group.items():
-        if name in NUMERICAL:
-            continue
-        changes = changes_in(row)
-        words = {key: row.attrs[key].decode() for key in ("verdict", "measured_on")}
-        judged_by = [q for q in QUANTITIES if q in row or f"{q}_at_least" in row.attrs]
-        rows[name] = {"changes": changes, "judged_by": judged_by, "left_out": float(row.attrs["left_out"])} | words
     used = file["input/effective/domain"].attrs
-    domain = {"x_inlet": float(used["x_inlet"]), "x_outlet": float(used["x_outlet"]), "intervals": int(used["intervals"])}
-    step = float(file["input/effective/time"].attrs.get("time_step", 0.0))
-    start = float(file["summary"].attrs.get("statistics_from", 0.0))
-    found = {"rows": rows, "quantities": quantities(file), "accuracy": float(group.attrs["accuracy"])}
-    if "time_step" in group:
-        row = group["time_step"]
-        verdict = row.attrs["verdict"].decode().replace("too coarse", "needed")
-        # no change, and an error bar that holds what may be off
-        bounds = {q: (0.0, change + error) for q, (change, error) in changes_in(row).items()}
-        found["time_step"] = {"changes": bounds, "verdict": verdict}
-    return found | {"domain": domain, "step": step, "start": start}
+    return {
+        "rows": ingredients.told(file, QUANTITIES),
+        "quantities": quantities(file),
+        "accuracy": float(file["adequacy"].attrs["accuracy"]),
+        "domain": {"x_inlet": float(used["x_inlet"]), "x_outlet": float(used["x_outlet"]), "intervals": int(used["intervals"])},
+        "step": float(file["input/effective/time"].attrs.get("time_step", 0.0)),
+        "start": float(file["summary"].attrs.get("statistics_from", 0.0)),
+        "scaling": {k: float(file["scaling"].attrs[k]) for k in ("reduced_radius", "reduced_modulus", "load_per_length")},
+    }
 
 
-def changes_in(row: h5py.Group) -> dict[str, tuple[float, float]]:
-    """Those of a row of /adequacy that are known, with their error bars."""
-    return {q: (float(row[q][()]), float(row[q].attrs["error_estimate"])) for q in QUANTITIES if q in row}
-
-
-def without(groups: Groups, ingredient: str, left_out: float) -> Groups | None:
-    """The scene without an ingredient, or without a share of it; None where a namelist cannot say it."""
+def without(groups: Groups, ingredient: str) -> Groups:
+    """The scene without an ingredient."""
     lean = copy.deepcopy(groups)
-    oil = lean["lubricant"]
-    if left_out < 1:
-        return None
-    if ingredient == "compressibility":
-        oil["density_law"] = "constant"
-    elif ingredient == "piezoviscosity":
-        lean["lubricant"] = {key: oil[key] for key in oil if key not in ("pressure_viscosity", "roelands_p0")}
-        lean["lubricant"]["viscosity_law"] = "constant"
-    elif ingredient == "roelands":
-        lean["lubricant"] = {key: oil[key] for key in oil if key != "roelands_p0"} | {"viscosity_law": "barus"}
-    elif ingredient == "shear_thinning":
-        lean["lubricant"] = {key: oil[key] for key in oil if key not in ("rheology", "eyring_stress")}
+    if ingredient in LEAN_OIL:
+        gone, instead = LEAN_OIL[ingredient]
+        lean["lubricant"] = {key: value for key, value in lean["lubricant"].items() if key not in gone} | instead
     elif ingredient == "roughness":
         return {key: lean[key] for key in lean if key not in ("surface_1", "surface_2", "time")}
     elif ingredient.startswith("roughness_"):
@@ -149,12 +94,10 @@ def stiffer(groups: Groups, ratio: float) -> Groups:
     """The scene with stiffer bodies: their contact is narrower, everything else is where it was [m, s]."""
     stiff = copy.deepcopy(groups)
     stiff["bodies"]["reduced_modulus"] *= ratio
-    for group, keys in (LENGTHS | TIMES).items():
+    for group, keys in LENGTHS.items():
         for key in keys:
-            value = stiff.get(group, {}).get(key)
-            if value is not None:
-                scaled = [each * ratio**0.5 for each in value] if isinstance(value, list) else value * ratio**0.5
-                stiff[group][key] = scaled
+            if stiff.get(group, {}).get(key) is not None:
+                stiff[group][key] = scaled(stiff[group][key], ratio**0.5)
     return stiff
 
 
@@ -163,8 +106,7 @@ def lean_runs(groups: Groups, ingredient: str, left_out: float) -> Iterator[tupl
     if ingredient == "squeeze":
         yield frozen(groups), True
     elif ingredient != "elasticity":
-        lean = without(groups, ingredient, left_out)
-        yield run(lean, quantities) if lean else None, True
+        yield run(without(groups, ingredient), quantities) if left_out >= 1 else None, True
     elif left_out < 1:
         yield run(stiffer(groups, 1 / (1 - left_out)), quantities), True
     else:
@@ -179,96 +121,99 @@ def frozen(groups: Groups) -> dict[str, float] | None:
     rough = [i for i in (1, 2) if f"surface_{i}" in groups]
     if len(rough) > 1 or "rheology" in groups["lubricant"]:
         return None
-    [rough_one] = rough
-    surface = f"surface_{rough_one}"
+    surface = f"surface_{rough[0]}"
     extremes: dict[str, float] = {}
     for k in range(PLACES + 1):
         time = groups["time"]["end_time"] * k / PLACES
         still = {key: copy.deepcopy(groups[key]) for key in groups if key != "time"}
-        still["bodies"] |= {f"speed_{rough_one}": 0.0, f"speed_{3 - rough_one}": 2 * mean}
-        places = still[surface].get("position", 0.0)
-        move = bodies[f"speed_{rough_one}"] / mean * time
+        still["bodies"] |= {f"speed_{rough[0]}": 0.0, f"speed_{3 - rough[0]}": 2 * mean}
+        places, move = still[surface].get("position", 0.0), bodies[f"speed_{rough[0]}"] / mean * time
         still[surface]["position"] = [place + move for place in places] if isinstance(places, list) else places + move
         found = run(still, quantities)
         if found is None:
             return None
-        if time < groups["time"]["statistics_from"]:
-            continue
-        for name in STILL:
-            value = found[name]
+        for name in STILL if time >= groups["time"]["statistics_from"] else ():
             best = max if name == "p_max" else min
-            extremes[name] = best(extremes.get(name, value), value)
+            extremes[name] = best(extremes.get(name, found[name]), found[name])
     return extremes
 
 
 def fine(groups: Groups, said: dict) -> Groups:
     """The scene as its truths see it."""
-    truth = copy.deepcopy(groups) | copy.deepcopy(NO_EXTRAS)
+    domain = said["domain"]
     if "time" in groups:
-        truth["domain"] = said["domain"] | {"intervals": 2 * said["domain"]["intervals"]}
-        truth["time"] |= {"time_step": said["step"] / 2, "statistics_from": said["start"]}
-    else:
-        truth["domain"] = {}
-        truth["accuracy"] = {"target": TARGET}
-        if any(key.startswith("surface") for key in groups):
-            truth["domain"] = said["domain"] | {"intervals": 4 * said["domain"]["intervals"]}
-            truth["accuracy"] = {"error_bars": False}
-    return truth
+        time = groups["time"] | {"time_step": said["step"] / 2, "statistics_from": said["start"]}
+        return bare(groups, domain=domain | {"intervals": 2 * domain["intervals"]}, time=time)
+    if any(key.startswith("surface") for key in groups):
+        return bare(groups, domain=domain | {"intervals": 4 * domain["intervals"]})
+    return bare(groups, domain={}, accuracy={"target": TARGET})
 
 
 def time_step_rows(name: str, groups: Groups, said: dict) -> list[Row]:
     """By how much each quantity is off because of the time step, beside what the program says of that."""
-    if "time_step" not in said:
+    if "time_step" not in said["rows"]:
         return []
-    bounds = said["time_step"]["changes"]
-    same = copy.deepcopy(groups) | copy.deepcopy(NO_EXTRAS) | {"domain": said["domain"]}
-    same["time"] |= {"time_step": said["step"] * FINER_STEP, "statistics_from": said["start"]}
-    exact = run(same, quantities)
+    row = said["rows"]["time_step"]
+    # no change, and an error bar that holds what may be off
+    bounds = {q: (0.0, change + error) for q, (change, error) in row["changes"].items()}
+    time = groups["time"] | {"time_step": said["step"] * FINER_STEP, "statistics_from": said["start"]}
+    exact = run(bare(groups, domain=said["domain"], time=time), quantities)
     if exact is None:
         return []
-    off = {q: exact[q] / said["quantities"][q] - 1 if said["quantities"][q] != 0 else math.nan for q in QUANTITIES}
-    right = verdict_of([off[q] for q in bounds if not math.isnan(off[q])], said["accuracy"])
-    words = (said["time_step"]["verdict"], right, said["accuracy"], "", 1.0)
-    return [Row(name, "time_step", q, *bounds.get(q, (math.nan, math.nan)), off[q], *words) for q in QUANTITIES]
+    off = change_of(exact, said["quantities"], QUANTITIES)
+    right = verdict_of((off[q] for q in bounds), said["accuracy"])
+    row = {"changes": bounds, "verdict": row["verdict"].replace("too coarse", "needed")}
+    return rows_of(name, "time_step", row, off, right, said["accuracy"])
 
 
-def verdict_of(changes: list[float], accuracy: float) -> str:
-    """By the true changes."""
-    if any(abs(change) > accuracy for change in changes):
-        return "needed"
-    return "irrelevant" if all(abs(change) < 0.1 * accuracy for change in changes) else "matters below the accuracy"
+def in_reduced_bodies(groups: Groups, scaling: dict[str, float]) -> Groups:
+    """The same contact with one radius, one modulus and its load, which can be made stiffer; features as lists."""
+    if "reduced_modulus" in groups["bodies"]:
+        return groups
+    speeds = {key: groups["bodies"][key] for key in ("speed_1", "speed_2")}
+    bodies = {key: scaling[key] for key in ("reduced_radius", "reduced_modulus")} | speeds
+    reduced = copy.deepcopy(groups) | {"bodies": bodies, "load": {"load_per_length": scaling["load_per_length"]}}
+    for surface in (reduced.get(f"surface_{i}", {}) for i in (1, 2)):
+        if surface.get("shape") == "feature":
+            surface.update({key: [surface[key]] for key in ("amplitude", "wavelength", "position")})
+    return reduced
 
 
-def judge(scene: tuple[str, Groups]) -> list[Row]:
-    """All ingredients of a scene; none where it does not converge, or has no truth."""
+def judge(scene: tuple[str, Groups], squeeze: Callable[[Groups, dict], dict] | None = None) -> list[Row]:
+    """All ingredients of a scene, some without a truth; none where it does not converge, or has no truth.
+
+    `squeeze` gives the true changes without the squeeze term, if not the frozen places.
+    """
     name, groups = scene
     said = run(groups, told)
     if said is None:
         return []
-    truth = fine(groups, said)
+    truth = fine(in_reduced_bodies(groups, said["scaling"]), said)
     full = run(truth, quantities)
     if full is None:
         return []
     rows = time_step_rows(name, groups, said)
     for ingredient, row in said["rows"].items():
-        leans = lean_runs(truth, ingredient, row["left_out"])
-        found, is_all = next((lean for lean in leans if lean[0]), (None, False))
-        if found is None:
+        if ingredient in NUMERICAL:
             continue
-        true = {q: found[q] / full[q] - 1 if q in found and full[q] != 0 else math.nan for q in QUANTITIES}
+        if ingredient == "squeeze" and squeeze:
+            true, is_all = squeeze(groups, said), True
+        else:
+            leans = lean_runs(truth, ingredient, row["left_out"])
+            found, is_all = next((lean for lean in leans if lean[0]), ({}, False))
+            true = change_of(found, full, QUANTITIES)
         # of a part of an ingredient what all of it would change at that rate, as the program judges
-        judged = [true[q] / row["left_out"] for q in row["judged_by"] if not math.isnan(true[q])]
-        right = verdict_of(judged, said["accuracy"])
+        right = verdict_of((true[q] / row["left_out"] for q in row["judged_by"] if q in true), said["accuracy"])
         if not is_all:
             # a part of it: no true change, and a verdict only where that part is needed already
-            if right != "needed":
-                continue
-            true = dict.fromkeys(QUANTITIES, math.nan)
-        for q in QUANTITIES:
-            change, error = row["changes"].get(q, (math.nan, math.nan))
-            verdicts = (row["verdict"], right, said["accuracy"], row["measured_on"], row["left_out"])
-            rows.append(Row(name, ingredient, q, change, error, true[q], *verdicts))
+            true, right = dict.fromkeys(QUANTITIES, math.nan), right if right == "needed" else NO_TRUTH
+        rows += rows_of(name, ingredient, row, true, right, said["accuracy"])
     return rows
+
+
+def newtonian(groups: Groups) -> None:
+    """Takes Eyring's law away."""
+    del groups["lubricant"]["rheology"], groups["lubricant"]["eyring_stress"]
 
 
 def steady_scene(source: random.Random, i: int) -> tuple[str, Groups]:
@@ -278,7 +223,7 @@ def steady_scene(source: random.Random, i: int) -> tuple[str, Groups]:
     slide = source.uniform(0, 1.5)
     groups = namelists.steel(m, l, slide if i % 3 else 2.0, 10 ** source.uniform(6, 9))
     if source.random() < 0.3:
-        del groups["lubricant"]["rheology"], groups["lubricant"]["eyring_stress"]
+        newtonian(groups)
     if i % 3 == 0:
         half_width, film = namelists.scales(groups)
         height = film * 10 ** source.uniform(-3.5, -0.7)
@@ -295,81 +240,30 @@ def passage_scene(source: random.Random, i: int) -> tuple[str, Groups]:
     slide = source.choice((-1.0, -0.3, 0.0, 0.3, 1.0, 5 / 3))
     groups = namelists.steel(10 ** source.uniform(0, 1.5), source.uniform(2, 12), slide, 10 ** source.uniform(6.3, 8))
     if source.random() < 0.4:
-        del groups["lubricant"]["rheology"], groups["lubricant"]["eyring_stress"]
+        newtonian(groups)
     half_width, film = namelists.scales(groups)
     height = film * 10 ** source.uniform(-3, -0.5)
     wave = source.uniform(0.5, 1.5) * half_width
-    shape = {"shape": "feature", "amplitude": [height * source.choice((1, -1))], "wavelength": [wave], "position": [-2.5]}
-    kind = source.choice(("one", "two", "both", "wave"))
-    if kind == "two":
-        shape = {"shape": "feature", "amplitude": [height, -height], "wavelength": [wave, wave], "position": [-2.5, -3.3]}
-    if kind == "wave":
-        shape = {"shape": "sinusoid", "amplitude": 0.5 * height, "wavelength": wave}
-    groups["surface_2"] = shape
+    sign, kind = source.choice((1, -1)), source.choice(("one", "two", "both", "wave"))
+    heights, places = ([height, -height], [-2.5, -3.3]) if kind == "two" else ([height * sign], [-2.5])
+    feature = {"shape": "feature", "amplitude": heights, "wavelength": [wave] * len(places), "position": places}
+    surfaces = {"surface_2": {"shape": "sinusoid", "amplitude": 0.5 * height, "wavelength": wave} if kind == "wave" else feature}
     if kind == "both":
-        groups["surface_1"] = {"shape": "feature", "amplitude": [0.7 * height], "wavelength": [wave], "position": [-2.0]}
-    groups["domain"] = {"x_inlet": -4.5, "x_outlet": 2.0, "intervals": 512}
+        surfaces["surface_1"] = {"shape": "feature", "amplitude": [0.7 * height], "wavelength": [wave], "position": [-2.0]}
     slowest = min(1 + slide / 2, 1 - slide / 2 if kind == "both" else 9.0)
-    end = 6.0 if kind == "wave" else 4.0 / max(slowest, 0.5)
-    groups["time"] = {"transient": True, "end_time": end}
-    return f"passage {i:03d}", groups
-
-
-def table(rows: list[Row]) -> str:
-    """A line an ingredient, steady and in time."""
-    lines = [f"{'ingredient':24s} {'scenes':>6s} {'not known':>9s} {'honest':>8s} {'right':>8s}"]
-    for kind in ("steady", "passage"):
-        names = list(dict.fromkeys(row.ingredient for row in rows if row.scene.startswith(kind)))
-        ingredients = sorted(name for name in names if name not in NUMERICAL)
-        for label, counted in [*((name, [name]) for name in ingredients), ("all", ingredients), ("time_step", ["time_step"])]:
-            own = [row for row in rows if row.scene.startswith(kind) and row.ingredient in counted]
-            if own:
-                lines.append(line(f"{kind} {label}", own))
-    return "\n".join(lines) + "\n"
-
-
-def line(label: str, own: list[Row]) -> str:
-    """What holds of these rows; changes of the smooth steady contact are no statement on a passage and are not judged."""
-    scenes = {(row.scene, row.ingredient): row for row in own}
-    known = [row for row in scenes.values() if row.verdict != "not known"]
-    right = [row.verdict == row.true_verdict for row in known if row.left_out == 1 or row.verdict == "needed"]
-    judged = [row for row in own if not (math.isnan(row.change) or math.isnan(row.truth)) and "smooth" not in row.measured_on]
-    honest = [abs(row.change - row.truth) <= row.error for row in judged]
-    parts = [f"{label:24s} {len(scenes):6d} {len(scenes) - len(known):9d}"]
-    parts += [f"{100 * sum(values) / len(values):6.1f} %" if values else f"{'-':>8s}" for values in (honest, right)]
-    return " ".join(parts)
+    time = {"transient": True, "end_time": 6.0 if kind == "wave" else 4.0 / max(slowest, 0.5)}
+    return f"passage {i:03d}", merged(groups, domain={"x_inlet": -4.5, "x_outlet": 2.0, "intervals": 512}, time=time, **surfaces)
 
 
 def main() -> int:
-    """Command line; status 1 where less is honest or right than asked for."""
-    parser = new_parser(__doc__, f"{QUICK} scenes", "results/adequacy")
-    parser.add_argument("--seed", type=int, default=SEED, help="another sample, for fitting")
-    parser.add_argument("--processes", type=int, default=1, help="scenes side by side")
+    """Command line."""
+    parser = new_parser(__doc__, f"{QUICK} scenes", "results/adequacy", SEED, 1)
     options = parser.parse_args()
-    counts = QUICK if options.quick else COUNTS
     scenes = []
-    for draw, count in zip((steady_scene, passage_scene), counts, strict=True):
+    for draw, count in zip((steady_scene, passage_scene), QUICK if options.quick else COUNTS, strict=True):
         source = random.Random(f"{draw.__name__} {options.seed}")
         scenes += [draw(source, i) for i in range(count)]
-    rows: list[Row] = []
-    unjudged = 0
-    folder = output_folder(options)
-    with ThreadPoolExecutor(options.processes) as pool:
-        for i, own in enumerate(pool.map(judge, scenes)):
-            rows += own
-            unjudged += not own
-            print(f"\r{i + 1} of {len(scenes)}   ", end="", file=sys.stderr, flush=True)
-            with (folder / "adequacy.csv").open("w", newline="", encoding="utf-8") as file:
-                writer = csv.writer(file)
-                writer.writerow(Row.__dataclass_fields__)
-                writer.writerows(row.__dict__.values() for row in rows)
-    print(file=sys.stderr)
-    text = table(rows) + f"{unjudged} of {len(scenes)} scenes have no result or no truth\n"
-    (folder / "adequacy.txt").write_text(text, encoding="utf-8")
-    print(text, end="")
-    lines = [line for line in text.splitlines() if " all " in line]
-    shares = [float(share) for line in lines for share in re.findall(r"([\d.]+) %", line)]
-    return 0 if all(share >= 100 * WITHIN for share in shares) else 1
+    return ingredients.judge_all(options, "adequacy", judge, scenes, ("steady", "passage"), apart=("time_step",))
 
 
 if __name__ == "__main__":

@@ -3,8 +3,8 @@
 
 Scenes are steady contacts and passages: smooth, with ridges, dents and waves that move or rest, with Newtonian and Eyring oils,
 piezoviscous and not, of steel and of rubber. Each is solved with &accuracy target = TARGET by model = 'auto' and by 'full'; the
-truth is 'full' with a quarter of that. Time is the processor time of the whole program, the least of RUNS runs that take turns;
-a run that takes more than PATIENCE of it is ended, so that a loaded machine judges the same scenes.
+truth is 'full' with a quarter of that. Time is the processor time of the whole program; a run that takes more than PATIENCE of it
+is ended, so that a loaded machine judges the same scenes.
 
     met        h_min of 'auto' (of 'full') is within the target of the truth
     honest     the truth is within the error bars of 'auto' and its own
@@ -15,7 +15,6 @@ goes on where an earlier one was ended. Writes auto_SEED.txt and auto_SEED.png; 
 
 from __future__ import annotations
 
-import copy
 import csv
 import math
 import os
@@ -26,23 +25,21 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
 import namelists
-from adequacy import PROGRAM, STILL, Groups, passage_scene, steady_scene
-from bench_program import ENVIRONMENT, ROOT, new_parser, output_folder
+from adequacy import STILL, passage_scene, scaled, steady_scene
+from bench_program import ASPERITY, ENVIRONMENT, ROOT, conclude, new_parser, output_folder, save, side_by_side
+from judge import share
+from namelists import Groups
 from page import fenced, put_block
 
-sys.path.insert(0, str(ROOT / "postproc"))
-import figure_style as style
+import figure_style as style  # isort: skip
 
-IMAGES = ROOT / "docs" / "images"
 SEED = 884222
 TARGET, SHARE = 0.01, 0.25
-RUNS = 1
 COUNTS, QUICK = (100, 200), (4, 8)
 WITHIN = 0.95
 PATIENCE = 20
@@ -56,36 +53,32 @@ class Row:
     scene: str
     # Why it is not judged; empty: it is.
     unjudged: str
-    solved: str
-    left_out: str
-    auto_seconds: float
-    full_seconds: float
-    auto_error: float
-    full_error: float
-    error_bar: float
-    h_central: float
-    p_max: float
+    solved: str = ""
+    left_out: str = ""
+    auto_seconds: float = math.nan
+    full_seconds: float = math.nan
+    auto_error: float = math.nan
+    full_error: float = math.nan
+    error_bar: float = math.nan
+    h_central: float = math.nan
+    p_max: float = math.nan
 
 
-def run(groups: Groups, runs: int = 1) -> tuple[float, dict | str]:
-    """Least processor time [s] of a namelist, and what its result says, or why there is none within PATIENCE."""
-    seconds = math.inf
+def run(groups: Groups, model: str, target: float) -> tuple[float, dict | str]:
+    """Processor time [s] of a scene by a model, and what its result says, or why there is none within PATIENCE."""
+    case = groups | {"case": {"problem": "ehl_line", "model": model}, "accuracy": {"target": target}, "output": {"adequacy": False}}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "case.nml").write_text(namelists.namelist(groups), encoding="utf-8")
-        for _ in range(runs):
-            with subprocess.Popen(
-                [PROGRAM, "--quiet", "case.nml"], cwd=folder, env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-            ) as process:
-                resource.prlimit(process.pid, resource.RLIMIT_CPU, (PATIENCE, PATIENCE))
-                _, status, usage = os.wait4(process.pid, 0)
-                process.returncode = os.waitstatus_to_exitcode(status)
-            taken = usage.ru_utime + usage.ru_stime
-            if status != 0:
-                return taken, f"over {PATIENCE} s" if os.WIFSIGNALED(status) else f"exit status {process.returncode}"
-            seconds = min(seconds, taken)
+        (folder / "case.nml").write_text(namelists.namelist(case), encoding="utf-8")
+        silent = {"cwd": folder, "env": ENVIRONMENT, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        with subprocess.Popen([ASPERITY, "--quiet", "case.nml"], **silent) as process:
+            resource.prlimit(process.pid, resource.RLIMIT_CPU, (PATIENCE, PATIENCE))
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        if status != 0:
+            return math.nan, f"over {PATIENCE} s" if os.WIFSIGNALED(status) else f"exit status {process.returncode}"
         with h5py.File(folder / "case.h5") as file:
-            return seconds, read(file)
+            return usage.ru_utime + usage.ru_stime, read(file)
 
 
 def read(file: h5py.File) -> dict:
@@ -101,48 +94,26 @@ def read(file: h5py.File) -> dict:
     return found
 
 
-def unjudged(name: str, why: str) -> Row:
-    """A scene without a comparison."""
-    return Row(name, why, "", "", *[math.nan] * 7)
-
-
 def judge(scene: tuple[str, Groups]) -> Row:
     """One scene; it is not judged where one of its runs does not converge."""
     name, groups = scene
-
-    def asked(model: str, target: float) -> Groups:
-        case = copy.deepcopy(groups)
-        case["case"] = {"problem": "ehl_line", "model": model}
-        case["accuracy"] = {"target": target}
-        case["output"] = {"adequacy": False}
-        return case
-
-    truth = run(asked("full", SHARE * TARGET))
-    if isinstance(truth[1], str):
-        return unjudged(name, f"truth: {truth[1]}")
-    best = {"auto": math.inf, "full": math.inf}
     found = {}
-    for _ in range(RUNS):
-        for model, seconds in best.items():
-            answer = run(asked(model, TARGET))
-            if isinstance(answer[1], str):
-                return unjudged(name, f"{model}: {answer[1]}")
-            best[model] = min(seconds, answer[0])
-            found[model] = answer[1]
-    lean, full, exact = found["auto"], found["full"], truth[1]
+    for word, model, target in (("truth", "full", SHARE * TARGET), ("auto", "auto", TARGET), ("full", "full", TARGET)):
+        found[word] = run(groups, model, target)
+        if isinstance(found[word][1], str):
+            return Row(name, f"{word}: {found[word][1]}")
+    (_, exact), (auto_seconds, lean), (full_seconds, full) = found.values()
     off = {q: lean[q] / exact[q] - 1 for q in STILL}
     bar = (lean["h_min_error"] + exact["h_min_error"]) / exact["h_min"]
-    return Row(
-        name, "", lean["solved"], lean["left_out"], best["auto"], best["full"],
-        off["h_min"], full["h_min"] / exact["h_min"] - 1, bar, off["h_central"], off["p_max"],
-    )  # fmt: skip
+    errors = off["h_min"], full["h_min"] / exact["h_min"] - 1, bar, off["h_central"], off["p_max"]
+    return Row(name, "", lean["solved"], lean["left_out"], auto_seconds, full_seconds, *errors)
 
 
 def scene(source: random.Random, i: int, is_passage: bool) -> tuple[str, Groups]:
     """A scene of bench/adequacy.py, with the program's domain; some of rubber, some isoviscous, some with roughness at rest."""
     name, groups = (passage_scene if is_passage else steady_scene)(source, i)
     groups.pop("domain", None)
-    shorten(groups, 10 ** source.uniform(-0.8, 0))
+    stretch(groups, "wavelength", 10 ** source.uniform(-0.8, 0))
     kind = source.random()
     if kind < 0.15:
         groups["lubricant"] = {"viscosity": groups["lubricant"]["viscosity"], "viscosity_law": "constant"}
@@ -157,12 +128,11 @@ def scene(source: random.Random, i: int, is_passage: bool) -> tuple[str, Groups]
     return name, groups
 
 
-def shorten(groups: Groups, factor: float) -> None:
-    """Waves of another length."""
-    for key in ("surface_1", "surface_2"):
-        if key in groups:
-            value = groups[key]["wavelength"]
-            groups[key]["wavelength"] = [each * factor for each in value] if isinstance(value, list) else value * factor
+def stretch(groups: Groups, key: str, factor: float) -> None:
+    """Waves of another length or height."""
+    for surface in ("surface_1", "surface_2"):
+        if surface in groups:
+            groups[surface][key] = scaled(groups[surface][key], factor)
 
 
 def stop(groups: Groups, surface: int) -> None:
@@ -176,17 +146,13 @@ def soften(groups: Groups) -> None:
     """Rubber and a constant viscosity: the same Moes number M, waves as long over the half-width and as high over a rough film."""
     before = namelists.scales(groups)
     bodies, oil = groups["bodies"], groups["lubricant"]
-    ratio = SOFT_MODULUS / bodies["reduced_modulus"]
-    # w/(E' R) U^(-1/2) stays with the load times ratio^(1/2)
-    groups["load"]["load_per_length"] *= math.sqrt(ratio)
+    # w/(E' R) U^(-1/2) stays with the load times the ratio^(1/2)
+    groups["load"]["load_per_length"] *= math.sqrt(SOFT_MODULUS / bodies["reduced_modulus"])
     bodies["reduced_modulus"] = SOFT_MODULUS
     after = namelists.scales(groups)
     groups["lubricant"] = {"viscosity": oil["viscosity"], "viscosity_law": "constant", "density_law": "constant"}
-    for key in ("surface_1", "surface_2"):
-        for length, factor in (("wavelength", after[0] / before[0]), ("amplitude", after[1] / before[1])):
-            if key in groups:
-                value = groups[key][length]
-                groups[key][length] = [each * factor for each in value] if isinstance(value, list) else value * factor
+    for key, old, new in zip(("wavelength", "amplitude"), before, after, strict=True):
+        stretch(groups, key, new / old)
 
 
 def summary(all_rows: list[Row], seed: int) -> str:
@@ -197,28 +163,25 @@ def summary(all_rows: list[Row], seed: int) -> str:
     why = Counter(row.unjudged for row in all_rows if row.unjudged)
     lines += [f"  not judged, {words}: {count}\n" for words, count in sorted(why.items())]
     lines += [f"{'':28s} {'scenes':>6s} {'met':>8s} {'full met':>9s} {'honest':>8s} {'time over full':>15s} {'in all':>7s}\n"]
-    passages = [row for row in rows if row.scene.startswith("passage")]
     groups = {
-        "all": rows,
-        "steady contacts": [row for row in rows if row not in passages],
-        "passages": passages,
-        "  solved smooth and steady": [row for row in passages if "smooth" in row.solved],
-        "  solved rough and steady": [row for row in passages if "its roughness" in row.solved],
-        "  solved as passages": [row for row in passages if "every" in row.solved],
+        "all": lambda _: True,
+        "steady contacts": lambda row: row.scene.startswith("steady"),
+        "passages": lambda row: row.scene.startswith("passage"),
+        "  solved smooth and steady": lambda row: row.scene.startswith("passage") and "smooth" in row.solved,
+        "  solved rough and steady": lambda row: row.scene.startswith("passage") and "its roughness" in row.solved,
+        "  solved as passages": lambda row: row.scene.startswith("passage") and "every" in row.solved,
     }
-    for label, own in groups.items():
-        if not own:
-            continue
-        met = sum(abs(row.auto_error) <= TARGET for row in own) / len(own)
-        full = sum(abs(row.full_error) <= TARGET for row in own) / len(own)
-        known = [row for row in own if math.isfinite(row.error_bar)]
-        honest = sum(abs(row.auto_error) <= row.error_bar for row in known) / max(len(known), 1)
-        ratios = sorted(row.auto_seconds / row.full_seconds for row in own)
-        total = sum(row.auto_seconds for row in own) / sum(row.full_seconds for row in own)
-        lines.append(
-            f"{label:28s} {len(own):6d} {100 * met:6.1f} % {100 * full:7.1f} % {100 * honest:6.1f} %"
-            f" {ratios[len(ratios) // 2]:10.2f} med. {total:7.2f}\n"
-        )
+    for label, belongs in groups.items():
+        own = [row for row in rows if belongs(row)]
+        if own:
+            met, full = (share(own, lambda row, key=key: abs(getattr(row, key)) <= TARGET) for key in ("auto_error", "full_error"))
+            honest = share([row for row in own if math.isfinite(row.error_bar)], lambda row: abs(row.auto_error) <= row.error_bar)
+            ratios = sorted(row.auto_seconds / row.full_seconds for row in own)
+            total = sum(row.auto_seconds for row in own) / sum(row.full_seconds for row in own)
+            lines.append(
+                f"{label:28s} {len(own):6d} {100 * met:6.1f} % {100 * full:7.1f} % {100 * honest:6.1f} %"
+                f" {ratios[len(ratios) // 2]:10.2f} med. {total:7.2f}\n"
+            )
     worst = max(rows, key=lambda row: abs(row.auto_error))
     lines.append(f"largest difference: {100 * worst.auto_error:.2g} % ({worst.scene}, {worst.solved})\n")
     return "".join(lines)
@@ -246,33 +209,17 @@ def draw(rows: list[Row], path: Path) -> None:
     times.set(xlabel="Processor time of model = 'full' [ms]", ylabel="of model = 'auto' [ms]")
     errors.axhline(100 * TARGET, color="0.3", linestyle="--", linewidth=0.8, zorder=0)
     errors.set(xlabel="Error of h_min, model = 'full' [%]", ylabel="model = 'auto' [%]")
-    handles, _ = times.get_legend_handles_labels()
-    style.legend_below(figure, handles, 4)
+    style.legend_below(figure, times.get_legend_handles_labels()[0], 4)
     style.save_figure(figure, [path])
 
 
 def stored(path: Path) -> list[Row]:
-    """The scenes that are done; a line that was cut off while it was written is none."""
+    """The scenes that are done."""
     if not path.exists():
         return []
-    found = []
+    words = ("scene", "unjudged", "solved", "left_out")
     with path.open(newline="", encoding="utf-8") as file:
-        for values in csv.DictReader(file):
-            if None in values.values() or set(values) != set(Row.__dataclass_fields__):
-                continue
-            words = {key: values[key] for key in ("scene", "unjudged", "solved", "left_out")}
-            found.append(Row(**words, **{key: float(value) for key, value in values.items() if key not in words}))
-    return found
-
-
-def write(path: Path, rows: list[Row]) -> None:
-    """All that is done, in one stroke, so that a run that is ended at any time leaves a whole file."""
-    part = path.with_suffix(".part")
-    with part.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(Row.__dataclass_fields__))
-        writer.writeheader()
-        writer.writerows(vars(row) for row in rows)
-    part.replace(path)
+        return [Row(**{key: v if key in words else float(v) for key, v in values.items()}) for values in csv.DictReader(file)]
 
 
 def drawn(seed: int, counts: tuple[int, int]) -> list[tuple[str, Groups]]:
@@ -282,50 +229,31 @@ def drawn(seed: int, counts: tuple[int, int]) -> list[tuple[str, Groups]]:
     return [each for _, each in sorted(scenes, key=lambda pair: pair[0])]
 
 
-def conclude(rows: list[Row], seed: int, folder: Path) -> str:
-    """Summary and figure of what is done."""
-    text = summary(rows, seed)
-    (folder / f"auto_{seed}.txt").write_text(text, encoding="utf-8")
-    draw([row for row in rows if not row.unjudged], folder / f"auto_{seed}.png")
-    return text
-
-
 def main() -> int:
     """Command line; status 1 where fewer scenes meet the target than asked for."""
-    parser = new_parser(__doc__, f"{QUICK} scenes", "results/auto")
-    parser.add_argument("--seed", type=int, default=SEED, help="another sample, for fitting")
-    parser.add_argument("--processes", type=int, default=1, help="scenes side by side")
-    parser.add_argument("--page", action="store_true", help="figure, table and scenes that are stored into docs/")
+    parser = new_parser(__doc__, f"{QUICK} scenes", "results/auto", SEED, 1)
+    parser.add_argument("--page", action="store_true", help="table and figure of the scenes that are stored into docs/")
     options = parser.parse_args()
     folder = output_folder(options)
     path = folder / f"auto_{options.seed}{'_quick' if options.quick else ''}.csv"
     rows = stored(path)
-    if options.page:
-        if not rows:
-            sys.exit(f"auto.py: {path}: no scenes are stored")
-        text = conclude(rows, options.seed, folder)
-        shutil.copy(folder / f"auto_{options.seed}.png", IMAGES / "auto.png")
-        shutil.copy(path, IMAGES / "performance" / "auto.csv")
-        put_block("auto", fenced(text))
-        print(text, end="")
-        return 0
-    scenes = drawn(options.seed, QUICK if options.quick else COUNTS)
-    done = {row.scene for row in rows}
-    with ThreadPoolExecutor(options.processes) as pool:
-        try:
-            for row in pool.map(judge, (each for each in scenes if each[0] not in done)):
-                rows.append(row)
-                write(path, rows)
-                print(f"\r{len(rows)} of {len(scenes)}   ", end="", file=sys.stderr, flush=True)
-        except KeyboardInterrupt:
-            pool.shutdown(cancel_futures=True)
-    print(file=sys.stderr)
+    if not options.page:
+        done = {row.scene for row in rows}
+        left = [each for each in drawn(options.seed, QUICK if options.quick else COUNTS) if each[0] not in done]
+        for row in side_by_side(judge, left, options.processes):
+            rows.append(row)
+            save(path, rows)
     judged = [row for row in rows if not row.unjudged]
     if not judged:
-        return 1
-    print(conclude(rows, options.seed, folder), end="")
-    met = sum(abs(row.auto_error) <= TARGET for row in judged)
-    return 0 if met >= WITHIN * len(judged) else 1
+        sys.exit(f"auto.py: {path}: no scene is judged")
+    text = summary(rows, options.seed)
+    conclude(folder / f"auto_{options.seed}.txt", text)
+    figure = folder / f"auto_{options.seed}.png"
+    draw(judged, figure)
+    if options.page:
+        shutil.copy(figure, ROOT / "docs" / "images" / "auto.png")
+        put_block("auto", fenced(text))
+    return 0 if share(judged, lambda row: abs(row.auto_error) <= TARGET) >= WITHIN else 1
 
 
 if __name__ == "__main__":

@@ -15,8 +15,7 @@ module bench_recorder
    !> What is kept of one run.
    type, extends(listener_t) :: recorder_t
       !> Seconds of processor time after which the run is stopped, counted from `start`.
-      real(wp) :: limit = huge(1.0_wp)
-      real(wp) :: start = 0.0_wp
+      real(wp) :: limit = huge(1.0_wp), start = 0.0_wp
       !> True: keep pressure and extremes; false: only watch the clock.
       logical :: is_recording = .false.
       !> Largest residual of all time steps.

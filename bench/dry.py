@@ -14,45 +14,27 @@ from __future__ import annotations
 
 import argparse
 import csv
-import ctypes
-import ctypes.util
-import os
+import functools
 import subprocess
 import sys
 import tempfile
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
 import numpy as np
+from bench_program import ASPERITY, ENVIRONMENT, ROOT, measured, new_parser, output_folder, write_csv
+from family_dry import PROBLEMS, height_file
+from namelists import BARE, namelist
 
-ROOT = Path(__file__).resolve().parent.parent
-PROGRAM = ROOT / "build" / "bin" / "asperity"
-TABLE = ROOT / "results" / "bench" / "dry.csv"
 COLUMNS = ("work", "asked", "aim", "value", "unit", "verdict", "note")
-PEERS = {
-    "aspher": (1e-6, 1e-7, 1e-8, 1e-10),
-    "tamaas": (1e-6, 1e-8, 1e-10, 1e-12),
-    "ContactMechanics": (1e-4, 1e-6, 1e-8),
-}
+PEERS = {"aspher": (1e-6, 1e-7, 1e-8, 1e-10), "tamaas": (1e-6, 1e-8, 1e-10, 1e-12), "ContactMechanics": (1e-4, 1e-6, 1e-8)}
 WANTED = 1e-6
-ONE_THREAD = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "passive"}
-CASE = """&case problem = '{problem}' /
-&bodies reduced_modulus = 2e9{hardness} /
-&load mean_pressure = {pressure!r} /
-&surface_1 shape = 'file', file = 'z.h5', dataset = '/z' /
-&domain periodic = {periodic} /
-&solver tolerance = 1e-6 /
-&accuracy error_bars = .false. /
-&output adequacy = .false. /
-"""
+ONE_THREAD = ENVIRONMENT | {"OMP_WAIT_POLICY": "passive"}
 PROFILES = ROOT / "test" / "data" / "profiles_ABCD.csv"
-SWEEP = """&case problem = 'dry_line' /
-&bodies youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3, hardness = 4e9 /
-&load mean_pressure = {loads} /
-&surface_1 shape = 'file', file = '{file}', positions = 'x_m', dataset = 'z{name}_m' /
-"""
+LOADS = (5, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 125, 150)
+# Asked and aimed at for a whole process, by the nodes of a side.
+WHOLE_PROCESS = {256: (5, 8), 512: (5, 8), 1024: (7, 10), 2048: (10, 15)}
 
 
 @dataclass
@@ -112,24 +94,27 @@ def love_kernel(nodes: int) -> np.ndarray:
     return total / np.pi
 
 
+def rough(numbers: np.ndarray, waves: np.ndarray, power: float, noise: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """A self-affine periodic surface from a roll-off at a quarter on, at least 8 nodes in each wave, rms slope 0.1."""
+    amplitude = np.where((waves >= 1) & (waves <= shape[0] / 8), np.maximum(waves, 4.0) ** power, 0.0)
+    spectrum = amplitude * noise
+    slope = np.fft.irfftn(2j * np.pi * numbers * spectrum, s=shape, axes=range(len(shape))).std() * np.sqrt(len(shape))
+    return np.fft.irfftn(spectrum, s=shape, axes=range(len(shape))) * 0.1 / slope
+
+
 def area(nodes: int, seed: int = 1) -> np.ndarray:
-    """A self-affine periodic surface on the unit square, Hurst exponent 0.8, roll-off at a quarter, rms slope 0.1."""
-    waves = np.hypot(np.fft.fftfreq(nodes, 1 / nodes)[:, None], np.arange(nodes // 2 + 1)[None, :])
-    amplitude = np.where((waves >= 1) & (waves <= nodes / 8), np.maximum(waves, 4.0) ** -1.8, 0.0)
-    noise = np.random.default_rng(seed).standard_normal((nodes, nodes))
-    spectrum = amplitude * np.fft.rfft2(noise)
-    z = np.fft.irfft2(spectrum, s=(nodes, nodes))
-    slope = np.fft.irfft2(2j * np.pi * np.fft.fftfreq(nodes, 1 / nodes)[:, None] * spectrum, s=(nodes, nodes)).std() * np.sqrt(2)
-    return z * 0.1 / slope
+    """On the unit square, Hurst exponent 0.8."""
+    numbers = np.fft.fftfreq(nodes, 1 / nodes)[:, None]
+    waves = np.hypot(numbers, np.arange(nodes // 2 + 1)[None, :])
+    noise = np.fft.rfft2(np.random.default_rng(seed).standard_normal((nodes, nodes)))
+    return rough(numbers, waves, -1.8, noise, (nodes, nodes))
 
 
 def profile(nodes: int, seed: int = 1) -> np.ndarray:
     """The same in one dimension."""
-    waves = np.arange(nodes // 2 + 1)
-    amplitude = np.where((waves >= 1) & (waves <= nodes / 8), np.maximum(waves, 4.0) ** -1.3, 0.0)
-    rng = np.random.default_rng(seed)
-    spectrum = amplitude * (rng.standard_normal(nodes // 2 + 1) + 1j * rng.standard_normal(nodes // 2 + 1))
-    return np.fft.irfft(spectrum, nodes) * 0.1 / np.fft.irfft(2j * np.pi * waves * spectrum, nodes).std()
+    rng, waves = np.random.default_rng(seed), np.arange(nodes // 2 + 1)
+    noise = rng.standard_normal(nodes // 2 + 1) + 1j * rng.standard_normal(nodes // 2 + 1)
+    return rough(waves, waves, -1.3, noise, (nodes,))
 
 
 def sphere(nodes: int, radius: float = 1.0) -> np.ndarray:
@@ -138,53 +123,48 @@ def sphere(nodes: int, radius: float = 1.0) -> np.ndarray:
     return -(x[:, None] ** 2 + x[None, :] ** 2) / (2 * radius)
 
 
-class Transforms:
-    """FFTW's own times of pairs of real transforms, plans measured, one thread unless told."""
+# Prints the least processor seconds of a pair of transforms by FFTW itself, plans measured, and the least wall seconds:
+# prefix, nodes along x and y, threads.
+PAIR = """
+import ctypes, ctypes.util, sys, time
+prefix, nx, ny, threads = sys.argv[1], *map(int, sys.argv[2:])
+name = {"fftw": "fftw3", "fftwf": "fftw3f"}[prefix]
+f, t = (ctypes.CDLL(ctypes.util.find_library(each), mode=ctypes.RTLD_GLOBAL) for each in (name, name + "_threads"))
+if threads > 1:
+    getattr(t, prefix + "_init_threads")(), getattr(t, prefix + "_plan_with_nthreads")(threads)
+for routine in ("plan_dft_r2c", "plan_dft_c2r", "malloc"):
+    getattr(f, prefix + "_" + routine).restype = ctypes.c_void_p
+call = lambda routine, *args: getattr(f, prefix + "_" + routine)(*args)
+count = (8 if prefix == "fftw" else 4) * (2 * (nx // 2 + 1)) * ny
+x, y = (ctypes.c_void_p(call("malloc", ctypes.c_size_t(count))) for _ in range(2))
+sizes = (ctypes.c_int * 2)(ny, nx) if ny > 1 else (ctypes.c_int * 1)(nx)
+there = ctypes.c_void_p(call("plan_dft_r2c", len(sizes), sizes, x, y, ctypes.c_uint(0)))
+back = ctypes.c_void_p(call("plan_dft_c2r", len(sizes), sizes, y, x, ctypes.c_uint(0)))
+ctypes.memset(x, 0, count)
+processor, wall, begun, repeat = 1e9, 1e9, time.perf_counter(), max(1, 300000 // (nx * ny))
+while time.perf_counter() - begun < 0.2 or wall == 1e9:
+    start = time.process_time(), time.perf_counter()
+    for _ in range(repeat):
+        call("execute", there), call("execute", back)
+    processor = min(processor, (time.process_time() - start[0]) / repeat)
+    wall = min(wall, (time.perf_counter() - start[1]) / repeat)
+print(processor, wall)
+"""
 
-    def __init__(self) -> None:
-        """Loads the libraries."""
-        self.libraries = {}
-        for prefix, name in (("fftw", "fftw3"), ("fftwf", "fftw3f")):
-            library = ctypes.CDLL(ctypes.util.find_library(name))
-            for routine in ("plan_dft_r2c", "plan_dft_c2r", "malloc"):
-                getattr(library, f"{prefix}_{routine}").restype = ctypes.c_void_p
-            self.libraries[prefix] = library
-        self.known: dict[tuple[int, int, str], float] = {}
 
-    def seconds(self, nx: int, ny: int, prefix: str) -> float:
-        """Least processor time of a pair."""
-        if (nx, ny, prefix) not in self.known:
-            call = lambda name, *args: getattr(self.libraries[prefix], f"{prefix}_{name}")(*args)  # noqa: E731
-            size = 8 if prefix == "fftw" else 4
-            count = size * (2 * (nx // 2 + 1)) * ny
-            values, waves = (ctypes.c_void_p(call("malloc", ctypes.c_size_t(count))) for _ in range(2))
-            sizes = (ctypes.c_int * 2)(ny, nx) if ny > 1 else (ctypes.c_int * 1)(nx)
-            measure = ctypes.c_uint(0)
-            there = ctypes.c_void_p(call("plan_dft_r2c", len(sizes), sizes, values, waves, measure))
-            back = ctypes.c_void_p(call("plan_dft_c2r", len(sizes), sizes, waves, values, measure))
-            ctypes.memset(values, 0, count)
-            best, begun = np.inf, time.perf_counter()
-            repeat = max(1, 300000 // (nx * ny))
-            while time.perf_counter() - begun < 0.2 or best == np.inf:
-                start = time.process_time()
-                for _ in range(repeat):
-                    call("execute", there)
-                    call("execute", back)
-                best = min(best, (time.process_time() - start) / repeat)
-            for plan in (there, back):
-                call("destroy_plan", plan)
-            for memory in (values, waves):
-                call("free", memory)
-            self.known[nx, ny, prefix] = best
-        return self.known[nx, ny, prefix]
+@functools.cache
+def pair_seconds(prefix: str, nx: int, ny: int, threads: int = 1) -> tuple[float, float]:
+    """Processor and wall time of a pair of transforms by FFTW itself."""
+    command = [sys.executable, "-c", PAIR, prefix, *map(str, (nx, ny, threads))]
+    return tuple(map(float, subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()))
 
-    def limit(self, done: np.ndarray) -> float:
-        """Sum over the rows (nx, ny, pairs in double, pairs in single precision)."""
-        total = 0.0
-        for nx, ny, double, single in done.astype(int):
-            total += double * self.seconds(nx, ny, "fftw") if double else 0.0
-            total += single * self.seconds(nx, ny, "fftwf") if single else 0.0
-        return total
+
+def limit_of(done: np.ndarray) -> float:
+    """FFTW's own time of the transforms in the rows (nx, ny, pairs in double, pairs in single precision)."""
+    pairs = (
+        (kind, nx, ny, count) for nx, ny, *both in done.astype(int) for kind, count in zip(("fftw", "fftwf"), both, strict=True)
+    )
+    return sum(count * pair_seconds(kind, nx, ny)[0] for kind, nx, ny, count in pairs if count)
 
 
 @dataclass
@@ -209,47 +189,29 @@ class Answer:
 
 def ours(contact: Contact, runs: int = 2, threads: int = 1) -> Answer:
     """The fastest of some runs."""
+    groups = {
+        "case": {"problem": PROBLEMS[contact.z.ndim - 1]},
+        "bodies": {"reduced_modulus": 2e9, "hardness": contact.hardness * 1e9 if contact.hardness else None},
+        "load": {"mean_pressure": contact.load * 1e9},
+        "surface_1": {"shape": "file", "file": "z.h5", "dataset": "/z"},
+        "domain": {"periodic": not contact.is_open},
+        "solver": {"tolerance": 1e-6},
+    }
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        with h5py.File(folder / "z.h5", "w") as file:
-            file.create_dataset("z", data=contact.z).attrs["spacing"] = 1.0 / contact.z.shape[0]
-        text = CASE.format(
-            problem="dry_area" if contact.z.ndim == 2 else "dry_line",
-            hardness=f", hardness = {contact.hardness * 1e9!r}" if contact.hardness else "",
-            pressure=contact.load * 1e9,
-            periodic=".false." if contact.is_open else ".true.",
-        )
-        (folder / "case.nml").write_text(text, encoding="utf-8")
+        (folder / "z.h5").write_bytes(height_file(contact.z, [1.0 / contact.z.shape[0]] * contact.z.ndim))
+        (folder / "case.nml").write_text(namelist(groups | BARE), encoding="utf-8")
         answers = []
         for _ in range(runs):
-            command = [sys.executable, "-c", MEASURED, str(PROGRAM), "case.nml", "--quiet", "--threads", str(threads)]
-            done = subprocess.run(command, cwd=folder, env=ONE_THREAD, check=True, capture_output=True, text=True)
+            used = measured([ASPERITY, "case.nml", "--quiet", "--threads", threads], folder, ONE_THREAD)
+            if used.status != 0:
+                sys.exit(f"dry.py: exit status {used.status}")
             with h5py.File(folder / "case.h5") as file:
-                report = file["report"]
-                prepare = float(report["cpu_prepare_seconds"][()])
-                answers.append(
-                    Answer(
-                        file["solution/pressure"][:] / 1e9,
-                        float(report["cpu_seconds"][()]) - prepare,
-                        prepare,
-                        float(report["wall_solve_seconds"][()]),
-                        float(file["sweep/fft_pairs"][0]),
-                        int(report["cycles"][()]),
-                        np.reshape(report["transforms"][:], (-1, 4)),
-                        float(done.stdout.split()[0]) / 1024**2,
-                        float(done.stdout.split()[1]),
-                    )
-                )
+                report, pairs = file["report"], float(file["sweep/fft_pairs"][0])
+                prepare, solve, wall = (float(report[f"{key}_seconds"][()]) for key in ("cpu_prepare", "cpu", "wall_solve"))
+                done = int(report["cycles"][()]), np.reshape(report["transforms"][:], (-1, 4)), used.memory / 1024, used.processor
+                answers.append(Answer(file["solution/pressure"][:] / 1e9, solve - prepare, prepare, wall, pairs, *done))
     return min(answers, key=lambda answer: answer.seconds)
-
-
-# Runs a command and prints the most memory that it had [kB], and its processor time [s].
-MEASURED = """
-import resource, subprocess, sys
-subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL)
-used = resource.getrusage(resource.RUSAGE_CHILDREN)
-print(used.ru_maxrss, used.ru_utime + used.ru_stime)
-"""
 
 
 @dataclass
@@ -267,14 +229,7 @@ def peer_runs(peer: str, python: str, contact: Contact) -> list[PeerRun]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for tolerance in PEERS[peer]:
-            np.savez(
-                folder / "in.npz",
-                z=contact.z,
-                load=contact.load,
-                tolerance=tolerance,
-                hardness=contact.hardness,
-                is_open=contact.is_open,
-            )
+            np.savez(folder / "in.npz", tolerance=tolerance, **vars(contact))
             command = [python, str(ROOT / "bench" / "dry_peer.py"), peer, "in.npz", "out.npz"]
             for _ in range(2):
                 done = subprocess.run(command, cwd=folder, env=ONE_THREAD, check=False, capture_output=True, text=True)
@@ -291,50 +246,29 @@ def peer_runs(peer: str, python: str, contact: Contact) -> list[PeerRun]:
     return runs
 
 
-def theirs(peer: str, python: str, contact: Contact) -> tuple[float, float]:
-    """Seconds and error of the cheapest run that is good enough, or of the best; NaN if there is none."""
-    runs = peer_runs(peer, python, contact)
-    if not runs:
-        return float("nan"), float("nan")
-    good = [run for run in runs if run.error <= WANTED]
-    best = min(good, key=lambda run: run.seconds) if good else min(runs, key=lambda run: run.error)
-    return best.seconds, best.error
-
-
 class Table:
     """The rows, as they are on file."""
 
-    def __init__(self) -> None:
+    def __init__(self, path: Path) -> None:
         """Rows of earlier parts."""
-        self.rows: dict[str, dict[str, str]] = {}
-        if TABLE.exists():
-            with TABLE.open(newline="", encoding="utf-8") as file:
+        self.path, self.rows = path, {}
+        if path.exists():
+            with path.open(newline="", encoding="utf-8") as file:
                 self.rows = {row["work"]: row for row in csv.DictReader(file)}
 
     def add(self, work: str, value: float, unit: str, asked: float, aim: float, note: str = "") -> None:
         """A row; a ratio (unit `times`) is to be large, all else small. Saved at once."""
         good = (lambda bound: value >= bound) if unit == "times" else (lambda bound: value <= bound)
         verdict = "MISSED" if not good(asked) else "met, aim too" if good(aim) else "met"
-        cells = (work, f"{asked:g}", f"{aim:g}", f"{value:.3g}", unit, verdict, note)
-        self.rows[work] = dict(zip(COLUMNS, cells, strict=True))
-        print(line_of(self.rows[work]), flush=True)
-        TABLE.parent.mkdir(parents=True, exist_ok=True)
-        with TABLE.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, COLUMNS)
-            writer.writeheader()
-            writer.writerows(self.rows.values())
-        TABLE.with_suffix(".txt").write_text("\n".join(map(line_of, self.rows.values())) + "\n", encoding="utf-8")
+        self.rows[work] = dict(zip(COLUMNS, (work, f"{asked:g}", f"{aim:g}", f"{value:.3g}", unit, verdict, note), strict=True))
+        print(line_of(self.rows[work]) + (f"\n    {note}" if note else ""), flush=True)
+        write_csv(self.path, COLUMNS, (row.values() for row in self.rows.values()))
 
 
 def line_of(row: dict[str, str]) -> str:
-    """A row of the table and its note."""
+    """A row of the table."""
     sign = ">=" if row["unit"] == "times" else "<="
-    line = f"{row['work']:<46} {sign} {row['asked']:>5} {row['value']:>9} {row['unit']:<6} {row['verdict']}"
-    return line + (f"\n    {row['note']}" if row["note"] else "")
-
-
-# Asked and aimed at for a whole process, by the nodes of a side.
-WHOLE_PROCESS = {256: (5, 8), 512: (5, 8), 1024: (7, 10), 2048: (10, 15)}
+    return f"{row['work']:<46} {sign} {row['asked']:>5} {row['value']:>9} {row['unit']:<6} {row['verdict']}"
 
 
 class Bench:
@@ -342,7 +276,8 @@ class Bench:
 
     def __init__(self, options: argparse.Namespace) -> None:
         """Options of the command line."""
-        self.options, self.table, self.transforms = options, Table(), Transforms()
+        self.options = options
+        self.table = Table(output_folder(options) / "dry.csv")
 
     def beside_peers(self, work: str, contact: Contact, asked: float, aim: float) -> Answer:
         """A row with the ratio to the fastest peer that is good enough, and one with the ratio to the transforms."""
@@ -352,16 +287,18 @@ class Bench:
         note = f"{share:.1f} % contact, {answer.seconds:.3f} s, {answer.pairs:.0f} pairs, error {error:.0e}"
         best = float("nan")
         for peer in ([self.options.only] if self.options.only else PEERS) if self.options.peers else ():
-            seconds, peer_error = theirs(peer, self.options.peers, contact)
-            note += f"; {peer} {seconds:.2f} s, {peer_error:.0e}"
-            if peer_error <= 2 * WANTED and not seconds >= best:
-                best = seconds
+            runs = peer_runs(peer, self.options.peers, contact)
+            # the cheapest one that is good enough, or the best one
+            for run in sorted(runs, key=lambda run: (run.error > WANTED, run.seconds if run.error <= WANTED else run.error))[:1]:
+                note += f"; {peer} {run.seconds:.2f} s, {run.error:.0e}"
+                if run.error <= 2 * WANTED and not run.seconds >= best:
+                    best = run.seconds
         if not np.isnan(best):
             self.table.add(work, best / answer.seconds, "times", asked, aim, note)
             note = f"the same solutions over {answer.process:.3f} s for reading, solving and writing"
             bounds = WHOLE_PROCESS[len(contact.z)]
             self.table.add(f"{work}: whole process", best / answer.process, "times", *bounds, note)
-        limit = self.transforms.limit(answer.transforms)
+        limit = limit_of(answer.transforms)
         note = f"solve {answer.solve:.3f} s, planning {answer.prepare:.3f} s, transforms alone {limit:.3f} s"
         self.table.add(f"{work}: over transforms", answer.solve / limit, "x", 1.5, 1.5, note)
         return answer
@@ -409,71 +346,43 @@ class Bench:
         one, two = (ours(contact, runs=1, threads=threads) for threads in (1, 2))
         note = f"{one.seconds:.1f} s, error {contact.error(one.pressure):.0e}; reading and writing included"
         self.table.add(f"memory of {nodes}^2", one.memory, "GB", 2.5, 2.5, note)
-        note = f"wall {one.wall:.2f} s and {two.wall:.2f} s; transforms of FFTW alone: {self.bare_speedup(nodes):.2f} times"
+        bare = pair_seconds("fftwf", nodes, nodes)[1] / pair_seconds("fftwf", nodes, nodes, 2)[1]
+        note = f"wall {one.wall:.2f} s and {two.wall:.2f} s; transforms of FFTW alone: {bare:.2f} times"
         self.table.add(f"{nodes}^2 by two threads", one.wall / two.wall, "times", 1, 1.5, note)
-
-    def bare_speedup(self, nodes: int) -> float:
-        """What two threads gain on FFTW's own pair in single precision."""
-        script = THREADS.format(nodes=nodes)
-        times = [
-            float(subprocess.run(["python3", "-c", script, str(n)], check=True, capture_output=True, text=True).stdout)
-            for n in (1, 2)
-        ]
-        return times[0] / times[1]
 
     def sweep(self) -> None:
         """Thirteen loads of four profiles of 512 nodes, beyond start-up, reading and writing."""
-        loads = ", ".join(f"{load / 0.4}e6" for load in (5, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 125, 150))
-        total, errors = 0.0, []
+        runs, errors = [], []
         with tempfile.TemporaryDirectory() as folder:
             for name in "ABCD":
-                text = SWEEP.format(loads=loads, file=PROFILES, name=name)
-                (Path(folder) / f"{name}.nml").write_text(text, encoding="utf-8")
-            runs = []
+                groups = {
+                    "case": {"problem": "dry_line"},
+                    "bodies": {"youngs_modulus_1": 210e9, "poisson_ratio_1": 0.3, "hardness": 4e9},
+                    "load": {"mean_pressure": [load / 0.4 * 1e6 for load in LOADS]},
+                    "surface_1": {"shape": "file", "file": str(PROFILES), "positions": "x_m", "dataset": f"z{name}_m"},
+                }
+                (Path(folder) / f"{name}.nml").write_text(namelist(groups), encoding="utf-8")
             for _ in range(3):
-                subprocess.run([PROGRAM, *[f"{name}.nml" for name in "ABCD"], "--quiet"], cwd=folder, env=ONE_THREAD, check=True)
-                total = 0.0
+                subprocess.run([ASPERITY, *[f"{name}.nml" for name in "ABCD"], "--quiet"], cwd=folder, env=ONE_THREAD, check=True)
+                runs.append(0.0)
                 for name in "ABCD":
                     with h5py.File(Path(folder) / f"{name}.h5") as file:
-                        total += float(file["report/cpu_seconds"][()])
+                        runs[-1] += float(file["report/cpu_seconds"][()])
                         errors.append(file["sweep/kkt"][:].max())
-                runs.append(total)
         self.table.add("sweep of 13 loads, 4 profiles of 512 nodes", min(runs), "s", 0.1, 0.1, f"largest error {max(errors):.0e}")
 
-
-# Prints the seconds of a pair of transforms by as many threads as told.
-THREADS = """
-import ctypes, ctypes.util, sys, time
-f, t = (ctypes.CDLL(ctypes.util.find_library(name), mode=ctypes.RTLD_GLOBAL) for name in ("fftw3f", "fftw3f_threads"))
-t.fftwf_init_threads(), t.fftwf_plan_with_nthreads(int(sys.argv[1]))
-for name in ("plan_dft_r2c_2d", "plan_dft_c2r_2d", "malloc"):
-    getattr(f, "fftwf_" + name).restype = ctypes.c_void_p
-n = {nodes}
-count = 8 * (n // 2 + 1) * n
-x, y = (ctypes.c_void_p(f.fftwf_malloc(ctypes.c_size_t(count))) for _ in range(2))
-a = ctypes.c_void_p(f.fftwf_plan_dft_r2c_2d(n, n, x, y, 0))
-b = ctypes.c_void_p(f.fftwf_plan_dft_c2r_2d(n, n, y, x, 0))
-ctypes.memset(x, 0, count)
-best = 1e9
-for _ in range(5):
-    start = time.perf_counter()
-    f.fftwf_execute(a), f.fftwf_execute(b)
-    best = min(best, time.perf_counter() - start)
-print(best)
-"""
 
 PARTS = ("areas", "capped", "sphere", "growth", "profile", "memory", "sweep")
 
 
 def main() -> None:
     """Runs the parts."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = new_parser(__doc__, "small grids", "results/bench")
     parser.add_argument("--peers", metavar="PYTHON", help="python of the environment of the peers")
     parser.add_argument("--only", choices=PEERS, help="one peer instead of all")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS)
     parser.add_argument("--nodes", type=int, nargs="+", help="nodes a side of the areas")
     parser.add_argument("--shares", type=int, nargs="+", default=[1, 5, 15], help="wanted contact of the elastic areas in percent")
-    parser.add_argument("--quick", action="store_true", help="small grids")
     options = parser.parse_args()
     bench = Bench(options)
     for part in options.parts:

@@ -1,30 +1,21 @@
-"""Namelists of the contacts that bench, chart and stability solve."""
+"""Namelists of the contacts that the benches solve, as groups of keys and as text."""
 
 from __future__ import annotations
 
 import math
 
+Groups = dict[str, dict]
+
 # Thesis, Table 5.1.
 CASE_1 = {
     "bodies": {
-        "radius_1": 0.01,
-        "radius_2": 2.0,
-        "youngs_modulus_1": 206e9,
-        "youngs_modulus_2": 206e9,
-        "poisson_ratio_1": 0.3,
-        "poisson_ratio_2": 0.3,
-        "speed_1": 0.1,
-        "speed_2": 1.1,
+        **{"radius_1": 0.01, "radius_2": 2.0, "youngs_modulus_1": 206e9, "youngs_modulus_2": 206e9},
+        **{"poisson_ratio_1": 0.3, "poisson_ratio_2": 0.3, "speed_1": 0.1, "speed_2": 1.1},
     },
     "load": {"load_per_length": 1e5},
     "lubricant": {
-        "viscosity": 0.14,
-        "viscosity_law": "roelands",
-        "roelands_z": 0.6,
-        "roelands_p0": 1.98e8,
-        "density_law": "dowson_higginson",
-        "rheology": "eyring",
-        "eyring_stress": 3.3e6,
+        **{"viscosity": 0.14, "viscosity_law": "roelands", "roelands_z": 0.6, "roelands_p0": 1.98e8},
+        **{"density_law": "dowson_higginson", "rheology": "eyring", "eyring_stress": 3.3e6},
     },
 }
 RIDGE = {"shape": "feature", "amplitude": 0.2e-6, "wavelength": 0.1e-3, "position": -2.5}
@@ -32,6 +23,10 @@ RIDGE = {"shape": "feature", "amplitude": 0.2e-6, "wavelength": 0.1e-3, "positio
 CASE_1_HALF_WIDTH = 1.05797e-4
 CASE_1_FILM = 0.469 * CASE_1_HALF_WIDTH**2 / (1 / (1 / 0.01 + 1 / 2.0))
 WINDOW = {"x_inlet": -4.0, "x_outlet": 1.5}
+NO_BARS = {"error_bars": False}
+# Nothing but the numbers.
+BARE = {"accuracy": NO_BARS, "output": {"adequacy": False}}
+LAWS = tuple({"viscosity_law": v, "density_law": d} for v in ("barus", "roelands") for d in ("constant", "dowson_higginson"))
 
 # A steel contact with a mineral oil, for contacts in SI with given Moes numbers.
 STEEL_MODULUS = 226.4e9
@@ -51,8 +46,10 @@ def value_text(value: object) -> str:
     return repr(value)
 
 
-def namelist(groups: dict[str, dict[str, object]]) -> str:
+def namelist(groups: Groups | str) -> str:
     """The text of a namelist; empty groups and values that are None are left out."""
+    if isinstance(groups, str):
+        return groups
     lines = []
     for name, keys in ({"case": {"problem": "ehl_line"}} | groups).items():
         kept = {key: value for key, value in keys.items() if value is not None}
@@ -61,14 +58,14 @@ def namelist(groups: dict[str, dict[str, object]]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def merged(groups: Groups, **others: dict) -> Groups:
+    """Groups with further ones, or with changes of their own."""
+    return {name: groups.get(name, {}) | others.get(name, {}) for name in groups | others}
+
+
 def case_1(intervals: int | None, solver: dict | None = None, **others: dict) -> str:
     """Chapter 5, Case 1 on X in [-4, 1.5]; `others` are further groups, or changes of its own."""
-    groups = {name: dict(keys) for name, keys in CASE_1.items()}
-    groups["domain"] = WINDOW | {"intervals": intervals}
-    groups["solver"] = solver or {}
-    for name, keys in others.items():
-        groups[name] = groups.get(name, {}) | keys
-    return namelist(groups)
+    return namelist(merged(CASE_1 | {"domain": WINDOW | {"intervals": intervals}, "solver": solver or {}}, **others))
 
 
 def case_3(
@@ -80,44 +77,33 @@ def case_3(
     return case_1(intervals, solver, surface_2=RIDGE, time=settings)
 
 
-def moes(m: float, l: float, intervals: int | None, solver: dict | None = None, **options: object) -> str:  # noqa: E741
-    """A smooth Newtonian contact by Moes' numbers (speed sum): Barus and incompressible unless `lubricant` says otherwise.
-
-    The domain is chosen by the program unless `domain` is given.
-    """
-    oil = {"viscosity_law": "barus" if l > 0 else "constant", "density_law": "constant"}
-    return namelist(
-        {
-            "moes": {"moes_m": m, "moes_l": l, "velocity": "sum"},
-            "lubricant": oil | options.get("lubricant", {}),
-            "domain": options.get("domain", {}) | {"intervals": intervals},
-            "solver": solver or {},
-            "accuracy": options.get("accuracy", {}),
-        }
-    )
+def plane(m: float, oil: float, law: dict | None = None) -> Groups:
+    """Groups of a smooth Newtonian contact by Moes' numbers (speed sum); Barus and incompressible without a law."""
+    barus = {"viscosity_law": "barus" if oil > 0 else "constant", "density_law": "constant"}
+    return {"moes": {"moes_m": m, "moes_l": oil, "velocity": "sum"}, "lubricant": barus | (law or {})}
 
 
-def steel(m: float, l: float, slide_to_roll: float = 0.0, eyring_stress: float | None = None) -> dict[str, dict]:  # noqa: E741
+def moes(m: float, oil: float, intervals: int | None, solver: dict | None = None, **others: dict) -> str:
+    """Its text; the domain is chosen by the program unless `domain` is given."""
+    return namelist(merged(plane(m, oil) | {"solver": solver or {}, "domain": {"intervals": intervals}}, **others))
+
+
+def steel(m: float, l: float, slide: float = 0.0, eyring_stress: float | None = None, law: dict | None = None) -> Groups:  # noqa: E741
     """Groups of a contact in SI with the Moes numbers (speed sum) M and L: steel, mineral oil, u2 faster than u1."""
     speed_number = (l / (OIL_ALPHA * STEEL_MODULUS)) ** 4  # mu_0 u_s/(E' R)
     speed_sum = speed_number * STEEL_MODULUS * RADIUS / OIL_VISCOSITY
     load = m * math.sqrt(speed_number) * STEEL_MODULUS * RADIUS
-    oil = {"viscosity": OIL_VISCOSITY, "pressure_viscosity": OIL_ALPHA, "roelands_p0": 1.96e8}
+    oil = {"viscosity": OIL_VISCOSITY, "pressure_viscosity": OIL_ALPHA, "roelands_p0": 1.96e8} | (law or {})
+    if oil.get("viscosity_law") == "barus":
+        del oil["roelands_p0"]
     if eyring_stress is not None:
         oil |= {"rheology": "eyring", "eyring_stress": eyring_stress}
-    return {
-        "bodies": {
-            "reduced_radius": RADIUS,
-            "reduced_modulus": STEEL_MODULUS,
-            "speed_1": 0.5 * speed_sum * (1 - 0.5 * slide_to_roll),
-            "speed_2": 0.5 * speed_sum * (1 + 0.5 * slide_to_roll),
-        },
-        "load": {"load_per_length": load},
-        "lubricant": oil,
-    }
+    speeds = {f"speed_{i}": 0.5 * speed_sum * (1 + sign * 0.5 * slide) for i, sign in ((1, -1), (2, 1))}
+    bodies = {"reduced_radius": RADIUS, "reduced_modulus": STEEL_MODULUS} | speeds
+    return {"bodies": bodies, "load": {"load_per_length": load}, "lubricant": oil}
 
 
-def scales(groups: dict[str, dict], elastic: float = 1.0) -> tuple[float, float]:
+def scales(groups: Groups, elastic: float = 1.0) -> tuple[float, float]:
     """Half-width and a rough film [m] of such a contact, for the sizes of what is rough on its surfaces.
 
     The film is the larger one of Moes' rigid isoviscous and elastic piezoviscous asymptotes, the latter with the factor `elastic`.

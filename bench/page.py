@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Puts what was measured into docs/performance.md, with machine and commit, and its files into docs/images/performance/.
+"""Puts what was measured into docs/performance.md, with machine and commit, and figures into docs/images/performance/.
 
 The page is text with blocks between `<!-- NAME: written by bench/page.py -->` and `<!-- NAME: end -->`. Only the blocks
 that are named are written anew, from results/; everything else stays as it is.
@@ -15,70 +15,34 @@ import shutil
 import subprocess
 import sys
 import textwrap
-from collections import Counter, defaultdict
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections import defaultdict
+from collections.abc import Callable
 from pathlib import Path
 
-import dry
-import stability_cells
 from bench_program import ROOT
+from judge import JUDGED, TIGHT, WITHIN, Row, is_tight, is_within, share
+from stability_cells import NAMES
 
-RESULTS = ROOT / "results"
-PAGE = ROOT / "docs" / "performance.md"
-IMAGES = ROOT / "docs" / "images" / "performance"
-EPILOG = """example:
-  make bench && .venv/bin/python bench/page.py bench"""
-
-CAPTIONS = {
-    "moes_barus": "Newtonian contacts, Barus, incompressible, over Moes' numbers (speed sum).",
-    "moes_roelands": "The same with Roelands and Dowson-Higginson.",
-    "moes_eyring": "The same with an Eyring stress of 3.3 MPa and a slide-to-roll ratio of 5/3.",
-    "eyring_stress": "Eyring stress against load.",
-    "slide_to_roll": "Eyring stress against slide-to-roll ratio; beyond 2 the surfaces move against each other.",
-    "intervals": "Given number of intervals against load, Newtonian and with low Eyring stress.",
-    "relaxation": "Relaxation and sweeps of each smoother, on Case 1 and on a heavier Newtonian contact.",
-    "coarsest": "Coarsest level of the cycle against load.",
-    "time_step": "A ridge passes: time step against slide-to-roll ratio.",
-    "rolling": "A ridge rolls into Case 1 without sliding, its oil and a Newtonian one: time step against intervals.",
-    "roughness": "A wavy surface at rest under a sliding one: amplitude over central film against wavelength.",
-    "ridge": "Ridges of other heights and widths pass as in Case 3.",
-}
-
-
-@dataclass(frozen=True)
-class Block:
-    """Results that a block needs (below results/), what goes to the images, and its text, made from the paths of the former."""
-
-    needed: Sequence[str]
-    images: Sequence[str]
-    text: Callable[..., str]
-
-
-def output_of(*command: str) -> str:
-    """Standard output of a command."""
-    return subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT).stdout.strip()
+RESULTS, PAGE, IMAGES = ROOT / "results", ROOT / "docs" / "performance.md", ROOT / "docs" / "images" / "performance"
 
 
 def measured_on() -> str:
     """Processor, cores, compiler and commit in a sentence."""
+
+    def output_of(*command: str) -> str:
+        return subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT).stdout.strip()
+
     cpu = Path("/proc/cpuinfo").read_text(encoding="utf-8") if Path("/proc/cpuinfo").exists() else ""
     model = re.search(r"model name\s*:(.+)", cpu)
     processor = " ".join((model[1] if model else platform.processor()).split())
-    compiler = output_of("gfortran", "-dumpfullversion")
-    commit = output_of("git", "rev-parse", "--short", "HEAD")
     cores = f"{cpu.count('model name')} cores" if cpu else "unknown cores"
-    return f"Measured on {processor}, {cores}, gfortran {compiler}, portable build, commit {commit}."
+    built = f"gfortran {output_of('gfortran', '-dumpfullversion')}, commit {output_of('git', 'rev-parse', '--short', 'HEAD')}"
+    return f"Measured on {processor}, {cores}, {built}."
 
 
 def fenced(text: str) -> str:
     """A block of preformatted text."""
     return f"```text\n{text.rstrip()}\n```\n"
-
-
-def as_it_is(path: Path) -> str:
-    """The text of a file."""
-    return fenced(path.read_text(encoding="utf-8"))
 
 
 def folded(text: str) -> str:
@@ -90,9 +54,9 @@ def folded(text: str) -> str:
     return fenced("\n".join(lines))
 
 
-def conclusion(path: Path) -> str:
-    """The text of a file with sentences."""
-    return folded(path.read_text(encoding="utf-8"))
+def as_it_is(*paths: Path) -> str:
+    """The text of files."""
+    return folded("".join(path.read_text(encoding="utf-8") for path in paths))
 
 
 def rows(path: Path) -> list[dict[str, str]]:
@@ -101,66 +65,72 @@ def rows(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def is_right(row: dict[str, str]) -> bool:
-    """Whether a cell has converged, however slowly, or its grid or time step is too coarse and was called so."""
-    return row["reason"] == "converged" or row["status"] == "too coarse"
+def bench_text(path: Path) -> str:
+    """What was asked of speed and memory, in seconds where there is no unit, and the median of what was measured."""
+    lines = []
+    for row in (row for row in rows(path) if row["asked"]):
+        verdict = row["verdict"] if row["verdict"] != "met" else ""
+        line = f"{row['work']:<44} <= {float(row['asked']):<6g} {float(row['median']):8.3g} {row['unit']:<3} {verdict}"
+        lines.append(line.rstrip())
+    return fenced("\n".join(lines))
 
 
-def map_text(path: Path) -> str:
-    """Figure, caption and counts of one map."""
-    name = path.stem.removeprefix("stability_")
-    counts: dict[str, Counter] = defaultdict(Counter)
+def families_text(path: Path) -> str:
+    """A line a family: quantities judged, shares, and those of its quantities that miss what is asked."""
+    found: dict[str, dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
+    numbers = ("value", "estimate", "true_error")
     for row in rows(path):
-        counts[row["method"]][is_right(row)] += 1
-    parts = []
-    for method, count in counts.items():
-        right, total = count[True], sum(count.values())
-        parts.append(f"{method} {right}" if right < total else f"{method} all")
-    total = sum(next(iter(counts.values())).values())
-    text = f"{CAPTIONS[name]} Right, of {total} cells each: {'; '.join(parts)}. [CSV](images/performance/{path.name})."
-    lines = textwrap.wrap(text, 128, break_on_hyphens=False)
-    return f"![{CAPTIONS[name].rstrip('.')}](images/performance/{path.stem}.png)\n\n" + "\n".join(lines) + "\n"
-
-
-def cells_of_auto(paths: Sequence[Path]) -> str:
-    """The cells in which `auto` is not right, or the statement that there are none."""
-    bad = []
-    total = 0
-    for path in paths:
-        for row in rows(path):
-            if row["method"].startswith("auto"):
-                total += 1
-                if not is_right(row):
-                    x, y = list(row)[1:3]
-                    name = path.stem.removeprefix("stability_")
-                    bad.append(f"- {name}, {row['method']}, {x} = {row[x]}, {y} = {row[y]}: {row['status']}")
-    if not bad:
-        return f"`auto` is right in all {total} cells of these maps.\n"
-    return f"`auto` is right in {total - len(bad)} of {total} cells of these maps. The others:\n\n" + "\n".join(bad) + "\n"
+        each = Row(**{key: float(value) if key in numbers else value for key, value in row.items()})
+        if each.verdict == JUDGED:
+            found[each.family][each.quantity.removeprefix("summary/")].append(each)
+    lines = [f"{'family':26s} {'judged':>6s} {'within [%]':>10s} {'below 10 x [%]':>14s}"]
+    for family, quantities in found.items():
+        every = [row for own in quantities.values() for row in own]
+        missed = [name for name, own in quantities.items() if share(own, is_within) < WITHIN or share(own, is_tight) < TIGHT]
+        shares = f"{100 * share(every, is_within):10.1f} {100 * share(every, is_tight):14.1f}"
+        lines.append(f"{family:26s} {len(every):6d} {shares}" + (f"  missed: {', '.join(missed)}" if missed else ""))
+    return fenced("\n".join(lines))
 
 
 def maps_text(*paths: Path) -> str:
-    """All maps."""
-    return "\n".join([cells_of_auto(paths), *map(map_text, paths)])
+    """Cells in which each method is right: it converges, or its grid or step is too coarse and was called so."""
+    lines = ["| map | cells | right |", "|---|---|---|"]
+    for path in paths:
+        right: dict[str, list[bool]] = defaultdict(list)
+        for row in rows(path):
+            right[row["method"]].append(row["reason"] == "converged" or row["status"] == "too coarse")
+        words = "; ".join(f"{method} {sum(each)}" for method, each in right.items() if not all(each))
+        name = path.stem.removeprefix("stability_")
+        link = f"[{name}](images/performance/{path.stem}.png)"
+        lines.append(f"| {link} | {len(next(iter(right.values())))} | {words + '; the others ' if words else ''}all |")
+    return "\n".join(lines) + "\n"
 
 
 def dry_text(path: Path) -> str:
-    """The table of `make bench-dry`."""
-    return folded("\n".join(dry.line_of(row) for row in rows(path)))
+    """The table of `make bench-dry`, the shares of contact [%] of a row beside each other."""
+    groups = defaultdict(list)
+    for row in rows(path):
+        groups[re.sub(r", \d+ %", "", row["work"])].append(row)
+    lines = []
+    for work, own in groups.items():
+        cells = [f"{share[0][:-2]}: " if (share := re.findall(r"\d+ %", row["work"])) else "" for row in own]
+        cells = [f"{cell}{row['value']}{' MISSED' * (row['verdict'] == 'MISSED')}" for cell, row in zip(cells, own, strict=True)]
+        sign = ">=" if own[0]["unit"] == "times" else "<="
+        lines.append(f"{work:<44} {sign} {own[0]['asked']:>4} {own[0]['unit']:<6} {'; '.join(cells)}")
+    return fenced("\n".join(lines))
 
 
-MAPS = [f"stability/stability_{name}" for name in stability_cells.NAMES]
-BLOCKS = {
-    "bench": Block(["bench/bench.txt"], ["bench/bench.csv"], as_it_is),
-    "chart": Block(["chart/conclusion.txt"], ["chart/chart.png", "chart/chart.csv", "chart/chart_models.csv"], conclusion),
-    "accuracy": Block(["accuracy/conclusion.txt"], ["accuracy/accuracy.csv", "accuracy/cost.csv"], conclusion),
-    "accuracy_time": Block(["accuracy/conclusion_time.txt"], ["accuracy/accuracy_time.csv", "accuracy/cost_time.csv"], conclusion),
-    "families": Block(["accuracy/families.txt"], [], as_it_is),
-    "stability": Block(
-        [f"{name}.csv" for name in MAPS], [f"{name}{kind}" for name in MAPS for kind in (".csv", ".png")], maps_text
-    ),
-    "dry": Block(["bench/dry.csv"], ["bench/dry.csv"], dry_text),
-    "adequacy": Block(["adequacy/adequacy.txt"], [], as_it_is),
+MAPS = [f"stability/stability_{name}" for name in NAMES]
+# Of each block what it needs below results/, the figures, and its text, made from the paths of the former; auto.py writes `auto`.
+BLOCKS: dict[str, tuple[list[str], list[str], Callable[..., str]]] = {
+    "bench": (["bench/bench.csv"], [], bench_text),
+    "chart": (["chart/conclusion.txt"], ["chart/chart.png"], as_it_is),
+    "targets": (["accuracy/cost.txt", "accuracy/cost_time.txt"], [], as_it_is),
+    "families": (["accuracy/families.csv"], [], families_text),
+    "passages": (["accuracy/passages/families.csv"], [], families_text),
+    "stability": ([f"{name}.csv" for name in MAPS], [f"{name}.png" for name in MAPS], maps_text),
+    "dry": (["bench/dry.csv"], [], dry_text),
+    "adequacy": (["adequacy/adequacy.txt"], [], as_it_is),
 }
 
 
@@ -180,20 +150,17 @@ def put_block(name: str, text: str) -> None:
 
 def main() -> int:
     """Writes the blocks; status 1 if one has no results."""
-    parser = argparse.ArgumentParser(description=__doc__, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="+", metavar="NAME", help=f"blocks: {', '.join(BLOCKS)}")
-    names = parser.parse_args().names
-    if unknown := set(names) - set(BLOCKS):
-        parser.error(f"found {', '.join(sorted(unknown))}, expected some of {', '.join(BLOCKS)}")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="+", metavar="NAME", choices=BLOCKS, help=f"blocks: {', '.join(BLOCKS)}")
     status = 0
-    for name in names:
-        block = BLOCKS[name]
-        needed, images = ([RESULTS / path for path in paths] for paths in (block.needed, block.images))
+    for name in parser.parse_args().names:
+        needed, images, text = BLOCKS[name]
+        needed, images = ([RESULTS / path for path in paths] for paths in (needed, images))
         if missing := [str(path.relative_to(ROOT)) for path in (*needed, *images) if not path.exists()]:
             print(f"{name}: stays, missing: {', '.join(missing[:3])}", file=sys.stderr)
             status = 1
             continue
-        put_block(name, block.text(*needed))
+        put_block(name, text(*needed))
         for path in images:
             shutil.copy(path, IMAGES)
         print(f"{name}: written")

@@ -180,7 +180,7 @@ REASONS = (
 
 def cell_text(key: str, method: str, cell: tuple[float, float]) -> str:
     """The namelist of a cell of a map."""
-    return MAPS[key].text(*cell, MAPS[key].methods[method], method)
+    return namelists.namelist(MAPS[key].text(*cell, MAPS[key].methods[method], method))
 
 
 def stated_failure(path: Path) -> str:

@@ -24,7 +24,6 @@ PAGES = [
     "docs/batch.md",
     "docs/theory.md",
     "docs/developer.md",
-    "docs/scenes.md",
     "docs/tasks.md",
 ]
 LINKED_PAGES = [

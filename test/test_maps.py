@@ -7,10 +7,11 @@ from conftest import ROOT
 
 sys.path.append(str(ROOT / "bench"))
 
+import bench_program
 import dry_runs
-import dry_stability
 import stability
 import stability_cells
+import stability_dry
 import stability_figure
 from bench_program import Answer
 
@@ -49,13 +50,13 @@ def test_every_class_has_a_look_and_what_failed_one_colour():
     assert len({sign for _, sign, _ in looks.values()}) == len(looks)
 
 
-def test_dry_cells_have_the_same_classes(program, tmp_path, monkeypatch):
-    monkeypatch.setattr(dry_runs, "PROGRAM", program)
+def test_dry_cells_have_the_same_classes(program, monkeypatch):
+    monkeypatch.setattr(bench_program, "ASPERITY", program)
 
     def word_of(method, **keys):
-        case = dry_stability.cell(**keys)
+        case = stability_dry.cell(**keys)
         case["solver"] |= {"method": method, "max_cycles": 100}
-        return dry_stability.class_of(dry_runs.run(case, tmp_path, "cell"))
+        return stability_dry.class_of(dry_runs.run(case))
 
     few, many = dry_runs.METHODS
     line = {"load": 0.03, "nodes": 512, "is_area": False}
@@ -68,11 +69,11 @@ def test_dry_cells_have_the_same_classes(program, tmp_path, monkeypatch):
 
 def test_maps_in_time_have_contacts_without_sliding(asperity, tmp_path):
     each = stability_cells.rolling_map(quick=True)
-    cells = list(each.cells())
+    cells = list(each.cells.values())
     assert len(cells) == len(each.methods) * len(each.x.values) * len(each.y.values)
     assert {name.split(": ")[1] for name in each.methods} == {"Eyring", "Newtonian"}
-    assert all("speed_1 = 0.6\n   speed_2 = 0.6\n" in cell.namelist for cell in cells)
-    (tmp_path / "cell.nml").write_text(cells[0].namelist, encoding="utf-8")
+    assert all("speed_1 = 0.6\n   speed_2 = 0.6\n" in cell for cell in cells)
+    (tmp_path / "cell.nml").write_text(cells[0], encoding="utf-8")
     done = asperity("--check", "cell.nml")
     assert done.returncode == 0, done.stderr
 

@@ -9,26 +9,29 @@ import pytest
 
 sys.path.append(str(Path(__file__).resolve().parent.parent / "bench"))
 
-import family_target_in_time
+import families
+import namelists
 
 COUNT = 10
 
 
 def test_an_error_above_the_target_is_noted(asperity, tmp_path):
     """Passages at random, the domain given: there is a note where grid and time step err by more than wanted, else none."""
-    (family,) = family_target_in_time.FAMILIES
+    (family,) = families.chosen(["target_in_time"])
     noted = []
-    for member in family.draw(random.Random(7002), COUNT):
-        (tmp_path / "case.nml").write_text(member.case, encoding="utf-8")
+    source = random.Random(7002)
+    for i in range(COUNT):
+        case = family.draw(source, i).case
+        (tmp_path / "case.nml").write_text(namelists.namelist(case), encoding="utf-8")
         done = asperity("case.nml")
         assert done.returncode == 0, done.stderr
-        target = float(member.case.split("target = ")[1].split()[0])
+        target = case["accuracy"]["target"]
         with h5py.File(tmp_path / "case.h5") as file:
             film = file["summary/h_min"]
             note = file["report/note"].asstr()[()] if "report/note" in file else ""
             is_above = film.attrs["error_grid"] > target * film[()]
-        assert ("the wanted accuracy is not shown" in note) == is_above, member.name
-        assert ("the wanted accuracy is not shown" in done.stderr) == is_above, member.name
+        assert ("the wanted accuracy is not shown" in note) == is_above, i
+        assert ("the wanted accuracy is not shown" in done.stderr) == is_above, i
         noted.append(is_above)
     assert any(noted)
     assert not all(noted)

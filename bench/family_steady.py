@@ -1,0 +1,224 @@
+"""Steady contacts at random: ordinary ones, domains, pressure spikes, friction; each beside its truth.
+
+The truth of a given domain has the grid spacing of the member and a domain several times as long, so that the error of the grid
+cancels: `error_domain` is judged alone. Where the program chooses, the truth has a grid so fine and an inlet so far that both serve
+all members. A spike of the pressure needs a dX so small that it is resolved or nearly so; Eyring's law makes a corner of it, where
+a grid errs by up to half of what pressure falls over a spacing.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable
+
+import namelists
+from judge import FARTHEST, LONGER, Member, beside, finer_sample
+from namelists import LAWS, Groups, plane, steel
+from samples import contacts, fresh_contacts
+
+# Far enough for ordinary contacts, with the tail.
+FAR = {"intervals": 2**15, "inlet": "tail", "x_inlet": -60.0, "x_outlet": 3.0}
+NEWTONIAN = (LAWS[0], LAWS[3], {"viscosity_law": "constant", "density_law": "constant"})
+OILS = (LAWS[0], LAWS[3], LAWS[1], LAWS[2])
+# Wanted accuracy of stiff contacts; None: the program's grid.
+TARGETS = (None, 0.01, 0.003)
+Draw = Callable[[random.Random, int], Member]
+
+
+def log_uniform(source: random.Random, low: float, high: float) -> float:
+    """Evenly in the logarithm."""
+    return 10 ** source.uniform(math.log10(low), math.log10(high))
+
+
+def width(m: float, l: float) -> float:  # noqa: E741
+    """S = sqrt(2 H_c) of a rough fit of the Newtonian film [half-widths]."""
+    film = ((2.45 / m) ** 1.5 + (1.3 * l**0.75 * m**-0.12) ** 1.5) ** (1 / 1.5) if l > 0 else (2.45 / m + 3.1 * m**-0.2)
+    return math.sqrt(2 * film * math.pi / (8 * m))
+
+
+def far(m: float, l: float, intervals: int, outlet: float, farthest: float = math.inf) -> dict:  # noqa: E741
+    """The domain of a truth; `outlet` behind X = 1."""
+    return {"intervals": intervals, "inlet": "tail", "x_inlet": max(-(1 + 16 * width(m, l)), -farthest), "x_outlet": 1 + outlet}
+
+
+def sample(fresh: bool, longer: bool) -> Draw:
+    """The contacts of a sample on the program's own grid; the truth on a longer domain or not."""
+    every = fresh_contacts() if fresh else contacts(quick=False)
+
+    def draw(_: random.Random, i: int) -> Member:
+        name, groups = every[i]
+        return Member(groups, finer_sample(groups, LONGER if longer else 1), name=name)
+
+    return draw
+
+
+def calm(source: random.Random, _: int) -> Member:
+    """Smooth, over the stated range, on the domain and grid that the program chooses."""
+    m, l = 10 ** source.uniform(0.3, 2.5), source.uniform(3, 20)  # noqa: E741
+    return beside(steel(m, l, source.uniform(0, 1.5), 10 ** source.uniform(6.5, 7.5)), {}, FAR)
+
+
+def contact(source: random.Random, is_eyring: bool, lightest: float, heaviest: float) -> tuple[float, float, Groups]:
+    """M, L and groups of a contact: M to `heaviest`, L to 40; Eyring stress 0.5 to 20 MPa, slide-to-roll 0 to 4."""
+    m, l = log_uniform(source, lightest, heaviest), source.uniform(1, 40)  # noqa: E741
+    if is_eyring:
+        l = max(l, 2.0)  # noqa: E741
+        return m, l, steel(m, l, source.uniform(0, 4), log_uniform(source, 0.5e6, 20e6))
+    law = source.choice(NEWTONIAN)
+    l = 0.0 if law["viscosity_law"] == "constant" else l  # noqa: E741
+    return m, l, plane(m, l, law)
+
+
+def given_outlet(source: random.Random, i: int) -> Member:
+    """From far ahead of rupture to far behind it, light to heavy loads; the truth lies on the same nodes, and twice as many."""
+    m, l, groups = contact(source, i % 2 == 1, 0.05, 30)  # noqa: E741
+    s = width(m, l)
+    outlet, inlet, n = 1 + s * log_uniform(source, 0.05, 2), max(-(1 + 20 * s), -450.0), 8192
+    common = {"x_inlet": inlet, "inlet": "tail"}
+    return beside(
+        groups, common | {"x_outlet": outlet, "intervals": n}, common | {"x_outlet": 2 * outlet - inlet, "intervals": 2 * n}
+    )
+
+
+def open_domain(source: random.Random, i: int) -> Member:
+    """The whole domain and grid left open, over the whole range."""
+    m, l, groups = contact(source, i % 3 > 0, 0.02, 300)  # noqa: E741
+    return beside(groups, {}, far(m, l, 2**16, max(0.75 * width(m, l), 1.0), 900.0))
+
+
+def light_eyring(source: random.Random, _: int) -> Member:
+    """M below 1 with low Eyring stress, domain left open: the slope of the pressure in front of the inlet thins the oil."""
+    m, l = log_uniform(source, 0.05, 1), source.uniform(10, 40)  # noqa: E741
+    groups = steel(m, l, log_uniform(source, 0.1, 20), log_uniform(source, 0.5e6, 2e6))
+    return beside(groups, {}, far(m, l, 2**16, 0.75 * width(m, l), 900.0))
+
+
+def extreme(source: random.Random, i: int) -> Member:
+    """Domain and grid left open where all is extreme: M 0.01 to 5000, L to 60, slide-to-roll to 20; half with Eyring's law."""
+    m, l = log_uniform(source, 0.01, 5000), source.uniform(2, 60)  # noqa: E741
+    slide, stress = log_uniform(source, 0.1, 20), log_uniform(source, 0.5e6, 20e6)
+    groups = steel(m, l, slide, stress if i % 2 == 1 else None, source.choice(OILS))
+    return beside(groups, {}, far(m, l, 2**17, max(0.75 * width(m, l), 1.0), 900.0))
+
+
+def given_inlet(inlet: str) -> Draw:
+    """A given inlet, without pressure or with the tail, from inside the pressure build-up to far out.
+
+    The truth at the same spacing, eight times as long.
+    """
+
+    def draw(source: random.Random, i: int) -> Member:
+        m, l, groups = contact(source, i % 4 > 0, 0.1, 30)  # noqa: E741
+        s = width(m, l)
+        start, outlet = -(1 + s * log_uniform(source, 1.5, 30 if inlet == "zero" else 6)), 1 + max(0.75 * s, 1.0)
+        n, factor = 4096, 8
+        while outlet - factor * (outlet - start) < -FARTHEST:
+            factor //= 2
+        fine = {"inlet": "tail", "x_inlet": outlet - factor * (outlet - start), "x_outlet": outlet, "intervals": factor * n}
+        return beside(groups, {"inlet": inlet, "x_inlet": start, "x_outlet": outlet, "intervals": n}, fine)
+
+    return draw
+
+
+def spike(source: random.Random, i: int) -> Member:
+    """Heavy contacts on given grids, by the kappa scheme; the truth is the thesis's scheme on the same domain."""
+    m, l, n = 10 ** source.uniform(1.3, 3), source.uniform(5, 30), source.choice((512, 1024, 2048, 4096))  # noqa: E741
+    window = namelists.WINDOW
+    kappa = {"space_scheme": "kappa"}
+    return beside(plane(m, l, LAWS[i % 4]), window | {"intervals": n}, window | {"intervals": 2**17}, solver=kappa)
+
+
+def wide(source: random.Random, i: int) -> Member:
+    """Heavy, fast and far sliding (M to 3000, L to 60, tau_0 0.5 to 20 MPa, slide-to-roll to 20), three of four Eyring's."""
+    m, l = 10 ** source.uniform(0.5, 3.5), source.uniform(2, 60)  # noqa: E741
+    stress = 10 ** source.uniform(5.7, 7.3) if i % 4 else None
+    groups = steel(m, l, 10 ** source.uniform(-1.3, 1.3), stress, LAWS[source.randrange(4)])
+    return beside(groups, {}, far(m, l, 2**18, max(0.75 * width(m, l), 1.0)))
+
+
+def stiff(source: random.Random, i: int) -> Member:
+    """Barus' oil with alpha p_h of 31 to 259, dense or not, two of three with a target.
+
+    Every grid has a spike that it does not resolve beside the smallest film.
+    """
+    rise, l = 31 * (259 / 31) ** source.random(), source.uniform(10, 30)  # noqa: E741
+    m = 2 * math.pi * (rise / l) ** 2  # alpha p_h = L sqrt(M/(2 pi))
+    fine = far(m, l, 2**18, max(0.75 * width(m, l), 0.5))
+    return beside(plane(m, l, LAWS[i % 2]), {}, fine, accuracy={"target": TARGETS[i // 2 % 3]})
+
+
+def pressed(source: random.Random, i: int) -> tuple[Groups, dict]:
+    """A contact anywhere in the (M, L) range, one of three with Eyring's law, and the domain of its truth."""
+    if i % 6 < 4:
+        m, l = 10 ** source.uniform(-0.5, 3.2), source.uniform(0.5, 35)  # noqa: E741
+        groups = plane(m, l, LAWS[i % 6])
+    else:
+        m, l = 10 ** source.uniform(0, 2.9), source.uniform(3, 30)  # noqa: E741
+        groups = steel(m, l, source.uniform(0.05, 2), 10 ** source.uniform(6.5, 9))
+    film = (2.45 / m + 1.3 * m**-0.125 * l**0.75 + 2.6 * m**-0.2) * math.pi / (8 * m)
+    inlet = -min(1 + 40 * (1 + 3 / m) * math.sqrt(2 * film), FARTHEST)
+    # Spikes, of which loads above M = 1 are in danger, need many intervals, light contacts a long domain.
+    fine = {"intervals": 2**16 if m > 1 else 2**15, "inlet": "tail", "x_inlet": inlet, "x_outlet": max(1.5, 3 * math.sqrt(1 / m))}
+    return groups, fine
+
+
+def pressure(source: random.Random, i: int) -> Member:
+    """On the domain and grid that the program chooses."""
+    groups, fine = pressed(source, i)
+    return beside(groups, {}, fine)
+
+
+def pressure_on_a_grid(source: random.Random, i: int) -> Member:
+    """On given grids of 64 to 4096 intervals."""
+    groups, fine = pressed(source, i)
+    return beside(groups, {"intervals": 2 ** source.randint(6, 12)}, fine)
+
+
+def rolling(target: dict) -> Draw:
+    """Eyring oils at 0.3 to 3 GPa that slide by 0 to 5 %, on grids that the program chooses: their spikes are corners."""
+
+    def draw(source: random.Random, i: int) -> Member:
+        hertz, l = 10 ** source.uniform(8.48, 9.48), source.uniform(8, 35)  # noqa: E741
+        speed_number = (l / (namelists.OIL_ALPHA * namelists.STEEL_MODULUS)) ** 4
+        m = 2 * math.pi * (hertz / namelists.STEEL_MODULUS) ** 2 / math.sqrt(speed_number)
+        slide = 0.0 if i % 3 == 0 else source.uniform(0, 0.05)
+        groups = steel(m, l, slide, 10 ** source.uniform(6, 7.3), LAWS[i % 4])
+        return beside(groups, {}, far(m, l, 2**17, max(width(m, l), 0.5)), accuracy=target)
+
+    return draw
+
+
+def eyring(source: random.Random) -> float:
+    """An Eyring stress [Pa]."""
+    return 10 ** source.uniform(6.0, 7.5)
+
+
+def newtonian(source: random.Random) -> None:
+    """No Eyring stress."""
+    source.random()
+
+
+def either(source: random.Random) -> float | None:
+    """One or the other."""
+    return eyring(source) if source.random() < 0.5 else newtonian(source)
+
+
+def thesis_like(source: random.Random) -> dict:
+    """A window like that of the thesis, or a longer one."""
+    return {"x_inlet": -source.uniform(3.0, 12.0), "x_outlet": 2.0, "intervals": 2 ** source.randint(8, 11)}
+
+
+def friction(loads: tuple[float, float], oils: Callable, domains: Callable = lambda _: {}) -> Draw:
+    """Steel and mineral oil with log10 M between `loads`, L 3 to 20, sliding, at random."""
+
+    def draw(source: random.Random, _: int) -> Member:
+        m, l = 10 ** source.uniform(*loads), source.uniform(3, 20)  # noqa: E741
+        groups = steel(m, l, source.choice((-1, 1)) * source.uniform(0.02, 1.8), oils(source))
+        return beside(groups, domains(source), FAR)
+
+    return draw
+
+
+friction_eyring, friction_newton = friction((-0.5, 2.5), eyring), friction((-0.5, 1.5), newtonian)
+friction_given = friction((0.3, 2.0), either, thesis_like)

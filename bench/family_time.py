@@ -1,0 +1,327 @@
+"""Waves and passages at random: narrow for the grid, fast for the step, begun inside the contact, with a target; and their truths.
+
+What passes on the domain, grid and step of the program is beside a finer, longer run (judge.finer_passage). Passages of Case 1 at
+another load, slide and oil lie on a given domain, with eight times the intervals and steps for the truth: `error_grid` is judged.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import namelists
+from judge import Member, Resolution, finer_passage
+from namelists import NO_BARS, Groups, merged
+from samples import KINDS, OILS, Passage, passages
+
+# Domains of the truth of a wave at rest and in time, so long that they change nothing; the case leaves its own to the program.
+LONG, LONG_IN_TIME = {"x_inlet": -25.0, "x_outlet": 4.0}, (-16.0, 2.5)
+# A given grid needs a given domain, to know the nodes in a wave.
+GIVEN = {"x_inlet": -8.0, "x_outlet": 2.5}
+# Fewest nodes in a wave of the truth, and steps in its passage.
+FINE, FINE_IN_TIME = 128, 64
+STEEL_RADIUS, STEEL_MODULUS, ALPHA = 0.01, 226.4e9, 2.2e-8
+# Slide-to-roll ratios of contacts; of passages, where the second surface, or both, go through the contact in a short time.
+SLIDES = (-1.0, -0.5, 0.0, 0.5, 1.0, 5 / 3, 1.9)
+PASSING, BOTH_PASSING = (-1.0, -0.3, 0.0, 0.3, 1.0, 5 / 3, 1.9, 2.5, 4.0), (-1.0, -0.3, 0.0, 0.3, 1.0)
+# H_c of Case 1; wanted accuracies.
+CASE_1_H, TARGETS = 0.469, (0.01, 0.02, 0.05)
+
+
+@dataclass(frozen=True)
+class Wave:
+    """A contact in SI with one wave: lengths over the half-width b [m], speed over the mean one, heights over the film."""
+
+    groups: Groups
+    half_width: float
+    film: float
+    speed: float
+    kind: str
+    length: float
+    height: float
+    position: float
+
+    def case(self, domain: dict, **others: dict) -> Groups:
+        """Its groups."""
+        height = self.height * self.film * {"ridge": 1.0, "dent": -1.0, "sinusoid": 0.4}[self.kind]
+        shape = {"shape": "sinusoid" if self.kind == "sinusoid" else "feature", "amplitude": height}
+        shape |= {"wavelength": self.length * self.half_width, "position": self.position}
+        if self.kind == "sinusoid" and "time" in others:
+            shape["entry_length"] = 1.0
+        return self.groups | {"surface_1": shape, "domain": domain} | others
+
+    def step(self, steps: float) -> float:
+        """The time step that makes so many in the passage of the wave, which ends when it has passed X = 1."""
+        return min(self.length / (self.speed * steps), (1.0 - self.position) / self.speed)
+
+    def passing(self, step: float | None = None) -> Member:
+        """Its passage on the grid of the program, with a time step or the program's."""
+        time = {"transient": True, "end_time": (1.0 - self.position) / self.speed, "time_step": step}
+        case = self.case({}, time=time)
+
+        def fewest(length: float) -> int:
+            return max(power_of_two(FINE_IN_TIME * length / self.length), 2**11)
+
+        return Member(case, finer_passage(case, LONG_IN_TIME, fewest, self.step(FINE_IN_TIME)))
+
+    def at_rest(self, domain: dict) -> Member:
+        """Its steady contact."""
+        fine = max(power_of_two(FINE * length_of(LONG) / self.length), 2**15)
+        return Member(self.case(domain), self.case(LONG | {"intervals": fine}, accuracy=NO_BARS))
+
+
+def length_of(domain: dict) -> float:
+    """Its length."""
+    return domain["x_outlet"] - domain["x_inlet"]
+
+
+def power_of_two(intervals: float) -> int:
+    """The next one."""
+    return 2 ** max(8, math.ceil(math.log2(intervals)))
+
+
+def rough_contact(source: random.Random, speed: float) -> tuple[Groups, float, float]:
+    """Groups, half-width and film (of Dowson and Higginson) of a steel contact; `speed` of surface 1 over the mean one."""
+    pressure, mean = 10 ** source.uniform(8.6, 9.18), 10 ** source.uniform(-0.7, 0.6)
+    viscosity = 10 ** source.uniform(-1.7, -0.7)
+    half_width = 4 * pressure * STEEL_RADIUS / STEEL_MODULUS
+    load = pressure * math.pi * half_width / 2 / (STEEL_MODULUS * STEEL_RADIUS)
+    speed_number = viscosity * mean / (STEEL_MODULUS * STEEL_RADIUS)
+    film = 2.65 * STEEL_RADIUS * (ALPHA * STEEL_MODULUS) ** 0.54 * speed_number**0.7 / load**0.13
+    oil = {"viscosity": viscosity, "pressure_viscosity": ALPHA, "roelands_p0": 1.96e8}
+    if source.random() < 0.5:
+        oil |= {"rheology": "eyring", "eyring_stress": source.choice((3e6, 6e6, 10e6))}
+    bodies = {"reduced_radius": STEEL_RADIUS, "reduced_modulus": STEEL_MODULUS}
+    bodies |= {"speed_1": speed * mean, "speed_2": (2 - speed) * mean}
+    return {"bodies": bodies, "load": {"hertz_pressure": pressure}, "lubricant": oil}, half_width, film
+
+
+def wave_at_rest(source: random.Random) -> Wave:
+    """A wave of 0.02 to 0.5 half-widths that stands in the contact."""
+    contact = rough_contact(source, 0.0)
+    kind, length = source.choice(("ridge", "dent", "sinusoid")), 10 ** source.uniform(-1.7, -0.3)
+    return Wave(*contact, 0.0, kind, length, source.uniform(0.1, 0.7), source.uniform(-1.2, 1.1))
+
+
+def moving_wave(source: random.Random) -> Wave:
+    """A wave of 0.2 to 0.8 half-widths that passes, on the slow or the fast surface."""
+    speed = source.uniform(0.4, 1.9)
+    groups, half_width, film = rough_contact(source, speed)
+    kind, length = source.choice(("ridge", "dent", "sinusoid")), 10 ** source.uniform(-0.7, -0.1)
+    front = -1 - math.sqrt(2 * film * STEEL_RADIUS) / half_width  # X = -1 - sqrt(2 H_c): where the film is made
+    return Wave(groups, half_width, film, speed, kind, length, source.uniform(0.1, 0.6), front - length)
+
+
+def resting(source: random.Random, _: int) -> Member:
+    """The grid is left to the program."""
+    return wave_at_rest(source).at_rest({})
+
+
+def on_a_coarse_grid(source: random.Random, _: int) -> Member:
+    """The grid is given, with 1 to 64 nodes in the wave."""
+    wave, nodes = wave_at_rest(source), 2 ** source.uniform(0, 6)
+    return wave.at_rest(GIVEN | {"intervals": power_of_two(nodes * length_of(GIVEN) / wave.length)})
+
+
+def passing(source: random.Random, _: int) -> Member:
+    """Grid and time step are left to the program."""
+    return moving_wave(source).passing()
+
+
+def in_long_steps(source: random.Random, _: int) -> Member:
+    """The time step is given, with 1 to 64 steps in the passage of the wave; the grid is the program's."""
+    wave, steps = moving_wave(source), 2 ** source.uniform(0, 6)
+    return wave.passing(wave.step(steps))
+
+
+class Contact:
+    """A steel contact at random and what is needed of it, lengths over its half-width."""
+
+    def __init__(self, source: random.Random, slide: float, loads: tuple[float, float] = (0.6, 2.1), eyring: float = 0.5) -> None:
+        """Draws load (lg M), oil (Eyring with that probability), and the height of a wave over the central film."""
+        self.m, l = 10 ** source.uniform(*loads), source.uniform(4, 13)  # noqa: E741
+        stress = 10 ** source.uniform(6.6, 7.5) if source.random() < eyring else None
+        self.groups = namelists.steel(self.m, l, slide, stress)
+        self.half_width, self.film = namelists.scales(self.groups, 1.05)
+        self.speed = 1 + slide / 2
+
+    def wave(self, kind: str, height: float, length: float, position: float | None) -> dict[str, object]:
+        """The group of a surface: height over the film, length and place in half-widths."""
+        shape = {"shape": kind, "amplitude": height * self.film, "wavelength": length * self.half_width}
+        return shape | {"position": position}
+
+    def case(self, surfaces: Groups, time: dict[str, object], **others: dict) -> Groups:
+        """Its groups; the grid has at least 24 intervals in a wave of 0.5 half-widths."""
+        intervals = {"intervals": 1024 if self.m < 10 else 512}
+        return self.groups | surfaces | {"domain": intervals, "time": {"transient": True} | time} | others
+
+    def truth(self, surfaces: Groups, time: dict[str, object]) -> Callable[[Resolution], Groups]:
+        """The same on a long domain, finer than the case in space and in time."""
+        ends = -14.0 if self.m < 10 else -8.0 if self.m < 40 else -5.0, 3.0 if self.m < 10 else 2.0
+        return finer_passage(self.case(surfaces, time), ends, 2048, 0.004 / max(abs(self.speed), 0.5))
+
+
+def ridge(source: random.Random, heights: tuple[float, float], lengths: tuple[float, float]) -> tuple[str, float, float]:
+    """Kind, height and length of a ridge or a dent."""
+    return "feature", source.choice((1, -1)) * source.uniform(*heights), source.uniform(*lengths)
+
+
+def strides(source: random.Random, _: int) -> Member:
+    """A ridge passes; profiles are stored of few steps, of one field, or of nothing but the start."""
+    contact = Contact(source, source.choice(SLIDES))
+    surfaces = {"surface_2": contact.wave(*ridge(source, (0.1, 0.5), (0.5, 1.5)), -5.0)}
+    time = {"end_time": 7.0 / contact.speed}
+    output = {"profile_stride": source.choice((3, 10, 50, 1000)), "fields": source.choice(("pressure", "film_thickness"))}
+    return Member(contact.case(surfaces, time, output=output), contact.truth(surfaces, time))
+
+
+def periodic(source: random.Random, _: int) -> Member:
+    """Sinusoids fill the contact from T = 0 on, on one surface or both; the truth is the periodic state, much later."""
+    contact = Contact(source, source.choice(SLIDES))
+    length = source.uniform(0.5, 1.5)
+    surfaces = {"surface_2": contact.wave("sinusoid", source.uniform(0.05, 0.3), length, source.uniform(-1, 1))}
+    period = length / contact.speed
+    if source.random() < 0.3:  # a wave on the other surface too, of the same period
+        other = 2 - contact.speed
+        surfaces["surface_1"] = contact.wave("sinusoid", source.uniform(0.05, 0.2), length * other / contact.speed, 0.0)
+    end = source.uniform(1.0, 12.0)
+    # whole periods later: the same phase at the end, of which the last one counts
+    periods = max(2, round(10 / period))
+    later = {"end_time": end + period * periods, "statistics_from": end + period * (periods - 1)}
+    return Member(contact.case(surfaces, {"end_time": end}), contact.truth(surfaces, later))
+
+
+def placed(source: random.Random, _: int) -> Member:
+    """Ridges and dents that are given no place; the truth begins far in front of the contact."""
+    contact = Contact(source, source.choice(SLIDES))
+    shape = ridge(source, (0.1, 0.5), (0.5, 1.5))
+    case = contact.case({"surface_2": contact.wave(*shape, None)}, {"end_time": source.uniform(1.0, 8.0) / contact.speed})
+    return Member(case, contact.truth({"surface_2": contact.wave(*shape, -6.0)}, {"end_time": 9.0 / contact.speed}))
+
+
+def inside(source: random.Random, _: int) -> Member:
+    """A ridge on a slow surface begins inside the contact; the truth is the same time of a passage from far in front."""
+    speed = source.uniform(0.25, 0.45)
+    contact = Contact(source, 2 * speed - 2)
+    shape = ridge(source, (0.1, 0.4), (0.5, 1.2))
+    place = source.uniform(-1.2, 0.0)
+    end = max(6.0, (1.1 + 0.5 * shape[2] - place) / speed)
+    begin = source.choice((None, 5.0))
+    delay = (5.0 + place) / speed
+    later = {"end_time": end + delay, "statistics_from": (begin or 4.8) + delay}
+    case = contact.case({"surface_2": contact.wave(*shape, place)}, {"end_time": end, "statistics_from": begin})
+    return Member(case, contact.truth({"surface_2": contact.wave(*shape, place - speed * delay)}, later))
+
+
+def beside_waves(source: random.Random, _: int) -> Member:
+    """A ridge begins in front of a contact that a wave of the other surface fills; the truth begins whole periods later."""
+    contact = Contact(source, source.choice(SLIDES[:-2]))
+    other = 2 - contact.speed
+    shape = ridge(source, (0.1, 0.4), (0.5, 1.2))
+    place, length = source.uniform(-9.0, -2.0), source.uniform(0.5, 1.5)
+    wave = {"surface_1": contact.wave("sinusoid", source.uniform(0.02, 0.15), length, 0.0)}
+    end = (1.5 + 0.5 * shape[2] - place) / contact.speed + source.uniform(0.0, 2.0)
+    delay = length / other * round(6 * other / length)
+    case = contact.case({"surface_2": contact.wave(*shape, place)} | wave, {"end_time": end})
+    later = {"surface_2": contact.wave(*shape, place - contact.speed * delay)} | wave
+    return Member(case, contact.truth(later, {"end_time": end + delay}))
+
+
+def narrow(source: random.Random, _: int) -> Member:
+    """Narrow ridges and dents in heavy contacts, mostly Newtonian: the film keeps what the inlet makes of them."""
+    contact = Contact(source, source.choice((-1.0, -0.5, 0.0, 0.5, 1.0)), loads=(1.5, 2.5), eyring=0.25)
+    length = 10 ** source.uniform(-1.0, -0.3)
+    shape = contact.wave("feature", source.choice((1, -1)) * source.uniform(0.05, 0.5), length, -1.5 - length)
+    surfaces, time = {"surface_2": shape}, {"end_time": (2.6 + 1.5 * length) / contact.speed}
+    return Member(contact.case(surfaces, time, domain={"inlet": "auto"}), contact.truth(surfaces, time))
+
+
+@dataclass(frozen=True)
+class Whole(Passage):
+    """A passage that begins in front of the contact, until all has gone through; the wave in units of the given grid's spacing."""
+
+    intervals: int
+    scheme: str
+
+    @property
+    def reach(self) -> float:
+        """S = sqrt(2 H_c), about."""
+        return math.sqrt(2 * CASE_1_H * self.load**-1.1)
+
+    @property
+    def domain(self) -> dict:
+        """Ends that cut no film off."""
+        return {"x_inlet": -max(4.0, 1 + 3.5 * self.reach), "x_outlet": 1.5 + 0.5 * self.reach}
+
+    @property
+    def dx(self) -> float:
+        """Spacing of the given grid, and time step."""
+        return length_of(self.domain) / self.intervals
+
+    @property
+    def length(self) -> float:
+        """Wavelength over b."""
+        return self.wave * self.dx
+
+    def place(self, surface: int) -> float:
+        """Where a feature is in front of the contact."""
+        return -math.copysign(1 + self.reach + 0.5 * self.length, self.speed(surface))
+
+    def roughness(self, half_width: float) -> dict[str, float]:
+        """A wave at least as long as the given grid resolves."""
+        wave = self.length * half_width
+        return {"wavelength_long": 4 * wave, "wavelength_rolloff": 2 * wave, "wavelength_short": wave}
+
+    def overtaking(self) -> dict[int, float]:
+        """Heights on both surfaces, over that of the passage."""
+        return {2: 1.0, 1: -0.7}
+
+    @property
+    def end_time(self) -> float:
+        """When all features have left, or waves and roughness have entered and settled."""
+        if self.kind in ("waviness", "roughness"):
+            return 2 * (2 + self.reach) + (4 * self.length + 4 + self.reach) / self.speed(2)
+        slowest = self.speed(2) if self.kind != "overtaking" else min(self.speed(1), self.speed(2))
+        return (3 + self.reach + 2 * self.length) / slowest
+
+    def finer(self, factor: int, **others: dict) -> Groups:
+        """Its groups, with so many times the intervals and steps."""
+        time = {"transient": True, "end_time": self.end_time, "time_step": self.dx / factor, "scheme": self.scheme}
+        domain = self.domain | {"intervals": factor * self.intervals}
+        return merged(self.groups(), domain=domain, time=time, **others)
+
+
+def pressure_in_time(source: random.Random, i: int) -> Member:
+    """Whole passages with both schemes, on given grids with dT = dX that resolve every wave."""
+    kind, load, oil = KINDS[i % len(KINDS)], 10 ** source.uniform(-0.6, 0.6), source.choice(tuple(OILS))
+    slide = source.choice(BOTH_PASSING if kind == "overtaking" else PASSING)
+    height, nodes = source.uniform(0.1, 0.6), 2 ** source.uniform(5.05, 7)
+    case = Whole(kind, load, slide, oil, height, nodes, i, (256, 512)[i // 2 % 2], ("bdf2", "backward_euler")[i % 2])
+    return Member(case.finer(1), case.finer(8, accuracy=NO_BARS))
+
+
+def target_in_time(source: random.Random, i: int) -> Member:
+    """Grid, step and scheme in space chosen by pilot runs, and the error bars that they foretell; the target is not judged."""
+    kind = KINDS[i % len(KINDS)]
+    slide = source.choice(BOTH_PASSING if kind == "overtaking" else PASSING)
+    load, oil = 10 ** source.uniform(-0.6, 0.6), source.choice(tuple(OILS))
+    height, nodes = source.uniform(0.1, 0.6), 2 ** source.uniform(5.05, 6.5)
+    case = Whole(kind, load, slide, oil, height, nodes, i, (192, 256)[i % 2], "bdf2")
+    free = case.finer(1, accuracy={"target": TARGETS[i // 2 % 3]})
+    free["domain"] = free["domain"] | {"intervals": None}
+    free["time"] = free["time"] | {"time_step": None}
+    return Member(free, case.finer(8, accuracy=NO_BARS))
+
+
+def sample(seeds: tuple[int, int], intervals: int, scheme: str) -> Callable[[random.Random, int], Member]:
+    """Passages of two seeds on given grids with dT = dX; the truth is BDF2 on four times the intervals and a fourth of the step."""
+    every = [case for seed in seeds for case in passages(120, seed)]
+
+    def draw(_: random.Random, i: int) -> Member:
+        case = every[i]
+        truth = case.on_grid(4 * intervals, 1, accuracy=NO_BARS)
+        return Member(case.on_grid(intervals, 1, time={"scheme": scheme}), truth, name=f"{i:03d}_{case.kind}")
+
+    return draw

@@ -1,0 +1,259 @@
+"""The judge of error bars: a contact as the user writes it, beside its truth, and what holds of many of them.
+
+A member is a namelist, and that of its truth: a finer grid, a longer domain, a smaller step. The program runs both, and each
+quantity of the member's result is put into one of these classes:
+
+    refused     exit status 1, or not converged with a reason: no number that looks like an answer
+    noted       /report/note says that the numbers are not to be relied on
+    not known   no error estimate; the attribute no_estimate says why
+    judged      all others: is the truth within the estimate, and the estimate below ten times the true error?
+
+The truth of a passage is FINER times as fine as the result that it judges, in space and in time, whatever grid the program has
+chosen: with schemes of second order a sixteenth of the error is left. Its inlet is FARTHER times as far. A truth that no quantity
+needs is not computed.
+
+A family holds if the truth is within the estimate for at least 95 % of those judged, and the estimate below ten times the true
+error for at least 80 %. A true error below FLOOR times the value counts as within ten times: no estimate need be so small.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+
+import h5py
+import numpy as np
+from bench_program import run_program
+from namelists import NO_BARS, Groups, namelist
+
+WITHIN, TIGHT = 0.95, 0.80
+# Relative error that is as good as none.
+FLOOR = 1e-6
+# Spacing and time step of a result over those of its truth.
+FINER = 4
+# Distance of the inlet of a truth over that of the result.
+FARTHER = 2
+# Of the samples whose truth keeps the domain that the program chose: intervals of it, and length of a longer one, up to an inlet.
+SAMPLE_FINER, LONGER, FARTHEST = 8, 4, 1000.0
+# A note that takes nothing from the numbers where the truth ends at the same time; one on the input says nothing of them.
+TOLD, UNUSUAL = "a feature is still in the contact", "is unusual, typical is"
+REFUSED, NOTED, UNKNOWN, JUDGED = "refused", "noted", "not known", "judged"
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Spacing, time step (none: NaN), ends of the domain and its inlet, of a result; over the half-width and its time."""
+
+    spacing: float
+    step: float
+    x_inlet: float
+    x_outlet: float
+    intervals: int
+    inlet: str
+
+
+@dataclass(frozen=True)
+class Member:
+    """A case as the user writes it, and the one whose answer counts as true, or what makes it from the case's resolution.
+
+    `exact` holds quantities that are known in closed form [SI], by path; with all of them there `truth` may be missing. `files` are
+    written beside the namelist, by name. With a `target`, a relative error that the namelist asks for, that is judged in place of
+    the estimate. Members without a name are numbered.
+    """
+
+    case: Groups
+    truth: Groups | Callable[[Resolution], Groups] | None = None
+    exact: dict[str, float] = field(default_factory=dict)
+    files: dict[str, str | bytes] = field(default_factory=dict)
+    target: float = 0.0
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class Family:
+    """Cases of one kind; `quantities` are paths of the result, `draw` makes the member of a number from a source of random numbers.
+
+    `estimate` is the attribute that is judged: `error_grid` where the truth has the same domain. `finish`, if there, draws what is
+    left of each member when all are there.
+    """
+
+    group: str
+    name: str
+    title: str
+    quantities: tuple[str, ...]
+    draw: Callable
+    count: int = 24
+    estimate: str = "error_estimate"
+    finish: Callable[[random.Random, Member], Member] | None = None
+    # The truth of a member goes on to a later time: its end is told by a note, which then counts.
+    truth_goes_on: bool = False
+    # A sample that is always the same, `count` members at most, judged whatever is noted.
+    is_sample: bool = False
+    # What the answer of a quantity is on the finer grid, if not its own: figures of the nodes tend to those between them.
+    limits: dict[str, str] = field(default_factory=dict)
+    # Members are given, not drawn, and few: each truth must be within, no share is asked to be within ten times.
+    given: bool = False
+
+    def members(self, seed: int, count: int) -> list[Member]:
+        """So many of a seed."""
+        source = random.Random(f"{self.name} {seed}")
+        most = min(count, self.count) if self.is_sample else count
+        found = self.draw() if self.given else [self.draw(source, i) for i in range(most)]
+        return [self.finish(source, member) for member in found] if self.finish else found
+
+
+@dataclass
+class Row:
+    """One quantity of a member [SI]; estimate and true error are NaN where there are none."""
+
+    family: str
+    member: str
+    quantity: str
+    verdict: str
+    value: float = math.nan
+    estimate: float = math.nan
+    true_error: float = math.nan
+    reason: str = ""
+
+
+def beside(groups: Groups, domain: dict, fine: dict, **others: dict) -> Member:
+    """A contact on a domain, with further groups, beside its truth on another domain."""
+    return Member(groups | {"domain": domain} | others, groups | {"domain": fine, "accuracy": NO_BARS})
+
+
+def finer_passage(
+    groups: Groups, ends: tuple[float, float], fewest: Callable[[float], int] | int, longest: float, **time: object
+) -> Callable[[Resolution], Groups]:
+    """The truth of a passage, made from the resolution of its case.
+
+    Its domain reaches `ends` and FARTHER; it has FINER intervals, but no fewer than `fewest` (of its length), and a FINER time
+    step, but none above `longest`; `time` are further keys.
+    """
+
+    def finer(found: Resolution) -> Groups:
+        domain = {"x_inlet": min(FARTHER * found.x_inlet, ends[0]), "x_outlet": max(found.x_outlet, ends[1])}
+        length = domain["x_outlet"] - domain["x_inlet"]
+        domain["intervals"] = rounded_up(max(FINER * length / found.spacing, fewest(length) if callable(fewest) else fewest))
+        step = min(found.step / FINER, longest)
+        return groups | {"domain": domain, "accuracy": NO_BARS, "time": groups["time"] | {"time_step": step} | time}
+
+    return finer
+
+
+def finer_sample(groups: Groups, factor: int) -> Callable[[Resolution], Groups | None]:
+    """The truth of a steady contact: SAMPLE_FINER intervals, on a domain of `factor` times the length, if there is one."""
+
+    def finer(found: Resolution) -> Groups | None:
+        far = found.x_outlet - factor * (found.x_outlet - found.x_inlet) if factor > 1 else found.x_inlet
+        domain = {"inlet": found.inlet, "x_inlet": far, "x_outlet": found.x_outlet}
+        domain["intervals"] = SAMPLE_FINER * factor * found.intervals
+        return groups | {"domain": domain, "accuracy": NO_BARS} if factor == 1 or far > -FARTHEST else None
+
+    return finer
+
+
+def rounded_up(wanted: float) -> int:
+    """4, 5, 6 or 7 times a power of two."""
+    power = 2 ** math.floor(math.log2(wanted / 4))
+    return power * math.ceil(wanted / power)
+
+
+def as_text(value: object) -> str:
+    """A string of HDF5."""
+    return value.decode("utf-8") if isinstance(value, bytes) else str(value)
+
+
+@dataclass
+class Result:
+    """What a run says: reason of a failure, note, quantities with their estimates by path, resolution if in time."""
+
+    reason: str
+    note: str
+    values: dict[str, tuple[float, float]]
+    resolution: Resolution | None
+
+
+def read(family: Family, file: h5py.File) -> Result:
+    """What is judged of a result; of a sweep the last load."""
+    parts = as_text(file["report/note"][()]).split("; ") if "report/note" in file and not family.is_sample else []
+    note = [part for part in parts if UNUSUAL not in part and (family.truth_goes_on or not part.startswith(TOLD))]
+    values = {}
+    for path in (path for path in family.quantities if path in file):
+        data = file[path]
+        values[path] = tuple(float(np.ravel(each)[-1]) for each in (data[()], data.attrs.get(family.estimate, math.nan)))
+    domain, resolution = file["input/effective/domain"].attrs, None
+    if "x_inlet" in domain:
+        (start, end), n = (float(domain[key]) for key in ("x_inlet", "x_outlet")), int(domain["intervals"])
+        step = float(file["input/effective/time"].attrs.get("time_step", math.nan))
+        resolution = Resolution((end - start) / n, step, start, end, n, as_text(domain["inlet"]))
+    return Result("" if file.attrs["converged"] == 1 else as_text(file.attrs["reason"]), "; ".join(note), values, resolution)
+
+
+def judge(family: Family, member: Member, name: str) -> list[Row]:
+    """All quantities of a member."""
+    take = partial(read, family)
+
+    def all_of_them(verdict: str, reason: str) -> list[Row]:
+        return [Row(family.name, name, path, verdict, reason=reason) for path in family.quantities]
+
+    status, said, found = run_program(namelist(member.case), take, member.files)
+    if status != 0 or found is None or found.reason:
+        return all_of_them(REFUSED, found.reason if found else said)
+    rows = []
+    for path, (value, estimate) in found.values.items():
+        bar = member.target * abs(value) or estimate
+        verdict = NOTED if found.note else UNKNOWN if math.isnan(bar) else JUDGED
+        rows.append(Row(family.name, name, path, verdict, value, bar, reason=found.note))
+    truth = member.exact
+    if member.truth and any(row.verdict == JUDGED for row in rows):
+        finer = member.truth(found.resolution) if callable(member.truth) else member.truth
+        status, said, fine = run_program(namelist(finer), take, member.files) if finer else (1, "", None)
+        if status != 0:
+            return all_of_them("no truth", fine.reason if fine else said)
+        truth = {path: value for path, (value, _) in fine.values.items()} | truth
+    for row in rows:
+        row.true_error = abs(row.value - truth.get(family.limits.get(row.quantity, row.quantity), math.nan))
+    return rows
+
+
+def is_within(row: Row) -> bool:
+    """Whether the truth is within the estimate."""
+    return row.true_error <= row.estimate
+
+
+def is_tight(row: Row, floor: float = FLOOR) -> bool:
+    """Whether the estimate is below ten times the true error."""
+    return row.estimate < 10 * max(row.true_error, floor * abs(row.value))
+
+
+def share(rows: Sequence, test: Callable[[object], bool]) -> float:
+    """Which part passes a test; of none, all."""
+    return sum(map(test, rows)) / len(rows) if rows else 1.0
+
+
+def quantile(values: Sequence[float], part: float) -> float:
+    """The value below which this part lies."""
+    ordered = sorted(values)
+    return ordered[min(int(part * len(ordered)), len(ordered) - 1)] if ordered else math.nan
+
+
+def table(families: list[Family], rows: list[Row]) -> str:
+    """A line a quantity, with the verdict on the family."""
+    head = f"{'cases':>5s} {'refused':>7s} {'noted':>5s} {'not known':>9s} {'within':>7s} {'< 10 x':>7s}"
+    lines = [f"{'family, quantity':44s} {head}"]
+    for family in families:
+        lines.append(family.title)
+        asked = (1.0, 0.0) if family.given else (WITHIN, TIGHT)
+        for path in family.quantities:
+            own = [row for row in rows if row.family == family.name and row.quantity == path and row.verdict != "no truth"]
+            judged = [row for row in own if row.verdict == JUDGED]
+            refused, noted, unknown = (sum(row.verdict == verdict for row in own) for verdict in (REFUSED, NOTED, UNKNOWN))
+            within, tight = (share(judged, test) for test in (is_within, is_tight))
+            verdict = "" if within >= asked[0] and tight >= asked[1] else "  missed"
+            label = f"  {family.name} {path.removeprefix('summary/')}"
+            numbers = f"{len(own):5d} {refused:7d} {noted:5d} {unknown:9d} {100 * within:5.1f} % {100 * tight:5.1f} %"
+            lines.append(f"{label:44s} {numbers}{verdict}")
+    return "\n".join(lines) + "\n"
