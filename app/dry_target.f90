@@ -13,15 +13,15 @@ module dry_target
    use errors, only: error_t, input_error
    use iteration_report, only: phase_error_bars, phase_steady
    use kinds, only: wp
-   use life_sign, only: begin_activity
    use missing_value, only: not_known
-   use system_limits, only: memory_fault, memory_t, thread_memory
+   use signals, only: begin_activity
+   use system_limits, only: memory_fault, thread_memory
    use text, only: add_sentence, to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: grid_memory, solve_to_target
+   public :: solve_to_target
 
    !> Most nodes of a line and of an area that are chosen.
    integer, parameter :: max_chosen(2) = [2**20, 2**24]
@@ -125,22 +125,12 @@ contains
       real(wp), parameter :: smaller = 0.9_wp
 
       most = max_chosen(merge(1, 2, dry%grid%ny == 1))
-      do while (memory_fault('a grid', &
-         grid_memory(dry, [most/min(2, dry%grid%ny), min(2, dry%grid%ny)])) /= '')
+      do while (memory_fault('a grid', dry%memory_on([most/min(2, dry%grid%ny), min(2, &
+         dry%grid%ny)]), thread_memory(dry%grid%threads)) /= '')
          most = int(smaller*most)
          if (most <= dry%grid%nx) exit
       end do
    end function max_nodes
-
-   !> The memory that the case needs at most on so many nodes, for its threads too.
-   function grid_memory(dry, nodes) result(need)
-      type(dry_case_t), intent(in) :: dry
-      integer, intent(in) :: nodes(2)
-      type(memory_t) :: need
-
-      need = dry%memory_on(nodes)
-      need%reserved = need%reserved + thread_memory(dry%grid%threads)
-   end function grid_memory
 
    !> Notes that the target is not met by an estimated error of `doubt` (NaN: no solution, which is
    !> told elsewhere), and why.

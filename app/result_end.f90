@@ -9,11 +9,11 @@ module result_end
    use errors, only: error_t
    use formulas_section, only: formula_lines
    use influence_section, only: model_line
-   use interruption, only: take_last_words
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
    use run_observer, only: run_observer_t
+   use signals, only: take_last_words
    use spike_text, only: spike_lines
    use text, only: to_text
    implicit none (type, external)

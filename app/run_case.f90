@@ -22,7 +22,6 @@ module run_case
       report_t
    use key_row, only: lubricated
    use kinds, only: wp
-   use life_sign, only: begin_activity, begin_subject
    use line_case, only: build_line_contact, scaled_solver
    use line_contact, only: line_contact_t
    use line_state, only: all_finite, line_state_t
@@ -41,6 +40,7 @@ module run_case
    use run_dry_case, only: solve_and_write
    use run_observer, only: run_observer_t
    use side_by_side, only: solve_beside
+   use signals, only: begin_activity, begin_subject
    use wall_clock, only: wall_seconds
    use wave_resolution, only: choose_time_step, nodes_in_wave, steps_in_wave
    use xdmf_file, only: write_xdmf

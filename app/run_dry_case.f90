@@ -14,7 +14,7 @@ module run_dry_case
    use dry_result, only: write_dry_result
    use dry_solution, only: dry_solution_t
    use dry_sweep, only: dry_outcome_t, dry_row_t
-   use dry_target, only: grid_memory, solve_to_target
+   use dry_target, only: solve_to_target
    use errors, only: error_t, fail, input_error
    use hdf5_axes, only: make_counter, name_axes
    use hdf5_dataset, only: new_label, write_dataset
@@ -22,12 +22,12 @@ module run_dry_case
    use key_row, only: dry_area
    use influence_section, only: model_line
    use kinds, only: wp
-   use life_sign, only: begin_activity
    use progress_log, only: progress_log_t
    use quantity_text, only: number_text, wrapped
    use result_file, only: open_result, result_file_t
+   use signals, only: begin_activity
    use surface_keys, only: has_shape, surfaces
-   use system_limits, only: memory_fault, processors
+   use system_limits, only: memory_fault, processors, thread_memory
    use text, only: add_sentence, counted, to_text
    implicit none (type, external)
    private
@@ -124,7 +124,8 @@ contains
       character(:), allocatable :: fault
 
       associate (grid => case%dry%grid)
-         fault = memory_fault('a grid', grid_memory(case%dry, [grid%nx, grid%ny]))
+         fault = memory_fault('a grid', case%dry%memory_on([grid%nx, grid%ny]), &
+            thread_memory(grid%threads))
          if (fault /= '' .and. grid%threads > 1) fault = fault//', with '//to_text(grid%threads) &
             //' threads'
       end associate

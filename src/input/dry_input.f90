@@ -2,7 +2,6 @@
 module dry_input
    use, intrinsic :: iso_fortran_env, only: int64
    use body_values, only: modulus_of, radius_of
-   use case_memory, only: area_memory, max_nodes
    use dry_case, only: dry_case_t
    use dry_checks, only: check_parabola, check_waves
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
@@ -13,7 +12,6 @@ module dry_input
    use input_values, only: value_t
    use dry_settings, only: method_conjugate_gradient, method_steepest_descent
    use kinds, only: wp
-   use large_pages, only: prefer_large_pages
    use surface_keys, only: has_shape, surfaces
    use system_limits, only: memory_fault
    use text, only: to_text
@@ -21,6 +19,10 @@ module dry_input
    private
 
    public :: fill_dry_case
+
+   !> Most nodes of an area: the padded transforms of an open one count four times as many in 32
+   !> bits.
+   integer, parameter :: max_nodes = 536870911
 
 contains
 
@@ -70,11 +72,7 @@ contains
       fault = memory_fault('a grid', dry%memory_on([dry%grid%nx, dry%grid%ny]))
       if (nodes > max_nodes) fault = 'found ' // to_text(nodes) // ' nodes, expected at most ' &
          // to_text(max_nodes)
-      if (fault /= '') then
-         call dry%values%refuse('domain', key, fault)
-      else if (dry%grid%ny > 1) then
-         call prefer_large_pages(area_memory(nodes))
-      end if
+      if (fault /= '') call dry%values%refuse('domain', key, fault)
    end subroutine check_size
 
    !> Mean pressures and hardness. Finding: a load above hardness times area.

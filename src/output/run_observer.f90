@@ -7,10 +7,8 @@ module run_observer
    use errors, only: error_t, fail, output_error
    use film_passage, only: new_passage
    use grid_estimates, only: take_coarser
-   use interruption, only: is_interrupted, set_patience
    use iteration_report, only: phase_output, phase_transient, report_t
    use kinds, only: wp
-   use life_sign, only: begin_activity
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
@@ -20,6 +18,7 @@ module run_observer
    use progress_log, only: progress_log_t
    use result_writer, only: result_writer_t
    use scaling, only: scaling_t
+   use signals, only: begin_activity, is_interrupted, set_patience
    use solver_settings, only: word_length
    use time_follower, only: follower_t
    use time_part, only: time_part_t
