@@ -3,7 +3,7 @@ module case_outcome
    use errors, only: error_t, output_error
    use iteration_report, only: report_t
    use progress_log, only: progress_log_t
-   use standard_output, only: write_text
+   use standard_streams, only: write_text
    use text, only: to_text
    implicit none (type, external)
    private

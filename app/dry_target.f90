@@ -2,6 +2,7 @@
 !> accuracy.
 module dry_target
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: iso_fortran_env, only: int64
    use dry_case, only: dry_case_t
    use dry_errors, only: estimate_dry_errors
    use dry_resampling, only: dry_sweep_t
@@ -9,19 +10,20 @@ module dry_target
    use dry_scaling, only: dry_scaling_t, new_dry_scaling
    use dry_settings, only: dry_settings_t
    use dry_surfaces, only: is_refinable, refine_heights
+   use dry_solution, only: dry_solution_t
    use dry_sweep, only: dry_outcome_t, dry_row_t, solve_dry_sweep
    use errors, only: error_t, input_error
    use iteration_report, only: phase_error_bars, phase_steady
    use kinds, only: wp
-   use life_sign, only: begin_activity
    use missing_value, only: not_known
-   use system_limits, only: memory_fault, memory_t, thread_memory
+   use signals, only: begin_activity
+   use system_limits, only: memory_fault, thread_memory
    use text, only: add_sentence, to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: grid_memory, solve_to_target
+   public :: solve_to_target
 
    !> Most nodes of a line and of an area that are chosen.
    integer, parameter :: max_chosen(2) = [2**20, 2**24]
@@ -98,7 +100,24 @@ contains
          report%phase_seconds(phase_error_bars) = report%wall_seconds &
             - report%phase_seconds(phase_steady)
       end associate
+      if (.not. allocated(error)) call judge_sweep(outcome%rows, outcome%solution)
    end subroutine solve_grid
+
+   !> One report for all loads: converged if all are; transforms and iterations are summed.
+   subroutine judge_sweep(rows, solution)
+      type(dry_row_t), intent(in) :: rows(:)
+      type(dry_solution_t), intent(inout) :: solution
+      integer :: i
+
+      solution%report%fft_pairs = sum(int(rows%fft_pairs, int64))
+      solution%report%cycles = sum(rows%cycles)
+      do i = 1, size(rows)
+         if (rows(i)%is_converged) cycle
+         solution%report%converged = .false.
+         solution%report%reason = rows(i)%reason // ' at a mean pressure of ' &
+            // to_text(rows(i)%mean_pressure) // ' Pa'
+      end do
+   end subroutine judge_sweep
 
    !> Adds the times of one grid to those `spent` before; both are the sums then.
    pure subroutine add_times(outcome, spent)
@@ -125,22 +144,12 @@ contains
       real(wp), parameter :: smaller = 0.9_wp
 
       most = max_chosen(merge(1, 2, dry%grid%ny == 1))
-      do while (memory_fault('a grid', &
-         grid_memory(dry, [most/min(2, dry%grid%ny), min(2, dry%grid%ny)])) /= '')
+      do while (memory_fault('a grid', dry%memory_on([most/min(2, dry%grid%ny), min(2, &
+         dry%grid%ny)]), thread_memory(dry%grid%threads)) /= '')
          most = int(smaller*most)
          if (most <= dry%grid%nx) exit
       end do
    end function max_nodes
-
-   !> The memory that the case needs at most on so many nodes, for its threads too.
-   function grid_memory(dry, nodes) result(need)
-      type(dry_case_t), intent(in) :: dry
-      integer, intent(in) :: nodes(2)
-      type(memory_t) :: need
-
-      need = dry%memory_on(nodes)
-      need%reserved = need%reserved + thread_memory(dry%grid%threads)
-   end function grid_memory
 
    !> Notes that the target is not met by an estimated error of `doubt` (NaN: no solution, which is
    !> told elsewhere), and why.

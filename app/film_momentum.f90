@@ -5,16 +5,16 @@ module film_momentum
    use errors, only: error_t
    use film_fields, only: compare_passage
    use iteration_report, only: report_t
-   use life_sign, only: begin_activity
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use momentum_march, only: momentum_march_t
    use momentum_section, only: difference_sentence
    use momentum_setup, only: walls_t
    use momentum_solver, only: solve_film_momentum
-   use process_memory, only: peak_memory
    use run_observer, only: run_observer_t
    use scaling, only: film_slope, inertia_number
+   use signals, only: begin_activity
+   use system_limits, only: peak_memory
    use text, only: to_text
    implicit none (type, external)
    private

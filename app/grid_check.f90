@@ -7,7 +7,7 @@ module grid_check
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use solver_settings, only: max_intervals_of, max_refined_intervals, time_settings_t
-   use system_limits, only: memory_fault
+   use system_limits, only: memory_fault, of_blas
    use text, only: to_text
    use wave_resolution, only: choose_time_step
    implicit none (type, external)
@@ -57,7 +57,7 @@ contains
          steps = 0.0_wp
          if (time%is_transient) steps = time%end_time/time%time_step
          fault = memory_fault('a grid', lubricated_memory(intervals, steps, &
-            case%solver%method == 'newton_dense', case%layers))
+            case%solver%method == 'newton_dense', case%layers), of_blas)
       end function fault_of
 
    end subroutine check_grid

@@ -1,21 +1,22 @@
 !> asperity: reads the command line and the namelists, runs the cases, ends with the exit status.
 program asperity
+   use, intrinsic :: iso_c_binding, only: c_int
    use build_info, only: git_commit, program_name, program_version
+   use c_library, only: c_exit, standard_error
    use case_outcome, only: case_outcome_t, count_outcome, status_interrupted, status_not_written
    use case_record, only: case_t
    use command_line, only: command_t, help_text, read_command_line
    use errors, only: error_t, output_error
+   use file_path, only: make_folder
    use input_manual, only: keys_markdown, keys_text
    use input_template, only: template_text
-   use interruption, only: is_interrupted, listen_to_signals, stop_listening, take_last_words
-   use life_sign, only: watch_silence
-   use operating_system, only: is_terminal, make_folder
    use progress_log, only: new_progress_log, progress_log_t
    use read_cases, only: read_all_cases, refused_t, status_bad_input, tell_good, tell_refused
    use result_table, only: print_results
    use run_case, only: run_one_case
-   use signal_calls, only: standard_error
-   use standard_output, only: print_text, settle_standard_streams
+   use signals, only: is_interrupted, listen_to_signals, stop_listening, take_last_words, &
+      watch_silence
+   use standard_streams, only: is_terminal, print_text, settle_standard_streams
    use system_limits, only: check_stack, settle_memory
    implicit none (type, external)
 
@@ -36,7 +37,8 @@ program asperity
       status = merge(status_not_written, status_bad_input, error%kind == output_error)
    end if
    call stop_listening()
-   if (status /= 0) stop status, quiet=.true.
+   ! without the ends of libraries: a thread of OpenBLAS that gets no memory never returns
+   if (status /= 0) call c_exit(int(status, c_int))
 
 contains
 

@@ -6,17 +6,17 @@ module read_cases
    use case_record, only: case_t
    use command_line, only: command_t
    use errors, only: error_t, fail, input_error
-   use file_identity, only: file_fault
+   use file_path, only: file_fault
    use findings, only: findings_t
    use grid_check, only: check_grid
    use key_row, only: lubricated
-   use life_sign, only: begin_activity, begin_subject
    use line_case, only: build_line_contact
    use line_contact, only: line_contact_t
    use output_names, only: output_findings
    use progress_log, only: new_progress_log, progress_log_t
    use set_entries, only: put_entries
-   use standard_output, only: print_text, write_text
+   use signals, only: begin_activity, begin_subject
+   use standard_streams, only: print_text, write_text
    use text_file, only: read_text_file
    implicit none (type, external)
    private

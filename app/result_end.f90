@@ -11,12 +11,12 @@ module result_end
    use film_velocity, only: velocity_profile
    use formulas_section, only: formula_lines
    use influence_section, only: model_line
-   use interruption, only: take_last_words
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use run_observer, only: run_observer_t
+   use signals, only: take_last_words
    use spike_text, only: spike_lines
    use text, only: to_text
    implicit none (type, external)

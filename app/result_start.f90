@@ -6,7 +6,7 @@ module result_start
    use checkpoint, only: read_checkpoint
    use checkpoint_content, only: checkpoint_t
    use errors, only: error_t
-   use file_seal, only: seal_fault
+   use file_bytes, only: seal_fault
    use film_heating, only: new_heating
    use film_statistics, only: new_statistics
    use grid_check, only: check_grid

@@ -5,14 +5,14 @@ module result_table
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use build_info, only: program_name
    use errors, only: error_t
-   use file_seal, only: has_seal, seal_fault
+   use file_bytes, only: has_seal, seal_fault
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use kinds, only: wp
    use missing_value, only: not_known
    use quantities, only: quantity_rows
    use quantity_text, only: number_text, prefixed_text
    use read_cases, only: status_bad_input
-   use standard_output, only: print_text, write_text
+   use standard_streams, only: print_text, write_text
    use validity_table, only: limit_rows, stokes_number, surface_slope
    implicit none (type, external)
    private

@@ -8,7 +8,6 @@ module run_case
    use film_momentum, only: follow_momentum, prepare_momentum
    use iteration_report, only: report_t
    use key_row, only: lubricated
-   use life_sign, only: begin_activity, begin_subject
    use line_case, only: build_line_contact, scaled_solver
    use line_contact, only: line_contact_t
    use line_model, only: choose_lean_model, measure_model
@@ -19,6 +18,7 @@ module run_case
    use result_start, only: find_complete_result, start_result
    use run_dry_case, only: solve_and_write
    use run_observer, only: run_observer_t
+   use signals, only: begin_activity, begin_subject
    use xdmf_file, only: write_xdmf
    implicit none (type, external)
    private

@@ -4,16 +4,15 @@ module side_by_side
    use case_record, only: case_t
    use coarse_runs, only: companions_t, make_companion_runs, new_companions
    use errors, only: error_t
-   use interruption, only: is_interrupted
    use iteration_report, only: report_t
-   use life_sign, only: begin_activity
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use listener, only: listener_t
    use run_observer, only: run_observer_t
+   use signals, only: begin_activity, is_interrupted
    use steady_target, only: solve_contact
-   use system_limits, only: memory_fault, memory_t, processors, thread_memory
+   use system_limits, only: memory_fault, of_blas, processors, thread_memory
    implicit none (type, external)
    private
 
@@ -36,15 +35,13 @@ contains
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(in) :: watcher
       logical :: can_run_beside
-      type(memory_t) :: need
 
       can_run_beside = watcher%has_coarse_runs .and. case%time%is_transient &
          .and. min(watcher%threads, processors()) > 1
       if (.not. can_run_beside) return
-      need = lubricated_memory(2*contact%domain%intervals, &
-         2*case%time%end_time/case%time%time_step, is_dense=.false., layers=case%layers)
-      need%reserved = need%reserved + thread_memory(2)
-      can_run_beside = memory_fault('two runs', need) == ''
+      can_run_beside = memory_fault('two runs', lubricated_memory(2*contact%domain%intervals, &
+         2*case%time%end_time/case%time%time_step, is_dense=.false., layers=case%layers), &
+         of_blas + thread_memory(2)) == ''
    end function can_run_beside
 
    !> Solves the case as `solve_contact` does, with two threads beside its `companions`; these are

@@ -75,7 +75,7 @@ SEAL_BYTES = 80
 
 
 def seal(path):
-    """Gives a file without a seal (src/system/file_seal.f90) one that fits: it is another file then, not a damaged one."""
+    """Gives a file without a seal (src/system/file_bytes.f90) one that fits: it is another file then, not a damaged one."""
     content = path.read_bytes()
     words = np.frombuffer(content + bytes(-len(content) % 8), "<u4").astype(object)
     first, second = 0, 0

@@ -1,6 +1,6 @@
 """The seal of a result: the line behind its last byte with the number of bytes before it and their checksum.
 
-The program writes it (`src/system/file_seal.f90`) and HDF5 does not see it. It is checked before the HDF5 library opens a file,
+The program writes it (`src/system/file_bytes.f90`) and HDF5 does not see it. It is checked before the HDF5 library opens a file,
 since some damaged files crash that library. A program that changes the file takes the line away.
 """
 

@@ -9,6 +9,7 @@ module hdf5_file
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
    use, intrinsic :: iso_fortran_env, only: int64, real32
    use errors, only: error_t, fail, output_error
+   use file_bytes, only: open_positional_file, positional_file_t
    use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_trunc_f, h5f_scope_global_f, &
       h5fclose_f, h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5gopen_f, h5kind_to_type, &
       h5oclose_f, h5oopen_f, hid_t
@@ -16,7 +17,6 @@ module hdf5_file
    use hdf5_reason, only: keep_hdf5_failure
    use kinds, only: wp
    use own_file, only: any_mark, early_place, early_words, place_fault
-   use positional_file, only: open_positional_file, positional_file_t
    implicit none (type, external)
    private
 

@@ -6,7 +6,7 @@ module hdf5_input
    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
-   use file_identity, only: file_fault
+   use file_path, only: file_fault
    use hdf5, only: h5aexists_by_name_f, h5aopen_by_name_f, h5dopen_f, h5f_acc_rdonly_f, &
       h5fclose_f, h5fis_hdf5_f, h5fopen_f, h5kind_to_type, h5_integer_kind, h5_real_kind, &
       h5lexists_f, hid_t

@@ -1,14 +1,14 @@
 !> Start of the HDF5 library, shared by all modules that use it, and what all files that are written
 !> have in common: made once in a process.
 module hdf5_library
-   use, intrinsic :: iso_c_binding, only: c_int
+   use, intrinsic :: iso_c_binding, only: c_int, c_null_char
+   use c_library, only: c_setenv
    use hdf5, only: h5d_compact_f, h5dont_atexit_f, h5eset_auto_f, h5f_close_strong_f, &
       h5f_libver_earliest_f, h5f_libver_latest_f, h5open_f, h5p_dataset_create_f, &
       h5p_file_access_f, h5p_link_create_f, h5pcreate_f, h5pset_create_inter_group_f, &
       h5pset_fclose_degree_f, h5pset_layout_f, h5pset_libver_bounds_f, h5pset_obj_track_times_f, &
       h5s_scalar_f, h5screate_f, h5t_c_s1, h5t_cset_utf8_f, h5t_str_nullpad_f, h5tclose_f, &
       h5tcopy_f, h5tset_cset_f, h5tset_size_f, h5tset_strpad_f, hid_t, size_t
-   use operating_system, only: set_environment
    implicit none (type, external)
    private
 
@@ -60,7 +60,7 @@ contains
 
       status = 0
       if (is_started) return
-      call set_environment('HDF5_USE_FILE_LOCKING', 'FALSE')
+      status = c_setenv('HDF5_USE_FILE_LOCKING'//c_null_char, 'FALSE'//c_null_char, 1_c_int)
       call h5dont_atexit_f(ignored)       ! at its end the library would write a failed file again
       call h5open_f(status)
       if (status >= 0) call h5eset_auto_f(0, status)

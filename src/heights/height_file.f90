@@ -1,7 +1,6 @@
 !> Measured heights from a file: a table, or HDF5, which its content tells.
 module height_file
    use, intrinsic :: iso_fortran_env, only: int64
-   use case_memory, only: area_memory, file_memory
    use checksum, only: checksum_t
    use errors, only: error_t, fail, input_error
    use hdf5_heights, only: hdf5_heights_t, open_hdf5_heights
@@ -15,7 +14,7 @@ module height_file
    use measured_heights, only: height_request_t, heights_t
    use kinds, only: wp
    use large_pages, only: prefer_large_pages
-   use life_sign, only: begin_activity
+   use signals, only: begin_activity
    use system_limits, only: memory_fault
    use text, only: to_text
    implicit none (type, external)
@@ -37,18 +36,19 @@ contains
       type(error_t), allocatable, intent(out) :: error
       class(height_source_t), allocatable :: source
       character(:), allocatable :: fault
+      real(wp), parameter :: of_node = 100.0_wp   ! memory [bytes]
       integer(int64) :: grid(2)
 
       call open_source(request, is_area, source, grid, heights%spacing, error)
       if (allocated(error)) return
-      fault = memory_fault('a surface', file_memory(real(source%nodes, wp)))
+      fault = memory_fault('a surface', of_node*source%nodes)
       if (source%nodes > huge(heights%grid)) fault = 'found '//to_text(source%nodes) &
          //' nodes, expected at most '//to_text(huge(heights%grid))
       if (fault /= '') then
          call fail(error, input_error, request%file//': '//fault)
          return
       end if
-      if (grid(2) > 1) call prefer_large_pages(area_memory(source%nodes))
+      if (grid(2) > 1) call prefer_large_pages(source%nodes)
       heights%grid = int(grid)
       heights%file = request%file
       call look_through(source, source%nodes, grid, heights, error)   ! error: handed up

@@ -16,8 +16,7 @@ module height_table
    use number_text, only: read_real
    use position_range, only: position_range_t
    use text, only: counted, to_text
-   use text_file, only: encoding_fault
-   use text_lines, only: open_lines, text_lines_t
+   use text_file, only: encoding_fault, open_lines, text_lines_t
    implicit none (type, external)
    private
 

@@ -14,7 +14,7 @@ module case_validation
    use lubricant_validation, only: check_lubricant
    use solver_settings, only: max_intervals_of
    use surface_validation, only: check_surface
-   use system_limits, only: memory_fault
+   use system_limits, only: memory_fault, of_blas
    use text, only: joined, to_text
    implicit none (type, external)
    private
@@ -218,7 +218,7 @@ contains
       intervals = values%integer_value('domain', 'intervals')
       fault = memory_fault('a grid', lubricated_memory(intervals, 0.0_wp, &
          method == 'newton_dense', merge(values%integer_value('film', 'layers'), 0, &
-         values%word_value('case', 'equations') == 'stokes')))
+         values%word_value('case', 'equations') == 'stokes')), of_blas)
       if (intervals > max_intervals_of(method)) fault = 'found ' // to_text(intervals) &
          // ', expected at most ' // to_text(max_intervals_of(method)) // " with method = '" &
          // method // "'"

@@ -8,7 +8,6 @@ module dry_case
    use input_values, only: input_values_t
    use kinds, only: wp
    use solver_settings, only: word_length
-   use system_limits, only: memory_t
    implicit none (type, external)
    private
 
@@ -53,7 +52,7 @@ module dry_case
    contains
       !> Whether it is solved on other grids too.
       procedure :: is_compared
-      !> The memory that it needs at most on so many nodes.
+      !> The memory that it needs at most on so many nodes [bytes].
       procedure :: memory_on
    end type dry_case_t
 
@@ -67,19 +66,18 @@ contains
       is_compared = self%has_error_bars .or. self%wants_adequacy
    end function is_compared
 
-   !> The memory that the case needs at most on so many nodes: with a target on coarser grids first,
-   !> each compared with finer ones.
-   pure function memory_on(self, nodes) result(need)
+   !> The memory that the case needs at most on so many nodes [bytes]: with a target on coarser
+   !> grids first, each compared with finer ones.
+   pure function memory_on(self, nodes) result(bytes)
       class(dry_case_t), intent(in) :: self
       integer, intent(in) :: nodes(2)
-      type(memory_t) :: need
-      real(wp) :: refined
+      real(wp) :: bytes, refined
 
       refined = 0.0_wp
       if (self%is_compared()) refined = product(real(nodes, wp))
       if (refined > max_nodes_to_refine) refined = merge(real(max_nodes_to_refine, wp), 0.0_wp, &
          self%target > 0.0_wp)
-      need = dry_memory(nodes, self%is_periodic, refined)
+      bytes = dry_memory(nodes, self%is_periodic, refined)
    end function memory_on
 
 end module dry_case

@@ -2,7 +2,6 @@
 module dry_input
    use, intrinsic :: iso_fortran_env, only: int64
    use body_values, only: modulus_of, radius_of
-   use case_memory, only: area_memory, max_nodes
    use dry_case, only: dry_case_t
    use dry_checks, only: check_parabola, check_waves
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
@@ -21,6 +20,10 @@ module dry_input
    private
 
    public :: fill_dry_case
+
+   !> Most nodes of an area: the padded transforms of an open one count four times as many in 32
+   !> bits.
+   integer, parameter :: max_nodes = 536870911
 
 contains
 
@@ -73,7 +76,7 @@ contains
       if (fault /= '') then
          call dry%values%refuse('domain', key, fault)
       else if (dry%grid%ny > 1) then
-         call prefer_large_pages(area_memory(nodes))
+         call prefer_large_pages(nodes)
       end if
    end subroutine check_size
 

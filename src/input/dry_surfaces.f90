@@ -10,7 +10,7 @@ module dry_surfaces
    use height_form, only: take_off
    use input_values, only: value_t
    use kinds, only: wp
-   use life_sign, only: begin_activity
+   use signals, only: begin_activity
    use surface_keys, only: features_of, has_shape, read_synthesis, request_of, surfaces
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text

@@ -1,20 +1,20 @@
 !> Checkpoint of a transient, NAME.ckpt beside NAME.part: where the run stood after a time step.
 !>
 !> It is written under another name, brought to the disk and renamed, so that there is always the
-!> last complete one, whenever the run is killed. It ends with a seal over all its bytes (see
-!> `file_seal`), and holds the checksums of NAME.part: what is damaged is refused before anything is
+!> last complete one, whenever the run is killed. It ends with a seal over all its bytes (module
+!> file_bytes) and holds the checksums of NAME.part: what is damaged is refused before anything is
 !> read. What it holds is in module checkpoint_content.
 module checkpoint
    use build_info, only: git_commit, program_name, program_version
    use checkpoint_content, only: checkpoint_t, format_number, visit_checkpoint
    use checkpoint_file, only: checkpoint_file_t
    use errors, only: error_t, fail, input_error, output_error
-   use file_seal, only: seal_fault, seal_file
+   use file_bytes, only: seal_fault, seal_file
    use hdf5_attribute, only: write_attribute
    use hdf5_file, only: create_hdf5_file
+   use file_path, only: folder_of
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
-   use operating_system, only: remove_file, rename_file, sync_file, sync_folder
-   use own_file, only: hdf5_mark, place_fault
+   use own_file, only: hdf5_mark, place_fault, remove_file, rename_file, sync_file
    implicit none (type, external)
    private
 
@@ -47,7 +47,7 @@ contains
          if (is_done) is_done = rename_file(path//'.tmp', path)
          if (.not. is_done) call fail(error, output_error, 'cannot write '//path &
             //place_fault(path, hdf5_mark))
-         call sync_folder(path)
+         is_done = sync_file(folder_of(path))   ! not every file system can
       end if
       if (allocated(error)) is_done = remove_file(path//'.tmp')
    end subroutine write_checkpoint

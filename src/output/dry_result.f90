@@ -46,8 +46,29 @@ contains
          call write_roughness(file, 'loaded', 'under load', rows%loaded, is_line)
          call write_roughness(file, 'unloaded', 'after unloading', rows%unloaded, is_line)
       end associate
+      call write_costs(file, outcome)
       call write_surface(file, dry, outcome%fields, error)
    end subroutine write_dry_result
+
+   !> What the solution took: /report/cpu_..., /report/transforms.
+   subroutine write_costs(file, outcome)
+      class(hdf5_file_t), intent(inout) :: file
+      type(dry_outcome_t), intent(in) :: outcome
+
+      call write_dataset(file, '/report/cpu_seconds', outcome%cpu_prepare + outcome%cpu_solve, &
+         new_label('processor time of the solution, planning of the transforms included', 's'))
+      call write_dataset(file, '/report/cpu_prepare_seconds', outcome%cpu_prepare, &
+         new_label('the part for planning', 's'))
+      call write_dataset(file, '/report/wall_solve_seconds', outcome%wall_solve, &
+         new_label('wall time of the solution without planning', 's'))
+      call write_dataset(file, '/report/transforms', real(outcome%transforms, wp), &
+         new_label('transforms: size in x, in y, pairs in double, pairs in single precision', '1'))
+      call make_counter(file, '/report/grid', size(outcome%transforms, 2), &
+         'number of the grid of the transforms')
+      call make_counter(file, '/report/transform_column', size(outcome%transforms, 1), &
+         'number of: size in x, in y, pairs in double, pairs in single precision')
+      call name_axes(file, '/report/transforms', '/report/transform_column', '/report/grid')
+   end subroutine write_costs
 
    !> /scaling: E', and of a periodic rough surface the numbers of the last load on which a contact
    !> of its shape depends, by (3.19) of the thesis E' s/(4 w), with a hardness H_s L/w too; w is

@@ -4,9 +4,8 @@
 module output_names
    use build_info, only: program_name
    use case_record, only: beside_namelist, case_t, result_path
-   use file_identity, only: file_identity_t, identity_text, kind_missing, kind_other, &
-      kind_regular, look_at_file
-   use operating_system, only: folder_of
+   use file_path, only: file_identity_t, folder_of, kind_missing, kind_other, kind_regular, &
+      look_at_file
    use own_file, only: any_mark, hdf5_mark, place_fault, xdmf_mark
    use result_name, only: working_endings
    use xdmf_file, only: xdmf_path
@@ -117,12 +116,11 @@ contains
       key = path
       found = look_at_file(path, follows=.true.)
       if (found%kind /= kind_missing) then
-         key = identity_text(found)
+         key = found%word
          return
       end if
       found = look_at_file(folder_of(path), follows=.true.)
-      if (found%kind /= kind_missing) key = identity_text(found) &
-         //path(index('/'//path, '/', back=.true.):)
+      if (found%kind /= kind_missing) key = found%word//path(index('/'//path, '/', back=.true.):)
    end function key_of
 
    !> Finds the first of the places with the same key, by a hash of it.

@@ -6,17 +6,16 @@
 !> on purpose; that a summary is lost is said.
 module progress_log
    use, intrinsic :: iso_fortran_env, only: error_unit, int64
+   use c_library, only: standard_error, standard_output
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use life_sign, only: begin_line, columns_of_sign, end_line
    use line_state, only: line_state_t
-   use operating_system, only: is_terminal
    use quantities, only: parabola_minimum
    use quantity_text, only: duration_text, number_text, prefixed_text, shortened
    use scaling, only: scaling_t
-   use signal_calls, only: standard_error
-   use standard_output, only: standard_output_descriptor, write_text
+   use signals, only: begin_line, columns_of_sign, end_line
+   use standard_streams, only: is_terminal, write_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -181,7 +180,7 @@ contains
 
       tells_apart = self%is_quiet
       if (self%has_summary_apart .and. .not. tells_apart) tells_apart = &
-         .not. (is_terminal(standard_output_descriptor) .and. is_terminal(standard_error))
+         .not. (is_terminal(standard_output) .and. is_terminal(standard_error))
    end function tells_apart
 
    !> Adds `line` to the summary, unless quiet.

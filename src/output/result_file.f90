@@ -15,17 +15,15 @@ module result_file
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: create_hdf5_file, hdf5_file_t
    use input_section, only: write_inputs
-   use interruption, only: set_patience
    use iteration_report, only: report_t
-   use life_sign, only: begin_activity
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use operating_system, only: lock_t, remove_file, rename_file, sync_file
-   use own_file, only: hdf5_mark, place_fault
+   use own_file, only: hdf5_mark, lock_t, place_fault, remove_file, rename_file, sync_file
    use result_labels, only: field_names
    use result_name, only: hold_name, result_name_t
    use result_sections, only: write_report, write_scaling
    use scaling, only: scaling_t
+   use signals, only: begin_activity, set_patience
    use transient_store, only: attach_store, create_store, part_t, sliding_names, transient_store_t
    implicit none (type, external)
    private

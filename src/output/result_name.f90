@@ -7,12 +7,11 @@
 module result_name
    use build_info, only: program_name
    use errors, only: error_t, fail, output_error
-   use file_identity, only: file_fault, file_identity_t, kind_link, kind_other, look_at_file
-   use file_seal, only: seal_file
-   use interruption, only: forget_last_words, lay_down_last_words, &
-      set_patience
-   use operating_system, only: folder_of, is_folder, lock_t, remove_file, rename_file, sync_file
-   use own_file, only: hdf5_mark, place_fault
+   use file_bytes, only: seal_file
+   use file_path, only: file_fault, file_identity_t, folder_of, is_folder, kind_link, kind_other, &
+      look_at_file
+   use own_file, only: hdf5_mark, lock_t, place_fault, remove_file, rename_file, sync_file
+   use signals, only: forget_last_words, lay_down_last_words, set_patience
    use text, only: to_text
    implicit none (type, external)
    private

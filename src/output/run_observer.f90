@@ -6,16 +6,15 @@ module run_observer
    use checkpoint_content, only: checkpoint_t
    use errors, only: error_t, fail, output_error
    use film_passage, only: new_passage
-   use interruption, only: is_interrupted, set_patience
    use iteration_report, only: phase_output, phase_transient, report_t
    use kinds, only: wp
-   use life_sign, only: begin_activity
    use line_state, only: line_state_t
    use march_state, only: march_state_t
    use listener, only: listener_t
    use progress_log, only: progress_log_t
    use result_writer, only: result_writer_t
    use scaling, only: scaling_t
+   use signals, only: begin_activity, is_interrupted, set_patience
    use solver_settings, only: word_length
    use wall_clock, only: wall_seconds
    implicit none (type, external)

@@ -17,13 +17,13 @@ module running_series
    use, intrinsic :: iso_fortran_env, only: int64
    use checksum, only: checksum_t
    use errors, only: fail, output_error
+   use file_bytes, only: positional_file_t, real_bytes
    use hdf5, only: h5d_alloc_time_early_f, h5d_fill_time_never_f, h5dclose_f, h5pclose_f, &
       h5pset_alloc_time_f, h5pset_fill_time_f, h5sclose_f, h5screate_simple_f, hid_t, hsize_t
    use hdf5_dataset, only: create_labelled, label_t
    use hdf5_file, only: hdf5_file_t
    use hdf5_library, only: new_properties
    use kinds, only: wp
-   use positional_file, only: positional_file_t, real_bytes
    implicit none (type, external)
    private
 

@@ -7,20 +7,20 @@ module transient_store
    use, intrinsic :: iso_fortran_env, only: int64
    use checksum, only: checksum_t
    use errors, only: error_t, fail, input_error, output_error
+   use file_bytes, only: open_positional_file, positional_file_t
    use hdf5_axes, only: link_object, make_axis, name_axes
    use hdf5_dataset, only: label_t
    use hdf5_file, only: hdf5_file_t
    use hdf5_series, only: create_series, series_t
    use iteration_report, only: report_t
    use kinds, only: wp
-   use life_sign, only: begin_activity
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use positional_file, only: open_positional_file, positional_file_t
    use quantities, only: quantity_rows, sliding_rows
    use result_labels, only: field_names, field_values, has_scale, row_label, si_label
    use running_series, only: create_running_series, running_series_t
    use scaling, only: scaling_t
+   use signals, only: begin_activity
    implicit none (type, external)
    private
 

@@ -9,8 +9,7 @@ module xdmf_file
    use errors, only: error_t, fail, output_error
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use hdf5_source, only: hdf5_source_t
-   use operating_system, only: remove_file, rename_file
-   use own_file, only: any_mark, place_fault, xdmf_mark, xdmf_words
+   use own_file, only: any_mark, place_fault, remove_file, rename_file, xdmf_mark, xdmf_words
    use result_labels, only: field_names
    use text, only: to_text
    implicit none (type, external)

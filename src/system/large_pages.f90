@@ -6,6 +6,7 @@
 module large_pages
    use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_intptr_t, c_null_ptr, c_ptr, &
       c_size_t
+   use, intrinsic :: iso_fortran_env, only: int64
    use kinds, only: wp
    implicit none (type, external)
    private
@@ -20,6 +21,8 @@ module large_pages
    !> (`settle_memory`). So many of them at most.
    integer(c_intptr_t), parameter :: most = 536870912_c_intptr_t
    integer, parameter :: max_blocks = 256
+   !> What a periodic area usually takes, elastic and in one load [bytes/node].
+   real(wp), parameter :: of_node = 125.0_wp
 
    interface
       !> malloc(3).
@@ -50,16 +53,16 @@ module large_pages
 
 contains
 
-   !> The next `bytes` that are allocated shall be on large pages, if the system has them. They are
-   !> taken, told and given back; nothing is written to them, so they cost no memory.
-   subroutine prefer_large_pages(bytes)
-      real(wp), intent(in) :: bytes
+   !> What an area of this many `nodes` takes next shall be on large pages, if the system has them.
+   !> It is taken, told and given back; nothing is written to it, so it costs no memory.
+   subroutine prefer_large_pages(nodes)
+      integer(int64), intent(in) :: nodes
       type(c_ptr) :: block(max_blocks)
       integer(c_intptr_t) :: length, rest
       integer :: count, i
 
       count = 0
-      rest = int(min(bytes, real(most, wp)*max_blocks), c_intptr_t)
+      rest = int(min(of_node*real(nodes, wp), real(most, wp)*max_blocks), c_intptr_t)
       do while (rest >= 2*page .and. count < max_blocks)
          length = min(rest, most)
          block(count + 1) = c_malloc(int(length, c_size_t))

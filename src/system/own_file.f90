@@ -1,15 +1,18 @@
-!> Which files this program may replace or remove: those that it has written, and no others. They
-!> are known by a mark in their bytes, so that a damaged or half-written file is known too. A signal
-!> handler may ask as well: nothing is allocated in `mark_of`.
+!> Which files this program may replace or remove: those that it has written, and no others; and how
+!> it does so, safe against a crash and against other runs. Its files are known by a mark in their
+!> bytes, so that a damaged or half-written file is known too.
 module own_file
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_null_char, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_null_char, c_short, &
+      c_size_t
    use build_info, only: program_name
-   use file_identity, only: file_identity_t, kind_regular, look_at_file
-   use signal_calls, only: c_close, c_open, c_pread, c_seek
+   use c_library, only: c_close, c_fcntl, c_flock, c_fsync, c_lseek, c_open, c_pread, c_rename, &
+      c_unlink, file_lock_t
+   use file_path, only: file_identity_t, kind_missing, kind_regular, look_at_file, &
+      look_at_open_file
    implicit none (type, external)
    private
 
-   public :: mark_of, place_fault
+   public :: lock_t, mark_of, place_fault, remove_file, rename_file, sync_file
 
    !> What a file is marked as: not at all; an HDF5 file; an XDMF file; nothing is in it yet, which
    !> a run that was killed may leave. `any_mark`: one of the last three.
@@ -31,8 +34,23 @@ module own_file
    integer, parameter, public :: seal_bytes = 80
    !> Bytes that are looked at.
    integer, parameter :: head_bytes = 4096
-   !> O_RDONLY + O_NONBLOCK, so that a pipe does not wait for a writer; SEEK_END.
-   integer(c_int), parameter :: look_only = 2048_c_int, from_end = 2_c_int
+   !> O_RDONLY, O_RDWR; O_RDONLY + O_NONBLOCK, so that a pipe does not wait for a writer; SEEK_END.
+   integer(c_int), parameter :: read_only = 0_c_int, read_and_write = 2_c_int, &
+      look_only = 2048_c_int, from_end = 2_c_int
+   !> LOCK_EX + LOCK_NB, LOCK_SH + LOCK_NB of flock(2). F_OFD_SETLK of fcntl(2): a lock of the open
+   !> file, which the end of another descriptor does not end; F_WRLCK, F_UNLCK.
+   integer(c_int), parameter :: lock_exclusive = 6_c_int, lock_shared = 5_c_int, &
+      set_lock = 37_c_int
+   integer(c_short), parameter :: lock_to_write = 1_c_short, lock_none = 2_c_short
+
+   !> A lock on a file, held until `release` or the end of the process, however that comes. It is
+   !> two: that of fcntl(2) keeps other runs out, and that of flock(2) readers, since HDF5 takes it,
+   !> too. With flock alone a reader would keep a run from writing its own result.
+   type :: lock_t
+      integer(c_int), private :: descriptor = -1_c_int
+   contains
+      procedure :: take, allow_readers, holds, release
+   end type lock_t
 
 contains
 
@@ -53,7 +71,8 @@ contains
       fault = ': it is there, and '//program_name//' has not written it'
    end function place_fault
 
-   !> The mark of the file `path`, which has a zero at its end.
+   !> The mark of the file `path`, which has a zero at its end. A signal handler may ask: nothing is
+   !> allocated.
    recursive function mark_of(path) result(mark)
       character(kind=c_char), intent(in) :: path(*)
       integer :: mark
@@ -65,7 +84,7 @@ contains
       mark = no_mark
       descriptor = c_open(path, look_only)
       if (descriptor < 0_c_int) return
-      bytes = c_seek(descriptor, 0_c_int64_t, from_end)
+      bytes = c_lseek(descriptor, 0_c_int64_t, from_end)
       length = int(c_pread(descriptor, c_loc(head), int(head_bytes, c_size_t), 0_c_int64_t))
       place = index(head(:length), attribute)
       if (place > 0) then
@@ -82,5 +101,96 @@ contains
       end if
       status = c_close(descriptor)
    end function mark_of
+
+   !> Renames a file in one step, replacing an older one that this program has written; true if that
+   !> worked.
+   function rename_file(old, new) result(is_done)
+      character(*), intent(in) :: old, new
+      logical :: is_done
+
+      is_done = place_fault(new, mark_of(old//c_null_char)) == ''
+      if (is_done) is_done = c_rename(old//c_null_char, new//c_null_char) == 0_c_int
+   end function rename_file
+
+   !> Removes a file that this program has written; true if that worked.
+   function remove_file(path) result(is_done)
+      character(*), intent(in) :: path
+      logical :: is_done
+
+      is_done = place_fault(path, any_mark) == ''
+      if (is_done) is_done = c_unlink(path//c_null_char) == 0_c_int
+   end function remove_file
+
+   !> Waits until everything written to a file, or the names in a folder, are on the disk; true if
+   !> that worked (some file systems cannot do it for folders).
+   function sync_file(path) result(is_done)
+      character(*), intent(in) :: path
+      logical :: is_done
+      integer(c_int) :: descriptor, status
+
+      descriptor = c_open(path//c_null_char, read_only)
+      is_done = descriptor >= 0_c_int
+      if (.not. is_done) return
+      is_done = c_fsync(descriptor) == 0_c_int
+      status = c_close(descriptor)
+   end function sync_file
+
+   !> Takes the lock on `path` for writing, making the file if there is none; false if another run
+   !> has it. A file system that knows no locks counts as taken. If the file was renamed or removed
+   !> between opening and locking, the lock is tried again.
+   function take(self, path) result(is_taken)
+      class(lock_t), intent(inout) :: self
+      character(*), intent(in) :: path
+      logical :: is_taken
+      integer :: status, unit
+
+      is_taken = .true.
+      do
+         call self%release()
+         open (newunit=unit, file=path, access='stream', form='unformatted', action='readwrite', &
+            iostat=status)
+         if (status == 0) close (unit, iostat=status)
+         if (status /= 0) return
+         self%descriptor = c_open(path//c_null_char, read_and_write)
+         if (self%descriptor < 0_c_int) cycle
+         if (c_fcntl(self%descriptor, set_lock, file_lock_t(lock_to_write)) /= 0_c_int) exit
+         if (.not. self%holds(path)) cycle
+         status = c_flock(self%descriptor, lock_exclusive)   ! not while somebody reads
+         return
+      end do
+      ! releasing what one does not have always works
+      is_taken = c_fcntl(self%descriptor, set_lock, file_lock_t(lock_none)) /= 0_c_int
+      if (.not. is_taken) call self%release()
+   end function take
+
+   !> Lets others read the file, but not take the lock: HDF5 takes a shared lock on a file that it
+   !> reads, or refuses to.
+   subroutine allow_readers(self)
+      class(lock_t), intent(inout) :: self
+      integer(c_int) :: status
+
+      if (self%descriptor >= 0_c_int) status = c_flock(self%descriptor, lock_shared)
+   end subroutine allow_readers
+
+   !> Whether `path` still leads to the locked file.
+   function holds(self, path)
+      class(lock_t), intent(in) :: self
+      character(*), intent(in) :: path
+      logical :: holds
+      type(file_identity_t) :: locked, there
+
+      locked = look_at_open_file(self%descriptor)
+      there = look_at_file(path, follows=.true.)
+      holds = there%kind /= kind_missing .and. locked%word == there%word
+   end function holds
+
+   !> Gives the lock back; twice does nothing.
+   subroutine release(self)
+      class(lock_t), intent(inout) :: self
+      integer(c_int) :: status
+
+      if (self%descriptor >= 0_c_int) status = c_close(self%descriptor)
+      self%descriptor = -1_c_int
+   end subroutine release
 
 end module own_file

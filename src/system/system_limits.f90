@@ -2,121 +2,80 @@
 !> processors.
 module system_limits
    use, intrinsic :: iso_c_binding, only: c_int, c_long
-   use, intrinsic :: iso_fortran_env, only: int64
-   use control_group, only: group_memory
+   use c_library, only: c_getrlimit, c_mallopt, c_setrlimit, c_sysconf, limit_t
    use errors, only: error_t, fail, input_error
    use kinds, only: wp
-   use number_text, only: read_integer
-   use operating_system, only: set_environment, start_again
+   use number_text, only: read_real
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: check_stack, memory_fault, processors, settle_memory, thread_memory
-
-   !> Memory that is written to, and address space that is taken, used or not [bytes].
-   type, public :: memory_t
-      real(wp) :: used = 0.0_wp, reserved = 0.0_wp
-   end type memory_t
+   public :: check_stack, group_memory, memory_fault, peak_memory, processors, settle_memory, &
+      thread_memory
 
    !> What the program itself takes, and its libraries for it, without a grid [bytes].
-   real(wp), parameter, public :: of_program = 16.0e6_wp
-
-   !> struct rlimit: what counts, and up to where that may be raised; below 0: unlimited.
-   type, bind(c) :: limit_t
-      integer(c_long) :: present_value = 0_c_long, largest = 0_c_long
-   end type limit_t
-
-   !> RLIMIT_DATA, RLIMIT_STACK, RLIMIT_AS; _SC_PAGESIZE, _SC_NPROCESSORS_ONLN, _SC_PHYS_PAGES.
+   real(wp), parameter :: of_program = 20.0e6_wp
+   !> Address space that OpenBLAS reserves for its thread; it uses little of it [bytes].
+   real(wp), parameter, public :: of_blas = 136.0e6_wp
+   !> Stack that the program needs; stack of a thread where that of the process is unlimited
+   !> [bytes].
+   integer(c_long), parameter :: least_stack = 1048576_c_long
+   real(wp), parameter :: usual_stack = 2097152.0_wp
+   !> RLIMIT_DATA, RLIMIT_STACK, RLIMIT_AS.
    integer(c_int), parameter :: limit_data = 2_c_int, limit_stack = 3_c_int, limit_memory = 9_c_int
-   integer(c_int), parameter :: page_size = 30_c_int, online_processors = 84_c_int, pages = 85_c_int
+   !> _SC_NPROCESSORS_ONLN of sysconf(3).
+   integer(c_int), parameter :: online_processors = 84_c_int
    !> M_TRIM_THRESHOLD, M_MMAP_THRESHOLD, M_ARENA_MAX of mallopt(3).
    integer(c_int), parameter :: trim_threshold = -1_c_int, mmap_threshold = -3_c_int, &
       max_arenas = -8_c_int
-   !> Blocks below this size [bytes] may come from memory that was freed.
-   integer(c_int), parameter :: large_block = 1073741824_c_int
-   !> Stack of a thread where that of the process is unlimited [bytes].
-   real(wp), parameter :: usual_stack = 2097152.0_wp
-   !> Stack that the program needs [bytes].
-   integer(c_long), parameter :: least_stack = 1048576_c_long
-
-   interface
-      !> getrlimit(2).
-      function c_getrlimit(resource, limit) bind(c, name='getrlimit') result(status)
-         import :: c_int, limit_t
-         implicit none (type, external)
-         integer(c_int), value :: resource
-         type(limit_t), intent(inout) :: limit
-         integer(c_int) :: status
-      end function c_getrlimit
-
-      !> setrlimit(2).
-      function c_setrlimit(resource, limit) bind(c, name='setrlimit') result(status)
-         import :: c_int, limit_t
-         implicit none (type, external)
-         integer(c_int), value :: resource
-         type(limit_t), intent(in) :: limit
-         integer(c_int) :: status
-      end function c_setrlimit
-
-      !> mallopt(3) of the GNU C library.
-      function c_mallopt(parameter, value) bind(c, name='mallopt') result(status)
-         import :: c_int
-         implicit none (type, external)
-         integer(c_int), value :: parameter, value
-         integer(c_int) :: status
-      end function c_mallopt
-
-      !> sysconf(3).
-      function c_sysconf(name) bind(c, name='sysconf') result(value)
-         import :: c_int, c_long
-         implicit none (type, external)
-         integer(c_int), value :: name
-         integer(c_long) :: value
-      end function c_sysconf
-   end interface
+   character(*), parameter :: process_status = '/proc/self/status'
 
 contains
 
-   !> "found ..., expected ..." for something, `what`, that needs more memory than there is; empty
-   !> if there is enough. Physical memory, that of the control group, address space, data: each has
-   !> its limit.
-   function memory_fault(what, need) result(fault)
+   !> "found ..., expected ..." for something, `what`, that takes so many `bytes` beside the
+   !> program, and `mapped` ones of address space that it hardly writes to; empty if there is
+   !> enough. Physical memory, that of the control group, data and address space each have a limit.
+   function memory_fault(what, bytes, mapped) result(fault)
       character(*), intent(in) :: what
-      type(memory_t), intent(in) :: need
+      real(wp), intent(in) :: bytes
+      real(wp), intent(in), optional :: mapped
       character(:), allocatable :: fault
+      real(wp), save :: of_group = -1.0_wp   ! some ten files: asked for once
+      real(wp) :: need
 
+      if (of_group < 0.0_wp) of_group = group_memory('')
       fault = ''
-      call compare(need%used, real(c_sysconf(pages), wp)*real(c_sysconf(page_size), wp), &
-         'the memory of this machine')
-      call compare(need%used, own_group_memory(), 'the limit of its control group')
-      call compare(need%reserved, limit_of(limit_data), 'the limit of data (ulimit -d)')
-      if (limit_of(limit_memory) < huge(1.0_wp)) call compare(need%reserved, &
-         limit_of(limit_memory) - library_memory(), &
+      need = of_program + bytes
+      call compare(number_in('/proc/meminfo', 'MemTotal:'), 'the memory of this machine')
+      call compare(of_group, 'the limit of its control group')
+      if (present(mapped)) need = need + mapped
+      call compare(limit_of(limit_data), 'the limit of data (ulimit -d)')
+      ! the program and its libraries, without what they have allocated
+      call compare(limit_of(limit_memory) - (number_in(process_status, 'VmSize:') &
+         - number_in(process_status, 'VmData:')), &
          'what the limit of the address space (ulimit -v) leaves beside the libraries')
 
    contains
 
       !> Reports the first limit that is too low.
-      subroutine compare(bytes, most, name)
-         real(wp), intent(in) :: bytes, most
+      subroutine compare(most, name)
+         real(wp), intent(in) :: most
          character(*), intent(in) :: name
 
-         if (fault == '' .and. bytes > most) fault = 'found '//what//' that needs up to ' &
-            //megabytes(bytes)// &
-            ' of memory, expected at most '//megabytes(max(most, 0.0_wp))//', '//name
+         if (fault == '' .and. need > most) fault = 'found '//what//' that needs up to ' &
+            //megabytes(need)//' of memory, expected at most '//megabytes(max(most, 0.0_wp)) &
+            //', '//name
       end subroutine compare
 
    end function memory_fault
 
-   !> `group_memory` of this process as it was when first asked for: some ten files [bytes].
-   function own_group_memory() result(bytes)
-      real(wp) :: bytes
-      real(wp), save :: kept = -1.0_wp
+   !> Bytes in words.
+   function megabytes(bytes) result(words)
+      real(wp), intent(in) :: bytes
+      character(:), allocatable :: words
 
-      if (kept < 0.0_wp) kept = group_memory('')
-      bytes = kept
-   end function own_group_memory
+      words = to_text(bytes/1.0e6_wp, 4)//' MB'
+   end function megabytes
 
    !> The value of a limit [bytes]; huge: none.
    function limit_of(resource) result(bytes)
@@ -129,68 +88,113 @@ contains
       if (limit%present_value >= 0_c_long) bytes = real(limit%present_value, wp)
    end function limit_of
 
-   !> Address space of the program and its libraries, without what they have allocated [bytes]; 0:
-   !> not known.
-   function library_memory() result(bytes)
+   !> The least memory limit of the control group of this process and of those around it
+   !> (cgroups(7), version 1 and 2), as batch systems and containers set them [bytes]; huge: none.
+   !> `root` stands before /proc and /sys.
+   function group_memory(root) result(bytes)
+      character(*), intent(in) :: root
       real(wp) :: bytes
-      character(len=200) :: line
-      integer :: status, unit
-      integer(int64) :: numbers(6)
+      character(*), parameter :: mount = '/sys/fs/cgroup'
+      character(len=4096) :: line
+      integer :: first, second, status, unit
 
-      bytes = 0.0_wp
-      open (newunit=unit, file='/proc/self/statm', action='read', status='old', iostat=status)
-      if (status /= 0) return
-      ! pages: all, resident, shared, code, 0, data and stack
-      read (unit, '(a)', iostat=status) line
-      if (status == 0) call split_integers(line, numbers, status)
-      if (status == 0) bytes = real(numbers(1) - numbers(6), wp)*real(c_sysconf(page_size), wp)
-      close (unit, iostat=status)
-   end function library_memory
-
-   !> Reads integers with blanks between them; `status` is not 0 if there are fewer.
-   pure subroutine split_integers(line, numbers, status)
-      character(*), intent(in) :: line
-      integer(int64), intent(out) :: numbers(:)
-      integer, intent(out) :: status
-      logical :: good
-      integer :: blank, i, start
-
-      numbers = 0
-      status = 1
-      start = 1
-      do i = 1, size(numbers)
-         blank = start + index(line(start:)//' ', ' ') - 1
-         call read_integer(line(start:blank - 1), numbers(i), good)
-         if (.not. good) return
-         start = min(blank + 1, len(line))
+      bytes = huge(bytes)
+      open (newunit=unit, file=root//'/proc/self/cgroup', action='read', status='old', &
+         iostat=status)
+      do while (status == 0)
+         ! number:controllers:path
+         read (unit, '(a)', iostat=status) line
+         if (status /= 0) exit
+         first = index(line, ':')
+         second = first + index(line(first + 1:), ':')
+         if (second == first) cycle
+         if (line(:second) == '0::') then
+            call look_around(mount, 'memory.max')
+            call look_around(mount//'/unified', 'memory.max')
+         else if (index(','//line(first + 1:second - 1)//',', ',memory,') > 0) then
+            call look_around(mount//'/memory', 'memory.limit_in_bytes')
+         end if
       end do
-      status = 0
-   end subroutine split_integers
+      close (unit, iostat=status)
 
-   !> Prepares the libraries. Freed memory is kept for the next block: given back to the system,
-   !> each page of it would be cleared again, a fifth of the time of a large area. With a limit of
-   !> address space or data it is not kept. There OpenBLAS takes 134 MB a thread when it is loaded
-   !> and hangs if it gets none: the program starts again with one thread of it. The C library takes
-   !> 64 MB of address space a thread: one pool does for all. Error (input_error): there is no room
-   !> even for the program.
+   contains
+
+      !> Looks into the files `name` of the group in `folder` and of all groups around it.
+      subroutine look_around(folder, name)
+         character(*), intent(in) :: folder, name
+         character(:), allocatable :: path
+
+         path = trim(line(second + 1:))//'/'
+         do
+            bytes = min(bytes, number_in(root//folder//path//name, ''))
+            if (len(path) <= 1) exit
+            path = path(:index(path(:len(path) - 1), '/', back=.true.))
+         end do
+      end subroutine look_around
+
+   end function group_memory
+
+   !> The number behind `label` in the first line of a file of the system that begins with it, in
+   !> bytes if the line has kB; huge: there is none.
+   function number_in(file, label) result(number)
+      character(*), intent(in) :: file, label
+      real(wp) :: number
+      character(*), parameter :: blanks = ' '//achar(9)
+      character(len=200) :: line
+      real(wp) :: value
+      logical :: is_large, is_number
+      integer :: status, unit
+
+      number = huge(number)
+      ! a failing `open` loads the files of the system with words for it
+      inquire (file=file, exist=is_number)
+      if (.not. is_number) return
+      open (newunit=unit, file=file, action='read', status='old', iostat=status)
+      do while (status == 0)
+         read (unit, '(a)', iostat=status) line
+         if (status /= 0) exit
+         if (index(line, label) /= 1) cycle
+         is_large = index(line, ' kB') > 0
+         line = line(len(label) + max(verify(line(len(label) + 1:), blanks), 1):)
+         call read_real(line(:scan(line, blanks) - 1), value, is_number)
+         if (is_number) number = merge(1024*value, value, is_large)
+         exit
+      end do
+      close (unit, iostat=status)
+   end function number_in
+
+   !> Most physical memory of the process at one time so far [bytes], all of its cases together; 0:
+   !> not known.
+   function peak_memory() result(bytes)
+      real(wp) :: bytes
+
+      bytes = number_in(process_status, 'VmHWM:')
+      if (bytes >= huge(bytes)) bytes = 0.0_wp
+   end function peak_memory
+
+   !> Prepares the libraries for what there is. Where the address space is not limited, freed memory
+   !> is kept for the next block, since the system would clear each page of it again. Where it is,
+   !> the C library takes one pool for all threads instead of 64 MB for each. Errors (input_error):
+   !> there is no room even for the program; an OpenBLAS with threads, which hang without 134 MB
+   !> each.
    subroutine settle_memory(error)
       type(error_t), allocatable, intent(out) :: error
-      character(len=8) :: threads
+      integer(c_int), parameter :: large_block = 1073741824_c_int
       character(:), allocatable :: fault
+      real(wp) :: threads
       integer(c_int) :: status
 
       if (min(limit_of(limit_data), limit_of(limit_memory)) >= huge(1.0_wp)) then
          status = c_mallopt(mmap_threshold, large_block)
-         status = c_mallopt(trim_threshold, -1_c_int)   ! never given back
+         status = c_mallopt(trim_threshold, -1_c_int)
          return
       end if
-      call get_environment_variable('OPENBLAS_NUM_THREADS', threads)
-      if (threads /= '1') then
-         call set_environment('OPENBLAS_NUM_THREADS', '1')
-         call start_again()
-      end if
       status = c_mallopt(max_arenas, 1_c_int)
-      fault = memory_fault('a program', memory_t(0.0_wp, of_program))
+      fault = memory_fault('a program', 0.0_wp)
+      threads = number_in(process_status, 'Threads:')
+      if (threads > 1.0_wp .and. threads < huge(threads)) fault = &
+         'found a library with threads under a limit of memory (ulimit -v or -d), '// &
+         'expected OPENBLAS_NUM_THREADS=1 in the environment'
       if (fault /= '') call fail(error, input_error, fault)
    end subroutine settle_memory
 
@@ -203,14 +207,6 @@ contains
       if (bytes >= huge(bytes)) bytes = usual_stack
       bytes = (threads - 1)*bytes
    end function thread_memory
-
-   !> Bytes in words.
-   function megabytes(bytes) result(words)
-      real(wp), intent(in) :: bytes
-      character(:), allocatable :: words
-
-      words = to_text(bytes/1.0e6_wp, 4)//' MB'
-   end function megabytes
 
    !> Processors that work, at least 1.
    function processors() result(number)
@@ -227,12 +223,11 @@ contains
       if (c_getrlimit(limit_stack, limit) /= 0_c_int) return
       if (limit%present_value < 0_c_long .or. limit%present_value >= least_stack) return
       if (limit%largest < 0_c_long .or. limit%largest >= least_stack) then
-         limit%present_value = least_stack
-         if (c_setrlimit(limit_stack, limit) == 0_c_int) return
+         if (c_setrlimit(limit_stack, limit_t(least_stack, limit%largest)) == 0_c_int) return
       end if
       call fail(error, input_error, 'found a stack of ' &
-         //to_text(int(limit%present_value/1024_c_long))//' kB, expected at '// &
-         'least '//to_text(int(least_stack/1024_c_long))//' kB (ulimit -s)')
+         //to_text(int(limit%present_value/1024_c_long))//' kB, expected at least ' &
+         //to_text(int(least_stack/1024_c_long))//' kB (ulimit -s)')
    end subroutine check_stack
 
 end module system_limits

@@ -1,16 +1,14 @@
-!> Text for standard output. (Fortran's own output reports neither a full device nor a closed pipe.)
-module standard_output
-   use, intrinsic :: iso_c_binding, only: c_int, c_size_t
+!> Standard output and error. (Fortran's own output reports neither a full device nor a closed
+!> pipe.)
+module standard_streams
+   use, intrinsic :: iso_c_binding, only: c_int, c_null_char, c_size_t
+   use c_library, only: c_close, c_isatty, c_open, c_write, standard_error, standard_output
    use errors, only: error_t, fail, output_error
-   use operating_system, only: closed, opened
-   use signal_calls, only: c_write, standard_error
    implicit none (type, external)
    private
 
-   public :: print_text, settle_standard_streams, write_text
+   public :: is_terminal, print_text, settle_standard_streams, write_text
 
-   !> File descriptor of standard output.
-   integer(c_int), parameter, public :: standard_output_descriptor = 1_c_int
    character(*), parameter :: lost = 'cannot write to standard output: the disk is full, or '// &
       'nobody reads it'
 
@@ -24,7 +22,7 @@ contains
       call write_text(text, error)
       if (allocated(error)) return
       ! some file systems report a full disk only here
-      if (.not. closed(standard_output_descriptor)) call fail(error, output_error, lost)
+      if (c_close(standard_output) /= 0_c_int) call fail(error, output_error, lost)
    end subroutine print_text
 
    !> Writes all of `text` and leaves standard output open. Error: some of it is lost.
@@ -35,7 +33,7 @@ contains
 
       done = 0_c_size_t
       do while (done < len(text))
-         written = c_write(standard_output_descriptor, text(done + 1:), len(text) - done)
+         written = c_write(standard_output, text(done + 1:), len(text) - done)
          if (written <= 0_c_size_t) then
             call fail(error, output_error, lost)
             return
@@ -48,13 +46,20 @@ contains
    !> descriptors, and messages would go into a result.
    subroutine settle_standard_streams()
       integer(c_int) :: descriptor
-      logical :: is_closed
 
       do
-         descriptor = opened('/dev/null', for_writing=.false.)
+         descriptor = c_open('/dev/null'//c_null_char, 0_c_int)   ! O_RDONLY
          if (descriptor < 0_c_int .or. descriptor > standard_error) exit
       end do
-      if (descriptor > standard_error) is_closed = closed(descriptor)
+      if (descriptor > standard_error) descriptor = c_close(descriptor)
    end subroutine settle_standard_streams
 
-end module standard_output
+   !> Whether a file descriptor is a terminal.
+   function is_terminal(descriptor) result(answer)
+      integer(c_int), intent(in) :: descriptor
+      logical :: answer
+
+      answer = c_isatty(descriptor) == 1_c_int
+   end function is_terminal
+
+end module standard_streams

@@ -1,0 +1,226 @@
+!> A file whose bytes are read and written at stated places, without a buffer in between: what was
+!> written survives the process, and a full disk shows at once. (FLUSH of Fortran does not report a
+!> failure.) And the seal of a file that this program will read again: a line behind its last byte,
+!> with the number of bytes before it and their checksum. It covers everything in the file and is
+!> checked before the HDF5 library opens the file, since some damaged files crash it. HDF5 and its
+!> tools do not see what lies behind the end of their own data; a program that changes the file
+!> takes the line away.
+module file_bytes
+   use, intrinsic :: iso_c_binding, only: c_int, c_loc, c_null_char, c_size_t
+   use, intrinsic :: iso_fortran_env, only: int64
+   use c_library, only: c_close, c_open, c_pread, c_pwrite
+   use checksum, only: checksum_t
+   use errors, only: error_t, fail, output_error
+   use kinds, only: wp
+   use own_file, only: seal_bytes, seal_words
+   implicit none (type, external)
+   private
+
+   public :: has_seal, open_positional_file, positional_file_t, seal_fault, seal_file
+
+   !> Bytes of a real number; numbers that are read at once.
+   integer, parameter, public :: real_bytes = 8
+   integer(int64), parameter :: block_numbers = 65536_int64
+   !> O_RDONLY and O_RDWR.
+   integer(c_int), parameter :: read_only = 0_c_int, read_and_write = 2_c_int
+
+   !> An open file. Bytes are counted from 0. The first failure stays; what follows it does nothing.
+   type :: positional_file_t
+      character(:), allocatable :: path
+      type(error_t), allocatable :: failure
+      integer(c_int), private :: descriptor = -1_c_int
+   contains
+      procedure :: write_reals, read_reals, write_number, number_at
+      procedure :: close => close_file
+      procedure, private :: check
+   end type positional_file_t
+
+contains
+
+   !> Opens an existing file, for reading alone or for both.
+   subroutine open_positional_file(file, path, for_writing)
+      type(positional_file_t), intent(out) :: file
+      character(*), intent(in) :: path
+      logical, intent(in) :: for_writing
+
+      file%path = path
+      file%descriptor = c_open(path//c_null_char, merge(read_and_write, read_only, for_writing))
+      if (file%descriptor < 0_c_int) call fail(file%failure, output_error, 'cannot ' &
+         //trim(merge('write', 'read ', for_writing))//' '//path//': it cannot be opened')
+   end subroutine open_positional_file
+
+   !> Writes `values` (n) from byte `place` on.
+   subroutine write_reals(self, place, values)
+      class(positional_file_t), intent(inout) :: self
+      integer(int64), intent(in) :: place
+      real(wp), intent(in), contiguous, target :: values(:)
+      integer(c_size_t) :: bytes
+
+      if (allocated(self%failure) .or. size(values) == 0) return
+      bytes = size(values, kind=c_size_t)*real_bytes
+      call self%check(c_pwrite(self%descriptor, c_loc(values), bytes, place) == bytes, 'write')
+   end subroutine write_reals
+
+   !> Reads `values` (m, n) from byte `place` on.
+   subroutine read_reals(self, place, values)
+      class(positional_file_t), intent(inout) :: self
+      integer(int64), intent(in) :: place
+      real(wp), intent(out), contiguous, target :: values(:, :)
+      integer(c_size_t) :: bytes
+
+      values = 0.0_wp
+      if (allocated(self%failure) .or. size(values) == 0) return
+      bytes = size(values, kind=c_size_t)*real_bytes
+      call self%check(c_pread(self%descriptor, c_loc(values), bytes, place) == bytes, 'read')
+   end subroutine read_reals
+
+   !> Writes `number` >= 0 in 8 bytes, the lowest first, as this processor has them.
+   subroutine write_number(self, place, number)
+      class(positional_file_t), intent(inout) :: self
+      integer(int64), intent(in) :: place, number
+
+      call self%write_reals(place, [transfer(number, 0.0_wp)])
+   end subroutine write_number
+
+   !> The number without sign of `n` bytes, at most 8, the lowest first; 0 after a failure.
+   function number_at(self, place, n) result(number)
+      class(positional_file_t), intent(inout) :: self
+      integer(int64), intent(in) :: place
+      integer, intent(in) :: n
+      integer(int64), target :: number
+
+      number = 0_int64
+      if (allocated(self%failure)) return
+      call self%check(c_pread(self%descriptor, c_loc(number), int(n, c_size_t), place) == n, 'read')
+      if (allocated(self%failure)) number = 0_int64
+   end function number_at
+
+   !> Closes the file; twice does nothing.
+   subroutine close_file(self)
+      class(positional_file_t), intent(inout) :: self
+      integer(c_int) :: status
+
+      if (self%descriptor < 0_c_int) return
+      status = c_close(self%descriptor)
+      self%descriptor = -1_c_int
+      call self%check(status == 0_c_int, 'write')
+   end subroutine close_file
+
+   !> Keeps the first failure.
+   subroutine check(self, is_done, doing)
+      class(positional_file_t), intent(inout) :: self
+      logical, intent(in) :: is_done
+      character(*), intent(in) :: doing
+
+      if (is_done .or. allocated(self%failure)) return
+      if (doing == 'read') then
+         call fail(self%failure, output_error, 'cannot read '//self%path//': it ends too early')
+      else
+         call fail(self%failure, output_error, 'cannot write '//self%path// &
+            ': no space (the disk is full, or a quota or a limit on the size of files is reached)')
+      end if
+   end subroutine check
+
+   !> Seals the complete file `path`. Error: it cannot be read or written.
+   subroutine seal_file(path, error)
+      character(*), intent(in) :: path
+      type(error_t), allocatable, intent(out) :: error
+      type(positional_file_t) :: file
+      integer(int64) :: bytes
+
+      inquire (file=path, size=bytes)
+      call open_positional_file(file, path, for_writing=.true.)
+      call file%write_reals(bytes, transfer(seal_line(bytes, digits_of(file, bytes)), [0.0_wp]))
+      call file%close()
+      if (allocated(file%failure)) error = file%failure
+   end subroutine seal_file
+
+   !> Whether `path` ends with a seal, right or wrong.
+   function has_seal(path)
+      character(*), intent(in) :: path
+      logical :: has_seal
+      type(positional_file_t) :: file
+      integer(int64) :: bytes
+      character(len=16) :: digits
+
+      call open_at_seal(file, path, bytes, digits, has_seal)
+      call file%close()
+   end function has_seal
+
+   !> What the seal of `path` says against it; empty: it is, byte for byte, what was sealed.
+   function seal_fault(path) result(fault)
+      character(*), intent(in) :: path
+      character(:), allocatable :: fault
+      type(positional_file_t) :: file
+      integer(int64) :: bytes
+      character(len=16) :: digits
+      logical :: is_there
+
+      call open_at_seal(file, path, bytes, digits, is_there)
+      fault = ''
+      if (.not. is_there) then
+         fault = 'it has no checksum: it is damaged, or of another version'
+      else if (digits_of(file, bytes) /= digits) then
+         fault = 'it is damaged: its checksum differs'
+      end if
+      call file%close()
+      if (is_there .and. allocated(file%failure)) fault = file%failure%message
+   end function seal_fault
+
+   !> Opens `path` and reads its last line: bytes before it and their checksum; `is_there`: it is a
+   !> seal, and as long as it says.
+   subroutine open_at_seal(file, path, bytes, digits, is_there)
+      type(positional_file_t), intent(out) :: file
+      character(*), intent(in) :: path
+      integer(int64), intent(out) :: bytes
+      character(len=16), intent(out) :: digits
+      logical, intent(out) :: is_there
+      real(wp) :: numbers(seal_bytes/real_bytes, 1)
+      character(len=seal_bytes) :: line
+
+      inquire (file=path, size=bytes)
+      bytes = bytes - seal_bytes
+      digits = ''
+      is_there = bytes >= 0_int64
+      if (.not. is_there) return
+      call open_positional_file(file, path, for_writing=.false.)
+      call file%read_reals(bytes, numbers)
+      line = transfer(numbers, line)
+      digits = line(len(seal_words) + 1:)
+      is_there = line == seal_line(bytes, digits) .and. .not. allocated(file%failure)
+   end subroutine open_at_seal
+
+   !> The line itself.
+   pure function seal_line(bytes, digits) result(line)
+      integer(int64), intent(in) :: bytes
+      character(len=16), intent(in) :: digits
+      character(len=seal_bytes) :: line
+
+      write (line, '(a,a,a,i0,a)') seal_words, digits, ' of the ', bytes, ' bytes before'
+      line(seal_bytes:) = new_line('a')
+   end function seal_line
+
+   !> Checksum of the first `bytes` of an open file.
+   function digits_of(file, bytes) result(digits)
+      type(positional_file_t), intent(inout) :: file
+      integer(int64), intent(in) :: bytes
+      character(len=16) :: digits
+      type(checksum_t) :: sums
+      real(wp), allocatable :: values(:, :)
+      integer(int64) :: place
+
+      allocate (values(block_numbers, 1))
+      place = 0_int64
+      do while (place + real_bytes <= bytes .and. .not. allocated(file%failure))
+         associate (block => values(:min(block_numbers, (bytes - place)/real_bytes), :))
+            call file%read_reals(place, block)
+            call sums%add(block(:, 1))
+            place = place + real_bytes*size(block)
+         end associate
+      end do
+      if (place < bytes) call sums%add([transfer(file%number_at(place, int(bytes - place)), &
+         0.0_wp)])
+      digits = sums%digits()
+   end function digits_of
+
+end module file_bytes
