@@ -1,18 +1,21 @@
-"""Bad input: each file of bad_input/ ends with status 1 and exactly the findings that its first lines name.
+"""Bad input: each case of the tables in bad_input/ ends with status 1 and exactly the findings that stand below it.
 
-A file begins with lines `! expect: LINE: MESSAGE`, one for each finding, in the order of the report.
+`= NAME` names the namelist NAME.nml, or nothing, that the next cases change. A case is its name, its changes in the order in which
+they are made, `8 TEXT` (line 8 becomes TEXT), `+8 TEXT` (a new line 8), `-8` (without line 8), `| TEXT` (one more line at the end),
+and its findings, `! LINE: MESSAGE`, in the order of the report.
 """
 
 import os
 import pathlib
 import random
+import re
 
 import f90nml
 import pytest
 from cases import STEADY, TRANSIENT
 
-CORPUS = sorted((pathlib.Path(__file__).parent / "bad_input").glob("*.nml"))
-MARK = "! expect: "
+FOLDER = pathlib.Path(__file__).parent / "bad_input"
+BASES = {path.stem: path.read_text(encoding="utf-8").splitlines() for path in sorted(FOLDER.glob("*.nml"))}
 SECONDS = 10  # of processor time
 
 
@@ -31,23 +34,53 @@ def findings_of(asperity, folder, content):
     return [line.removeprefix(f"{path}:") for line in run(asperity, path)]
 
 
+def changed(lines, change):
+    """`lines` after one change of a table."""
+    mark, number, text = re.fullmatch(r"([|+-]?)(\d*) ?(.*)", change).groups()
+    place = int(number) - 1 if number else len(lines)
+    return lines[:place] + ([] if mark == "-" else [text]) + lines[place + (mark != "+") :]
+
+
+def cases_of(table):
+    """(name, lines, findings) of the cases of a table."""
+    cases = []
+    for line in filter(None, table.read_text(encoding="utf-8").splitlines()):
+        if line.startswith("= "):
+            base = BASES.get(line[2:], [])
+        elif re.fullmatch(r"[a-z]\w*", line):
+            cases.append((line, base, []))
+        elif line.startswith("! "):
+            cases[-1][2].append(line[2:])
+        else:
+            name, lines, findings = cases[-1]
+            cases[-1] = (name, changed(lines, line), findings)
+    return cases
+
+
+CORPUS = {name: (lines, findings) for table in sorted(FOLDER.glob("*.txt")) for name, lines, findings in cases_of(table)}
+
+
 def test_corpus_is_large():
-    assert len(CORPUS) >= 150
+    assert len(CORPUS) >= 280
 
 
-@pytest.mark.parametrize("path", CORPUS, ids=lambda path: path.stem)
-def test_corpus(asperity, path):
-    lines = path.read_text(encoding="utf-8").splitlines()
-    expected = [line.removeprefix(MARK) for line in lines if line.startswith(MARK)]
+@pytest.mark.parametrize("name", BASES)
+def test_bases_are_good(asperity, name):
+    assert asperity("--check", FOLDER / f"{name}.nml").returncode == 0
+
+
+@pytest.mark.parametrize("name", CORPUS)
+def test_corpus(asperity, tmp_path, name):
+    lines, expected = CORPUS[name]
     assert expected
-    assert run(asperity, path) == [f"{path}:{message}" for message in expected]
+    assert findings_of(asperity, tmp_path, "".join(f"{line}\n" for line in lines)) == expected
 
 
-def test_all_findings_of_all_files(asperity):
-    chosen = [path for path in CORPUS if path.stem in ("typo_key", "two_loads")]
-    lines = run(asperity, *chosen)
-    assert len(lines) == 3
-    assert all(any(line.startswith(f"{path}:") for line in lines) for path in chosen)
+def test_all_findings_of_all_files(asperity, tmp_path):
+    for name in ("typo_key", "two_loads"):
+        (tmp_path / name).write_text("\n".join(CORPUS[name][0]) + "\n", encoding="utf-8")
+    expected = [f"{name}:{finding}" for name in ("two_loads", "typo_key") for finding in CORPUS[name][1]]
+    assert run(asperity, "two_loads", "typo_key") == expected
 
 
 def test_one_bad_namelist_and_none_runs(asperity, tmp_path):
@@ -153,6 +186,11 @@ def test_very_long_name(asperity, tmp_path):
 def test_very_long_string(asperity, tmp_path):
     lines = findings_of(asperity, tmp_path, STEADY.replace("'ehl_line'", "'" + "x" * 1_000_000 + "'"))
     assert lines == ["1: &case problem: found '" + "x" * 48 + "...', expected 'ehl_line', 'dry_line' or 'dry_area'"]
+
+
+def test_long_title(asperity, tmp_path):
+    lines = findings_of(asperity, tmp_path, STEADY.replace("Öl, smooth", "t" * 10_001))
+    assert lines == ["1: &case title: found 10001 bytes, expected at most 10000"]
 
 
 def test_million_values(asperity, tmp_path):
