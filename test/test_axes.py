@@ -34,10 +34,7 @@ KINDS = {
     "dimensionless": (cases.MOES, {"/solution": X}),
     "transient": (
         PASSAGE + "&accuracy error_bars = .false. /&output profile_stride = 4, film_thresholds = 1e-7, 2e-7, adequacy = .false. /",
-        {
-            "/transient": {"time": 21, "profile_time": 6, **X},
-            "/si/transient": {"time": 21, "profile_time": 6, **X},
-        },
+        {"/transient": {"time": 21, "profile_time": 6, **X}, "/si/transient": {"time": 21, "profile_time": 6, **X}},
     ),
     "momentum": (STOKES + "&film layers = 6 /" + LEAN, {"/momentum": {"zeta": 6, **X}}),
     "momentum in time": (

@@ -107,10 +107,7 @@ INSIDE = {
 }
 OUTSIDE = {
     "gauss_seidel_in_time_without_sliding": (rolling(256, 2, GAUSS_SEIDEL | {"relaxation": 0.8}), "time step 1 of 10"),
-    "gauss_seidel_in_small_steps_newtonian": (
-        rolling(512, 16, GAUSS_SEIDEL | {"relaxation": 0.4}, NEWTONIAN),
-        "time step 1 of 10",
-    ),
+    "gauss_seidel_in_small_steps_newtonian": (rolling(512, 16, GAUSS_SEIDEL | {"relaxation": 0.4}, NEWTONIAN), "time step 1 of 10"),
     "block_jacobi_relaxation": (namelists.case_1(256, BLOCK_JACOBI | {"relaxation": 1.0}), "fas block_jacobi V(5,5): "),
     "block_jacobi_in_time_without_sliding": (rolling(256, 2, CYCLE | {"relaxation": 0.8}), "stagnation"),
     "line_in_time_without_sliding": (rolling(256, 2, LINE | {"relaxation": 0.6}), "time step 1 of 10"),

@@ -237,11 +237,7 @@ def test_bad_file(asperity, tmp_path, name):
     if content:
         write(tmp_path, "bad.csv", content)
     surface = "shape = 'file', file = 'bad.csv', dataset = 'z'"
-    write(
-        tmp_path,
-        "case.nml",
-        case_text(surface, [1e6], ""),
-    )
+    write(tmp_path, "case.nml", case_text(surface, [1e6], ""))
     done = asperity("case.nml")
     assert done.returncode == 1
     assert done.stderr.startswith("case.nml:4: &surface_1 file: ")
@@ -282,9 +278,7 @@ def test_methods_agree(asperity, tmp_path):
     pressures = []
     for method in ("conjugate_gradient", "steepest_descent"):
         write(
-            tmp_path,
-            "case.nml",
-            text.replace("tolerance = 1e-12", f"method = '{method}', tolerance = 1e-6, max_cycles = 200000"),
+            tmp_path, "case.nml", text.replace("tolerance = 1e-12", f"method = '{method}', tolerance = 1e-6, max_cycles = 200000")
         )
         assert asperity("case.nml", "--quiet").returncode == 0
         with h5py.File(tmp_path / "case.h5") as file:

@@ -118,20 +118,7 @@ def test_titles_are_kept_and_never_edited(tmp_path):
         assert asperity.run(f90nml.Namelist(case)).title == title
 
 
-FOLDERS = [
-    "R&D",
-    "O'Neil",
-    'in "quotes"',
-    "&case x",
-    "a b",
-    "100% ! = #",
-    "Öl",
-    "back\\slash",
-    "-x",
-    "a.b",
-    "$HOME",
-    "*",
-]
+FOLDERS = ["R&D", "O'Neil", 'in "quotes"', "&case x", "a b", "100% ! = #", "Öl", "back\\slash", "-x", "a.b", "$HOME", "*"]
 
 
 def test_folders_of_any_name(tmp_path, monkeypatch):

@@ -38,19 +38,7 @@ def test_closing_table(asperity, tmp_path):
     lines = lines[next(i for i, line in enumerate(lines) if "converged, " in line) :]
     assert re.match(r"a\.nml: converged, \d+ cycles, \S+ s$", lines[0])
     assert lines[1].split() == ["SI", "dimensionless"]
-    names = [
-        "h_min",
-        "h_central",
-        "p_max",
-        "friction",
-        "formulas",
-        "residual",
-        "inlet",
-        "limit",
-        "limit",
-        "model",
-        "result",
-    ]
+    names = ["h_min", "h_central", "p_max", "friction", "formulas", "residual", "inlet", "limit", "limit", "model", "result"]
     lines = lines[:2] + [line for line in lines[2:] if not line.startswith(12 * " ")]
     assert [line.split()[0] for line in lines[2:]] == names
     assert re.match(r"  h_min +\S+ nm +0\.\d+ +\+- \S+ %$", lines[2])

@@ -28,10 +28,7 @@ KINDS = {
     "steady": (STEADY + LEAN, {"solution": ((257, 1, 1), {"pressure", "film_thickness", "shear_stress_1"})}),
     "passage": (
         TRANSIENT + LEAN,
-        {
-            "solution": ((257, 1, 1), {"pressure"}),
-            "transient": ((257, 21, 1), {"pressure", "film_thickness"}),
-        },
+        {"solution": ((257, 1, 1), {"pressure"}), "transient": ((257, 21, 1), {"pressure", "film_thickness"})},
     ),
     "moes": (MOES + LEAN, {"solution": ((257, 1, 1), {"pressure", "film_thickness"})}),
     "velocity": (
@@ -57,10 +54,7 @@ KINDS = {
             "momentum/transient": ((65, 7, 1), {"pressure", "film_thickness"}),
         },
     ),
-    "line": (
-        case_text(SYNTHETIC, [1e8], more=LINE + LEAN),
-        {"solution": ((64, 1, 1), {"pressure", "gap", "height_undeformed"})},
-    ),
+    "line": (case_text(SYNTHETIC, [1e8], more=LINE + LEAN), {"solution": ((64, 1, 1), {"pressure", "gap", "height_undeformed"})}),
     "area": (
         case_text(SYNTHETIC, [1e8], more=SIZE + LEAN, problem="dry_area"),
         {"solution": ((32, 24, 1), {"pressure", "gap", "height_loaded", "height_unloaded", "plastic_deformation"})},
