@@ -36,6 +36,12 @@ def write(folder, name, text):
     return path
 
 
+def ended(done, status=0):
+    """A run, which ended with this status."""
+    assert done.returncode == status, done.stderr
+    return done
+
+
 def text(value):
     """An HDF5 string as str."""
     return value.decode("utf-8") if isinstance(value, bytes) else str(value)

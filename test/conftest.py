@@ -5,8 +5,10 @@ import pathlib
 import signal
 import subprocess
 
+import h5py
 import pytest
 import time_limits
+from cases import ended, write
 
 # Shells ignore SIGINT for what runs in the background, nohup SIGHUP, and programs inherit that: the runs that these tests interrupt
 # must not. A handler of our own is not inherited.
@@ -61,5 +63,27 @@ def asperity(program, tmp_path):
         return subprocess.run(
             command, cwd=cwd, capture_output=True, text=True, timeout=time_limits.HANGING, preexec_fn=limit, check=False
         )
+
+    return call
+
+
+@pytest.fixture
+def run_case(asperity, tmp_path):
+    """Runs a case that is given as text: run_case(text, '--quiet', status=2) ended with that status."""
+
+    def call(content, *options, status=0, name="case", **more):
+        write(tmp_path, f"{name}.nml", content)
+        return ended(asperity(f"{name}.nml", *options, **more), status)
+
+    return call
+
+
+@pytest.fixture
+def solved_case(run_case, tmp_path):
+    """Runs a case that converges: solved_case(text) is its result, open."""
+
+    def call(content, *options, name="case"):
+        run_case(content, "--quiet", *options, name=name)
+        return h5py.File(tmp_path / f"{name}.h5")
 
     return call

@@ -112,8 +112,7 @@ def test_netcdf_readers_see_the_same_axes(results, kind):
 def test_auto_has_axes_too(asperity, tmp_path):
     xarray = pytest.importorskip("xarray")
     cases.write(tmp_path, "auto.nml", AUTO)
-    done = asperity("auto.nml", "--quiet", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    assert asperity("auto.nml", "--quiet", cwd=tmp_path).returncode == 0
     groups = groups_of(tmp_path / "auto.h5")
     assert any(group.startswith("/adequacy/decision/") for group in groups)
     for group in groups:

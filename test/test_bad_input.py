@@ -12,7 +12,7 @@ import re
 
 import f90nml
 import pytest
-from cases import STEADY, TRANSIENT
+from cases import STEADY, TRANSIENT, ended
 
 FOLDER = pathlib.Path(__file__).parent / "bad_input"
 BASES = {path.stem: path.read_text(encoding="utf-8").splitlines() for path in sorted(FOLDER.glob("*.nml"))}
@@ -86,9 +86,7 @@ def test_all_findings_of_all_files(asperity, tmp_path):
 def test_one_bad_namelist_and_none_runs(asperity, tmp_path):
     (tmp_path / "good.nml").write_text(STEADY, encoding="utf-8")
     (tmp_path / "bad.nml").write_text(STEADY.replace("1e5", "-1e5"), encoding="utf-8")
-    done = asperity("good.nml", "bad.nml")
-    assert done.returncode == 1
-    assert "bad.nml:4: &load load_per_length: found -1e5, expected" in done.stderr
+    assert "bad.nml:4: &load load_per_length: found -1e5, expected" in ended(asperity("good.nml", "bad.nml"), 1).stderr
     assert not list(tmp_path.glob("*.h5*"))
 
 
@@ -231,8 +229,7 @@ def test_random_subscripts(asperity, tmp_path):
             "&surface_1 shape = 'sinusoid', amplitude = 1e-7, wavelength = 1e-3 /\n&domain length = 1e-3, intervals = 64 /\n"
         )
     assert 10 < sum(verdicts.values()) < 50
-    done = asperity("--check", *verdicts, seconds=5)
-    assert done.returncode == 1
+    done = ended(asperity("--check", *verdicts, seconds=5), 1)
     assert "Error" not in done.stderr
     for name, is_good in verdicts.items():
         assert (f"\n{name}:3: &load mean_pressure: found " in f"\n{done.stderr}") != is_good, (tmp_path / name).read_text()

@@ -58,8 +58,7 @@ def test_outcomes_are_a_line_for_each_case(asperity, tmp_path):
     cases.write(tmp_path, "few.nml", cases.STEADY + "&solver method = 'fas_block_jacobi', max_cycles = 1 /\n")
     cases.write(tmp_path, "blocked.nml", cases.STEADY)
     (tmp_path / "blocked.h5").mkdir()
-    done = asperity("good.nml", "few.nml", "blocked.nml", "--quiet", "--outcomes")
-    assert done.returncode == 3
+    done = cases.ended(asperity("good.nml", "few.nml", "blocked.nml", "--quiet", "--outcomes"), 3)
     good, few, blocked = (line.split("\t") for line in done.stdout.splitlines())
     assert good == ["0", "good.nml", ""]
     assert few[:2] == ["2", "few.nml"]
@@ -255,12 +254,8 @@ def test_chunks_hold_every_case_once_and_get_smaller():
 
 def test_what_the_program_says_is_understood():
     lines = [
-        "0\tcase_1.nml\t\n",
-        "3\tcase_2.nml\tno room\n",
-        "1\tcase_3.nml\tno memory\n",
-        "2\tcase_4.nml\tstagnation",
-        "x\n",
-        "\n",
+        *("0\tcase_1.nml\t\n", "3\tcase_2.nml\tno room\n"),
+        *("1\tcase_3.nml\tno memory\n", "2\tcase_4.nml\tstagnation", "x\n", "\n"),
     ]
     assert list(outcomes(iter(lines))) == [("case_1", 0, ""), ("case_2", FAILED, "no room"), ("case_3", FAILED, "no memory")]
     errors = "case_1.nml:3: &load load: found nothing\ncase_1.nml:4: again\n"

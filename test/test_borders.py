@@ -194,18 +194,15 @@ def stated_failure(path: Path) -> str:
 def test_border_of_a_map(asperity, diverging, tmp_path, key, method, inside, outside):
     (tmp_path / "inside.nml").write_text(cell_text(key, method, inside))
     (tmp_path / "outside.nml").write_text(cell_text(key, method, outside))
-    done = asperity("inside.nml", "--quiet")
-    assert done.returncode == 0, done.stderr
+    assert asperity("inside.nml", "--quiet").returncode == 0
     assert diverging("outside.nml", "--quiet").returncode == 2
     reason = stated_failure(tmp_path / "outside.h5")
     assert any(each in reason for each in REASONS), reason
 
 
 @pytest.mark.parametrize("name", INSIDE)
-def test_inside_converges(asperity, tmp_path, name):
-    (tmp_path / "case.nml").write_text(INSIDE[name])
-    done = asperity("case.nml", "--quiet")
-    assert done.returncode == 0, done.stderr
+def test_inside_converges(run_case, name):
+    run_case(INSIDE[name], "--quiet")
 
 
 @pytest.mark.parametrize("name", OUTSIDE)

@@ -12,6 +12,7 @@ from scipy.interpolate import CubicSpline
 sys.path.append(str(Path(__file__).resolve().parent.parent / "bench"))
 
 import namelists
+from cases import ended
 
 MINIMAL = ROOT / "input" / "minimal.nml"
 
@@ -23,8 +24,7 @@ def row(lines, name):
 
 
 def test_first_run_has_a_pressure_that_is_good_to_one_per_cent(asperity, tmp_path):
-    coarse = asperity(MINIMAL)
-    assert coarse.returncode == 0
+    coarse = ended(asperity(MINIMAL))
     lines = coarse.stdout.splitlines()
     assert row(lines, "p_max") is None or row(lines, "p_max") > 1
     assert all(row(lines, name) < 1 for name in ("h_min", "h_central", "p_central"))
@@ -146,8 +146,7 @@ def test_spike_is_explained_and_the_advice_does_what_it_says(asperity):
     ],
 )
 def test_words_about_a_spike_fit_the_case(asperity, settings, expected):
-    done = asperity(MINIMAL, *[word for setting in settings.split() for word in ("--set", setting)])
-    assert done.returncode == 0
+    done = ended(asperity(MINIMAL, *[word for setting in settings.split() for word in ("--set", setting)]))
     assert expected in spike_words(done)
     assert ("--set" in spike_words(done)) == ("transient" not in settings)
 
@@ -161,8 +160,7 @@ def test_no_words_about_a_spike_where_there_is_none(asperity, tmp_path):
 
 def test_wanted_accuracy_of_the_spike_beyond_all_grids_is_told(asperity):
     wanted = ("--set", "accuracy.target=0.01", "--set", "accuracy.target_p_max=1e-7", "--set", "load.hertz_pressure=2e8")
-    done = asperity(MINIMAL, *wanted)
-    assert done.returncode == 0
+    done = ended(asperity(MINIMAL, *wanted))
     assert "the wanted accuracy of p_max is not shown: " in done.stderr
     assert "1.0E-07 was wanted" in done.stdout
 
@@ -170,8 +168,7 @@ def test_wanted_accuracy_of_the_spike_beyond_all_grids_is_told(asperity):
 @pytest.mark.parametrize("other", ["", "accuracy.target=0.01 time.transient=.true. time.end_time=1.0"])
 def test_target_of_the_pressure_is_for_steady_contacts_with_a_target(asperity, other):
     words = [word for setting in other.split() for word in ("--set", setting)]
-    done = asperity(MINIMAL, "--set", "accuracy.target_p_max=0.01", *words)
-    assert done.returncode == 1
+    done = ended(asperity(MINIMAL, "--set", "accuracy.target_p_max=0.01", *words), 1)
     assert "&accuracy target_p_max: found a key that is not used with" in done.stderr
 
 

@@ -17,14 +17,8 @@ from time_limits import HANGING
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGES = [
-    "README.md",
-    "CONTRIBUTING.md",
-    "docs/guide.md",
-    "docs/batch.md",
-    "docs/theory.md",
-    "docs/developer.md",
-    "docs/scenes.md",
-    "docs/tasks.md",
+    *("README.md", "CONTRIBUTING.md", "docs/guide.md", "docs/batch.md"),
+    *("docs/theory.md", "docs/developer.md", "docs/scenes.md", "docs/tasks.md"),
 ]
 LINKED_PAGES = [
     *PAGES,

@@ -97,16 +97,14 @@ def test_a_synthetic_surface_stays_the_same(asperity, tmp_path, area, open_domai
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13)
 
 
-def test_a_periodic_file_has_its_fourier_series(asperity, tmp_path):
+def test_a_periodic_file_has_its_fourier_series(solved_case, asperity, tmp_path):
     surface = profile("C")
     file, _ = run(asperity, tmp_path, surface, [25e6, 250e6], 0.01, HARD, "&domain", loading=", loading = 'history'")
     with file:
         nodes = file["solution/x"].size
         found, worst = file["solution/height_undeformed"][()], shares(file)
         assert 0.005 < worst.max() <= 0.01
-    write(tmp_path, "file.nml", case_text(surface, [25e6], HARD, "&accuracy error_bars = .false. /"))
-    assert asperity("file.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "file.h5") as file:
+    with solved_case(case_text(surface, [25e6], HARD, "&accuracy error_bars = .false. /")) as file:
         z = file["solution/height_undeformed"][()]
     assert nodes > z.size
     np.testing.assert_allclose(found, series_at(z, np.arange(nodes) * z.size / nodes), rtol=0, atol=1e-13)

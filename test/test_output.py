@@ -9,7 +9,7 @@ import time
 import h5py
 import numpy as np
 import pytest
-from cases import LONG, MOES, STEADY, TRANSIENT, contents, same_bits, text, write
+from cases import LONG, MOES, STEADY, TRANSIENT, contents, ended, same_bits, text, write
 from time_limits import HANGING
 
 SOLUTION = ["x", "pressure", "film_thickness", "viscosity", "density", "slip_factor", "roughness_1", "roughness_2"]
@@ -220,10 +220,8 @@ def test_friction_and_power_have_every_step(results):
         assert text(si["rolling_power"].attrs["units"]) == "W/m"
 
 
-def test_stride_and_fields_choose_what_is_stored(asperity, tmp_path):
-    write(tmp_path, "a.nml", TRANSIENT + "&output profile_stride = 3, fields = 'pressure' /\n")
-    assert asperity("a.nml").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file:
+def test_stride_and_fields_choose_what_is_stored(solved_case):
+    with solved_case(TRANSIENT + "&output profile_stride = 3, fields = 'pressure' /\n") as file:
         assert file["transient/time"][()] == pytest.approx(0.05 * np.arange(21), abs=1e-14)
         assert file["transient/profile_time"][()] == pytest.approx(0.05 * np.arange(0, 21, 3), abs=1e-14)
         assert file["transient/pressure"].shape == (7, 257)
@@ -289,10 +287,8 @@ def test_h5dump_reads_it(results):
     assert "smallest film thickness" in done.stdout
 
 
-def test_not_converged_is_written_marked_and_status_2(asperity, tmp_path):
-    write(tmp_path, "a.nml", STEADY + "&solver start = 'hertz', max_cycles = 1 /\n")
-    done = asperity("a.nml", "--quiet")
-    assert done.returncode == 2
+def test_not_converged_is_written_marked_and_status_2(run_case, tmp_path):
+    done = run_case(STEADY + "&solver start = 'hertz', max_cycles = 1 /\n", "--quiet", status=2, name="a")
     assert done.stderr.startswith("a.nml: NOT CONVERGED: ")
     with h5py.File(tmp_path / "a.h5") as file:
         assert file.attrs["converged"] == 0
@@ -312,8 +308,7 @@ def test_missing_folder_is_status_3(asperity, tmp_path):
     write(tmp_path, "b.nml", STEADY.replace("problem", "output = 'missing/a.h5', problem"))
     write(tmp_path, "file", "")
     for arguments in (("b.nml",), ("a.nml", "--output", "file/missing")):
-        done = asperity(*arguments)
-        assert done.returncode == 3
+        done = ended(asperity(*arguments), 3)
         assert "missing/a.h5" in done.stderr
         assert "there is no folder " in done.stderr
         assert not (tmp_path / "missing").exists()
@@ -322,17 +317,12 @@ def test_missing_folder_is_status_3(asperity, tmp_path):
 def test_name_that_is_a_folder_is_status_3(asperity, tmp_path):
     write(tmp_path, "a.nml", STEADY)
     (tmp_path / "a.h5").mkdir()
-    done = asperity("a.nml", "--quiet")
-    assert done.returncode == 3
-    assert "a.h5: it is a folder" in done.stderr
+    assert "a.h5: it is a folder" in ended(asperity("a.nml", "--quiet"), 3).stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.nml"]
 
 
-def test_folder_that_takes_no_files_is_status_3(asperity, tmp_path):
-    write(tmp_path, "a.nml", STEADY)
-    done = asperity("a.nml", "--output", "/proc")
-    assert done.returncode == 3
-    assert "cannot write /proc/a.h5" in done.stderr
+def test_folder_that_takes_no_files_is_status_3(run_case):
+    assert "cannot write /proc/a.h5" in run_case(STEADY, "--output", "/proc", status=3, name="a").stderr
 
 
 def test_read_only_folder_is_status_3(program, tmp_path):
@@ -475,13 +465,11 @@ def test_no_output_key_changes_a_number(asperity, tmp_path, others):
         assert 0 < strided["summary/h_min"].attrs["error_grid"] < 0.2 * strided["summary/h_min"][()]
 
 
-def test_a_target_out_of_reach_is_told(asperity, tmp_path):
+def test_a_target_out_of_reach_is_told(run_case, tmp_path):
     """Pilot runs end at a bound of their work; the run is then done as well as they know, and says what is foretold."""
     case = TRANSIENT.replace(", time_step = 0.05", "").replace("end_time = 1.0", "end_time = 0.1")
     case = "\n".join(line for line in case.splitlines() if not line.startswith("&domain"))
-    write(tmp_path, "case.nml", case + "\n&domain x_inlet = -4.0, x_outlet = 1.5 /\n&accuracy target = 1e-7 /\n")
-    done = asperity("case.nml")
-    assert done.returncode == 0
+    done = run_case(case + "\n&domain x_inlet = -4.0, x_outlet = 1.5 /\n&accuracy target = 1e-7 /\n")
     with h5py.File(tmp_path / "case.h5") as file:
         note, h_min = text(file["report/note"][()]), file["summary/h_min"]
         foretold = h_min.attrs["error_grid"] / h_min[()]

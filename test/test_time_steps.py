@@ -32,9 +32,7 @@ def test_steps_end_at_the_end_time(asperity, tmp_path):
         assert len(times) - 1 == int(np.ceil(end / step - 1e-3))
 
 
-def test_a_step_that_fits_is_taken_as_it_is(asperity, tmp_path):
+def test_a_step_that_fits_is_taken_as_it_is(solved_case):
     step = 5.37109375e-3
-    write(tmp_path, "a.nml", case(20 * step, step))
-    assert asperity("a.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file:
+    with solved_case(case(20 * step, step)) as file:
         assert file["input/effective/time"].attrs["time_step"] == step

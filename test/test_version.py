@@ -3,6 +3,7 @@
 import re
 import tomllib
 
+from cases import ended
 from conftest import ROOT
 
 
@@ -18,9 +19,7 @@ def test_version_of_the_source():
 
 
 def test_version_of_the_program(asperity):
-    result = asperity("--version")
-    assert result.returncode == 0
-    assert result.stdout.startswith(f"asperity {VERSION}")
+    assert ended(asperity("--version")).stdout.startswith(f"asperity {VERSION}")
 
 
 def test_version_of_the_citation():
