@@ -18,6 +18,7 @@ def verdict(group):
     return group.attrs["verdict"].decode()
 
 
+@pytest.mark.path
 def test_every_ingredient_has_changes_and_a_verdict(asperity, tmp_path):
     write(tmp_path, "case.nml", CASE_1)
     done = asperity("case.nml")
@@ -54,6 +55,7 @@ def test_nothing_else_changes(asperity, tmp_path):
     assert [name for name in solved if not same_bits(on[name], off[name])] == []
 
 
+@pytest.mark.path
 def test_passage_tells_of_roughness_and_squeeze(solved_case):
     with solved_case(TRANSIENT) as file:
         group = file["adequacy"]

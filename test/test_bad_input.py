@@ -218,6 +218,7 @@ def written(source, count):
     return " ".join(lines), is_good
 
 
+@pytest.mark.path
 def test_random_subscripts(asperity, tmp_path):
     """Elements and ranges, up to numbers that no memory holds: read, or refused at once."""
     source = random.Random(31)
@@ -282,6 +283,7 @@ def mutated(text, source):
     return text
 
 
+@pytest.mark.path
 def test_random_damage_never_crashes(asperity, tmp_path):
     source = random.Random(2)
     for i in range(400):

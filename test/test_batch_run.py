@@ -53,6 +53,7 @@ def stamps(folder):
     return {path.name: path.stat().st_mtime_ns for path in (folder / "cases").glob("*.h5")}
 
 
+@pytest.mark.path
 def test_outcomes_are_a_line_for_each_case(asperity, tmp_path):
     cases.write(tmp_path, "good.nml", cases.STEADY)
     cases.write(tmp_path, "few.nml", cases.STEADY + "&solver method = 'fas_block_jacobi', max_cycles = 1 /\n")

@@ -214,6 +214,7 @@ def test_outside_says_why(diverging, tmp_path, name):
     assert reason in stated_failure(tmp_path / "case.h5")
 
 
+@pytest.mark.path
 def test_cycle_solves_the_parts_of_the_first_step(diverging, tmp_path):
     """The first one is 1.5e-5 long; the ways that are tried before the right one may outgrow all numbers."""
     pressures = []

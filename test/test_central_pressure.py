@@ -96,6 +96,7 @@ def test_corner_of_a_nearly_rolling_eyring_oil_is_in_the_error(asperity, tmp_pat
 ROLLING = [(60.5894, 2.81817e6, 3.84e6, 2.1637), (71.4056, 2.26146e6, 7.154e6, 2.1049)]
 
 
+@pytest.mark.path
 @pytest.mark.parametrize(("speed", "load", "stress", "truth"), ROLLING)
 def test_corner_below_the_largest_pressure_is_told(asperity, tmp_path, speed, load, stress, truth):
     groups = {
@@ -137,6 +138,7 @@ def test_spike_is_explained_and_the_advice_does_what_it_says(asperity):
     assert spike_words(fine) == ""
 
 
+@pytest.mark.path
 @pytest.mark.parametrize(
     ("settings", "expected"),
     [

@@ -108,6 +108,7 @@ def test_what_is_no_entry_is_refused(run_case, tmp_path, entry):
     assert not (tmp_path / "case.h5").exists()
 
 
+@pytest.mark.path
 def test_keep_going_runs_the_good_cases(asperity, tmp_path):
     write(tmp_path, "good.nml", COARSE)
     write(tmp_path, "bad.nml", COARSE.replace("1e5", "-1"))
@@ -157,6 +158,7 @@ def test_a_name_without_its_ending_is_completed_in_words(asperity, tmp_path):
     assert asperity("other").stderr == "other: no such file\n"
 
 
+@pytest.mark.path
 def test_summary_goes_to_standard_output(asperity, tmp_path):
     """The log to standard error; beside lines for machines the summary goes with the log."""
     write(tmp_path, "case.nml", STEADY)
@@ -187,6 +189,7 @@ def _results(asperity, tmp_path):
     return ["oil.h5", "moes.h5", "late.h5", "ball.h5", "text.h5", "cut.h5", "other.h5", "none.h5"]
 
 
+@pytest.mark.path
 def test_table_has_a_row_for_each_result(asperity, tmp_path, results):
     forms = {form: asperity("table", *results, "--format", form) for form in ("text", "csv", "json")}
     assert {done.returncode for done in forms.values()} == {1}

@@ -88,6 +88,7 @@ def test_plane_of_an_area(asperity, tmp_path):
     assert tilts == pytest.approx([4e-7 / 29e-6, -6e-7 / 19e-6], rel=0.1)
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("nodes", [3000, 200000])
 def test_tilt_in_oil(asperity, tmp_path, nodes):
     """Also of a profile that is read in windows: the contact is that of the level one."""

@@ -24,6 +24,7 @@ def solve(asperity, folder, case):
         return figures, note, float(file["input/effective/domain"].attrs["x_outlet"]), " ".join((done.stderr + done.stdout).split())
 
 
+@pytest.mark.path
 def test_outlet_ahead_of_rupture_is_noted_and_part_of_the_estimate(asperity, tmp_path):
     # both grids have the spacing of 41.5/1024
     cut, note, _, log = solve(asperity, tmp_path, LIGHT.replace("OUTLET", ", x_outlet = 1.5, intervals = 1024"))

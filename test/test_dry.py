@@ -11,6 +11,7 @@ from cases import contents, same_bits, write
 from dry_cases import DATA, HARD, STEEL, case_text, close, profile, rows, solve
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("counter", ["rigid", "steel"])
 @pytest.mark.parametrize("name", ["A", "C"])
 def test_sweep_of_a_profile(asperity, tmp_path, name, counter):
@@ -82,6 +83,7 @@ def test_work_is_stored_and_dissipated(asperity, tmp_path):
     assert work == pytest.approx(energy, rel=2e-4)
 
 
+@pytest.mark.path
 def test_running_in(asperity, tmp_path):
     loads = [250e6, 50e6, 150e6, 250e6]
     with solve(asperity, tmp_path, profile("C"), loads, loading=", loading = 'history'") as file:
@@ -93,6 +95,7 @@ def test_running_in(asperity, tmp_path):
     close(history["mean_separation"][3], history["mean_separation"][0], 1e-9)
 
 
+@pytest.mark.path
 def test_order_of_loads_does_not_matter(asperity, tmp_path):
     with solve(asperity, tmp_path, profile("A"), [250e6, 12.5e6, 100e6]) as file:
         mixed = file["sweep/contact_area_fraction"][:], file["sweep/datum"][:]
@@ -111,6 +114,7 @@ BALL = """&case problem = 'dry_area' /
 """
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("nodes", [64, 101])
 def test_ball_on_a_flat(solved_case, nodes):
     with solved_case(BALL.format(n=nodes)) as file:
@@ -129,6 +133,7 @@ SYNTHETIC = """shape = 'synthetic', rms_height = 1e-6, wavelength_rolloff = 1e-4
    skewness = {skewness}, kurtosis = {kurtosis}"""
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("problem", ["dry_line", "dry_area"])
 def test_synthetic_surface_is_as_wanted(asperity, tmp_path, problem):
     sizes = {
@@ -150,6 +155,7 @@ def test_synthetic_surface_is_as_wanted(asperity, tmp_path, problem):
     assert not np.array_equal(heights[0], heights[2])
 
 
+@pytest.mark.path
 def test_fields_that_are_stored(asperity, tmp_path):
     """Some of them, and in single precision: the same numbers, rounded; everything else to the bit."""
     sizes = {
@@ -182,6 +188,7 @@ def test_synthetic_spectrum(asperity, tmp_path):
     np.testing.assert_allclose(stored[:30], 2 * power[1:31] / 512**2, rtol=1e-9)
 
 
+@pytest.mark.path
 def test_area_from_hdf5(asperity, tmp_path):
     generator = np.random.default_rng(1)
     heights = generator.standard_normal((24, 32)) * 1e-7
@@ -269,6 +276,7 @@ def test_all_plastic(asperity, tmp_path):
         assert file["solution/plastic_deformation"][:].min() == pytest.approx(0, abs=1e-15)
 
 
+@pytest.mark.path
 def test_methods_agree(solved_case):
     text = case_text(profile("C", 20), [100e6])
     pressures = []
@@ -337,6 +345,7 @@ def test_bisinusoid(solved_case, tmp_path, row):
     assert sweep["p_max"] / full == pytest.approx(float(row["pmax_over_pstar"]), rel=1e-6)
 
 
+@pytest.mark.path
 @pytest.mark.parametrize(("bodies", "stored"), [("", 0), (", hardness = 2e8", 8)])
 def test_zeros_take_no_room_and_are_read_as_zeros(asperity, tmp_path, bodies, stored):
     """The plastic deformation of an elastic contact; where something yields all nodes are stored."""

@@ -160,6 +160,7 @@ LINE = """&case problem = 'dry_line' /
 """
 
 
+@pytest.mark.path
 def test_given_separation_is_told_as_its_load(solved_case, asperity, tmp_path):
     """A surface at a given separation, and under the load that was found there: the same contact, to the 1e-8 of the search."""
     with solved_case(LINE.format("5e9", "separation = 3e-7, 5e-7"), name="gap") as file:

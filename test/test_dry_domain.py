@@ -70,6 +70,7 @@ def test_the_length_asked_for_is_enough(asperity, tmp_path, load, room):
         assert file["sweep/contact_area_fraction"][0] == pytest.approx(1 / room, rel=0.05)
 
 
+@pytest.mark.path
 def test_contact_that_reaches_the_border_is_no_solution(asperity, tmp_path):
     rough = "&surface_2 shape = 'synthetic', rms_height = 1e-8, wavelength_short = 5e-5 /"
     loads = "mean_pressure = 1e7, 2e9, 1e8"

@@ -13,6 +13,7 @@ SUMMARY = {"p_max", "contact_area_fraction", "plastic_area_fraction", "mean_sepa
 OFF = "&accuracy error_bars = .false. /"
 
 
+@pytest.mark.path
 def test_every_figure_has_an_estimate(asperity, tmp_path):
     with solve(asperity, tmp_path, profile("C"), [25e6, 250e6]) as file:
         assert {name for name, data in file["sweep"].items() if "error_estimate" in data.attrs} == ESTIMATED

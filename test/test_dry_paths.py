@@ -176,6 +176,7 @@ def refused_heights(asperity, tmp_path):
     return done.stderr
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("name", BAD_ATTRIBUTES)
 def test_bad_attribute(asperity, tmp_path, name):
     attribute, value, message = BAD_ATTRIBUTES[name]

@@ -61,6 +61,7 @@ def test_westergaard_separation(asperity, tmp_path, m):
     assert sweep["mean_pressure"] == pytest.approx(m * np.pi * modulus / 2 * height / length, rel=1e-3)
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("nodes", [64, 101])
 def test_hertz_approach(asperity, tmp_path, nodes):
     radius, modulus, half_width = 0.005, 230e9, 70e-6
@@ -76,6 +77,7 @@ def test_hertz_approach(asperity, tmp_path, nodes):
     assert sweep["separation"] == pytest.approx(approach, rel=1e-10)
 
 
+@pytest.mark.path
 def test_history_of_separations(run_case, asperity, tmp_path):
     # Back at the first separation the deformed surface is where it was; further out it has lost contact sooner.
     surface, options = profile("C"), {"bodies": HARD}

@@ -52,6 +52,7 @@ def series_at(z, points):
     return z
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("area", [False, True])
 @pytest.mark.parametrize("target", [0.02, 0.01])
 def test_hertz_is_as_good_as_wanted(asperity, tmp_path, area, target):
@@ -155,6 +156,7 @@ def test_waves_are_seen_from_the_start(asperity, tmp_path):
         assert "report/note" not in file
 
 
+@pytest.mark.path
 def test_no_solution_is_no_accuracy(asperity, tmp_path):
     content = case_text(SYNTHETIC, [1e8], "", f"{LINE} /\n&accuracy target = 0.05 /", modulus=MODULUS)
     write(tmp_path, "case.nml", content.replace("tolerance = 1e-12", "tolerance = 1e-12, max_cycles = 2"))

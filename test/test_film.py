@@ -40,6 +40,7 @@ def test_breakdown_stops_and_says_where_and_when(run_case, tmp_path):
         assert not file["transient/film_breakdown"][()].any()
 
 
+@pytest.mark.path
 def test_breakdown_goes_on_with_a_mark(asperity, tmp_path):
     write(tmp_path, "a.nml", HIGH + floor("15e-9", "continue"))
     write(tmp_path, "b.nml", HIGH)
@@ -90,6 +91,7 @@ def test_steady_breakdown(asperity, tmp_path, action, status):
         assert file["solution/film_thickness"][()].min() > 0
 
 
+@pytest.mark.path
 def test_statistics_are_those_of_the_stored_steps(asperity, tmp_path):
     shared = HIGH + "&output film_thresholds = 20e-9, 100e-9, 500e-9, fields = 'pressure', 'film_thickness' /\n"
     write(tmp_path, "a.nml", shared)

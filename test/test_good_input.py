@@ -90,6 +90,7 @@ def test_input_cases_are_there():
 PROBLEMS = ["ehl_line", "dry_line", "dry_area"]
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_template_passes_its_own_check(asperity, tmp_path, problem):
     check(asperity, tmp_path, asperity("--template", problem).stdout)

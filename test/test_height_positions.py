@@ -102,6 +102,7 @@ def test_falling_positions_of_a_dataset(asperity, tmp_path):
     assert_profile(profile(asperity, tmp_path), Z[::-1])
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("falls", [(False, False), (True, False), (False, True), (True, True)])
 def test_positions_of_an_area(asperity, tmp_path, falls):
     ny, nx = 24, 36

@@ -196,6 +196,7 @@ def test_every_other_table_is_refused_with_the_command(asperity, tmp_path, name)
         assert message.count("\n") == 1
 
 
+@pytest.mark.path
 @pytest.mark.parametrize(
     ("content", "expected"),
     [
@@ -244,6 +245,7 @@ def test_file_and_key_contradict_each_other(asperity, tmp_path):
     assert "found the unit um in the names 'x_mm,z_um', but z_unit = 'nm', expected the same of both" in message
 
 
+@pytest.mark.path
 @pytest.mark.parametrize(
     ("names", "keys", "expected"),
     [

@@ -77,6 +77,7 @@ def test_layout_is_complete(results, name):
         assert ("transient" in file) == ("transient" in name)
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("name", RESULTS)
 def test_nothing_is_nan_without_a_reason(results, name):
     """No dataset holds a NaN, and where an attribute is one `no_estimate` stands beside it: what is not known is left out."""
@@ -98,6 +99,7 @@ def test_nothing_is_nan_without_a_reason(results, name):
 SPIKE = "a pressure spike that this grid does not resolve may pass the largest pressure on finer grids, or grow without a limit"
 
 
+@pytest.mark.path
 @pytest.mark.parametrize(
     ("extra", "names", "reason"),
     [
@@ -139,6 +141,7 @@ def test_effective_values_are_numbers(results):
         assert domain["x_inlet"] == -4
 
 
+@pytest.mark.path
 def test_inlet_that_the_program_chooses(asperity, tmp_path):
     case = "&case problem = 'ehl_line' / &moes moes_m = 1.0, moes_l = 5.0, velocity = 'sum' /\n"
     case += "&lubricant viscosity_law = 'barus', density_law = 'constant' /\n"
@@ -204,6 +207,7 @@ def test_summary_of_a_transient_is_extremes_with_their_times(results):
         assert summary["p_max_time"].attrs["dimensionless"] == series["time"][int(np.argmax(series["p_max"]))]
 
 
+@pytest.mark.path
 def test_friction_and_power_have_every_step(results):
     """At every step sliding power is friction times load times speed difference; the largest are those of /summary, to the bit."""
     load, difference = 1e5, 1.1 - 0.1
@@ -220,6 +224,7 @@ def test_friction_and_power_have_every_step(results):
         assert text(si["rolling_power"].attrs["units"]) == "W/m"
 
 
+@pytest.mark.path
 def test_stride_and_fields_choose_what_is_stored(solved_case):
     with solved_case(TRANSIENT + "&output profile_stride = 3, fields = 'pressure' /\n") as file:
         assert file["transient/time"][()] == pytest.approx(0.05 * np.arange(21), abs=1e-14)
@@ -229,6 +234,7 @@ def test_stride_and_fields_choose_what_is_stored(solved_case):
         assert file["summary/h_min"].attrs["dimensionless"] == file["transient/h_min"][()].min()
 
 
+@pytest.mark.path
 def test_shear_stresses_at_the_times_of_the_profiles(asperity, tmp_path):
     """By their definition from the stored film and pressure, at every stored time; those of the last one are in /solution."""
     fields = "'pressure', 'film_thickness', 'shear_stress_1', 'shear_stress_mean', 'shear_stress_2'"
@@ -303,6 +309,7 @@ def test_output_goes_where_it_is_sent(asperity, tmp_path):
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["a.h5"]
 
 
+@pytest.mark.path
 def test_missing_folder_is_status_3(asperity, tmp_path):
     write(tmp_path, "a.nml", STEADY)
     write(tmp_path, "b.nml", STEADY.replace("problem", "output = 'missing/a.h5', problem"))

@@ -35,6 +35,7 @@ def precious(path, source):
     return path.read_bytes()
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("ending", WORKING)
 def test_files_of_the_user_keep_their_place(asperity, tmp_path, ending):
     source = random.Random(ending)

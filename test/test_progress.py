@@ -30,6 +30,7 @@ def test_log_has_few_plain_lines(run_case):
     assert max(len(line) for line in lines) <= 80
 
 
+@pytest.mark.path
 def test_closing_table(asperity, tmp_path):
     write(tmp_path, "a.nml", STEADY)
     lines = asperity("a.nml").stdout.splitlines()

@@ -82,6 +82,7 @@ def test_killed_at_random_moments(program, tmp_path):
         (tmp_path / "case.h5").unlink()
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_ends_with_status_4_and_a_checkpoint(program, tmp_path, number):
     write(tmp_path, "case.nml", LONG)
@@ -154,6 +155,7 @@ def test_a_chosen_resolution_goes_on_to_the_same_bits(program, interrupted, aspe
         assert float(one["input/effective/solver"].attrs["tolerance"]) == 2e-4
 
 
+@pytest.mark.path
 def test_resume_says_where_it_goes_on(interrupted, asperity):
     interrupted()
     lines = asperity("case.nml", "--resume").stderr.splitlines()
@@ -203,6 +205,7 @@ def test_resume_says_that_a_complete_result_did_not_converge(asperity, tmp_path,
     assert (tmp_path / "case.h5").stat().st_mtime_ns > written
 
 
+@pytest.mark.path
 def test_checkpoint_of_another_case_is_refused(run_case, interrupted, asperity, tmp_path):
     text = busy(0.05)
     interrupted(text)

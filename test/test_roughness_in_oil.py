@@ -46,6 +46,7 @@ def run(asperity, tmp_path, text, name="case"):
     return tmp_path / f"{name}.h5", done.stderr + done.stdout
 
 
+@pytest.mark.path
 def test_csv_and_hdf5_give_the_same(asperity, tmp_path):
     write_csv(tmp_path / "p.csv", wave())
     write_hdf5(tmp_path / "p.h5in.h5", wave())
@@ -270,6 +271,7 @@ def test_too_few_nodes_are_told(asperity, tmp_path):
         assert file["report/nodes_per_wave"][()] == pytest.approx(3e-4 / dx)
 
 
+@pytest.mark.path
 def test_steady_with_a_rough_surface_at_rest(asperity, tmp_path):
     write_csv(tmp_path / "p.csv", wave(nodes=1000, waves=10))
     surface = "&surface_1 shape = 'file', file = 'p.csv', dataset = 'z' /\n"

@@ -70,6 +70,7 @@ def test_a_reader_that_no_longer_reads_does_not_hold_up_the_end(program, tmp_pat
     assert names(tmp_path) == ["dry.nml"]
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("number", SIGNALS[2:])
 def test_batch_systems_get_a_checkpoint(program, tmp_path, number):
     write(tmp_path, "case.nml", LONG)

@@ -40,6 +40,7 @@ def test_periodic_passage_reports_its_last_periods(asperity, tmp_path):
     assert " count, periods of " in told
 
 
+@pytest.mark.path
 def test_an_end_too_early_is_told(asperity, tmp_path):
     file, told = run(asperity, tmp_path, WAVE, 3.0)
     with file:

@@ -96,6 +96,7 @@ def test_each_limit_on_either_side(asperity, tmp_path, row):
     assert words not in log
 
 
+@pytest.mark.path
 def test_what_is_not_known_is_named(asperity, tmp_path):
     write(tmp_path, "a.nml", STEADY)
     write(tmp_path, "b.nml", MOES)
@@ -112,6 +113,7 @@ def test_what_is_not_known_is_named(asperity, tmp_path):
         assert group["stokes_number"][()] == pytest.approx(0.0575, abs=1e-3)
 
 
+@pytest.mark.path
 def test_a_transient_takes_the_extremes_and_a_failure_nothing(asperity, tmp_path):
     write(tmp_path, "a.nml", TRANSIENT)
     write(tmp_path, "b.nml", STEADY + "&solver max_cycles = 1 /\n")

@@ -14,6 +14,7 @@ def solved(asperity, folder, text):
     return cases.contents(folder / "case.h5")
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("text", [cases.STEADY, cases.TRANSIENT])
 def test_velocity_in_the_result(asperity, tmp_path, text):
     """Speeds of the walls in SI; of a steady film one mass flux at all nodes, of a transient the film of the last time."""

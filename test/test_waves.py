@@ -39,6 +39,7 @@ def test_chosen_grid_sees_a_wave_of_a_spacing(asperity, tmp_path, shape):
     assert abs(h_min - truth) < min(error, 0.02 * truth)
 
 
+@pytest.mark.path
 def test_coarse_grid_is_told_and_has_no_estimate(asperity, tmp_path):
     _, error, nodes, note, reason, told = solved(asperity, tmp_path, AT_REST + WAVE.format("feature", 8.01 * DX))
     assert nodes == pytest.approx(8.01, rel=1e-4)

@@ -89,6 +89,7 @@ def values(item, folder):
     return found.reshape(shape)
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("kind", KINDS)
 def test_names_what_is_in_the_result(results, kind):
     root = ElementTree.parse(results / f"{kind}.xdmf").getroot()
