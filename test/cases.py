@@ -1,7 +1,12 @@
 """Small namelists for end-to-end tests, and helpers to read results."""
 
+import resource
+
 import h5py
 import numpy as np
+
+# Nothing takes so long [s of wall time], however busy the machine is: limits are processor time, wall time guards against hanging.
+HANGING = 900
 
 STEADY = """&case title = 'Öl, smooth', problem = 'ehl_line' /
 &bodies radius_1 = 0.01, radius_2 = 2.0, youngs_modulus_1 = 206e9, youngs_modulus_2 = 206e9,
@@ -27,6 +32,11 @@ MOES = """&case problem = 'ehl_line' /
 &lubricant viscosity_law = 'barus', density_law = 'constant' /
 &domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /
 """
+
+
+def processor(seconds):
+    """For `preexec_fn`: the process is killed (status -9) when it has taken so many seconds of processor time."""
+    return lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
 
 
 def write(folder, name, text):

@@ -7,8 +7,7 @@ import subprocess
 
 import h5py
 import pytest
-import time_limits
-from cases import ended, write
+from cases import HANGING, ended, processor, write
 
 # Shells ignore SIGINT for what runs in the background, nohup SIGHUP, and programs inherit that: the runs that these tests interrupt
 # must not. A handler of our own is not inherited.
@@ -59,10 +58,8 @@ def asperity(program, tmp_path):
 
     def call(*arguments, cwd=tmp_path, seconds=120):
         command = [str(program), *map(str, arguments)]
-        limit = time_limits.processor(seconds)
-        return subprocess.run(
-            command, cwd=cwd, capture_output=True, text=True, timeout=time_limits.HANGING, preexec_fn=limit, check=False
-        )
+        limit = processor(seconds)
+        return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=HANGING, preexec_fn=limit, check=False)
 
     return call
 

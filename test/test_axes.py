@@ -7,7 +7,6 @@ import cases
 import h5py
 import numpy as np
 import pytest
-from time_limits import HANGING
 
 LEAN = "&accuracy error_bars = .false. /&output adequacy = .false. /"
 STOKES = cases.STEADY.replace("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'")
@@ -56,7 +55,7 @@ def _results(program, tmp_path_factory):
     for name, (text, _) in KINDS.items():
         cases.write(folder, f"{name}.nml", text)
         command = [str(program), f"{name}.nml", "--quiet"]
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=HANGING, check=False)
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=cases.HANGING, check=False)
         assert done.returncode == 0, done.stderr
     return folder
 

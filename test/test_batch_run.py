@@ -15,7 +15,6 @@ import h5py
 import pytest
 from batch_runs import BATCH, call, swept
 from program_calls import FAILED, bad_input, end_of, outcomes
-from time_limits import HANGING
 
 
 def module_of(path):
@@ -179,7 +178,7 @@ def test_an_interrupted_run_goes_on_and_ends_as_if_it_had_not_been(tmp_path, pro
         time.sleep(0.02)
     time.sleep(0.4)
     process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=HANGING)
+    out, err = process.communicate(timeout=cases.HANGING)
     assert process.returncode == 4, err
     assert "not run" in out
     assert "interrupted; the same command goes on" in err
@@ -210,7 +209,7 @@ def test_two_runs_of_the_same_cases(tmp_path, program):
     done = call("sweep.py", "small.toml", "--replace", folder=tmp_path, program=program)
     assert (done.returncode, "its cases are being run" in done.stderr) == (1, True)
     process.send_signal(signal.SIGTERM)
-    assert process.wait(timeout=HANGING) == 4
+    assert process.wait(timeout=cases.HANGING) == 4
 
 
 @pytest.mark.parametrize("words", ["0-3", "3-1", "5-9", "two", "-3"])

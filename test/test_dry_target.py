@@ -5,9 +5,8 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
-from cases import text, write
+from cases import HANGING, text, write
 from dry_cases import HARD, case_text, profile
-from time_limits import HANGING
 
 MODULUS, LENGTH = 230e9, 1e-3
 SYNTHETIC = "shape = 'synthetic', seed = 3, rms_height = 1e-6, wavelength_rolloff = 3e-4, wavelength_short = 1e-4"

@@ -143,9 +143,15 @@ def test_help_has_examples_and_every_option(asperity):
         assert word in done.stdout
 
 
-def test_version_is_that_of_the_manifest(asperity):
-    manifest = tomllib.loads((ROOT / "fpm.toml").read_text(encoding="utf-8"))
-    assert asperity("--version").stdout.startswith(f"asperity {manifest['version']} (commit ")
+def test_one_version_everywhere(asperity):
+    version = tomllib.loads((ROOT / "fpm.toml").read_text(encoding="utf-8"))["version"]
+    assert asperity("--version").stdout.startswith(f"asperity {version} (commit ")
+    for name, pattern in {
+        "src/base/build_info.f90": r"program_version = '(.+)'",
+        "CITATION.cff": r"^version: [\"']?(.+?)[\"']?$",
+        "CHANGELOG.md": r"^## \[?(\d\S*?)\]?(?: |$)",
+    }.items():
+        assert re.search(pattern, (ROOT / name).read_text(encoding="utf-8"), re.M)[1] == version, name
 
 
 BAD_CALLS = {

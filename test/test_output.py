@@ -9,8 +9,7 @@ import time
 import h5py
 import numpy as np
 import pytest
-from cases import LONG, MOES, STEADY, TRANSIENT, contents, ended, same_bits, text, write
-from time_limits import HANGING
+from cases import HANGING, LONG, MOES, STEADY, TRANSIENT, contents, ended, same_bits, text, write
 
 SOLUTION = ["x", "pressure", "film_thickness", "viscosity", "density", "slip_factor", "roughness_1", "roughness_2"]
 FRICTION = ["friction_coefficient", "rolling_friction_coefficient", "sliding_power", "rolling_power"]

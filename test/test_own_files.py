@@ -8,11 +8,10 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
-from cases import LONG, STEADY, TRANSIENT, ended, text, write
+from cases import HANGING, LONG, STEADY, TRANSIENT, ended, text, write
 from kill_and_resume import busy, different, killed_at_last, start, undisturbed
 from test_output_names import heights, refused
 from test_resume import wait_for, wait_for_times
-from time_limits import HANGING
 
 WORKING = [".part", ".tmp", ".ckpt", ".ckpt.tmp"]
 XDMF = "&output xdmf = .true. /\n"

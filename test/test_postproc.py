@@ -17,8 +17,7 @@ import h5py
 import numpy as np
 import pytest
 import result_maker
-from cases import STEADY, seal, write
-from time_limits import HANGING
+from cases import HANGING, STEADY, seal, write
 
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics", "regime", "friction")

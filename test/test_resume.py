@@ -10,10 +10,9 @@ import time
 import h5py
 import numpy as np
 import pytest
-from cases import LONG, STEADY, TRANSIENT, ended, seal, text, write
+from cases import HANGING, LONG, STEADY, TRANSIENT, ended, seal, text, write
 from conftest import ROOT
 from kill_and_resume import busy, check_part, different, kill_until_complete, killed_at_last, start, undisturbed
-from time_limits import HANGING
 
 
 def wait_for(path, running, seconds=HANGING):

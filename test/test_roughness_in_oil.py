@@ -6,10 +6,9 @@ import time
 import h5py
 import numpy as np
 import pytest
-from cases import STEADY, ended, text, write
+from cases import HANGING, STEADY, ended, text, write
 from kill_and_resume import different, killed_at_last, undisturbed
 from long_run import peak_memory, stored_times
-from time_limits import HANGING
 
 PASSAGE = "&time transient = .true., end_time = {end}, time_step = 0.02 /\n&accuracy error_bars = .false. /\n"
 SPACING = 1e-6

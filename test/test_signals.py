@@ -8,9 +8,8 @@ from pathlib import Path
 
 import h5py
 import pytest
-from cases import LONG, STEADY, write
+from cases import HANGING, LONG, STEADY, write
 from test_resume import names, wait_for, wait_for_times
-from time_limits import HANGING
 
 # Seconds of solving, without a look at the outside.
 DRY = """&case problem = 'dry_area' /

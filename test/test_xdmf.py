@@ -11,9 +11,8 @@ import cases
 import h5py
 import numpy as np
 import pytest
-from cases import MOES, STEADY, TRANSIENT, ended, write
+from cases import HANGING, MOES, STEADY, TRANSIENT, ended, write
 from dry_cases import case_text
-from time_limits import HANGING
 
 LEAN = "&accuracy error_bars = .false. /\n&output xdmf = .true., adequacy = .false. /\n"
 STOKES = (
