@@ -17,6 +17,9 @@ STEADY = """&case title = 'Öl, smooth', problem = 'ehl_line' /
 &domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /
 """
 
+AT_REST = STEADY.replace("speed_1 = 0.1", "speed_1 = 0.0")
+STOKES = STEADY.replace("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'")
+
 TRANSIENT = (
     STEADY
     + """&surface_2 shape = 'feature', amplitude = 0.2e-6, wavelength = 1e-4, position = -2.1 /

@@ -64,6 +64,22 @@ def asperity(program, tmp_path):
     return call
 
 
+@pytest.fixture(scope="module")
+def solve_all(program, tmp_path_factory):
+    """Runs cases that are given as {name: text}, none of which has a word to say: the folder with their results."""
+
+    def call(cases):
+        folder = tmp_path_factory.mktemp("results")
+        for name, content in cases.items():
+            write(folder, f"{name}.nml", content)
+            command = [str(program), f"{name}.nml", "--quiet"]
+            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=HANGING, check=False)
+            assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+        return folder
+
+    return call
+
+
 @pytest.fixture
 def run_case(asperity, tmp_path):
     """Runs a case that is given as text: run_case(text, '--quiet', status=2) ended with that status."""

@@ -12,7 +12,7 @@ import re
 
 import f90nml
 import pytest
-from cases import STEADY, TRANSIENT, ended
+from cases import AT_REST, STEADY, TRANSIENT, ended
 
 FOLDER = pathlib.Path(__file__).parent / "bad_input"
 BASES = {path.stem: path.read_text(encoding="utf-8").splitlines() for path in sorted(FOLDER.glob("*.nml"))}
@@ -93,11 +93,7 @@ def test_one_bad_namelist_and_none_runs(asperity, tmp_path):
 def test_a_grid_that_is_too_fine_for_its_method_is_found_by_check(asperity, tmp_path):
     """Also where the program chooses it: not late, in the middle of a batch."""
     waves = "&surface_1 shape = 'sinusoid', amplitude = 1e-9, wavelength = 1e-6 /\n"
-    case = (
-        STEADY.replace(", intervals = 256", "").replace("speed_1 = 0.1", "speed_1 = 0.0")
-        + waves
-        + "&solver method = 'newton_dense' /\n"
-    )
+    case = AT_REST.replace(", intervals = 256", "") + waves + "&solver method = 'newton_dense' /\n"
     (found,) = findings_of(asperity, tmp_path, case)
     assert "&domain intervals: found " in found
     assert "which the program chooses, expected at most 8192 with method = 'newton_dense'" in found

@@ -9,9 +9,8 @@ import cases
 import h5py
 import numpy as np
 import pytest
+from cases import STOKES
 from kill_and_resume import different, kill_until_complete, start, undisturbed
-
-STOKES = cases.STEADY.replace("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'")
 
 
 def solved(asperity, folder, text, status=0):

@@ -25,14 +25,9 @@ RESULTS = ["steady", "transient", "moes", "moes_transient"]
 
 
 @pytest.fixture(scope="module")
-def results(program, tmp_path_factory):
+def results(solve_all):
     """Results of a steady and a transient case, and of both by Moes' numbers, each run once."""
-    folder = tmp_path_factory.mktemp("results")
-    for name, case in {"steady": STEADY, "transient": TRANSIENT, "moes": MOES, "moes_transient": MOES + IN_TIME}.items():
-        write(folder, f"{name}.nml", case)
-        done = subprocess.run([program, f"{name}.nml", "--quiet"], cwd=folder, capture_output=True, text=True, check=False)
-        assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    return folder
+    return solve_all({"steady": STEADY, "transient": TRANSIENT, "moes": MOES, "moes_transient": MOES + IN_TIME})
 
 
 def wait_for_size(path, size):

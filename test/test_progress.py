@@ -6,7 +6,7 @@ import re
 import subprocess
 
 import pytest
-from cases import STEADY, TRANSIENT, write
+from cases import AT_REST, STEADY, TRANSIENT, write
 
 # The ridge leaves the contact before the end.
 WHOLE = TRANSIENT.replace("end_time = 1.0, time_step = 0.05", "end_time = 2.0, time_step = 0.025")
@@ -58,13 +58,13 @@ def test_reason_is_in_the_closing_table(run_case):
 
 
 # Waves of many films on a surface at rest; the domain is the program's.
-AT_REST = "".join(line + "\n" for line in STEADY.replace("speed_1 = 0.1", "speed_1 = 0.0").splitlines() if "&domain" not in line)
+STILL = "".join(line + "\n" for line in AT_REST.splitlines() if "&domain" not in line)
 WAVES = "&surface_1 shape = 'sinusoid', amplitude = 5e-6, wavelength = 6e-5 /\n"
 
 
 def test_each_reason_is_told_once(run_case):
     """Newton's method fails with three starts in the same way."""
-    done = run_case(AT_REST.replace("1e5", "1e4") + WAVES, "--quiet", status=2)
+    done = run_case(STILL.replace("1e5", "1e4") + WAVES, "--quiet", status=2)
     outcome = " ".join(done.stderr.split("NOT CONVERGED: ")[1].split())
     assert outcome.startswith("the surfaces rise to ")
     reasons = outcome.split("; ")
@@ -72,7 +72,7 @@ def test_each_reason_is_told_once(run_case):
 
 
 def test_no_figures_where_no_start_was_found(run_case):
-    done = run_case(AT_REST + WAVES + "&solver smoother = 'hybrid' /\n", status=2, name="a")
+    done = run_case(STILL + WAVES + "&solver smoother = 'hybrid' /\n", status=2, name="a")
     assert "h_min" not in done.stdout
     assert done.stdout.splitlines()[-1].split() == ["result", "a.h5"]
 

@@ -5,7 +5,7 @@ import json
 import h5py
 import numpy as np
 import pytest
-from cases import MOES, STEADY, TRANSIENT, write
+from cases import AT_REST, MOES, STEADY, STOKES, TRANSIENT, write
 
 AUTO = STEADY.replace("&domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /\n", "")
 ROLLING = STEADY.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 0.6, speed_2 = 0.6")
@@ -40,7 +40,7 @@ def water(speed):
 
 
 def wavy(amplitude, wavelength):
-    still = STEADY.replace("256", "4096").replace("speed_1 = 0.1", "speed_1 = 0.0")
+    still = AT_REST.replace("256", "4096")
     return still + f"&surface_1 shape = 'sinusoid', amplitude = {amplitude}, wavelength = {wavelength} /\n"
 
 
@@ -164,9 +164,7 @@ def test_heat_of_a_passage_is_the_largest_of_all_times(asperity, tmp_path):
 
 def test_what_is_solved_is_not_doubted(solved_case):
     """With the full momentum equations no limit of Reynolds' equation is left."""
-    with solved_case(
-        changed(STEADY, ("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'"), ("256", "128"))
-    ) as file:
+    with solved_case(changed(STOKES, ("256", "128"))) as file:
         group = file["adequacy/validity"]
         assert not {"stokes_number", "surface_slope", "film_over_wave"} & set(group)
         assert "stokes_number: the full momentum equations are solved" in group.attrs["not_evaluated"].decode()
@@ -298,7 +296,7 @@ def test_length_that_a_contact_needs(solved_case):
 
 KINDS = {
     "reynolds": STEADY,
-    "stokes": changed(STEADY, ("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'"), ("256", "128")),
+    "stokes": changed(STOKES, ("256", "128")),
     "passage": TRANSIENT,
     "lean": changed(AUTO, ("problem = 'ehl_line'", "problem = 'ehl_line', model = 'auto'"))
     + "&time transient = .true., end_time = 6.0 /&accuracy target = 0.01 /",

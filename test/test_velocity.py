@@ -52,6 +52,5 @@ def test_no_velocity_unless_asked(asperity, tmp_path):
 
 def test_velocity_needs_speeds_and_reynolds(run_case):
     """By Moes' numbers speeds are not known; the full momentum equations have velocities of their own."""
-    stokes = cases.STEADY.replace("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'")
-    for text in (cases.MOES, stokes):
+    for text in (cases.MOES, cases.STOKES):
         assert "&output velocity_layers" in run_case(text + LAYERS, "--check", status=1).stderr

@@ -3,9 +3,8 @@
 import h5py
 import numpy as np
 import pytest
-from cases import STEADY, text, write
+from cases import AT_REST, text, write
 
-AT_REST = STEADY.replace("speed_1 = 0.1", "speed_1 = 0.0")
 OPEN = AT_REST.replace(", intervals = 256", "")
 WAVE = "&surface_1 shape = '{}', amplitude = 0.1e-6, wavelength = {}, position = 0.0 /\n"
 DX = 5.5 / 256 * 1.05797e-4
