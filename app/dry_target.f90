@@ -100,7 +100,7 @@ contains
          report%phase_seconds(phase_error_bars) = report%wall_seconds &
             - report%phase_seconds(phase_steady)
       end associate
-      if (.not. allocated(error)) call judge_sweep(outcome%rows, outcome%solution)
+      call judge_sweep(outcome%rows, outcome%solution)
    end subroutine solve_grid
 
    !> One report for all loads: converged if all are; transforms and iterations are summed.

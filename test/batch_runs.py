@@ -5,7 +5,7 @@ import pathlib
 import subprocess
 import sys
 
-from time_limits import HANGING
+from cases import HANGING
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BATCH = ROOT / "batch"

@@ -1,7 +1,12 @@
 """Small namelists for end-to-end tests, and helpers to read results."""
 
+import resource
+
 import h5py
 import numpy as np
+
+# Nothing takes so long [s of wall time], however busy the machine is: limits are processor time, wall time guards against hanging.
+HANGING = 900
 
 STEADY = """&case title = 'Öl, smooth', problem = 'ehl_line' /
 &bodies radius_1 = 0.01, radius_2 = 2.0, youngs_modulus_1 = 206e9, youngs_modulus_2 = 206e9,
@@ -11,6 +16,9 @@ STEADY = """&case title = 'Öl, smooth', problem = 'ehl_line' /
            density_law = 'dowson_higginson', rheology = 'eyring', eyring_stress = 3.3e6 /
 &domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /
 """
+
+AT_REST = STEADY.replace("speed_1 = 0.1", "speed_1 = 0.0")
+STOKES = STEADY.replace("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'")
 
 TRANSIENT = (
     STEADY
@@ -29,11 +37,22 @@ MOES = """&case problem = 'ehl_line' /
 """
 
 
+def processor(seconds):
+    """For `preexec_fn`: the process is killed (status -9) when it has taken so many seconds of processor time."""
+    return lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
+
+
 def write(folder, name, text):
     """Writes a namelist and returns its path."""
     path = folder / name
     path.write_bytes(text.encode("utf-8"))
     return path
+
+
+def ended(done, status=0):
+    """A run, which ended with this status."""
+    assert done.returncode == status, done.stderr
+    return done
 
 
 def text(value):

@@ -5,8 +5,9 @@ import pathlib
 import signal
 import subprocess
 
+import h5py
 import pytest
-import time_limits
+from cases import HANGING, ended, processor, write
 
 # Shells ignore SIGINT for what runs in the background, nohup SIGHUP, and programs inherit that: the runs that these tests interrupt
 # must not. A handler of our own is not inherited.
@@ -57,9 +58,45 @@ def asperity(program, tmp_path):
 
     def call(*arguments, cwd=tmp_path, seconds=120):
         command = [str(program), *map(str, arguments)]
-        limit = time_limits.processor(seconds)
-        return subprocess.run(
-            command, cwd=cwd, capture_output=True, text=True, timeout=time_limits.HANGING, preexec_fn=limit, check=False
-        )
+        limit = processor(seconds)
+        return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=HANGING, preexec_fn=limit, check=False)
+
+    return call
+
+
+@pytest.fixture(scope="module")
+def solve_all(program, tmp_path_factory):
+    """Runs cases that are given as {name: text}, none of which has a word to say: the folder with their results."""
+
+    def call(cases):
+        folder = tmp_path_factory.mktemp("results")
+        for name, content in cases.items():
+            write(folder, f"{name}.nml", content)
+            command = [str(program), f"{name}.nml", "--quiet"]
+            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=HANGING, check=False)
+            assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+        return folder
+
+    return call
+
+
+@pytest.fixture
+def run_case(asperity, tmp_path):
+    """Runs a case that is given as text: run_case(text, '--quiet', status=2) ended with that status."""
+
+    def call(content, *options, status=0, name="case", **more):
+        write(tmp_path, f"{name}.nml", content)
+        return ended(asperity(f"{name}.nml", *options, **more), status)
+
+    return call
+
+
+@pytest.fixture
+def solved_case(run_case, tmp_path):
+    """Runs a case that converges: solved_case(text) is its result, open."""
+
+    def call(content, *options, name="case"):
+        run_case(content, "--quiet", *options, name=name)
+        return h5py.File(tmp_path / f"{name}.h5")
 
     return call

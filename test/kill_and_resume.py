@@ -19,8 +19,7 @@ import time
 
 import h5py
 import numpy as np
-from cases import STEADY, contents, same_bits, write
-from time_limits import HANGING
+from cases import HANGING, STEADY, contents, same_bits, write
 
 # A second or less: waviness on both surfaces, so that no step is like another.
 BUSY = (

@@ -13,12 +13,7 @@ HERTZ_PRESSURE = 0.601736e9  # [Pa]
 FILM = 1.125e-6  # b^2/R [m]
 TIME = 2 * HALF_WIDTH / 1.2  # 2b/u_s [s]
 
-SCALES = {
-    "x": ("m", HALF_WIDTH),
-    "pressure": ("Pa", HERTZ_PRESSURE),
-    "film_thickness": ("m", FILM),
-    "time": ("s", TIME),
-}
+SCALES = {"x": ("m", HALF_WIDTH), "pressure": ("Pa", HERTZ_PRESSURE), "film_thickness": ("m", FILM), "time": ("s", TIME)}
 
 
 def put(group: h5py.Group, name: str, values: object, units: str = "1", scale: float = 1.0) -> None:
@@ -44,12 +39,7 @@ def passage(nodes: int = 129, steps: int = 81, start: float = -2.5, speed: float
     time = np.linspace(0, (1.5 - start) / speed, steps)
     centre = (start + speed * time)[:, None]
     bump = np.exp(-25 * (x - centre) ** 2) * np.cos(2 * np.pi * (x - centre))
-    return {
-        "x": x,
-        "time": time,
-        "pressure": pressure * (1 + 0.25 * bump),
-        "film_thickness": film * (1 - 0.3 * bump),
-    }
+    return {"x": x, "time": time, "pressure": pressure * (1 + 0.25 * bump), "film_thickness": film * (1 - 0.3 * bump)}
 
 
 def write_result(

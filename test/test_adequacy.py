@@ -18,6 +18,7 @@ def verdict(group):
     return group.attrs["verdict"].decode()
 
 
+@pytest.mark.path
 def test_every_ingredient_has_changes_and_a_verdict(asperity, tmp_path):
     write(tmp_path, "case.nml", CASE_1)
     done = asperity("case.nml")
@@ -54,10 +55,9 @@ def test_nothing_else_changes(asperity, tmp_path):
     assert [name for name in solved if not same_bits(on[name], off[name])] == []
 
 
-def test_passage_tells_of_roughness_and_squeeze(asperity, tmp_path):
-    write(tmp_path, "case.nml", TRANSIENT)
-    assert asperity("case.nml").returncode == 0
-    with h5py.File(tmp_path / "case.h5") as file:
+@pytest.mark.path
+def test_passage_tells_of_roughness_and_squeeze(solved_case):
+    with solved_case(TRANSIENT) as file:
         group = file["adequacy"]
         assert {"roughness", "squeeze"} <= set(group)
         # without its ridge the passage is the smooth steady contact that it starts from
@@ -106,14 +106,12 @@ def test_single_ridges_and_the_time_step(asperity, tmp_path):
 
 
 @pytest.mark.parametrize("words", ["time_step = 0.02, scheme = 'backward_euler'", "scheme = 'bdf2'"])
-def test_time_step_of_other_runs(asperity, tmp_path, words):
+def test_time_step_of_other_runs(solved_case, words):
     """Of first order by the scheme of second order; with a target by the coarse runs of that."""
     case = TRANSIENT.replace("time_step = 0.05", words)
     if "time_step" not in words:
         case = case.replace(", intervals = 256", "") + "&accuracy target = 0.05 /\n"
-    write(tmp_path, "case.nml", case)
-    assert asperity("case.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "case.h5") as file:
+    with solved_case(case) as file:
         row, grid = file["adequacy/time_step"], file["adequacy/grid"]
         assert 0 < row["h_min"][()] <= grid["h_min"][()]
         assert row["h_min"].attrs["error_estimate"] == 0
@@ -143,9 +141,7 @@ def test_no_solution_has_no_adequacy(asperity, tmp_path):
         assert "adequacy" not in file
 
 
-def test_accuracy_that_counts_is_the_target(asperity, tmp_path):
-    write(tmp_path, "case.nml", STEADY.replace(", intervals = 256", "") + "&accuracy target = 2e-3 /\n")
-    assert asperity("case.nml").returncode == 0
-    with h5py.File(tmp_path / "case.h5") as file:
+def test_accuracy_that_counts_is_the_target(solved_case):
+    with solved_case(STEADY.replace(", intervals = 256", "") + "&accuracy target = 2e-3 /\n") as file:
         assert file["adequacy"].attrs["accuracy"] == 2e-3
         assert verdict(file["adequacy/roelands"]) == "needed"

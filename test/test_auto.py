@@ -48,6 +48,7 @@ def test_figure_over_time_says_why_there_are_no_times(asperity, tmp_path):
     assert "model = 'full' has it" in done.stderr
 
 
+@pytest.mark.path
 def test_low_ridge_is_left_out_and_the_result_says_so(asperity, tmp_path):
     log, lean = solve(asperity, tmp_path, "lean", auto(LOW))
     _, full = solve(asperity, tmp_path, "full", LOW)

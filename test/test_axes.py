@@ -1,16 +1,13 @@
 """Axes, units and names of every group of every kind of result, as xarray and netCDF4 see them."""
 
-import subprocess
 import warnings
 
 import cases
 import h5py
 import numpy as np
 import pytest
-from time_limits import HANGING
 
 LEAN = "&accuracy error_bars = .false. /&output adequacy = .false. /"
-STOKES = cases.STEADY.replace("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'")
 PASSAGE = cases.TRANSIENT.replace("time_step = 0.05", "time_step = 0.05, scheme = 'bdf2'")
 AUTO = (
     PASSAGE.replace("problem = 'ehl_line'", "problem = 'ehl_line', model = 'auto'")
@@ -34,14 +31,11 @@ KINDS = {
     "dimensionless": (cases.MOES, {"/solution": X}),
     "transient": (
         PASSAGE + "&accuracy error_bars = .false. /&output profile_stride = 4, film_thresholds = 1e-7, 2e-7, adequacy = .false. /",
-        {
-            "/transient": {"time": 21, "profile_time": 6, **X},
-            "/si/transient": {"time": 21, "profile_time": 6, **X},
-        },
+        {"/transient": {"time": 21, "profile_time": 6, **X}, "/si/transient": {"time": 21, "profile_time": 6, **X}},
     ),
-    "momentum": (STOKES + "&film layers = 6 /" + LEAN, {"/momentum": {"zeta": 6, **X}}),
+    "momentum": (cases.STOKES + "&film layers = 6 /" + LEAN, {"/momentum": {"zeta": 6, **X}}),
     "momentum in time": (
-        STOKES
+        cases.STOKES
         + "&surface_2 shape = 'feature', amplitude = 0.2e-6, wavelength = 1e-4, position = -2.1 /&film layers = 6 /"
         + "&time transient = .true., end_time = 0.3, time_step = 0.05 /&accuracy error_bars = .false. /"
         + "&output profile_stride = 3, adequacy = .false. /",
@@ -53,15 +47,9 @@ KINDS = {
 
 
 @pytest.fixture(scope="module", name="results")
-def _results(program, tmp_path_factory):
+def _results(solve_all):
     """The result of each kind."""
-    folder = tmp_path_factory.mktemp("kinds")
-    for name, (text, _) in KINDS.items():
-        cases.write(folder, f"{name}.nml", text)
-        command = [str(program), f"{name}.nml", "--quiet"]
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=HANGING, check=False)
-        assert done.returncode == 0, done.stderr
-    return folder
+    return solve_all({name: text for name, (text, _) in KINDS.items()})
 
 
 def groups_of(path):
@@ -115,8 +103,7 @@ def test_netcdf_readers_see_the_same_axes(results, kind):
 def test_auto_has_axes_too(asperity, tmp_path):
     xarray = pytest.importorskip("xarray")
     cases.write(tmp_path, "auto.nml", AUTO)
-    done = asperity("auto.nml", "--quiet", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    assert asperity("auto.nml", "--quiet", cwd=tmp_path).returncode == 0
     groups = groups_of(tmp_path / "auto.h5")
     assert any(group.startswith("/adequacy/decision/") for group in groups)
     for group in groups:

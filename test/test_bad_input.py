@@ -1,18 +1,21 @@
-"""Bad input: each file of bad_input/ ends with status 1 and exactly the findings that its first lines name.
+"""Bad input: each case of the tables in bad_input/ ends with status 1 and exactly the findings that stand below it.
 
-A file begins with lines `! expect: LINE: MESSAGE`, one for each finding, in the order of the report.
+`= NAME` names the namelist NAME.nml, or nothing, that the next cases change. A case is its name, its changes in the order in which
+they are made, `8 TEXT` (line 8 becomes TEXT), `+8 TEXT` (a new line 8), `-8` (without line 8), `| TEXT` (one more line at the end),
+and its findings, `! LINE: MESSAGE`, in the order of the report.
 """
 
 import os
 import pathlib
 import random
+import re
 
 import f90nml
 import pytest
-from cases import STEADY, TRANSIENT
+from cases import AT_REST, STEADY, TRANSIENT, ended
 
-CORPUS = sorted((pathlib.Path(__file__).parent / "bad_input").glob("*.nml"))
-MARK = "! expect: "
+FOLDER = pathlib.Path(__file__).parent / "bad_input"
+BASES = {path.stem: path.read_text(encoding="utf-8").splitlines() for path in sorted(FOLDER.glob("*.nml"))}
 SECONDS = 10  # of processor time
 
 
@@ -31,42 +34,66 @@ def findings_of(asperity, folder, content):
     return [line.removeprefix(f"{path}:") for line in run(asperity, path)]
 
 
+def changed(lines, change):
+    """`lines` after one change of a table."""
+    mark, number, text = re.fullmatch(r"([|+-]?)(\d*) ?(.*)", change).groups()
+    place = int(number) - 1 if number else len(lines)
+    return lines[:place] + ([] if mark == "-" else [text]) + lines[place + (mark != "+") :]
+
+
+def cases_of(table):
+    """(name, lines, findings) of the cases of a table."""
+    cases = []
+    for line in filter(None, table.read_text(encoding="utf-8").splitlines()):
+        if line.startswith("= "):
+            base = BASES.get(line[2:], [])
+        elif re.fullmatch(r"[a-z]\w*", line):
+            cases.append((line, base, []))
+        elif line.startswith("! "):
+            cases[-1][2].append(line[2:])
+        else:
+            name, lines, findings = cases[-1]
+            cases[-1] = (name, changed(lines, line), findings)
+    return cases
+
+
+CORPUS = {name: (lines, findings) for table in sorted(FOLDER.glob("*.txt")) for name, lines, findings in cases_of(table)}
+
+
 def test_corpus_is_large():
-    assert len(CORPUS) >= 150
+    assert len(CORPUS) >= 280
 
 
-@pytest.mark.parametrize("path", CORPUS, ids=lambda path: path.stem)
-def test_corpus(asperity, path):
-    lines = path.read_text(encoding="utf-8").splitlines()
-    expected = [line.removeprefix(MARK) for line in lines if line.startswith(MARK)]
+@pytest.mark.parametrize("name", BASES)
+def test_bases_are_good(asperity, name):
+    assert asperity("--check", FOLDER / f"{name}.nml").returncode == 0
+
+
+@pytest.mark.parametrize("name", CORPUS)
+def test_corpus(asperity, tmp_path, name):
+    lines, expected = CORPUS[name]
     assert expected
-    assert run(asperity, path) == [f"{path}:{message}" for message in expected]
+    assert findings_of(asperity, tmp_path, "".join(f"{line}\n" for line in lines)) == expected
 
 
-def test_all_findings_of_all_files(asperity):
-    chosen = [path for path in CORPUS if path.stem in ("typo_key", "two_loads")]
-    lines = run(asperity, *chosen)
-    assert len(lines) == 3
-    assert all(any(line.startswith(f"{path}:") for line in lines) for path in chosen)
+def test_all_findings_of_all_files(asperity, tmp_path):
+    for name in ("typo_key", "two_loads"):
+        (tmp_path / name).write_text("\n".join(CORPUS[name][0]) + "\n", encoding="utf-8")
+    expected = [f"{name}:{finding}" for name in ("two_loads", "typo_key") for finding in CORPUS[name][1]]
+    assert run(asperity, "two_loads", "typo_key") == expected
 
 
 def test_one_bad_namelist_and_none_runs(asperity, tmp_path):
     (tmp_path / "good.nml").write_text(STEADY, encoding="utf-8")
     (tmp_path / "bad.nml").write_text(STEADY.replace("1e5", "-1e5"), encoding="utf-8")
-    done = asperity("good.nml", "bad.nml")
-    assert done.returncode == 1
-    assert "bad.nml:4: &load load_per_length: found -1e5, expected" in done.stderr
+    assert "bad.nml:4: &load load_per_length: found -1e5, expected" in ended(asperity("good.nml", "bad.nml"), 1).stderr
     assert not list(tmp_path.glob("*.h5*"))
 
 
 def test_a_grid_that_is_too_fine_for_its_method_is_found_by_check(asperity, tmp_path):
     """Also where the program chooses it: not late, in the middle of a batch."""
     waves = "&surface_1 shape = 'sinusoid', amplitude = 1e-9, wavelength = 1e-6 /\n"
-    case = (
-        STEADY.replace(", intervals = 256", "").replace("speed_1 = 0.1", "speed_1 = 0.0")
-        + waves
-        + "&solver method = 'newton_dense' /\n"
-    )
+    case = AT_REST.replace(", intervals = 256", "") + waves + "&solver method = 'newton_dense' /\n"
     (found,) = findings_of(asperity, tmp_path, case)
     assert "&domain intervals: found " in found
     assert "which the program chooses, expected at most 8192 with method = 'newton_dense'" in found
@@ -155,6 +182,11 @@ def test_very_long_string(asperity, tmp_path):
     assert lines == ["1: &case problem: found '" + "x" * 48 + "...', expected 'ehl_line', 'dry_line' or 'dry_area'"]
 
 
+def test_long_title(asperity, tmp_path):
+    lines = findings_of(asperity, tmp_path, STEADY.replace("Öl, smooth", "t" * 10_001))
+    assert lines == ["1: &case title: found 10001 bytes, expected at most 10000"]
+
+
 def test_million_values(asperity, tmp_path):
     lines = findings_of(asperity, tmp_path, STEADY.replace("1e5", "1, " * 1_000_000))
     assert len(lines) == 1
@@ -182,6 +214,7 @@ def written(source, count):
     return " ".join(lines), is_good
 
 
+@pytest.mark.path
 def test_random_subscripts(asperity, tmp_path):
     """Elements and ranges, up to numbers that no memory holds: read, or refused at once."""
     source = random.Random(31)
@@ -193,8 +226,7 @@ def test_random_subscripts(asperity, tmp_path):
             "&surface_1 shape = 'sinusoid', amplitude = 1e-7, wavelength = 1e-3 /\n&domain length = 1e-3, intervals = 64 /\n"
         )
     assert 10 < sum(verdicts.values()) < 50
-    done = asperity("--check", *verdicts, seconds=5)
-    assert done.returncode == 1
+    done = ended(asperity("--check", *verdicts, seconds=5), 1)
     assert "Error" not in done.stderr
     for name, is_good in verdicts.items():
         assert (f"\n{name}:3: &load mean_pressure: found " in f"\n{done.stderr}") != is_good, (tmp_path / name).read_text()
@@ -247,6 +279,7 @@ def mutated(text, source):
     return text
 
 
+@pytest.mark.path
 def test_random_damage_never_crashes(asperity, tmp_path):
     source = random.Random(2)
     for i in range(400):

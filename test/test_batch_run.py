@@ -15,7 +15,6 @@ import h5py
 import pytest
 from batch_runs import BATCH, call, swept
 from program_calls import FAILED, bad_input, end_of, outcomes
-from time_limits import HANGING
 
 
 def module_of(path):
@@ -53,13 +52,13 @@ def stamps(folder):
     return {path.name: path.stat().st_mtime_ns for path in (folder / "cases").glob("*.h5")}
 
 
+@pytest.mark.path
 def test_outcomes_are_a_line_for_each_case(asperity, tmp_path):
     cases.write(tmp_path, "good.nml", cases.STEADY)
     cases.write(tmp_path, "few.nml", cases.STEADY + "&solver method = 'fas_block_jacobi', max_cycles = 1 /\n")
     cases.write(tmp_path, "blocked.nml", cases.STEADY)
     (tmp_path / "blocked.h5").mkdir()
-    done = asperity("good.nml", "few.nml", "blocked.nml", "--quiet", "--outcomes")
-    assert done.returncode == 3
+    done = cases.ended(asperity("good.nml", "few.nml", "blocked.nml", "--quiet", "--outcomes"), 3)
     good, few, blocked = (line.split("\t") for line in done.stdout.splitlines())
     assert good == ["0", "good.nml", ""]
     assert few[:2] == ["2", "few.nml"]
@@ -179,7 +178,7 @@ def test_an_interrupted_run_goes_on_and_ends_as_if_it_had_not_been(tmp_path, pro
         time.sleep(0.02)
     time.sleep(0.4)
     process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=HANGING)
+    out, err = process.communicate(timeout=cases.HANGING)
     assert process.returncode == 4, err
     assert "not run" in out
     assert "interrupted; the same command goes on" in err
@@ -210,7 +209,7 @@ def test_two_runs_of_the_same_cases(tmp_path, program):
     done = call("sweep.py", "small.toml", "--replace", folder=tmp_path, program=program)
     assert (done.returncode, "its cases are being run" in done.stderr) == (1, True)
     process.send_signal(signal.SIGTERM)
-    assert process.wait(timeout=HANGING) == 4
+    assert process.wait(timeout=cases.HANGING) == 4
 
 
 @pytest.mark.parametrize("words", ["0-3", "3-1", "5-9", "two", "-3"])
@@ -255,12 +254,8 @@ def test_chunks_hold_every_case_once_and_get_smaller():
 
 def test_what_the_program_says_is_understood():
     lines = [
-        "0\tcase_1.nml\t\n",
-        "3\tcase_2.nml\tno room\n",
-        "1\tcase_3.nml\tno memory\n",
-        "2\tcase_4.nml\tstagnation",
-        "x\n",
-        "\n",
+        *("0\tcase_1.nml\t\n", "3\tcase_2.nml\tno room\n"),
+        *("1\tcase_3.nml\tno memory\n", "2\tcase_4.nml\tstagnation", "x\n", "\n"),
     ]
     assert list(outcomes(iter(lines))) == [("case_1", 0, ""), ("case_2", FAILED, "no room"), ("case_3", FAILED, "no memory")]
     errors = "case_1.nml:3: &load load: found nothing\ncase_1.nml:4: again\n"

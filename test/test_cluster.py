@@ -14,7 +14,6 @@ import h5py
 import numpy as np
 import pytest
 from batch_runs import ROOT, call, swept
-from time_limits import HANGING
 
 LOCAL = ROOT / "tools" / "slurm_local.sh"
 COUNT = 24
@@ -59,13 +58,13 @@ def _slurm():
         numbers = sorted(port.getsockname()[1] for port in ports)
     first = next((n for n in numbers if n + 1 not in numbers), numbers[0])
     environment = {**os.environ, "SLURM_LOCAL_DIR": str(folder), "SLURM_LOCAL_PORT": str(first)}
-    started = subprocess.run([LOCAL, "start"], env=environment, capture_output=True, text=True, timeout=HANGING, check=False)
+    started = subprocess.run([LOCAL, "start"], env=environment, capture_output=True, text=True, timeout=cases.HANGING, check=False)
     try:
         if started.returncode != 0:
             pytest.fail(f"Slurm does not start: {started.stderr}")
         yield {**environment, "SLURM_CONF": str(folder / "slurm.conf"), "PATH": f"{os.environ['PATH']}:/usr/sbin:/sbin"}
     finally:
-        subprocess.run([LOCAL, "stop", "--purge"], env=environment, capture_output=True, timeout=HANGING, check=False)
+        subprocess.run([LOCAL, "stop", "--purge"], env=environment, capture_output=True, timeout=cases.HANGING, check=False)
 
 
 def state(job, environment):
@@ -90,12 +89,12 @@ def start_now(task, environment):
     time.sleep(1.1)
     command = ["scontrol", "update", f"JobId={task}", "StartTime=now"]
     until(
-        lambda: subprocess.run(command, env=environment, capture_output=True, timeout=HANGING, check=False).returncode == 0,
+        lambda: subprocess.run(command, env=environment, capture_output=True, timeout=cases.HANGING, check=False).returncode == 0,
         "its start",
     )
 
 
-def until(condition, words, seconds=HANGING):
+def until(condition, words, seconds=cases.HANGING):
     """Waits until `condition()` is true, and returns its value."""
     end = time.monotonic() + seconds
     while not (value := condition()):

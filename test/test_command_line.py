@@ -12,7 +12,7 @@ import sys
 
 import h5py
 import pytest
-from cases import MOES, STEADY, contents, seal, text, write
+from cases import MOES, STEADY, contents, ended, seal, text, write
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parent / "fuzz"))
 
@@ -56,8 +56,7 @@ def test_set_is_the_file_with_that_entry(asperity, tmp_path):
             tmp_path, "a.nml", COARSE.replace(", eyring_stress = 3.3e6", "") if "lubricant.rheology=newtonian" in chosen else COARSE
         )
         write(tmp_path, "b.nml", changed)
-        done = asperity("a.nml", "--quiet", *(word for entry in chosen for word in ("--set", entry)))
-        assert done.returncode == 0, done.stderr
+        assert asperity("a.nml", "--quiet", *(word for entry in chosen for word in ("--set", entry))).returncode == 0
         assert asperity("b.nml", "--quiet").returncode == 0
         for name in ("a", "b"):
             with h5py.File(tmp_path / f"{name}.h5") as file:
@@ -86,8 +85,7 @@ def test_set_is_the_file_with_that_entry(asperity, tmp_path):
 )
 def test_findings_name_set(asperity, tmp_path, entry, message):
     write(tmp_path, "case.nml", STEADY)
-    done = asperity("--check", "case.nml", "--set", entry)
-    assert done.returncode == 1
+    done = ended(asperity("--check", "case.nml", "--set", entry), 1)
     assert f"case.nml: --set: {message}".replace("'lod'", "lod") in done.stderr
     assert len(done.stderr.splitlines()) == 1
 
@@ -105,14 +103,12 @@ def test_set_leaves_the_lines_of_the_file(asperity, tmp_path):
 @pytest.mark.parametrize(
     "entry", ["load", "load=1", "load.x", ".x=1", "a.=1", "a.b=", "a.b=1 /", "a.b=1, c=2", "a.b=1!", "a.b='x", "a.b=1\n2"]
 )
-def test_what_is_no_entry_is_refused(asperity, tmp_path, entry):
-    write(tmp_path, "case.nml", STEADY)
-    done = asperity("case.nml", "--set", entry)
-    assert done.returncode == 1
-    assert done.stderr.startswith("found --set")
+def test_what_is_no_entry_is_refused(run_case, tmp_path, entry):
+    assert run_case(STEADY, "--set", entry, status=1).stderr.startswith("found --set")
     assert not (tmp_path / "case.h5").exists()
 
 
+@pytest.mark.path
 def test_keep_going_runs_the_good_cases(asperity, tmp_path):
     write(tmp_path, "good.nml", COARSE)
     write(tmp_path, "bad.nml", COARSE.replace("1e5", "-1"))
@@ -120,8 +116,7 @@ def test_keep_going_runs_the_good_cases(asperity, tmp_path):
     cases = ("bad.nml", "good.nml", "none.nml", "late.nml")
     assert asperity(*cases, "--quiet").returncode == 1
     assert not list(tmp_path.glob("*.h5"))
-    done = asperity(*cases, "--quiet", "--keep-going", "--outcomes")
-    assert done.returncode == 2
+    done = ended(asperity(*cases, "--quiet", "--keep-going", "--outcomes"), 2)
     assert [line.split("\t")[:2] for line in done.stdout.splitlines()] == [
         ["1", "bad.nml"],
         ["1", "none.nml"],
@@ -143,20 +138,18 @@ def test_output_makes_its_folder(asperity, tmp_path):
     assert (tmp_path / "deep" / "er" / "case.h5").is_file()
 
 
-def test_an_output_that_is_a_file_is_named(asperity, tmp_path):
-    write(tmp_path, "case.nml", COARSE)
-    done = asperity("case.nml", "--quiet", "--output", "case.nml")
-    assert done.returncode == 3
-    assert "case.nml is a file, not a folder" in done.stderr
+def test_an_output_that_is_a_file_is_named(run_case, tmp_path):
+    assert "case.nml is a file, not a folder" in run_case(COARSE, "--quiet", "--output", "case.nml", status=3).stderr
     assert (tmp_path / "case.nml").read_text(encoding="utf-8") == COARSE
 
 
 def test_a_result_in_place_of_a_namelist_is_recognised(asperity, tmp_path):
     write(tmp_path, "case.nml", COARSE)
     assert asperity("case.nml", "--quiet").returncode == 0
-    done = asperity("case.h5")
-    assert done.returncode == 1
-    assert done.stderr == "case.h5:1: found an HDF5 file, expected a namelist (results are shown by asperity table)\n"
+    assert (
+        ended(asperity("case.h5"), 1).stderr
+        == "case.h5:1: found an HDF5 file, expected a namelist (results are shown by asperity table)\n"
+    )
 
 
 def test_a_name_without_its_ending_is_completed_in_words(asperity, tmp_path):
@@ -165,6 +158,7 @@ def test_a_name_without_its_ending_is_completed_in_words(asperity, tmp_path):
     assert asperity("other").stderr == "other: no such file\n"
 
 
+@pytest.mark.path
 def test_summary_goes_to_standard_output(asperity, tmp_path):
     """The log to standard error; beside lines for machines the summary goes with the log."""
     write(tmp_path, "case.nml", STEADY)
@@ -195,6 +189,7 @@ def _results(asperity, tmp_path):
     return ["oil.h5", "moes.h5", "late.h5", "ball.h5", "text.h5", "cut.h5", "other.h5", "none.h5"]
 
 
+@pytest.mark.path
 def test_table_has_a_row_for_each_result(asperity, tmp_path, results):
     forms = {form: asperity("table", *results, "--format", form) for form in ("text", "csv", "json")}
     assert {done.returncode for done in forms.values()} == {1}
@@ -240,9 +235,7 @@ def test_table_needs_results_and_a_form(asperity):
         (("table",), "found no result"),
         (("table", "a.h5", "--format", "xml"), "found --format xml, expected text,"),
     ):
-        done = asperity(*arguments)
-        assert done.returncode == 1
-        assert message in done.stderr
+        assert message in ended(asperity(*arguments), 1).stderr
 
 
 def test_table_refuses_what_is_not_whole(asperity, tmp_path):

@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 import pytest
-from cases import STEADY, text, write
+from cases import STEADY, ended, text, write
 from dry_cases import case_text, profile, solve
 
 LENGTH = 4e-3
@@ -88,6 +88,7 @@ def test_plane_of_an_area(asperity, tmp_path):
     assert tilts == pytest.approx([4e-7 / 29e-6, -6e-7 / 19e-6], rel=0.1)
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("nodes", [3000, 200000])
 def test_tilt_in_oil(asperity, tmp_path, nodes):
     """Also of a profile that is read in windows: the contact is that of the level one."""
@@ -101,8 +102,7 @@ def test_tilt_in_oil(asperity, tmp_path, nodes):
     for tilt in (0.0, 2e-6):
         with h5py.File(tmp_path / "z.h5", "w") as file:
             file.create_dataset("z", data=z + tilt * x + tilt).attrs["spacing"] = LENGTH / (nodes - 1)
-        done = asperity("case.nml")
-        assert done.returncode == 0, done.stderr
+        done = ended(asperity("case.nml"))
         words = " ".join((done.stdout + done.stderr).split())
         assert words.count("m over 0.00400 m taken off the heights of surface_1") == (2 if tilt else 0)
         with h5py.File(tmp_path / "case.h5") as file:
@@ -151,7 +151,7 @@ def test_half_of_a_wave_at_the_cut_off(asperity, tmp_path, key, left):
 
 
 @pytest.mark.parametrize("nodes", [3000, 100000])
-def test_cut_offs_in_oil(asperity, tmp_path, nodes):
+def test_cut_offs_in_oil(run_case, tmp_path, nodes):
     """The same as of heights that were filtered before."""
     place = np.linspace(-1, 1, nodes)
     z = 20e-9 * np.cos(130 * place + 1) + 2e-6 * np.cos(3 * place) + 20e-9 * np.cos(2500 * place)
@@ -165,9 +165,7 @@ def test_cut_offs_in_oil(asperity, tmp_path, nodes):
     for heights, more in ((smooth - by_series(smooth, spacing, 0.8e-3), ", detrend = 'none'"), (z, keys)):
         with h5py.File(tmp_path / "z.h5", "w") as file:
             file.create_dataset("z", data=heights).attrs["spacing"] = spacing
-        write(tmp_path, "case.nml", case.format(more))
-        done = asperity("case.nml", "--quiet")
-        assert done.returncode == 0, done.stderr
+        run_case(case.format(more), "--quiet")
         with h5py.File(tmp_path / "case.h5") as file:
             fields.append(file["solution/roughness_1"][()] * file["solution/roughness_1"].attrs["si_scale"])
     assert np.abs(fields[0]).max() > 1e-8
@@ -182,9 +180,6 @@ BAD_CUTOFFS = {
 
 
 @pytest.mark.parametrize("keys", BAD_CUTOFFS)
-def test_cut_offs_that_cannot_be(asperity, tmp_path, keys):
+def test_cut_offs_that_cannot_be(run_case, tmp_path, keys):
     write_csv(tmp_path, rough()[1])
-    write(tmp_path, "case.nml", case_text(FILE.format(", " + keys), [1e6], ""))
-    done = asperity("case.nml")
-    assert done.returncode == 1
-    assert BAD_CUTOFFS[keys] in done.stderr
+    assert BAD_CUTOFFS[keys] in run_case(case_text(FILE.format(", " + keys), [1e6], ""), status=1).stderr

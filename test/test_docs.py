@@ -1,4 +1,4 @@
-"""The pages for people: their examples run, their links lead somewhere, the files and keys that they name exist.
+"""The pages and notebooks for people: their examples run, their links lead somewhere, the files and keys that they name exist.
 
 Fenced blocks of a page are run in their order, in one folder that looks like a checkout in which `make build` has run:
 `sh` and `python` blocks are executed and must succeed; a `text` block behind one is its output, where `...` stands for what may
@@ -9,22 +9,20 @@ differ; `fortran` blocks with a &case are checked as namelists, `toml` blocks wi
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
+import h5py
+import nbclient
+import nbformat
 import pytest
-from time_limits import HANGING
+from cases import HANGING
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGES = [
-    "README.md",
-    "CONTRIBUTING.md",
-    "docs/guide.md",
-    "docs/dry.md",
-    "docs/batch.md",
-    "docs/theory.md",
-    "docs/developer.md",
-    "docs/tasks.md",
+    *("README.md", "CONTRIBUTING.md", "docs/guide.md", "docs/dry.md", "docs/batch.md"),
+    *("docs/theory.md", "docs/developer.md", "docs/tasks.md"),
 ]
 LINKED_PAGES = [
     *PAGES,
@@ -179,3 +177,98 @@ def test_names_of_the_developer_page_are_in_the_source():
     named = set(re.findall(r"`([a-z]\w*_\w+)`", prose("docs/developer.md")))
     parts = {name for name in named if name.endswith("_") and any(word.startswith(name) for word in words)}
     assert named - words - parts == set(), "docs/developer.md has names that are not in the source"
+
+
+TASKS = [
+    "A roller of your own",
+    "Its film over the speed",
+    "A measured profile, dry and in oil",
+    "Results in xarray",
+    "Two hundred cases",
+]
+
+
+def test_each_task_is_short():
+    """The five usual tasks need no script of more than ten lines."""
+    page = (ROOT / "docs" / "tasks.md").read_text(encoding="utf-8")
+    sections = dict(part.split("\n", 1) for part in page.split("\n## ")[1:])
+    assert list(sections) == TASKS
+    for title, text in sections.items():
+        scripts = re.findall(r"^```(?:sh|python)\n(.*?)^```$", text, re.M | re.S)
+        assert scripts, title
+        assert max(script.count("\n") for script in scripts) <= 10, title
+
+
+SCENES = sorted((ROOT / "input" / "scenes").glob("*.nml"))
+NUMERICAL = {"grid", "time_step", "domain", "iteration", "validity"}
+# Ingredients of each scene by verdict; bench/scenes.py compares them with those of fine grids.
+OIL = "compressibility elasticity piezoviscosity roelands shear_thinning"
+VERDICTS = {
+    "01_journal_bearing": {"irrelevant": "compressibility roelands", "matters below the accuracy": "elasticity piezoviscosity"},
+    "02_rubber_seal": {
+        **{"irrelevant": "compressibility roelands", "needed": "elasticity"},
+        **{"matters below the accuracy": "piezoviscosity"},
+    },
+    **{name: {"needed": OIL} for name in ("03_roller_bearing", "04_gear_tooth", "05_traction_rig")},
+    **{name: {"needed": f"{OIL} roughness squeeze"} for name in ("06_ridge_passage", "07_waviness", "08_rough_in_oil")},
+    "09_dry_machined": {"needed": "harmonics plasticity"},
+    "10_run_in": {"needed": "harmonics", "irrelevant": "plasticity"},
+}
+
+
+def test_every_scene_has_its_verdicts():
+    """Ten scenes."""
+    assert sorted(VERDICTS) == [path.stem for path in SCENES]
+    assert len(SCENES) == 10
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_scene_gets_its_verdicts(asperity, tmp_path, path):
+    """--check finds nothing, the scene converges, and its verdicts are those of the table."""
+    shutil.copy(path, tmp_path)
+    done = asperity("--check", path.name)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert asperity(path.name, "--quiet").returncode == 0
+    with h5py.File(tmp_path / f"{path.stem}.h5") as file:
+        assert file.attrs["converged"] == 1
+        said = {name: row.attrs["verdict"].decode() for name, row in file["adequacy"].items() if name not in NUMERICAL}
+    assert said == {name: verdict for verdict, names in VERDICTS[path.stem].items() for name in names.split()}
+
+
+NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+QUANTITY = re.compile(r"(h_min|h_central|p_max|friction_coefficient) +(\S+)")
+
+
+def quantities(book):
+    """Names and values of all results that a notebook shows."""
+    texts = [output["data"].get("text/plain", "") for cell in book.cells for output in cell.get("outputs", []) if "data" in output]
+    return [(name, float(value)) for text in texts if "asperity.Result" in text for name, value in QUANTITY.findall(text)]
+
+
+def pictures(book):
+    return [i for i, cell in enumerate(book.cells) for output in cell.get("outputs", []) if "image/png" in output.get("data", {})]
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebook(path, program, monkeypatch):
+    monkeypatch.setenv("ASPERITY", str(program))
+    monkeypatch.setenv("PYTHONPATH", str(ROOT / "python"))
+    monkeypatch.setenv("MPLBACKEND", "module://matplotlib_inline.backend_inline")
+    stored = nbformat.read(path, 4)
+    book = nbformat.read(path, 4)
+    environment = dict(os.environ)
+    nbclient.NotebookClient(book, timeout=600, resources={"metadata": {"path": str(path.parent)}}).execute(env=environment)
+    assert len(quantities(stored)) >= 3
+    assert [name for name, _ in quantities(book)] == [name for name, _ in quantities(stored)]
+    for (name, value), (_, shown) in zip(quantities(book), quantities(stored), strict=True):
+        assert value == pytest.approx(shown, rel=1e-3), name
+    assert pictures(book) == pictures(stored) != []
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_cells_are_short(path):
+    """No task needs a script of more than ten lines."""
+    cells = [cell.source for cell in nbformat.read(path, 4).cells if cell.cell_type == "code"]
+    assert len(cells) >= 5
+    assert max(source.count("\n") + 1 for source in cells) <= 10

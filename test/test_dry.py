@@ -11,6 +11,7 @@ from cases import contents, same_bits, write
 from dry_cases import DATA, HARD, STEEL, case_text, close, profile, rows, solve
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("counter", ["rigid", "steel"])
 @pytest.mark.parametrize("name", ["A", "C"])
 def test_sweep_of_a_profile(asperity, tmp_path, name, counter):
@@ -82,6 +83,7 @@ def test_work_is_stored_and_dissipated(asperity, tmp_path):
     assert work == pytest.approx(energy, rel=2e-4)
 
 
+@pytest.mark.path
 def test_running_in(asperity, tmp_path):
     loads = [250e6, 50e6, 150e6, 250e6]
     with solve(asperity, tmp_path, profile("C"), loads, loading=", loading = 'history'") as file:
@@ -93,6 +95,7 @@ def test_running_in(asperity, tmp_path):
     close(history["mean_separation"][3], history["mean_separation"][0], 1e-9)
 
 
+@pytest.mark.path
 def test_order_of_loads_does_not_matter(asperity, tmp_path):
     with solve(asperity, tmp_path, profile("A"), [250e6, 12.5e6, 100e6]) as file:
         mixed = file["sweep/contact_area_fraction"][:], file["sweep/datum"][:]
@@ -111,11 +114,10 @@ BALL = """&case problem = 'dry_area' /
 """
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("nodes", [64, 101])
-def test_ball_on_a_flat(asperity, tmp_path, nodes):
-    write(tmp_path, "ball.nml", BALL.format(n=nodes))
-    assert asperity("ball.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "ball.h5") as file:
+def test_ball_on_a_flat(solved_case, nodes):
+    with solved_case(BALL.format(n=nodes)) as file:
         pressure, x, y = (file[f"solution/{name}"][:] for name in ("pressure", "x", "y"))
         peak = file["summary/p_max"][()]
         load = file["sweep/load"][0]
@@ -131,6 +133,7 @@ SYNTHETIC = """shape = 'synthetic', rms_height = 1e-6, wavelength_rolloff = 1e-4
    skewness = {skewness}, kurtosis = {kurtosis}"""
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("problem", ["dry_line", "dry_area"])
 def test_synthetic_surface_is_as_wanted(asperity, tmp_path, problem):
     sizes = {
@@ -152,6 +155,7 @@ def test_synthetic_surface_is_as_wanted(asperity, tmp_path, problem):
     assert not np.array_equal(heights[0], heights[2])
 
 
+@pytest.mark.path
 def test_fields_that_are_stored(asperity, tmp_path):
     """Some of them, and in single precision: the same numbers, rounded; everything else to the bit."""
     sizes = {
@@ -184,6 +188,7 @@ def test_synthetic_spectrum(asperity, tmp_path):
     np.testing.assert_allclose(stored[:30], 2 * power[1:31] / 512**2, rtol=1e-9)
 
 
+@pytest.mark.path
 def test_area_from_hdf5(asperity, tmp_path):
     generator = np.random.default_rng(1)
     heights = generator.standard_normal((24, 32)) * 1e-7
@@ -232,18 +237,12 @@ BAD_FILES = {
 
 
 @pytest.mark.parametrize("name", BAD_FILES)
-def test_bad_file(asperity, tmp_path, name):
+def test_bad_file(run_case, tmp_path, name):
     content, message = BAD_FILES[name]
     if content:
         write(tmp_path, "bad.csv", content)
     surface = "shape = 'file', file = 'bad.csv', dataset = 'z'"
-    write(
-        tmp_path,
-        "case.nml",
-        case_text(surface, [1e6], ""),
-    )
-    done = asperity("case.nml")
-    assert done.returncode == 1
+    done = run_case(case_text(surface, [1e6], ""), status=1)
     assert done.stderr.startswith("case.nml:4: &surface_1 file: ")
     assert message in done.stderr
 
@@ -277,27 +276,20 @@ def test_all_plastic(asperity, tmp_path):
         assert file["solution/plastic_deformation"][:].min() == pytest.approx(0, abs=1e-15)
 
 
-def test_methods_agree(asperity, tmp_path):
+@pytest.mark.path
+def test_methods_agree(solved_case):
     text = case_text(profile("C", 20), [100e6])
     pressures = []
     for method in ("conjugate_gradient", "steepest_descent"):
-        write(
-            tmp_path,
-            "case.nml",
-            text.replace("tolerance = 1e-12", f"method = '{method}', tolerance = 1e-6, max_cycles = 200000"),
-        )
-        assert asperity("case.nml", "--quiet").returncode == 0
-        with h5py.File(tmp_path / "case.h5") as file:
+        with solved_case(text.replace("tolerance = 1e-12", f"method = '{method}', tolerance = 1e-6, max_cycles = 200000")) as file:
             pressures.append(file["solution/pressure"][:])
             assert file["report/method"][()].decode() == method
     np.testing.assert_allclose(pressures[0], pressures[1], atol=1e-3 * 4e9)
 
 
-def test_not_converged_is_said(asperity, tmp_path):
+def test_not_converged_is_said(run_case, tmp_path):
     text = case_text(profile("C"), [100e6])
-    write(tmp_path, "case.nml", text.replace("tolerance = 1e-12", "tolerance = 1e-12, max_cycles = 3"))
-    done = asperity("case.nml", "--quiet")
-    assert done.returncode == 2
+    done = run_case(text.replace("tolerance = 1e-12", "tolerance = 1e-12, max_cycles = 3"), "--quiet", status=2)
     assert "NOT CONVERGED" in done.stderr
     with h5py.File(tmp_path / "case.h5") as file:
         assert file.attrs["converged"] == 0
@@ -323,13 +315,8 @@ def test_figures_of_a_profile_and_an_area(asperity, tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     names = {path.name for path in (tmp_path / "figures").iterdir()}
     assert names == {
-        "profile_profile.png",
-        "profile_sweep.png",
-        "profile_surface.png",
-        "profile_convergence.png",
-        "area_maps.png",
-        "area_surface.png",
-        "area_convergence.png",
+        *("profile_profile.png", "profile_sweep.png", "profile_surface.png"),
+        *("profile_convergence.png", "area_maps.png", "area_surface.png", "area_convergence.png"),
     }
 
 
@@ -341,7 +328,7 @@ def test_figures_refuse_other_files(tmp_path):
 
 
 @pytest.mark.parametrize("row", rows("jgh_512.csv"), ids=lambda row: row["pbar_over_pstar"])
-def test_bisinusoid(asperity, tmp_path, row):
+def test_bisinusoid(solved_case, tmp_path, row):
     nodes, length, height = 512, 1e-3, 1e-6
     wave = np.cos(2 * np.pi * np.arange(nodes) / nodes)
     with h5py.File(tmp_path / "waves.h5", "w") as file:
@@ -350,9 +337,7 @@ def test_bisinusoid(asperity, tmp_path, row):
     loads = [float(row["pbar_over_pstar"]) * full]
     surface = "shape = 'file', file = 'waves.h5', dataset = 'z'"
     text = case_text(surface, loads, bodies="", problem="dry_area", modulus=2e11)
-    write(tmp_path, "case.nml", text.replace("1e-12", "1e-10"))
-    assert asperity("case.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "case.h5") as file:
+    with solved_case(text.replace("1e-12", "1e-10")) as file:
         sweep = {key: value[0] for key, value in file["sweep"].items()}
     assert sweep["contact_area_fraction"] == pytest.approx(float(row["area_nodes"]), abs=1e-9)
     assert sweep["contact_area_fraction_corrected"] == pytest.approx(float(row["area_perimeter_corrected"]), rel=1e-6)
@@ -360,6 +345,7 @@ def test_bisinusoid(asperity, tmp_path, row):
     assert sweep["p_max"] / full == pytest.approx(float(row["pmax_over_pstar"]), rel=1e-6)
 
 
+@pytest.mark.path
 @pytest.mark.parametrize(("bodies", "stored"), [("", 0), (", hardness = 2e8", 8)])
 def test_zeros_take_no_room_and_are_read_as_zeros(asperity, tmp_path, bodies, stored):
     """The plastic deformation of an elastic contact; where something yields all nodes are stored."""

@@ -88,13 +88,11 @@ PARABOLA = """&case problem = 'dry_area' /
 """
 
 
-def test_images_of_a_parabola(asperity, tmp_path):
+def test_images_of_a_parabola(run_case, tmp_path):
     """Images matter where the contact fills half of its period, and hardly where it is a fortieth of it."""
     verdicts = {}
     for length, rise in ((1e-4, 0.041), (1.5e-4, 0.012), (2e-3, None)):
-        write(tmp_path, "a.nml", PARABOLA.format(length))
-        done = asperity("a.nml")
-        assert done.returncode == 0
+        run_case(PARABOLA.format(length), name="a")
         with h5py.File(tmp_path / "a.h5") as file:
             group = file["adequacy/periodicity"]
             verdicts[length] = group.attrs["verdict"].decode()
@@ -107,7 +105,7 @@ def test_images_of_a_parabola(asperity, tmp_path):
     assert verdicts[2e-3] != "needed"
 
 
-def test_a_grooved_area_is_a_line(asperity, tmp_path):
+def test_a_grooved_area_is_a_line(run_case, tmp_path):
     """Waves along x alone: 16 profiles along x are the area, to the tolerance."""
     case = """&case problem = 'dry_area' /
 &bodies youngs_modulus_1 = 210e9, poisson_ratio_1 = 0.3 /
@@ -115,10 +113,7 @@ def test_a_grooved_area_is_a_line(asperity, tmp_path):
 &surface_1 shape = 'sinusoid', amplitude = 1e-6, wavelength = 1e-4 /
 &domain length_x = 1e-4, length_y = 1e-4, intervals_x = 64, intervals_y = 16 /
 """
-    write(tmp_path, "a.nml", case)
-    done = asperity("a.nml")
-    assert done.returncode == 0
-    assert "  model     irrelevant: area" in done.stdout
+    assert "  model     irrelevant: area" in run_case(case, name="a").stdout
     with h5py.File(tmp_path / "a.h5") as file:
         group = file["adequacy"]
         assert group.attrs["mean_pressure"] == pytest.approx(2e8, rel=1e-12)
@@ -130,13 +125,11 @@ def test_a_grooved_area_is_a_line(asperity, tmp_path):
         assert grid == pytest.approx(area.attrs["error_estimate"][1] / area[1], rel=1e-12)
 
 
-def test_profiles_that_all_yield_tell_nothing_of_others(asperity, tmp_path):
+def test_profiles_that_all_yield_tell_nothing_of_others(solved_case):
     """The largest pressure of each of 16 profiles is the hardness: no spread, which is no error bar; the other changes have one."""
     case, _ = random_surface(np.random.default_rng(3), is_area=True)
     pressure = float(case.split("mean_pressure = ")[1].split()[0])
-    write(tmp_path, "a.nml", case.format(bodies=f", hardness = {4 * pressure}", surface=""))
-    assert asperity("a.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file:
+    with solved_case(case.format(bodies=f", hardness = {4 * pressure}", surface="")) as file:
         assert file["sweep/p_max"][0] == pytest.approx(4 * pressure, rel=1e-6)
         row = file["adequacy/area"]
         assert "p_max" not in row
@@ -145,7 +138,7 @@ def test_profiles_that_all_yield_tell_nothing_of_others(asperity, tmp_path):
 
 
 @pytest.mark.parametrize(("width", "kind"), [(1.2e-5, ".true."), (1.6e-5, ".false."), (2.6e-5, ".false.")])
-def test_a_change_is_known_no_better_than_its_grid(asperity, tmp_path, width, kind):
+def test_a_change_is_known_no_better_than_its_grid(solved_case, width, kind):
     """Of a contact of 4 to 8 nodes two coarser grids may give the same change by chance."""
     case = f"""&case problem = 'dry_line' /
 &bodies reduced_modulus = 231e9, reduced_radius = 0.01 /
@@ -153,9 +146,7 @@ def test_a_change_is_known_no_better_than_its_grid(asperity, tmp_path, width, ki
 &surface_1 shape = 'parabola' /
 &domain length = 2e-4, intervals = 64, periodic = {kind} /
 """
-    write(tmp_path, "a.nml", case)
-    assert asperity("a.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file:
+    with solved_case(case) as file:
         for name in QUANTITIES:
             grid = file[f"adequacy/grid/{name}"][()]
             assert file[f"adequacy/periodicity/{name}"].attrs["error_estimate"] >= 0.05 * grid * (1 - 1e-12) > 0
@@ -169,11 +160,10 @@ LINE = """&case problem = 'dry_line' /
 """
 
 
-def test_given_separation_is_told_as_its_load(asperity, tmp_path):
+@pytest.mark.path
+def test_given_separation_is_told_as_its_load(solved_case, asperity, tmp_path):
     """A surface at a given separation, and under the load that was found there: the same contact, to the 1e-8 of the search."""
-    write(tmp_path, "gap.nml", LINE.format("5e9", "separation = 3e-7, 5e-7"))
-    assert asperity("gap.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "gap.h5") as file:
+    with solved_case(LINE.format("5e9", "separation = 3e-7, 5e-7"), name="gap") as file:
         pressure = file["sweep/mean_pressure"][0]
         assert pressure > file["sweep/mean_pressure"][1]
         assert file["sweep/p_max"][0] == 5e9
@@ -189,18 +179,14 @@ def test_given_separation_is_told_as_its_load(asperity, tmp_path):
     assert gap["adequacy/plasticity@verdict"] == load["adequacy/plasticity@verdict"] == b"needed"
 
 
-def test_plasticity_follows_from_the_largest_pressure(asperity, tmp_path):
+def test_plasticity_follows_from_the_largest_pressure(solved_case):
     """Irrelevant exactly where it is below the hardness by more than its bar; within the bar the errors say how much may yield."""
-    write(tmp_path, "a.nml", LINE.format("1e12", "mean_pressure = 1e9"))
-    assert asperity("a.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file:
+    with solved_case(LINE.format("1e12", "mean_pressure = 1e9")) as file:
         top = file["sweep/p_max"]
         peak, bar = top[0], top.attrs["error_estimate"][0]
     known = ((2 * peak, "irrelevant"), (peak + 2 * bar, "irrelevant"), (peak + 0.5 * bar, "within the bar"), (0.9 * peak, "needed"))
     for hardness, verdict in known:
-        write(tmp_path, "b.nml", LINE.format(f"{hardness:.17g}", "mean_pressure = 1e9"))
-        assert asperity("b.nml", "--quiet").returncode == 0
-        with h5py.File(tmp_path / "b.h5") as file:
+        with solved_case(LINE.format(f"{hardness:.17g}", "mean_pressure = 1e9")) as file:
             row = file["adequacy/plasticity"]
             changes = {q: (row[q][()], row[q].attrs["error_estimate"]) for q in QUANTITIES}
             if verdict == "within the bar":
@@ -214,8 +200,6 @@ def test_plasticity_follows_from_the_largest_pressure(asperity, tmp_path):
                 assert set(changes.values()) == {(0.0, 0.0)}
 
 
-def test_nothing_is_measured(asperity, tmp_path):
-    write(tmp_path, "a.nml", PARABOLA.format(1e-3) + "&output adequacy = .false. /\n")
-    assert asperity("a.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file:
+def test_nothing_is_measured(solved_case):
+    with solved_case(PARABOLA.format(1e-3) + "&output adequacy = .false. /\n") as file:
         assert "adequacy" not in file

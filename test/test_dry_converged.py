@@ -32,6 +32,7 @@ def member(kind, source):
     return f"&case problem = 'dry_line' /\n{groups}{domain}&solver tolerance = {tolerance!r}, max_cycles = 3000 /\n", tolerance
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("kind", KINDS)
 def test_converged_means_below_the_bound(asperity, tmp_path, kind):
     source = random.Random(kind)

@@ -70,6 +70,7 @@ def test_the_length_asked_for_is_enough(asperity, tmp_path, load, room):
         assert file["sweep/contact_area_fraction"][0] == pytest.approx(1 / room, rel=0.05)
 
 
+@pytest.mark.path
 def test_contact_that_reaches_the_border_is_no_solution(asperity, tmp_path):
     rough = "&surface_2 shape = 'synthetic', rms_height = 1e-8, wavelength_short = 5e-5 /"
     loads = "mean_pressure = 1e7, 2e9, 1e8"
@@ -86,17 +87,14 @@ def test_contact_that_reaches_the_border_is_no_solution(asperity, tmp_path):
     assert line(asperity, tmp_path, "--quiet", load=f"load_per_length = {load}", more=rough, length=wanted).returncode == 0
 
 
-def test_a_flat_punch_has_no_length(asperity, tmp_path):
+def test_a_flat_punch_has_no_length(run_case, tmp_path):
     write(tmp_path, "z.csv", "x,z\n" + "".join(f"{i}e-6,{1e-9 * (i % 2)}\n" for i in range(64)))
-    write(
-        tmp_path,
-        "case.nml",
+    punch = (
         "&case problem = 'dry_line' /\n&bodies reduced_modulus = 230e9 /\n&load mean_pressure = 1e9 /\n"
-        "&surface_1 shape = 'file', file = 'z.csv' /\n&domain periodic = .false. /\n",
+        "&surface_1 shape = 'file', file = 'z.csv' /\n&domain periodic = .false. /\n"
     )
-    done = asperity("case.nml", "--quiet")
-    assert done.returncode == 2
-    assert f"{BEYOND}, towards which the surface does not fall: no length is enough" in done.stderr
+    told = run_case(punch, "--quiet", status=2).stderr
+    assert f"{BEYOND}, towards which the surface does not fall: no length is enough" in told
 
 
 @pytest.mark.parametrize(("wave", "nodes"), [("", "2.0"), (", wavelength_short = 4e-6", "4.0"), (", wavelength_short = 8e-6", "")])

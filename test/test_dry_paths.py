@@ -139,15 +139,13 @@ BAD_HDF5 = {
 
 
 @pytest.mark.parametrize("name", BAD_HDF5)
-def test_bad_hdf5_file(asperity, tmp_path, name):
+def test_bad_hdf5_file(run_case, tmp_path, name):
     datasets, path, message = BAD_HDF5[name]
     with h5py.File(tmp_path / "bad.h5", "w") as file:
         for dataset, values in datasets.items():
             file[dataset] = values
     text = case_text(f"shape = 'file', file = 'bad.h5', dataset = '{path}'", [1e6], "", problem="dry_area")
-    (tmp_path / "case.nml").write_text(text, encoding="utf-8")
-    done = asperity("case.nml")
-    assert done.returncode == 1
+    done = run_case(text, status=1)
     assert message in done.stderr
     assert "Backtrace" not in done.stderr
     assert not (tmp_path / "case.h5").exists()
@@ -178,6 +176,7 @@ def refused_heights(asperity, tmp_path):
     return done.stderr
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("name", BAD_ATTRIBUTES)
 def test_bad_attribute(asperity, tmp_path, name):
     attribute, value, message = BAD_ATTRIBUTES[name]

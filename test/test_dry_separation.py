@@ -61,6 +61,7 @@ def test_westergaard_separation(asperity, tmp_path, m):
     assert sweep["mean_pressure"] == pytest.approx(m * np.pi * modulus / 2 * height / length, rel=1e-3)
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("nodes", [64, 101])
 def test_hertz_approach(asperity, tmp_path, nodes):
     radius, modulus, half_width = 0.005, 230e9, 70e-6
@@ -76,7 +77,8 @@ def test_hertz_approach(asperity, tmp_path, nodes):
     assert sweep["separation"] == pytest.approx(approach, rel=1e-10)
 
 
-def test_history_of_separations(asperity, tmp_path):
+@pytest.mark.path
+def test_history_of_separations(run_case, asperity, tmp_path):
     # Back at the first separation the deformed surface is where it was; further out it has lost contact sooner.
     surface, options = profile("C"), {"bodies": HARD}
     with separated(asperity, tmp_path, surface, [2e-7, 2.6e-7, 2e-7], loading=", loading = 'history'", **options) as file:
@@ -87,10 +89,7 @@ def test_history_of_separations(asperity, tmp_path):
     close(history["dp_mean"], np.full(3, history["dp_mean"][0]), 1e-8)
     assert history["load"][1] < 0.9 * virgin
     text = case_text(surface, [1e-7, 5e-7], HARD, key="separation", loading=", loading = 'history'")
-    write(tmp_path, "apart.nml", text)
-    done = asperity("apart.nml", "--quiet")
-    assert done.returncode == 1
-    assert "found a separation at which nothing touches" in done.stderr
+    assert "found a separation at which nothing touches" in run_case(text, "--quiet", status=1, name="apart").stderr
     assert not (tmp_path / "apart.h5").exists()
 
 

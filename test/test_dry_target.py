@@ -5,9 +5,8 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
-from cases import text, write
+from cases import HANGING, text, write
 from dry_cases import HARD, case_text, profile
-from time_limits import HANGING
 
 MODULUS, LENGTH = 230e9, 1e-3
 SYNTHETIC = "shape = 'synthetic', seed = 3, rms_height = 1e-6, wavelength_rolloff = 3e-4, wavelength_short = 1e-4"
@@ -52,6 +51,7 @@ def series_at(z, points):
     return z
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("area", [False, True])
 @pytest.mark.parametrize("target", [0.02, 0.01])
 def test_hertz_is_as_good_as_wanted(asperity, tmp_path, area, target):
@@ -97,16 +97,14 @@ def test_a_synthetic_surface_stays_the_same(asperity, tmp_path, area, open_domai
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13)
 
 
-def test_a_periodic_file_has_its_fourier_series(asperity, tmp_path):
+def test_a_periodic_file_has_its_fourier_series(solved_case, asperity, tmp_path):
     surface = profile("C")
     file, _ = run(asperity, tmp_path, surface, [25e6, 250e6], 0.01, HARD, "&domain", loading=", loading = 'history'")
     with file:
         nodes = file["solution/x"].size
         found, worst = file["solution/height_undeformed"][()], shares(file)
         assert 0.005 < worst.max() <= 0.01
-    write(tmp_path, "file.nml", case_text(surface, [25e6], HARD, "&accuracy error_bars = .false. /"))
-    assert asperity("file.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "file.h5") as file:
+    with solved_case(case_text(surface, [25e6], HARD, "&accuracy error_bars = .false. /")) as file:
         z = file["solution/height_undeformed"][()]
     assert nodes > z.size
     np.testing.assert_allclose(found, series_at(z, np.arange(nodes) * z.size / nodes), rtol=0, atol=1e-13)
@@ -157,6 +155,7 @@ def test_waves_are_seen_from_the_start(asperity, tmp_path):
         assert "report/note" not in file
 
 
+@pytest.mark.path
 def test_no_solution_is_no_accuracy(asperity, tmp_path):
     content = case_text(SYNTHETIC, [1e8], "", f"{LINE} /\n&accuracy target = 0.05 /", modulus=MODULUS)
     write(tmp_path, "case.nml", content.replace("tolerance = 1e-12", "tolerance = 1e-12, max_cycles = 2"))

@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 import pytest
-from cases import STEADY, TRANSIENT, text, write
+from cases import STEADY, TRANSIENT, ended, text, write
 
 # A ridge of 1 um: the film falls to 14 nm at X = 1.305, T = 2.37, with backward Euler; on so coarse a grid it closes in the limit
 # of small steps, which BDF2 sees.
@@ -21,10 +21,8 @@ def floor(value, action):
     return f"&solver film_floor = {value}, on_film_breakdown = '{action}' /\n"
 
 
-def test_breakdown_stops_and_says_where_and_when(asperity, tmp_path):
-    write(tmp_path, "a.nml", HIGH + floor("15e-9", "stop"))
-    done = asperity("a.nml", "--quiet")
-    assert done.returncode == 2
+def test_breakdown_stops_and_says_where_and_when(run_case, tmp_path):
+    done = run_case(HIGH + floor("15e-9", "stop"), "--quiet", status=2, name="a")
     with h5py.File(tmp_path / "a.h5") as file:
         reason = text(file.attrs["reason"])
         assert reason.startswith("film breakdown at x = 13")
@@ -42,11 +40,11 @@ def test_breakdown_stops_and_says_where_and_when(asperity, tmp_path):
         assert not file["transient/film_breakdown"][()].any()
 
 
+@pytest.mark.path
 def test_breakdown_goes_on_with_a_mark(asperity, tmp_path):
     write(tmp_path, "a.nml", HIGH + floor("15e-9", "continue"))
     write(tmp_path, "b.nml", HIGH)
-    done = asperity("a.nml", "b.nml", "--quiet")
-    assert done.returncode == 0
+    done = ended(asperity("a.nml", "b.nml", "--quiet"))
     assert done.stderr.startswith("asperity: film breakdown at x = 13")
     assert len(done.stderr.splitlines()) == 1
     with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "b.h5") as free:
@@ -64,10 +62,8 @@ def test_breakdown_goes_on_with_a_mark(asperity, tmp_path):
 
 
 @pytest.mark.parametrize("action", ["stop", "continue"])
-def test_surfaces_that_touch_at_the_start_leave_no_negative_film(asperity, tmp_path, action):
-    write(tmp_path, "a.nml", HIGH.replace("1e-6", "5e-6").replace("-3.0", "0.0") + floor("1e-9", action))
-    done = asperity("a.nml", "--quiet")
-    assert done.returncode == 2
+def test_surfaces_that_touch_at_the_start_leave_no_negative_film(run_case, tmp_path, action):
+    run_case(HIGH.replace("1e-6", "5e-6").replace("-3.0", "0.0") + floor("1e-9", action), "--quiet", status=2, name="a")
     with h5py.File(tmp_path / "a.h5") as file:
         assert file.attrs["converged"] == 0
         assert file.attrs["film_breakdown"] == 1
@@ -77,10 +73,8 @@ def test_surfaces_that_touch_at_the_start_leave_no_negative_film(asperity, tmp_p
         assert file["solution/film_thickness"][()].min() > 0
 
 
-def test_step_without_a_solution_says_where_the_film_was_smallest(asperity, tmp_path):
-    write(tmp_path, "a.nml", HIGH.replace("x_outlet = 3.0", "x_outlet = 1.5"))
-    done = asperity("a.nml", "--quiet")
-    assert done.returncode == 2
+def test_step_without_a_solution_says_where_the_film_was_smallest(run_case, tmp_path):
+    run_case(HIGH.replace("x_outlet = 3.0", "x_outlet = 1.5"), "--quiet", status=2, name="a")
     with h5py.File(tmp_path / "a.h5") as file:
         assert "smallest film before it: H = 0.01" in text(file.attrs["reason"])
         assert file["transient/film_thickness"][()].min() > 0
@@ -97,6 +91,7 @@ def test_steady_breakdown(asperity, tmp_path, action, status):
         assert file["solution/film_thickness"][()].min() > 0
 
 
+@pytest.mark.path
 def test_statistics_are_those_of_the_stored_steps(asperity, tmp_path):
     shared = HIGH + "&output film_thresholds = 20e-9, 100e-9, 500e-9, fields = 'pressure', 'film_thickness' /\n"
     write(tmp_path, "a.nml", shared)
@@ -138,8 +133,6 @@ def test_lambda_ratio_of_a_waviness(asperity, tmp_path):
         assert found["lambda_ratio"][()] == pytest.approx(found["smooth_film"][()] / found["rms_height"][()], rel=1e-13)
 
 
-def test_no_statistics_unless_asked_for(asperity, tmp_path):
-    write(tmp_path, "a.nml", TRANSIENT)
-    assert asperity("a.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file:
+def test_no_statistics_unless_asked_for(solved_case):
+    with solved_case(TRANSIENT) as file:
         assert "statistics" not in file

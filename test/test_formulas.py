@@ -59,10 +59,8 @@ def random_contacts(number):
 
 @pytest.mark.parametrize("density", ["constant", "dowson_higginson"])
 @pytest.mark.parametrize("contact", [USUAL, *random_contacts(8)])
-def test_formulas_stand_beside_the_film(asperity, tmp_path, contact, density):
-    write(tmp_path, "a.nml", ROLLER.format(**contact, density=density) + "&accuracy target = 3e-3 /\n")
-    done = asperity("a.nml")
-    assert done.returncode == 0, done.stderr
+def test_formulas_stand_beside_the_film(run_case, tmp_path, contact, density):
+    done = run_case(ROLLER.format(**contact, density=density) + "&accuracy target = 3e-3 /\n", name="a")
     films, _, _ = by_hand(**contact)
     lines = done.stdout.splitlines()
     with h5py.File(tmp_path / "a.h5") as file:
@@ -90,13 +88,11 @@ def test_formulas_stand_beside_the_film(asperity, tmp_path, contact, density):
     assert max(map(len, lines)) <= 80
 
 
-def test_density_explains_the_gap_in_the_middle(asperity, tmp_path):
+def test_density_explains_the_gap_in_the_middle(solved_case):
     """The same contact with both densities: in the middle the film falls by the density at p_h, at the exit it hardly does."""
     films, middles = {}, {}
     for density in ("constant", "dowson_higginson"):
-        write(tmp_path, "a.nml", ROLLER.format(**USUAL, density=density))
-        assert asperity("a.nml", "--quiet").returncode == 0
-        with h5py.File(tmp_path / "a.h5") as file:
+        with solved_case(ROLLER.format(**USUAL, density=density)) as file:
             films[density] = [file["summary"][name][()] for name in ("h_central", "h_min")]
             middles[density] = file["formulas/dowson_toyoda"].attrs["known_bias"].mean()
     rise = (5.9e8 + 1.34 * USUAL["pressure"]) / (5.9e8 + USUAL["pressure"])
@@ -106,12 +102,10 @@ def test_density_explains_the_gap_in_the_middle(asperity, tmp_path):
     assert (1 + middles["dowson_higginson"]) / (1 + middles["constant"]) == pytest.approx(central, rel=0.04)
 
 
-def test_dimensionless_contacts_have_them_too(asperity, tmp_path):
+def test_dimensionless_contacts_have_them_too(run_case, tmp_path):
     films, m, l = by_hand(**USUAL)  # noqa: E741
     oil = f"&lubricant viscosity_law = 'roelands', pressure_viscosity = {USUAL['alpha']}, density_law = 'constant' /\n"
-    write(tmp_path, "a.nml", f"&case problem = 'ehl_line' /\n&moes moes_m = {m!r}, moes_l = {l!r}, velocity = 'mean' /\n{oil}")
-    done = asperity("a.nml")
-    assert done.returncode == 0, done.stderr
+    done = run_case(f"&case problem = 'ehl_line' /\n&moes moes_m = {m!r}, moes_l = {l!r}, velocity = 'mean' /\n{oil}", name="a")
     half_width = 4 * USUAL["pressure"] * USUAL["radius"] / 226e9
     with h5py.File(tmp_path / "a.h5") as file:
         for name, film in films.items():
@@ -132,11 +126,8 @@ NONE = {
 
 
 @pytest.mark.parametrize("name", NONE)
-def test_none_where_they_are_not_meant(asperity, tmp_path, name):
-    write(tmp_path, "a.nml", NONE[name])
-    done = asperity("a.nml")
-    assert done.returncode == 0, done.stderr
-    assert "Dowson" not in done.stdout
+def test_none_where_they_are_not_meant(run_case, tmp_path, name):
+    assert "Dowson" not in run_case(NONE[name], name="a").stdout
     with h5py.File(tmp_path / "a.h5") as file:
         assert "formulas" not in file
 

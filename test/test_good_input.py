@@ -5,7 +5,7 @@ import re
 import tomllib
 
 import pytest
-from cases import MOES, STEADY, TRANSIENT
+from cases import MOES, STEADY, TRANSIENT, ended
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 INPUTS = sorted((ROOT / "input").glob("*.nml"))
@@ -90,6 +90,7 @@ def test_input_cases_are_there():
 PROBLEMS = ["ehl_line", "dry_line", "dry_area"]
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_template_passes_its_own_check(asperity, tmp_path, problem):
     check(asperity, tmp_path, asperity("--template", problem).stdout)
@@ -133,27 +134,24 @@ def test_keys_fit_a_terminal(asperity):
 
 
 def test_help_has_examples_and_every_option(asperity):
-    done = asperity("--help")
-    assert done.returncode == 0
+    done = ended(asperity("--help"))
     words = [
-        "Examples",
-        "--output",
-        "--threads",
-        "--check",
-        "--resume",
-        "--quiet",
-        "--template",
-        "--keys",
-        "--version",
-        "Exit status",
+        *("Examples", "--output", "--threads", "--check", "--resume"),
+        *("--quiet", "--template", "--keys", "--version", "Exit status"),
     ]
     for word in words:
         assert word in done.stdout
 
 
-def test_version_is_that_of_the_manifest(asperity):
-    manifest = tomllib.loads((ROOT / "fpm.toml").read_text(encoding="utf-8"))
-    assert asperity("--version").stdout.startswith(f"asperity {manifest['version']} (commit ")
+def test_one_version_everywhere(asperity):
+    version = tomllib.loads((ROOT / "fpm.toml").read_text(encoding="utf-8"))["version"]
+    assert asperity("--version").stdout.startswith(f"asperity {version} (commit ")
+    for name, pattern in {
+        "src/base/build_info.f90": r"program_version = '(.+)'",
+        "CITATION.cff": r"^version: [\"']?(.+?)[\"']?$",
+        "CHANGELOG.md": r"^## \[?(\d\S*?)\]?(?: |$)",
+    }.items():
+        assert re.search(pattern, (ROOT / name).read_text(encoding="utf-8"), re.M)[1] == version, name
 
 
 BAD_CALLS = {
@@ -173,8 +171,7 @@ BAD_CALLS = {
 @pytest.mark.parametrize("name", BAD_CALLS)
 def test_bad_call(asperity, name):
     arguments, message = BAD_CALLS[name]
-    done = asperity(*arguments)
-    assert done.returncode == 1
+    done = ended(asperity(*arguments), 1)
     assert done.stdout == ""
     assert message in done.stderr
 
@@ -183,18 +180,17 @@ def test_two_cases_with_one_result(asperity, tmp_path):
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "case.nml").write_text(STEADY, encoding="utf-8")
-    done = asperity("a/case.nml", "b/case.nml")
-    assert done.returncode == 1
-    assert done.stderr == "b/case.nml: found the result case.h5, which is also that of a/case.nml, expected different names\n"
+    assert (
+        ended(asperity("a/case.nml", "b/case.nml"), 1).stderr
+        == "b/case.nml: found the result case.h5, which is also that of a/case.nml, expected different names\n"
+    )
     assert not list(tmp_path.rglob("*.h5*"))
 
 
 def test_result_on_top_of_the_namelist(asperity, tmp_path):
     path = tmp_path / "case.nml"
     path.write_text(STEADY.replace("&case", "&case output = 'case.nml'"), encoding="utf-8")
-    done = asperity("case.nml")
-    assert done.returncode == 1
-    assert "found the namelist case.nml as its result" in done.stderr
+    assert "found the namelist case.nml as its result" in ended(asperity("case.nml"), 1).stderr
 
 
 def test_output_key_is_relative_to_the_namelist(asperity, tmp_path):

@@ -102,6 +102,7 @@ def test_falling_positions_of_a_dataset(asperity, tmp_path):
     assert_profile(profile(asperity, tmp_path), Z[::-1])
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("falls", [(False, False), (True, False), (False, True), (True, True)])
 def test_positions_of_an_area(asperity, tmp_path, falls):
     ny, nx = 24, 36
@@ -153,7 +154,7 @@ def test_heights_of_a_result_need_nothing_more(asperity, tmp_path):
     assert_profile(again, first[0])
 
 
-def test_a_long_profile_that_falls(asperity, tmp_path):
+def test_a_long_profile_that_falls(solved_case, tmp_path):
     """In pieces, in oil: the same film as of the profile the other way round."""
     nodes = 200_000
     x = 1e-6 * np.arange(nodes)
@@ -163,9 +164,7 @@ def test_a_long_profile_that_falls(asperity, tmp_path):
         store(tmp_path / "z.h5", z[::way], x=x[::way])
         surface = "&surface_2 shape = 'file', file = 'z.h5', dataset = 'z' /\n"
         time = "&time transient = .true., end_time = 2.0, time_step = 0.05 /\n&accuracy error_bars = .false. /\n"
-        write(tmp_path, "case.nml", STEADY + surface + time + "&output adequacy = .false. /\n")
-        assert asperity("case.nml", "--quiet").returncode == 0
-        with h5py.File(tmp_path / "case.h5") as file:
+        with solved_case(STEADY + surface + time + "&output adequacy = .false. /\n") as file:
             films.append(file["transient/h_min"][()])
             assert np.ptp(films[-1]) > 0
     assert np.array_equal(*films)
@@ -214,16 +213,14 @@ def test_positions_are_dimension_scales(asperity, tmp_path, library, seed):
 
 
 @pytest.mark.parametrize("library", ["xarray", "h5py"])
-def test_dimension_scales_of_an_area(asperity, tmp_path, library):
+def test_dimension_scales_of_an_area(run_case, tmp_path, library):
     ny, nx = 24, 36
     z = 1e-7 * np.random.default_rng(29).standard_normal((ny, nx))
     axes = {"across": 3e-3 * np.arange(ny)[::-1], "along": 2e-3 * np.arange(nx)}
     store_with_scales(tmp_path / "z.h5", library, 1e6 * z, axes)
     surface = FILE.format("z.h5") + ", dataset = 'relief', detrend = 'none'"
     more = "&output adequacy = .false. /\n&accuracy error_bars = .false. /"
-    write(tmp_path, "case.nml", case_text(surface, [1e6], "", more, problem="dry_area"))
-    done = asperity("case.nml", "--quiet")
-    assert done.returncode == 0, done.stderr
+    run_case(case_text(surface, [1e6], "", more, problem="dry_area"), "--quiet")
     with h5py.File(tmp_path / "case.h5") as file:
         np.testing.assert_allclose(file["solution/height_undeformed"][()], z[::-1], rtol=1e-10, atol=1e-20)
         assert np.diff(file["solution/x"][()]) == pytest.approx(2e-6, rel=1e-9)

@@ -196,6 +196,7 @@ def test_every_other_table_is_refused_with_the_command(asperity, tmp_path, name)
         assert message.count("\n") == 1
 
 
+@pytest.mark.path
 @pytest.mark.parametrize(
     ("content", "expected"),
     [
@@ -244,6 +245,7 @@ def test_file_and_key_contradict_each_other(asperity, tmp_path):
     assert "found the unit um in the names 'x_mm,z_um', but z_unit = 'nm', expected the same of both" in message
 
 
+@pytest.mark.path
 @pytest.mark.parametrize(
     ("names", "keys", "expected"),
     [
@@ -317,12 +319,10 @@ def test_heights_beside_the_film(asperity, tmp_path, amplitude, status):
     assert words.count("times the film that is expected") == (2 if amplitude > 1e-6 else 0), words
 
 
-def test_steep_profile_is_noted(asperity, tmp_path):
+def test_steep_profile_is_noted(run_case, tmp_path):
     z = [1e-6 * (i % 2) for i in range(16)]
     (tmp_path / "z.csv").write_text("".join(f"{i * 0.8e-6:.7e},{h!r}\n" for i, h in enumerate(z)), encoding="utf-8")
-    write(tmp_path, "case.nml", case_text(FILE.format("z.csv"), [1e6], ""))
-    done = asperity("case.nml")
-    assert done.returncode == 0
+    done = run_case(case_text(FILE.format("z.csv"), [1e6], ""))
     assert "have an rms slope of 1.25 (are the units right: x_unit, z_unit?)" in " ".join((done.stdout + done.stderr).split())
 
 
@@ -337,11 +337,9 @@ def test_units_that_are_stated_are_believed(asperity, tmp_path):
         assert "rms slope of 125" in " ".join((done.stdout + done.stderr).split())
 
 
-def test_long_profile_is_noted(asperity, tmp_path):
+def test_long_profile_is_noted(run_case, tmp_path):
     z = heights(64)
     (tmp_path / "z.csv").write_text("x,z\n" + "".join(f"{i},{h!r}\n" for i, h in enumerate(map(float, z))), encoding="utf-8")
-    write(tmp_path, "case.nml", case_text(FILE.format("z.csv"), [1e-3], ""))
-    done = asperity("case.nml")
-    assert done.returncode == 0
+    done = run_case(case_text(FILE.format("z.csv"), [1e-3], ""))
     words = " ".join((done.stdout + done.stderr).split())
     assert "the heights of surface_1 are 63.0 m long (are the units right: x_unit, z_unit?)" in words

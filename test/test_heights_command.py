@@ -269,11 +269,7 @@ REFUSED = {
     "empty": ("", [], "found no rows of numbers"),
     "prose": ("no topography\n", [], "found no rows of numbers"),
     "mark": ("x_mm;z_um\n" + PROFILE + "10;-9999\n", [], "found 1 heights of -9999 um far from all others, 0.1 to 0.9 um"),
-    "gap": (
-        "x_mm;z_um\n" + PROFILE + "12;0.5\n",
-        [],
-        "2 of 13 points are missing, the first x = 10000 um from the first point",
-    ),
+    "gap": ("x_mm;z_um\n" + PROFILE + "12;0.5\n", [], "2 of 13 points are missing, the first x = 10000 um from the first point"),
     "BAD": ("x_mm;z_um\n" + PROFILE + "10;BAD\n11;0.3\n", [], "found that 1 of 12 points are missing, the first x = 10000 um"),
     "blank": ("x_mm;z_um\n" + PROFILE + "10;\n11;0.3\n", [], "expected all, or --fill to interpolate them"),
 }

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import pytest
 
 sys.path.append(str(Path(__file__).resolve().parent.parent / "bench"))
 
@@ -52,15 +53,14 @@ def test_one_solution_from_every_start(asperity, tmp_path):
     assert compared >= 0.75 * COUNT
 
 
-def test_error_of_h_min_at_a_spike(asperity, tmp_path):
+@pytest.mark.path
+def test_error_of_h_min_at_a_spike(solved_case):
     """A contact whose h_min changes by chance between its own coarser grids, by a tenth of its error: the truth, of 2^18
     intervals, is within the estimate, and that within ten times the error."""
     law = {"viscosity_law": "roelands", "density_law": "dowson_higginson"}
     solver = {"space_scheme": "kappa"}
     text = namelists.moes(72.12493615601822, 11.929744565822535, 1024, solver, lubricant=law, domain=namelists.WINDOW)
-    (tmp_path / "case.nml").write_text(text, encoding="utf-8")
-    assert asperity("case.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "case.h5") as file:
+    with solved_case(text) as file:
         film = file["summary/h_min"]
         error = abs(film[()] - 0.0196218)
         assert error < film.attrs["error_grid"] < 10 * error
@@ -80,6 +80,7 @@ def target_in_time(asperity, folder, scheme):
         return effective["solver"].attrs["space_scheme"].decode(), effective["domain"].attrs["intervals"], file["summary/h_min"][()]
 
 
+@pytest.mark.path
 def test_target_in_time_goes_back_where_kappa_fails(asperity, tmp_path):
     """In four cycles the first pilot fails with kappa, not with upwind2: an open scheme gives the result of upwind2."""
     _, kappa_intervals, _ = target_in_time(asperity, tmp_path, "kappa")

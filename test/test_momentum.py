@@ -9,9 +9,8 @@ import cases
 import h5py
 import numpy as np
 import pytest
+from cases import STOKES
 from kill_and_resume import different, kill_until_complete, start, undisturbed
-
-STOKES = cases.STEADY.replace("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'")
 
 
 def solved(asperity, folder, text, status=0):
@@ -21,6 +20,7 @@ def solved(asperity, folder, text, status=0):
     return cases.contents(folder / "case.h5"), done.stderr + done.stdout
 
 
+@pytest.mark.path
 def test_fields_and_differences(asperity, tmp_path):
     """The film of Case 1: its flux, the speeds of its walls, its mean pressure, and what the closing table says."""
     found, printed = solved(asperity, tmp_path, STOKES + "&film layers = 10 /")
@@ -74,6 +74,7 @@ def test_inertia_is_small(asperity, tmp_path):
     assert found[8700] - found[0] == pytest.approx(10 * (found[870] - found[0]), rel=0.02)
 
 
+@pytest.mark.path
 def test_no_solution_has_its_reason(asperity, tmp_path):
     """Where shear stress rises with pressure by more than 1 the result says so and holds no film."""
     found, printed = solved(asperity, tmp_path, STOKES.replace("3.3e6", "100e6"), status=2)
@@ -109,6 +110,7 @@ def test_a_newtonian_oil_rolls(asperity, tmp_path, radii):
     assert 0 < found["momentum/difference_h_min"] < 1e-3
 
 
+@pytest.mark.path
 def test_a_ridge_passes_where_a_newtonian_oil_rolls(asperity, tmp_path):
     """The march begins there too."""
     passage = PASSAGE.replace("end_time = 1.4", "end_time = 0.1").replace("0.2e-6", "0.02e-6")
@@ -285,9 +287,7 @@ def test_an_interrupted_passage_goes_on(program, asperity, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.h5.ckpt", "case.h5.part", "case.nml", "reference.h5"]
     # not with other layers
     cases.write(tmp_path, "case.nml", with_checkpoints(0.0).replace("layers = 4", "layers = 5"))
-    done = asperity("case.nml", "--resume", "--quiet")
-    assert done.returncode == 1
-    assert "is of another case" in done.stderr
+    assert "is of another case" in cases.ended(asperity("case.nml", "--resume", "--quiet"), 1).stderr
     cases.write(tmp_path, "case.nml", with_checkpoints(0.0))
     assert asperity("case.nml", "--resume", "--quiet").returncode == 0
     assert different(reference, tmp_path / "case.h5") == []

@@ -9,8 +9,7 @@ import time
 import h5py
 import numpy as np
 import pytest
-from cases import LONG, MOES, STEADY, TRANSIENT, contents, same_bits, text, write
-from time_limits import HANGING
+from cases import HANGING, LONG, MOES, STEADY, TRANSIENT, contents, ended, same_bits, text, write
 
 SOLUTION = ["x", "pressure", "film_thickness", "viscosity", "density", "slip_factor", "roughness_1", "roughness_2"]
 FRICTION = ["friction_coefficient", "rolling_friction_coefficient", "sliding_power", "rolling_power"]
@@ -26,14 +25,9 @@ RESULTS = ["steady", "transient", "moes", "moes_transient"]
 
 
 @pytest.fixture(scope="module")
-def results(program, tmp_path_factory):
+def results(solve_all):
     """Results of a steady and a transient case, and of both by Moes' numbers, each run once."""
-    folder = tmp_path_factory.mktemp("results")
-    for name, case in {"steady": STEADY, "transient": TRANSIENT, "moes": MOES, "moes_transient": MOES + IN_TIME}.items():
-        write(folder, f"{name}.nml", case)
-        done = subprocess.run([program, f"{name}.nml", "--quiet"], cwd=folder, capture_output=True, text=True, check=False)
-        assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    return folder
+    return solve_all({"steady": STEADY, "transient": TRANSIENT, "moes": MOES, "moes_transient": MOES + IN_TIME})
 
 
 def wait_for_size(path, size):
@@ -77,6 +71,7 @@ def test_layout_is_complete(results, name):
         assert ("transient" in file) == ("transient" in name)
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("name", RESULTS)
 def test_nothing_is_nan_without_a_reason(results, name):
     """No dataset holds a NaN, and where an attribute is one `no_estimate` stands beside it: what is not known is left out."""
@@ -98,6 +93,7 @@ def test_nothing_is_nan_without_a_reason(results, name):
 SPIKE = "a pressure spike that this grid does not resolve may pass the largest pressure on finer grids, or grow without a limit"
 
 
+@pytest.mark.path
 @pytest.mark.parametrize(
     ("extra", "names", "reason"),
     [
@@ -139,6 +135,7 @@ def test_effective_values_are_numbers(results):
         assert domain["x_inlet"] == -4
 
 
+@pytest.mark.path
 def test_inlet_that_the_program_chooses(asperity, tmp_path):
     case = "&case problem = 'ehl_line' / &moes moes_m = 1.0, moes_l = 5.0, velocity = 'sum' /\n"
     case += "&lubricant viscosity_law = 'barus', density_law = 'constant' /\n"
@@ -204,6 +201,7 @@ def test_summary_of_a_transient_is_extremes_with_their_times(results):
         assert summary["p_max_time"].attrs["dimensionless"] == series["time"][int(np.argmax(series["p_max"]))]
 
 
+@pytest.mark.path
 def test_friction_and_power_have_every_step(results):
     """At every step sliding power is friction times load times speed difference; the largest are those of /summary, to the bit."""
     load, difference = 1e5, 1.1 - 0.1
@@ -220,10 +218,9 @@ def test_friction_and_power_have_every_step(results):
         assert text(si["rolling_power"].attrs["units"]) == "W/m"
 
 
-def test_stride_and_fields_choose_what_is_stored(asperity, tmp_path):
-    write(tmp_path, "a.nml", TRANSIENT + "&output profile_stride = 3, fields = 'pressure' /\n")
-    assert asperity("a.nml").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file:
+@pytest.mark.path
+def test_stride_and_fields_choose_what_is_stored(solved_case):
+    with solved_case(TRANSIENT + "&output profile_stride = 3, fields = 'pressure' /\n") as file:
         assert file["transient/time"][()] == pytest.approx(0.05 * np.arange(21), abs=1e-14)
         assert file["transient/profile_time"][()] == pytest.approx(0.05 * np.arange(0, 21, 3), abs=1e-14)
         assert file["transient/pressure"].shape == (7, 257)
@@ -231,6 +228,7 @@ def test_stride_and_fields_choose_what_is_stored(asperity, tmp_path):
         assert file["summary/h_min"].attrs["dimensionless"] == file["transient/h_min"][()].min()
 
 
+@pytest.mark.path
 def test_shear_stresses_at_the_times_of_the_profiles(asperity, tmp_path):
     """By their definition from the stored film and pressure, at every stored time; those of the last one are in /solution."""
     fields = "'pressure', 'film_thickness', 'shear_stress_1', 'shear_stress_mean', 'shear_stress_2'"
@@ -289,10 +287,8 @@ def test_h5dump_reads_it(results):
     assert "smallest film thickness" in done.stdout
 
 
-def test_not_converged_is_written_marked_and_status_2(asperity, tmp_path):
-    write(tmp_path, "a.nml", STEADY + "&solver start = 'hertz', max_cycles = 1 /\n")
-    done = asperity("a.nml", "--quiet")
-    assert done.returncode == 2
+def test_not_converged_is_written_marked_and_status_2(run_case, tmp_path):
+    done = run_case(STEADY + "&solver start = 'hertz', max_cycles = 1 /\n", "--quiet", status=2, name="a")
     assert done.stderr.startswith("a.nml: NOT CONVERGED: ")
     with h5py.File(tmp_path / "a.h5") as file:
         assert file.attrs["converged"] == 0
@@ -307,13 +303,13 @@ def test_output_goes_where_it_is_sent(asperity, tmp_path):
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["a.h5"]
 
 
+@pytest.mark.path
 def test_missing_folder_is_status_3(asperity, tmp_path):
     write(tmp_path, "a.nml", STEADY)
     write(tmp_path, "b.nml", STEADY.replace("problem", "output = 'missing/a.h5', problem"))
     write(tmp_path, "file", "")
     for arguments in (("b.nml",), ("a.nml", "--output", "file/missing")):
-        done = asperity(*arguments)
-        assert done.returncode == 3
+        done = ended(asperity(*arguments), 3)
         assert "missing/a.h5" in done.stderr
         assert "there is no folder " in done.stderr
         assert not (tmp_path / "missing").exists()
@@ -322,17 +318,12 @@ def test_missing_folder_is_status_3(asperity, tmp_path):
 def test_name_that_is_a_folder_is_status_3(asperity, tmp_path):
     write(tmp_path, "a.nml", STEADY)
     (tmp_path / "a.h5").mkdir()
-    done = asperity("a.nml", "--quiet")
-    assert done.returncode == 3
-    assert "a.h5: it is a folder" in done.stderr
+    assert "a.h5: it is a folder" in ended(asperity("a.nml", "--quiet"), 3).stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.nml"]
 
 
-def test_folder_that_takes_no_files_is_status_3(asperity, tmp_path):
-    write(tmp_path, "a.nml", STEADY)
-    done = asperity("a.nml", "--output", "/proc")
-    assert done.returncode == 3
-    assert "cannot write /proc/a.h5" in done.stderr
+def test_folder_that_takes_no_files_is_status_3(run_case):
+    assert "cannot write /proc/a.h5" in run_case(STEADY, "--output", "/proc", status=3, name="a").stderr
 
 
 def test_read_only_folder_is_status_3(program, tmp_path):
@@ -475,13 +466,11 @@ def test_no_output_key_changes_a_number(asperity, tmp_path, others):
         assert 0 < strided["summary/h_min"].attrs["error_grid"] < 0.2 * strided["summary/h_min"][()]
 
 
-def test_a_target_out_of_reach_is_told(asperity, tmp_path):
+def test_a_target_out_of_reach_is_told(run_case, tmp_path):
     """Pilot runs end at a bound of their work; the run is then done as well as they know, and says what is foretold."""
     case = TRANSIENT.replace(", time_step = 0.05", "").replace("end_time = 1.0", "end_time = 0.1")
     case = "\n".join(line for line in case.splitlines() if not line.startswith("&domain"))
-    write(tmp_path, "case.nml", case + "\n&domain x_inlet = -4.0, x_outlet = 1.5 /\n&accuracy target = 1e-7 /\n")
-    done = asperity("case.nml")
-    assert done.returncode == 0
+    done = run_case(case + "\n&domain x_inlet = -4.0, x_outlet = 1.5 /\n&accuracy target = 1e-7 /\n")
     with h5py.File(tmp_path / "case.h5") as file:
         note, h_min = text(file["report/note"][()]), file["summary/h_min"]
         foretold = h_min.attrs["error_grid"] / h_min[()]

@@ -6,10 +6,9 @@ import signal
 import h5py
 import numpy as np
 import pytest
-from cases import LONG, STEADY, write
+from cases import HANGING, LONG, STEADY, write
 from kill_and_resume import start
 from test_resume import wait_for, wait_for_times
-from time_limits import HANGING
 
 DRY = """&case problem = 'dry_line' /
 &bodies youngs_modulus_1 = 206e9, poisson_ratio_1 = 0.3 /

@@ -8,11 +8,10 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
-from cases import LONG, STEADY, TRANSIENT, text, write
+from cases import HANGING, LONG, STEADY, TRANSIENT, ended, text, write
 from kill_and_resume import busy, different, killed_at_last, start, undisturbed
 from test_output_names import heights, refused
 from test_resume import wait_for, wait_for_times
-from time_limits import HANGING
 
 WORKING = [".part", ".tmp", ".ckpt", ".ckpt.tmp"]
 XDMF = "&output xdmf = .true. /\n"
@@ -35,6 +34,7 @@ def precious(path, source):
     return path.read_bytes()
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("ending", WORKING)
 def test_files_of_the_user_keep_their_place(asperity, tmp_path, ending):
     source = random.Random(ending)
@@ -147,9 +147,7 @@ def test_a_part_cut_off_before_its_checkpoint(program, asperity, tmp_path):
         os.truncate(tmp_path / "case.h5.part", 3000)
         running.send_signal(signal.SIGTERM)
         assert running.wait(HANGING) == 4
-    done = asperity("case.nml", "--resume", "--quiet")
-    assert done.returncode == 1
-    assert "cannot resume: case.h5.part" in done.stderr
+    assert "cannot resume: case.h5.part" in ended(asperity("case.nml", "--resume", "--quiet"), 1).stderr
 
 
 def test_one_run_only_where_the_part_was_removed(program, asperity, tmp_path):

@@ -78,15 +78,8 @@ def test_values_that_no_namelist_can_say_are_findings_all_at_once():
             asperity.run(case)
         assert caught.value.findings == findings
     for bad in (
-        {1: {}},
-        {"a b": {}},
-        {"a/ &load": {}},
-        {"load": 3},
-        {"load": [1]},
-        {"load": {"x/ &y z": 1}},
-        {"Load": {}, "load": {}},
-        7,
-        b"&case /",
+        *({1: {}}, {"a b": {}}, {"a/ &load": {}}, {"load": 3}, {"load": [1]}),
+        *({"load": {"x/ &y z": 1}}, {"Load": {}, "load": {}}, 7, b"&case /"),
     ):
         assert asperity.check(bad)
     assert asperity.check(DRY | {"case": {"problem": "dry_line", "title": "\ud800"}})
@@ -95,15 +88,8 @@ def test_values_that_no_namelist_can_say_are_findings_all_at_once():
 def test_titles_are_kept_and_never_edited(tmp_path):
     (tmp_path / "x").write_text(HEIGHTS, encoding="utf-8")
     titles = [
-        "file = 'x'",
-        "it's",
-        "a \"b' c",
-        "back\\slash\\",
-        "\\'",
-        "a\\\\b",
-        "R&D / 50 % ! no",
-        "\u00a0\u200b ö \U0001f600",
-        "a = 1, b",
+        *("file = 'x'", "it's", "a \"b' c", "back\\slash\\", "\\'", "a\\\\b"),
+        *("R&D / 50 % ! no", "\u00a0\u200b ö \U0001f600", "a = 1, b"),
     ]
     for title in titles:
         quoted = title.replace("'", "''")
@@ -118,20 +104,7 @@ def test_titles_are_kept_and_never_edited(tmp_path):
         assert asperity.run(f90nml.Namelist(case)).title == title
 
 
-FOLDERS = [
-    "R&D",
-    "O'Neil",
-    'in "quotes"',
-    "&case x",
-    "a b",
-    "100% ! = #",
-    "Öl",
-    "back\\slash",
-    "-x",
-    "a.b",
-    "$HOME",
-    "*",
-]
+FOLDERS = ["R&D", "O'Neil", 'in "quotes"', "&case x", "a b", "100% ! = #", "Öl", "back\\slash", "-x", "a.b", "$HOME", "*"]
 
 
 def test_folders_of_any_name(tmp_path, monkeypatch):

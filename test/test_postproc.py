@@ -17,8 +17,7 @@ import h5py
 import numpy as np
 import pytest
 import result_maker
-from cases import STEADY, seal, write
-from time_limits import HANGING
+from cases import HANGING, STEADY, STOKES, seal, write
 
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics", "regime", "friction")
@@ -577,8 +576,7 @@ DRY = """&case problem = 'dry_line' /
 
 def test_regime_of_any_result(asperity, tmp_path: Path) -> None:
     """A contact by the full momentum equations has its place; of a dry one the command says that it has none."""
-    stokes = STEADY.replace("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'").replace("256", "128")
-    write(tmp_path, "stokes.nml", stokes)
+    write(tmp_path, "stokes.nml", STOKES.replace("256", "128"))
     write(tmp_path, "dry.nml", DRY)
     assert asperity("stokes.nml", "dry.nml", "--quiet").returncode == 0
     both = run("regime", tmp_path / "stokes.h5", tmp_path / "dry.h5", "--output", tmp_path, "--format", "png")

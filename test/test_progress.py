@@ -6,7 +6,7 @@ import re
 import subprocess
 
 import pytest
-from cases import STEADY, TRANSIENT, write
+from cases import AT_REST, STEADY, TRANSIENT, write
 
 # The ridge leaves the contact before the end.
 WHOLE = TRANSIENT.replace("end_time = 1.0, time_step = 0.05", "end_time = 2.0, time_step = 0.025")
@@ -19,10 +19,8 @@ def test_quiet_says_nothing(asperity, tmp_path):
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
-def test_log_has_few_plain_lines(asperity, tmp_path):
-    write(tmp_path, "a.nml", WHOLE)
-    done = asperity("a.nml")
-    assert done.returncode == 0
+def test_log_has_few_plain_lines(run_case):
+    done = run_case(WHOLE, name="a")
     lines = done.stderr.splitlines()
     assert "\r" not in done.stderr
     steps = [line for line in lines if "step " in line]
@@ -32,25 +30,14 @@ def test_log_has_few_plain_lines(asperity, tmp_path):
     assert max(len(line) for line in lines) <= 80
 
 
+@pytest.mark.path
 def test_closing_table(asperity, tmp_path):
     write(tmp_path, "a.nml", STEADY)
     lines = asperity("a.nml").stdout.splitlines()
     lines = lines[next(i for i, line in enumerate(lines) if "converged, " in line) :]
     assert re.match(r"a\.nml: converged, \d+ cycles, \S+ s$", lines[0])
     assert lines[1].split() == ["SI", "dimensionless"]
-    names = [
-        "h_min",
-        "h_central",
-        "p_max",
-        "friction",
-        "formulas",
-        "residual",
-        "inlet",
-        "limit",
-        "limit",
-        "model",
-        "result",
-    ]
+    names = ["h_min", "h_central", "p_max", "friction", "formulas", "residual", "inlet", "limit", "limit", "model", "result"]
     lines = lines[:2] + [line for line in lines[2:] if not line.startswith(12 * " ")]
     assert [line.split()[0] for line in lines[2:]] == names
     assert re.match(r"  h_min +\S+ nm +0\.\d+ +\+- \S+ %$", lines[2])
@@ -63,35 +50,29 @@ def test_closing_table(asperity, tmp_path):
     assert lines[-1].split() == ["result", "a.h5"]
 
 
-def test_reason_is_in_the_closing_table(asperity, tmp_path):
-    write(tmp_path, "a.nml", STEADY + "&solver start = 'hertz', max_cycles = 1 /\n")
-    done = asperity("a.nml")
-    assert done.returncode == 2
+def test_reason_is_in_the_closing_table(run_case):
+    done = run_case(STEADY + "&solver start = 'hertz', max_cycles = 1 /\n", status=2, name="a")
     for stream in (done.stderr, done.stdout):
         assert "a.nml: NOT CONVERGED: " in stream
         assert max(len(line) for line in stream.splitlines()) <= 80
 
 
 # Waves of many films on a surface at rest; the domain is the program's.
-AT_REST = "".join(line + "\n" for line in STEADY.replace("speed_1 = 0.1", "speed_1 = 0.0").splitlines() if "&domain" not in line)
+STILL = "".join(line + "\n" for line in AT_REST.splitlines() if "&domain" not in line)
 WAVES = "&surface_1 shape = 'sinusoid', amplitude = 5e-6, wavelength = 6e-5 /\n"
 
 
-def test_each_reason_is_told_once(asperity, tmp_path):
+def test_each_reason_is_told_once(run_case):
     """Newton's method fails with three starts in the same way."""
-    write(tmp_path, "a.nml", AT_REST.replace("1e5", "1e4") + WAVES)
-    done = asperity("a.nml", "--quiet")
-    assert done.returncode == 2
+    done = run_case(STILL.replace("1e5", "1e4") + WAVES, "--quiet", status=2)
     outcome = " ".join(done.stderr.split("NOT CONVERGED: ")[1].split())
     assert outcome.startswith("the surfaces rise to ")
     reasons = outcome.split("; ")
     assert len(reasons) == len(set(reasons)) > 1
 
 
-def test_no_figures_where_no_start_was_found(asperity, tmp_path):
-    write(tmp_path, "a.nml", AT_REST + WAVES + "&solver smoother = 'hybrid' /\n")
-    done = asperity("a.nml")
-    assert done.returncode == 2
+def test_no_figures_where_no_start_was_found(run_case):
+    done = run_case(STILL + WAVES + "&solver smoother = 'hybrid' /\n", status=2, name="a")
     assert "h_min" not in done.stdout
     assert done.stdout.splitlines()[-1].split() == ["result", "a.h5"]
 

@@ -10,10 +10,9 @@ import time
 import h5py
 import numpy as np
 import pytest
-from cases import LONG, STEADY, TRANSIENT, seal, text, write
+from cases import HANGING, LONG, STEADY, TRANSIENT, ended, seal, text, write
 from conftest import ROOT
 from kill_and_resume import busy, check_part, different, kill_until_complete, killed_at_last, start, undisturbed
-from time_limits import HANGING
 
 
 def wait_for(path, running, seconds=HANGING):
@@ -82,6 +81,7 @@ def test_killed_at_random_moments(program, tmp_path):
         (tmp_path / "case.h5").unlink()
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_ends_with_status_4_and_a_checkpoint(program, tmp_path, number):
     write(tmp_path, "case.nml", LONG)
@@ -154,6 +154,7 @@ def test_a_chosen_resolution_goes_on_to_the_same_bits(program, interrupted, aspe
         assert float(one["input/effective/solver"].attrs["tolerance"]) == 2e-4
 
 
+@pytest.mark.path
 def test_resume_says_where_it_goes_on(interrupted, asperity):
     interrupted()
     lines = asperity("case.nml", "--resume").stderr.splitlines()
@@ -161,11 +162,8 @@ def test_resume_says_where_it_goes_on(interrupted, asperity):
     assert "cycle 1" not in "".join(lines)
 
 
-def test_resume_without_a_checkpoint_starts_at_the_beginning(asperity, tmp_path):
-    write(tmp_path, "case.nml", TRANSIENT)
-    done = asperity("case.nml", "--resume")
-    assert done.returncode == 0
-    assert done.stderr.startswith("case.nml: no checkpoint case.h5.ckpt: starts at the beginning\n")
+def test_resume_without_a_checkpoint_starts_at_the_beginning(run_case, tmp_path):
+    assert run_case(TRANSIENT, "--resume").stderr.startswith("case.nml: no checkpoint case.h5.ckpt: starts at the beginning\n")
     assert names(tmp_path) == ["case.h5", "case.nml"]
 
 
@@ -197,8 +195,7 @@ def test_resume_says_that_a_complete_result_did_not_converge(asperity, tmp_path,
         reason = text(file.attrs["reason"])
     assert reason
     written = (tmp_path / "case.h5").stat().st_mtime_ns
-    again = asperity("case.nml", "--resume")
-    assert again.returncode == 2
+    again = ended(asperity("case.nml", "--resume"), 2)
     assert again.stderr == f"asperity: case.nml: case.h5 is there, NOT CONVERGED: {reason}; without --resume it is computed again\n"
     quiet = asperity("case.nml", "--quiet", "--resume")
     assert (quiet.returncode, quiet.stderr) == (2, again.stderr)
@@ -207,7 +204,8 @@ def test_resume_says_that_a_complete_result_did_not_converge(asperity, tmp_path,
     assert (tmp_path / "case.h5").stat().st_mtime_ns > written
 
 
-def test_checkpoint_of_another_case_is_refused(interrupted, asperity, tmp_path):
+@pytest.mark.path
+def test_checkpoint_of_another_case_is_refused(run_case, interrupted, asperity, tmp_path):
     text = busy(0.05)
     interrupted(text)
     kept = {path: (tmp_path / path).read_bytes() for path in ("case.h5.ckpt", "case.h5.part")}
@@ -216,9 +214,7 @@ def test_checkpoint_of_another_case_is_refused(interrupted, asperity, tmp_path):
         ("intervals = 128", "intervals = 256", "&domain intervals = 128, the namelist &domain intervals = 256"),
         ("end_time = 12.0", "end_time = 13.0", "&time end_time = 12.0"),
     ]:
-        write(tmp_path, "case.nml", text.replace(old, new))
-        done = asperity("case.nml", "--resume", "--quiet")
-        assert done.returncode == 1
+        done = run_case(text.replace(old, new), "--resume", "--quiet", status=1)
         assert "cannot resume: case.h5.ckpt is of another case: it has " + reason in done.stderr
         assert {path: (tmp_path / path).read_bytes() for path in kept} == kept
     write(tmp_path, "case.nml", text.replace("Öl, smooth", "another title").replace("checkpoint_interval = 0.05", ""))
@@ -231,8 +227,7 @@ def test_checkpoint_of_another_version_is_refused(interrupted, asperity, tmp_pat
     with h5py.File(tmp_path / "case.h5.ckpt", "r+") as file:
         file.attrs[name] = np.bytes_(value) if isinstance(value, str) else value
     seal(tmp_path / "case.h5.ckpt")
-    done = asperity("case.nml", "--resume", "--quiet")
-    assert done.returncode == 1
+    done = ended(asperity("case.nml", "--resume", "--quiet"), 1)
     assert "cannot resume: case.h5.ckpt was written by another version, asperity " in done.stderr
 
 
@@ -240,17 +235,11 @@ def test_damaged_checkpoint_is_refused(interrupted, asperity, tmp_path):
     interrupted()
     whole = (tmp_path / "case.h5.ckpt").read_bytes()
     for content in (
-        b"",
-        b"not HDF5",
-        whole[: len(whole) // 2],
-        whole[:-1],
-        whole + b"\n",
-        flipped(whole, 3000),
-        flipped(whole, -40),
+        *(b"", b"not HDF5", whole[: len(whole) // 2], whole[:-1]),
+        *(whole + b"\n", flipped(whole, 3000), flipped(whole, -40)),
     ):
         (tmp_path / "case.h5.ckpt").write_bytes(content)
-        done = asperity("case.nml", "--resume", "--quiet")
-        assert done.returncode == 1
+        done = ended(asperity("case.nml", "--resume", "--quiet"), 1)
         assert "cannot resume: cannot read case.h5.ckpt" in done.stderr
         assert done.stderr.endswith("; delete it, and the run starts at the beginning\n")
     (tmp_path / "case.h5.ckpt").unlink()
@@ -267,8 +256,7 @@ def test_damaged_part_is_refused(interrupted, asperity, tmp_path):
     whole = part.read_bytes()
     part.write_bytes(flipped(whole, place))
     changed = part.read_bytes()
-    done = asperity("case.nml", "--resume", "--quiet")
-    assert done.returncode == 1
+    done = ended(asperity("case.nml", "--resume", "--quiet"), 1)
     assert "cannot resume: case.h5.part is damaged: its checksum is not that of the checkpoint; delete the" in done.stderr
     assert part.read_bytes() == changed
     part.write_bytes(whole)
@@ -291,13 +279,11 @@ def test_damaged_result_is_not_complete(asperity, tmp_path, place):
     assert asperity("case.nml", "--quiet").returncode == 0
     result = tmp_path / "case.h5"
     result.write_bytes(flipped(result.read_bytes(), place))
-    done = asperity("case.nml", "--resume")
-    assert done.returncode == 0
-    assert "nothing to do" not in done.stderr
+    assert "nothing to do" not in ended(asperity("case.nml", "--resume")).stderr
     assert asperity("case.nml", "--resume").stderr == "case.nml: case.h5 is complete: nothing to do\n"
 
 
-def test_missing_or_wrong_part_is_refused(interrupted, asperity, tmp_path):
+def test_missing_or_wrong_part_is_refused(run_case, interrupted, asperity, tmp_path):
     interrupted()
     part = tmp_path / "case.h5.part"
     part.rename(tmp_path / "kept")
@@ -307,10 +293,7 @@ def test_missing_or_wrong_part_is_refused(interrupted, asperity, tmp_path):
     with h5py.File(tmp_path / "kept") as file, h5py.File(part, "w") as other:
         for name in file["transient"]:
             other[f"transient/{name}"] = file["transient"][name][:1]
-    write(tmp_path, "case.nml", busy(0.05))
-    done = asperity("case.nml", "--resume", "--quiet")
-    assert done.returncode == 1
-    assert "case.h5.part holds less than the checkpoint says" in done.stderr
+    assert "case.h5.part holds less than the checkpoint says" in run_case(busy(0.05), "--resume", "--quiet", status=1).stderr
     part.unlink()
     (tmp_path / "kept").rename(part)
     assert asperity("case.nml", "--resume", "--quiet").returncode == 0
@@ -328,9 +311,7 @@ def test_a_new_run_removes_the_old_checkpoint(program, interrupted, tmp_path):
 def test_checkpoint_that_cannot_be_written_does_not_stop_the_run(asperity, tmp_path):
     write(tmp_path, "case.nml", busy(0.0))
     (tmp_path / "case.h5.ckpt.tmp").mkdir()
-    done = asperity("case.nml", "--quiet")
-    assert done.returncode == 0
-    assert "asperity: cannot write case.h5.ckpt.tmp" in done.stderr
+    assert "asperity: cannot write case.h5.ckpt.tmp" in ended(asperity("case.nml", "--quiet")).stderr
     assert (tmp_path / "case.h5").exists()
 
 
@@ -345,9 +326,7 @@ def test_an_interrupted_list_of_cases_goes_on(program, asperity, tmp_path):
         assert running.wait() == 4
     assert not (tmp_path / "last.h5").exists()
     write(tmp_path, "case.nml", busy(0.05))
-    done = asperity(*files, "--resume")
-    assert done.returncode == 0
-    assert "goes on after step" in done.stderr
+    assert "goes on after step" in ended(asperity(*files, "--resume")).stderr
     assert names(tmp_path) == ["case.h5", "case.nml", "first.h5", "first.nml", "last.h5", "last.nml"]
 
 

@@ -6,10 +6,9 @@ import time
 import h5py
 import numpy as np
 import pytest
-from cases import STEADY, text, write
+from cases import AT_REST, HANGING, STEADY, ended, text, write
 from kill_and_resume import different, killed_at_last, undisturbed
 from long_run import peak_memory, stored_times
-from time_limits import HANGING
 
 PASSAGE = "&time transient = .true., end_time = {end}, time_step = 0.02 /\n&accuracy error_bars = .false. /\n"
 SPACING = 1e-6
@@ -46,6 +45,7 @@ def run(asperity, tmp_path, text, name="case"):
     return tmp_path / f"{name}.h5", done.stderr + done.stdout
 
 
+@pytest.mark.path
 def test_csv_and_hdf5_give_the_same(asperity, tmp_path):
     write_csv(tmp_path / "p.csv", wave())
     write_hdf5(tmp_path / "p.h5in.h5", wave())
@@ -106,9 +106,7 @@ def test_long_profile_goes_on_after_a_signal(program, asperity, tmp_path):
         running.send_signal(signal.SIGTERM)
         assert "--resume goes on" in running.stderr.read()
     assert running.returncode == 4
-    done = asperity("case.nml", "--resume")
-    assert done.returncode == 0
-    assert "goes on after step" in done.stderr
+    assert "goes on after step" in ended(asperity("case.nml", "--resume")).stderr
     assert different(reference, tmp_path / "case.h5") == []
 
 
@@ -137,7 +135,7 @@ def test_memory_does_not_grow_with_the_profile(program, tmp_path):
     assert memory[1] < 60
 
 
-def test_synthetic_profile_of_any_length(program, asperity, tmp_path):
+def test_synthetic_profile_of_any_length(run_case, program, asperity, tmp_path):
     """Longer than what is made at once: from pieces, with the same result every time, in the memory of a short one."""
     surface = "&surface_2 shape = 'synthetic', rms_height = 10e-9, wavelength_short = {}, wavelength_long = 3e-6, seed = 3 /\n"
     stride = "&output profile_stride = 5 /\n"
@@ -154,9 +152,7 @@ def test_synthetic_profile_of_any_length(program, asperity, tmp_path):
     with killed_at_last(program, tmp_path) as running:
         follow_times(running, tmp_path / "case.h5.part", 3)
         assert peak_memory(running) < 100
-    write(tmp_path, "case.nml", case.replace("3e-6", "4e-5"))
-    done = asperity("case.nml")
-    assert done.returncode == 1
+    done = run_case(case.replace("3e-6", "4e-5"), status=1)
     assert "&surface_2 wavelength_long: found 4.00000E-05 m, expected at most 2048 times wavelength_short" in done.stderr
 
 
@@ -181,9 +177,7 @@ def test_complete_result_with_other_heights_is_run_again(asperity, tmp_path):
     run(asperity, tmp_path, passage(surface))
     assert "is complete: nothing to do" in asperity("case.nml", "--resume").stderr
     write_csv(tmp_path / "p.csv", wave(amplitude=41e-9))
-    again = asperity("case.nml", "--resume")
-    assert again.returncode == 0
-    assert "starts at the beginning" in again.stderr
+    assert "starts at the beginning" in ended(asperity("case.nml", "--resume")).stderr
 
 
 def test_profile_is_interpolated_where_the_surface_is(asperity, tmp_path):
@@ -276,10 +270,11 @@ def test_too_few_nodes_are_told(asperity, tmp_path):
         assert file["report/nodes_per_wave"][()] == pytest.approx(3e-4 / dx)
 
 
+@pytest.mark.path
 def test_steady_with_a_rough_surface_at_rest(asperity, tmp_path):
     write_csv(tmp_path / "p.csv", wave(nodes=1000, waves=10))
     surface = "&surface_1 shape = 'file', file = 'p.csv', dataset = 'z' /\n"
-    path, _ = run(asperity, tmp_path, STEADY.replace("speed_1 = 0.1", "speed_1 = 0.0") + surface)
+    path, _ = run(asperity, tmp_path, AT_REST + surface)
     with h5py.File(path) as file:
         scale = file["solution/roughness_1"].attrs["si_scale"]
         assert np.abs(file["solution/roughness_1"][()]).max() * scale == pytest.approx(40e-9, rel=5e-3)
@@ -307,10 +302,8 @@ def test_checkpoint_knows_the_heights(program, asperity, tmp_path):
         ("x,z\n0,0\n1e-6,nan\n", "p.csv:3:6: found 'nan', expected a number"),
     ],
 )
-def test_bad_file(asperity, tmp_path, content, message):
+def test_bad_file(run_case, tmp_path, content, message):
     (tmp_path / "p.csv").write_text(content, encoding="utf-8")
-    write(tmp_path, "a.nml", passage("&surface_2 shape = 'file', file = 'p.csv', dataset = 'z' /\n"))
-    done = asperity("a.nml")
-    assert done.returncode == 1
+    done = run_case(passage("&surface_2 shape = 'file', file = 'p.csv', dataset = 'z' /\n"), status=1)
     assert "&surface_2 file: " in done.stderr
     assert message in done.stderr

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import h5py
 import pytest
-from cases import LONG, STEADY, write
+from cases import HANGING, LONG, STEADY, write
 from test_resume import names, wait_for, wait_for_times
-from time_limits import HANGING
 
 # Seconds of solving, without a look at the outside.
 DRY = """&case problem = 'dry_area' /
@@ -70,6 +69,7 @@ def test_a_reader_that_no_longer_reads_does_not_hold_up_the_end(program, tmp_pat
     assert names(tmp_path) == ["dry.nml"]
 
 
+@pytest.mark.path
 @pytest.mark.parametrize("number", SIGNALS[2:])
 def test_batch_systems_get_a_checkpoint(program, tmp_path, number):
     write(tmp_path, "case.nml", LONG)

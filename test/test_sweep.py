@@ -262,17 +262,9 @@ def test_an_index_of_an_earlier_version_is_read_and_replaced_by_the_same_sweep(s
 @pytest.mark.parametrize(
     "damage",
     [
-        '"case","x"\n"case_0001",1\n"case_0001",2\n',
-        '"case","x"\n"case_\0001",1\n',
-        '"case","x","x"\n"case_0001",1,2\n',
-        "1,2\n3,4\n",
-        '"case","x"\n"../case_1",1\n',
-        '"case","x/y"\n"case_0001",1\n',
-        '"case","x"\n"case_0001"\n',
-        '"case"\n',
-        "",
-        "\n",
-        '"case","x\n',
+        *('"case","x"\n"case_0001",1\n"case_0001",2\n', '"case","x"\n"case_\0001",1\n'),
+        *('"case","x","x"\n"case_0001",1,2\n', "1,2\n3,4\n", '"case","x"\n"../case_1",1\n'),
+        *('"case","x/y"\n"case_0001",1\n', '"case","x"\n"case_0001"\n', '"case"\n', "", "\n", '"case","x\n'),
     ],
 )
 def test_a_damaged_index_is_told(tmp_path, damage):

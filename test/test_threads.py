@@ -7,9 +7,8 @@ import time
 
 import h5py
 import pytest
-from cases import STEADY, contents, same_bits, write
+from cases import HANGING, STEADY, contents, same_bits, write
 from kill_and_resume import busy, different
-from time_limits import HANGING
 
 # Wall times, which differ from run to run.
 CLOCKS = ("report/wall_seconds", "report/phase_seconds")

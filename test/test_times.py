@@ -1,9 +1,11 @@
-"""Which times of a transient count: periodic passages, features without a place, what starts inside the contact."""
+"""Which times of a transient count: periodic passages, features without a place, what starts inside the contact; whole steps."""
+
+import random
 
 import h5py
 import numpy as np
 import pytest
-from cases import STEADY, contents, same_bits, text, write
+from cases import STEADY, TRANSIENT, contents, same_bits, text, write
 
 WAVE = "&surface_2 shape = 'sinusoid', amplitude = 3e-8, wavelength = 1e-4, position = 0.2 /\n"
 RIDGE = "&surface_2 shape = 'feature', amplitude = 2e-7, wavelength = 1e-4{} /\n"
@@ -40,6 +42,7 @@ def test_periodic_passage_reports_its_last_periods(asperity, tmp_path):
     assert " count, periods of " in told
 
 
+@pytest.mark.path
 def test_an_end_too_early_is_told(asperity, tmp_path):
     file, told = run(asperity, tmp_path, WAVE, 3.0)
     with file:
@@ -165,3 +168,34 @@ def test_output_keys_do_not_change_a_periodic_passage(asperity, tmp_path):
         found.append({path: value for path, value in contents(tmp_path / "a.h5").items() if path.startswith("summary")})
     assert found[0].keys() == found[1].keys()
     assert all(same_bits(found[0][path], found[1][path]) for path in found[0])
+
+
+FAST = "&accuracy error_bars = .false. /\n"
+SOURCE = random.Random(20261122)
+# End and step; the last one is given to a few digits only: rounding adds no step.
+STEPS = [(0.37, 0.1), (0.3, 0.1), (0.1, 0.1), (0.218066, 0.0272583)]
+STEPS += [(round(SOURCE.uniform(0.05, 0.4), 4), round(SOURCE.uniform(0.01, 0.05), 4)) for _ in range(8)]
+
+
+def stepped(end, step):
+    return TRANSIENT.replace("end_time = 1.0", f"end_time = {end}").replace("time_step = 0.05", f"time_step = {step}") + FAST
+
+
+def test_steps_end_at_the_end_time(asperity, tmp_path):
+    for i, (end, step) in enumerate(STEPS):
+        write(tmp_path, f"{i}.nml", stepped(end, step))
+    assert asperity(*(f"{i}.nml" for i in range(len(STEPS))), "--quiet").returncode == 0
+    for i, (end, step) in enumerate(STEPS):
+        with h5py.File(tmp_path / f"{i}.h5") as file:
+            times, taken = file["transient/time"][()], file["input/effective/time"].attrs["time_step"]
+        assert times[-1] == pytest.approx(end, rel=1e-14)
+        assert np.diff(times) == pytest.approx(taken, rel=1e-9)
+        # the given step or shorter, by no more than the last step was too long
+        assert taken <= step * (1 + 1e-3)
+        assert len(times) - 1 == int(np.ceil(end / step - 1e-3))
+
+
+def test_a_step_that_fits_is_taken_as_it_is(solved_case):
+    step = 5.37109375e-3
+    with solved_case(stepped(20 * step, step)) as file:
+        assert file["input/effective/time"].attrs["time_step"] == step

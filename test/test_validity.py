@@ -5,7 +5,7 @@ import json
 import h5py
 import numpy as np
 import pytest
-from cases import MOES, STEADY, TRANSIENT, write
+from cases import AT_REST, MOES, STEADY, STOKES, TRANSIENT, write
 
 AUTO = STEADY.replace("&domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /\n", "")
 ROLLING = STEADY.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 0.6, speed_2 = 0.6")
@@ -40,7 +40,7 @@ def water(speed):
 
 
 def wavy(amplitude, wavelength):
-    still = STEADY.replace("256", "4096").replace("speed_1 = 0.1", "speed_1 = 0.0")
+    still = AT_REST.replace("256", "4096")
     return still + f"&surface_1 shape = 'sinusoid', amplitude = {amplitude}, wavelength = {wavelength} /\n"
 
 
@@ -96,6 +96,7 @@ def test_each_limit_on_either_side(asperity, tmp_path, row):
     assert words not in log
 
 
+@pytest.mark.path
 def test_what_is_not_known_is_named(asperity, tmp_path):
     write(tmp_path, "a.nml", STEADY)
     write(tmp_path, "b.nml", MOES)
@@ -112,6 +113,7 @@ def test_what_is_not_known_is_named(asperity, tmp_path):
         assert group["stokes_number"][()] == pytest.approx(0.0575, abs=1e-3)
 
 
+@pytest.mark.path
 def test_a_transient_takes_the_extremes_and_a_failure_nothing(asperity, tmp_path):
     write(tmp_path, "a.nml", TRANSIENT)
     write(tmp_path, "b.nml", STEADY + "&solver max_cycles = 1 /\n")
@@ -160,13 +162,9 @@ def test_heat_of_a_passage_is_the_largest_of_all_times(asperity, tmp_path):
         assert late["adequacy/validity/shear_heating"][()] == pytest.approx(max(rises[-2:]), rel=0.02)
 
 
-def test_what_is_solved_is_not_doubted(asperity, tmp_path):
+def test_what_is_solved_is_not_doubted(solved_case):
     """With the full momentum equations no limit of Reynolds' equation is left."""
-    write(
-        tmp_path, "a.nml", changed(STEADY, ("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'"), ("256", "128"))
-    )
-    assert asperity("a.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file:
+    with solved_case(changed(STOKES, ("256", "128"))) as file:
         group = file["adequacy/validity"]
         assert not {"stokes_number", "surface_slope", "film_over_wave"} & set(group)
         assert "stokes_number: the full momentum equations are solved" in group.attrs["not_evaluated"].decode()
@@ -287,11 +285,9 @@ def test_every_limit_by_its_definition(asperity, tmp_path):
         assert found == pytest.approx(expected, rel=1e-9)
 
 
-def test_length_that_a_contact_needs(asperity, tmp_path):
+def test_length_that_a_contact_needs(solved_case):
     """Where the length is not given the result says below which one it would matter."""
-    write(tmp_path, "a.nml", STEADY)
-    assert asperity("a.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file:
+    with solved_case(STEADY) as file:
         words = file["adequacy/validity"].attrs["not_evaluated"].decode().split("side_flow: ")[1].split(";")[0]
         width = 2 * file["scaling"].attrs["half_width"]
     length, unit = words.split("shorter than ")[1].split(" would lose 1")[0].split()
@@ -300,7 +296,7 @@ def test_length_that_a_contact_needs(asperity, tmp_path):
 
 KINDS = {
     "reynolds": STEADY,
-    "stokes": changed(STEADY, ("problem = 'ehl_line'", "problem = 'ehl_line', equations = 'stokes'"), ("256", "128")),
+    "stokes": changed(STOKES, ("256", "128")),
     "passage": TRANSIENT,
     "lean": changed(AUTO, ("problem = 'ehl_line'", "problem = 'ehl_line', model = 'auto'"))
     + "&time transient = .true., end_time = 6.0 /&accuracy target = 0.01 /",
@@ -308,11 +304,9 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_summary_says_how_far_reynolds_holds(asperity, tmp_path, kind):
+def test_every_summary_says_how_far_reynolds_holds(solved_case, kind):
     """T_max and the largest slope: those of the fields, of a passage the largest of all its times; as among the limits."""
-    write(tmp_path, "a.nml", KINDS[kind])
-    assert asperity("a.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file:
+    with solved_case(KINDS[kind]) as file:
         if kind == "passage":
             series = file["transient"]
             assert len(series["profile_time"]) == len(series["time"])
@@ -333,11 +327,9 @@ def test_every_summary_says_how_far_reynolds_holds(asperity, tmp_path, kind):
             ] == pytest.approx(item[()], rel=1e-12)
 
 
-def test_limits_without_units(asperity, tmp_path):
+def test_limits_without_units(solved_case):
     """By Moes' numbers the slope is known in units of b/R, T_max where the speeds are."""
-    write(tmp_path, "a.nml", MOES)
-    assert asperity("a.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file:
+    with solved_case(MOES) as file:
         assert "stokes_number" not in file["summary"]
         film, pressure = file["solution/film_thickness"][()], file["solution/pressure"][()]
         slopes = np.abs(np.diff(film) / np.diff(file["solution/x"][()]))
@@ -345,11 +337,9 @@ def test_limits_without_units(asperity, tmp_path):
         assert file["summary/surface_slope"][()] == pytest.approx(slopes[loaded].max(), rel=1e-9)
 
 
-def test_limits_are_columns_of_the_table(asperity, tmp_path):
+def test_limits_are_columns_of_the_table(solved_case, asperity):
     """`asperity table` has both as CSV and JSON."""
-    write(tmp_path, "a.nml", STEADY)
-    assert asperity("a.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file:
+    with solved_case(STEADY, name="a") as file:
         expected = [float(file["summary"][name][()]) for name in ("stokes_number", "surface_slope")]
     done = asperity("table", "a.h5", "--format", "csv")
     head, row = (line.split(",") for line in done.stdout.splitlines()[:2])

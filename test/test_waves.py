@@ -3,9 +3,8 @@
 import h5py
 import numpy as np
 import pytest
-from cases import STEADY, text, write
+from cases import AT_REST, text, write
 
-AT_REST = STEADY.replace("speed_1 = 0.1", "speed_1 = 0.0")
 OPEN = AT_REST.replace(", intervals = 256", "")
 WAVE = "&surface_1 shape = '{}', amplitude = 0.1e-6, wavelength = {}, position = 0.0 /\n"
 DX = 5.5 / 256 * 1.05797e-4
@@ -39,6 +38,7 @@ def test_chosen_grid_sees_a_wave_of_a_spacing(asperity, tmp_path, shape):
     assert abs(h_min - truth) < min(error, 0.02 * truth)
 
 
+@pytest.mark.path
 def test_coarse_grid_is_told_and_has_no_estimate(asperity, tmp_path):
     _, error, nodes, note, reason, told = solved(asperity, tmp_path, AT_REST + WAVE.format("feature", 8.01 * DX))
     assert nodes == pytest.approx(8.01, rel=1e-4)

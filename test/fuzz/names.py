@@ -15,16 +15,8 @@ CASES = 160
 
 ENDINGS = [".csv", ".h5", ".hdf5", "", ".CSV", ".H5", ".txt"]
 DEVICES = [
-    "/dev/zero",
-    "/dev/null",
-    "/dev/full",
-    "/dev/random",
-    "/dev/tty",
-    "/dev/stdin",
-    "/proc/self/mem",
-    "/proc/kmsg",
-    "/sys",
-    "/",
+    *("/dev/zero", "/dev/null", "/dev/full", "/dev/random", "/dev/tty"),
+    *("/dev/stdin", "/proc/self/mem", "/proc/kmsg", "/sys", "/"),
 ]
 ODD = ["", " ", "..", ".", "a" * 300, "a" * 5000, "~", "*", "$HOME", "z\tz", "\u00e4", "-", "z\\n", "/" * 50, "a/b/c"]
 

@@ -32,29 +32,7 @@ GROUPS = {
     "output": {"adequacy": False},
     "accuracy": {"error_bars": False},
 }
-LETTERS = [
-    "a",
-    "b",
-    " ",
-    "&",
-    "'",
-    '"',
-    "\\",
-    "!",
-    "=",
-    "#",
-    "%",
-    ",",
-    "(",
-    "ö",
-    "\u00a0",
-    "\U0001f600",
-    ";",
-    "$",
-    "-",
-    "file = 'x'",
-    ".nml",
-]
+LETTERS = [*"ab &'\"\\!=#%,(ö\u00a0\U0001f600;$-", "file = 'x'", ".nml"]
 BAD = [
     *(None, datetime.date(2026, 1, 2), 1j, float("nan"), float("inf"), b"x", {1}, {"a": 1}, [], [[1]], object(), 10**400, "\ud800"),
     *(np.datetime64(1, "ns"), np.timedelta64(1, "s"), np.ones((2, 2)), Decimal("NaN"), [None], float, np.complex128(1)),

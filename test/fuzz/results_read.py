@@ -27,23 +27,12 @@ CASES = 1000
 QUICK = 40
 KINDS = ["bytes", "bytes", "bytes", "foreign", "edited", "behind", "other", "whole"]
 VALUES = [
-    1.0,
-    b"text",
-    np.zeros(0),
-    np.arange(3),
-    np.zeros((2, 3, 4)),
-    h5py.Empty("f8"),
-    np.array((1, 2.0), dtype=[("a", "i4"), ("b", "f8")]),
+    *(1.0, b"text", np.zeros(0), np.arange(3), np.zeros((2, 3, 4))),
+    *(h5py.Empty("f8"), np.array((1, 2.0), dtype=[("a", "i4"), ("b", "f8")])),
 ]
 NAMES = [
-    "summary/h_min",
-    "solution/x",
-    "solution/pressure",
-    "report/method",
-    "input/namelist",
-    "transient",
-    "adequacy/validity/x",
-    "scaling",
+    *("summary/h_min", "solution/x", "solution/pressure", "report/method"),
+    *("input/namelist", "transient", "adequacy/validity/x", "scaling"),
 ]
 
 

@@ -178,20 +178,12 @@ def tables(program: Path, source: random.Random, folder: Path) -> str | None:
         file["status"] = ["done"] * 4
         file["h_min"], file["h_min_error"] = np.ones(4), np.full(4, 0.1)
         odd = [
-            np.ones((4, 2)),
-            np.ones(3),
-            np.float64(1),
-            np.array(["a"] * 4, dtype=object),
-            np.full(4, np.nan),
-            np.zeros(4, "f8,i4"),
+            *(np.ones((4, 2)), np.ones(3), np.float64(1), np.array(["a"] * 4, dtype=object)),
+            *(np.full(4, np.nan), np.zeros(4, "f8,i4")),
         ]
         odd += [
-            np.zeros(4, complex),
-            np.ones(4, bool),
-            np.full(4, 2**62),
-            np.ones((4, 0)),
-            np.array([b"\xff"] * 4),
-            np.full(4, 1e308),
+            *(np.zeros(4, complex), np.ones(4, bool), np.full(4, 2**62)),
+            *(np.ones((4, 0)), np.array([b"\xff"] * 4), np.full(4, 1e308)),
         ]
         for name in source.sample(list(file), source.choice([0, 1, 2])):
             del file[name]

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from time_limits import HANGING
+from cases import HANGING
 
 TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
 TESTS = pathlib.Path(__file__).resolve().parent
