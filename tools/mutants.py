@@ -130,24 +130,10 @@ class Tree:
             text, name = file.read_text(encoding="utf-8"), file.relative_to(place).as_posix()
             self.uses[name] = set(re.findall(r"(?mi)^ *use (\w+)", text))
             self.of_module |= dict.fromkeys(re.findall(r"(?mi)^module (\w+)", text), name)
-        self.catch_up()
-
-    def catch_up(self):
-        """Compiles what is newer than its object, from what is used to what uses it, and forgets what is gone."""
-
-        def is_late(file):
-            place, source = self.object_of(file), self.place / file
-            return not place.exists() or place.stat().st_mtime < source.stat().st_mtime
-
         for path in set(self.objects.glob("*.o")) - {self.object_of(file) for file in self.uses}:
             path.unlink()
-        late = {file for file in self.uses if is_late(file)}
-        while late:
-            ready = [file for file in sorted(late) if not {self.of_module.get(name) for name in self.uses[file]} & (late - {file})]
-            for file in ready:
-                if not self.compile(file, {}):
-                    sys.exit(f"{file} does not compile")
-            late.difference_update(ready)
+        if not self.catch_up({file for file in self.uses if self.is_late(file)}, {}):
+            sys.exit("the sources do not compile")
 
     def call(self, *command):
         """Output of a command in the copy; an error ends the tool."""
@@ -160,23 +146,33 @@ class Tree:
         """Object file of a source."""
         return self.objects / f"{file.replace('/', '_')}.o"
 
+    def is_late(self, file):
+        """Whether a source is newer than its object."""
+        place = self.object_of(file)
+        return not place.exists() or place.stat().st_mtime < (self.place / file).stat().st_mtime
+
     def compile(self, file, kept):
-        """Whether a source compiles, and with it what uses it, if its module file has changed. Overwritten files go to `kept`."""
-        waiting = [file]
-        while waiting:
-            file = waiting.pop(0)
-            modules = [self.modules / f"{module}.mod" for module, where in self.of_module.items() if where == file]
-            old = [path.read_bytes() if path.exists() else b"" for path in modules]
-            for path, content in zip(modules, old, strict=True):
-                kept.setdefault(path, content)
-            if self.object_of(file).exists():
-                kept.setdefault(self.object_of(file), self.object_of(file).read_bytes())
-            folders = ["-Ibuild/info", "-Iinclude", "-I/usr/include/hdf5/serial", f"-I{self.modules}", "-J", self.modules]
-            command = ["gfortran", "-c", file, *self.flags, "-w", *folders, "-o", self.object_of(file)]
-            if subprocess.run(command, cwd=self.place, capture_output=True, check=False).returncode:
-                return False
-            changed = {path.stem for path, before in zip(modules, old, strict=True) if path.read_bytes() != before}
-            waiting += [name for name, used in self.uses.items() if used & changed and name not in waiting]
+        """Compiles a source; returns what has to be compiled again, or None if it fails. Overwritten files go to `kept`."""
+        modules = [self.modules / f"{module}.mod" for module, where in self.of_module.items() if where == file]
+        old = {path: path.read_bytes() if path.exists() else b"" for path in [self.object_of(file), *modules]}
+        for path, content in old.items():
+            kept.setdefault(path, content)
+        folders = ["-Ibuild/info", "-Iinclude", "-I/usr/include/hdf5/serial", f"-I{self.modules}", "-J", self.modules]
+        command = ["gfortran", "-c", file, *self.flags, "-w", *folders, "-o", self.object_of(file)]
+        if subprocess.run(command, cwd=self.place, capture_output=True, check=False).returncode:
+            return None
+        changed = {path.stem for path in modules if path.read_bytes() != old[path]}
+        return {name for name, used in self.uses.items() if used & changed}
+
+    def catch_up(self, late, kept):
+        """Compiles sources and what uses them, if their module files change; returns whether that worked."""
+        while late:
+            ready = [file for file in sorted(late) if not {self.of_module.get(name) for name in self.uses[file]} & (late - {file})]
+            for file in ready:
+                users = self.compile(file, kept)
+                if users is None:
+                    return False
+                late = (late - {file}) | users
         return True
 
     def link(self, name, *patterns):
@@ -220,7 +216,7 @@ class Tree:
             return "stale"
         try:
             path.write_text(planted, encoding="utf-8")
-            if not self.compile(fault.file, kept):
+            if not self.catch_up({fault.file}, kept):
                 return "stale"
             return ", ".join(self.verdict(judge, every, has_units=fault.file.startswith("src/"))) or "SURVIVED"
         finally:
