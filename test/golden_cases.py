@@ -150,6 +150,9 @@ ONE = {
         "'sinusoid', amplitude = 1e-7, wavelength = 1.28e-4",
         bodies=", hardness = 3e9",
     ),
+    "yields_thrice": dry(
+        "dry_line", "mean_pressure = 2e8, 4e8, 3e8, loading = 'history'", LINE, WAVES, NO_ADEQUACY, ", hardness = 1.2e9"
+    ),
     "steepest": dry("dry_line", "mean_pressure = 1e8", LINE, WAVES, "&solver method = 'steepest_descent' /\n" + NO_ADEQUACY),
     "area": dry("dry_area", "mean_pressure = 5e7, 2e8", AREA, WAVES + ", hurst = 0.6"),
     "area_plastic": dry(
