@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares everything that a program makes of small cases with what is stored: a net for changes that must change nothing.
 
-    golden.py [--program PATH] [--store] [--count] [NAME ...]
+    golden.py [--program PATH] [--store] [--count] [--first] [NAME ...]
 
 All data sets and attributes of results, what is printed, exit statuses: texts to the letter, numbers to 1e-12. Of long arrays
 a few sums are stored. Clocks, memory and versions are left out. A change that is meant is stored with --store, and the
@@ -204,6 +204,7 @@ def main():
     parser.add_argument("--program", default=os.environ.get("ASPERITY", "build/bin/asperity"))
     parser.add_argument("--store", action="store_true", help="keep what the program makes today")
     parser.add_argument("--count", action="store_true", help="count instructions instead")
+    parser.add_argument("--first", action="store_true", help="end at the first case that differs")
     parser.add_argument("--most", type=int, default=12, help="lines printed for a case")
     parser.add_argument("names", nargs="*", help="cases; without one all")
     chosen = parser.parse_args()
@@ -222,6 +223,9 @@ def main():
             failed += bool(lines)
             if lines:
                 print(f"{name}: {len(lines)} differences", *lines[: chosen.most], sep="\n  ", flush=True)
+            if lines and chosen.first:
+                pool.shutdown(cancel_futures=True)
+                break
     if chosen.store:
         write({name: stored[name] for name in [*ONE, *MORE]})
         print(f"stored {len(names)} cases")

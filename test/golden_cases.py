@@ -69,6 +69,7 @@ def tilted(seed, columns):
 
 TARGET = "&accuracy target = 0.02 /\n"
 NO_BARS = "&accuracy error_bars = .false. /\n"
+SAVING = "&output checkpoint_interval = 0.0 /\n"
 NO_ADEQUACY = "&output adequacy = .false. /\n"
 WAVES = "'synthetic', seed = 3, rms_height = 2e-7, wavelength_short = 2e-5"
 LINE = "length = 2.56e-4, intervals = 128"
@@ -112,6 +113,7 @@ ONE = {
     "one_step": PLAIN + feature(2) + time(0.05, 0.05) + NO_ADEQUACY,
     "odd_steps": PLAIN.replace("128", "160") + feature(2) + time(0.35, 0.05, ", statistics_from = 0.1"),
     "periodic": PLAIN + wave(1) + wave(2, wavelength=4e-5, position=-0.2) + time(1.0, 0.04),
+    "periods": PLAIN.replace("128", "64") + wave(2, 2e-8) + time(6.0, 0.05) + NO_ADEQUACY,
     "outlet_cut": CASE_1 + "&domain x_inlet = -3.0, x_outlet = 1.02, intervals = 96 /\n" + feature(2) + time(0.4, 0.05),
     "node_at_one": CASE_1 + "&domain x_inlet = -3.0, x_outlet = 2.0, intervals = 160 /\n" + feature(2) + time(0.3, 0.05),
     "breakdown_recovers": PLAIN.replace("x_outlet = 1.5", "x_outlet = 3.0")
@@ -148,6 +150,9 @@ ONE = {
         "'sinusoid', amplitude = 1e-7, wavelength = 1.28e-4",
         bodies=", hardness = 3e9",
     ),
+    "yields_thrice": dry(
+        "dry_line", "mean_pressure = 2e8, 4e8, 3e8, loading = 'history'", LINE, WAVES, NO_ADEQUACY, ", hardness = 1.2e9"
+    ),
     "steepest": dry("dry_line", "mean_pressure = 1e8", LINE, WAVES, "&solver method = 'steepest_descent' /\n" + NO_ADEQUACY),
     "area": dry("dry_area", "mean_pressure = 5e7, 2e8", AREA, WAVES + ", hurst = 0.6"),
     "area_plastic": dry(
@@ -183,6 +188,7 @@ ONE = {
     # refused
     "refused": PLAIN.replace("load_per_length = 1e5", "load_per_length = -1e5, lod = 3").replace("128", "100")
     + feature(2).replace("'feature'", "'ridge'")
+    + time(0.5, 0.8)
     + "&solver smoother = 'line', method = 'newton_dense' /\n&output fields = 'film' /\n",
     "refused_dry": dry("dry_area", "mean_pressure = 1e8, load = 3.0", "length_x = 1e-4", "'file', file = 'none.csv'"),
 }
@@ -192,10 +198,11 @@ HEIGHTS = {"a.csv": tilted(1, 2), "b.csv": tilted(2, 3)}
 # Namelists together, other commands, and what is interrupted and goes on.
 MORE = {
     "several": (
-        {"a.nml": PLAIN + NO_ADEQUACY, "b.nml": ONE["refused"], "c.nml": ONE["line_elastic"]},
+        {"a.nml": PLAIN + NO_ADEQUACY, "b.nml": ONE["refused"], "c.nml": ONE["line_elastic"], "d.nml": ONE["climb_fails"]},
         [
             "asperity a.nml c.nml --set load.load_per_length=1.5e5 --output out --outcomes",
             "asperity a.nml b.nml --keep-going --quiet",
+            "asperity d.nml a.nml --keep-going --outcomes --output more",
             "asperity --check a.nml b.nml c.nml",
             "asperity table out/a.h5 out/c.h5",
             "asperity table a.h5 out/a.h5 out/c.h5 --format csv",
@@ -216,8 +223,15 @@ MORE = {
     ),
     "stopped": ({"a.nml": BUSY}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
     "stopped_not": ({"a.nml": BUSY}, ["asperity a.nml --quiet"]),
+    "stopped_target": (
+        {
+            "a.nml": ONE["target_in_time"].replace("end_time = 0.3", "end_time = 1.5")
+            + SAVING.replace(" /", ", adequacy = .false. /")
+        },
+        ["stop a.nml", "asperity a.nml --resume --quiet"],
+    ),
     "stopped_momentum": (
-        {"a.nml": MOVING.replace("0.05", "0.005") + "&film layers = 5 /\n&output checkpoint_interval = 0.0 /\n" + NO_BARS},
+        {"a.nml": MOVING.replace("0.05", "0.005") + "&film layers = 5 /\n" + SAVING + NO_BARS},
         ["stop a.nml", "asperity a.nml --resume --quiet"],
     ),
 }

@@ -218,10 +218,10 @@ def test_table_has_a_row_for_each_result(asperity, tmp_path, results):
             assert "p_max" in known
             for key in known:
                 cell, units = rows["json"][i][key], text(summary[key].attrs["units"])
-                assert cell["value"] == pytest.approx(summary[key][()], rel=1e-11)
+                assert cell["value"] == pytest.approx(summary[key][()], rel=1e-11, abs=0)
                 assert cell["units"] == units
                 error = summary[key].attrs["error_estimate"]
-                assert cell["error_estimate"] == (pytest.approx(error, rel=1e-11) if math.isfinite(error) else None)
+                assert cell["error_estimate"] == (pytest.approx(error, rel=1e-11, abs=0) if math.isfinite(error) else None)
                 column = f"{key} [{units}]"
                 assert float(rows["csv"][i][column]) == cell["value"]
     assert "NOT CONVERGED: " in shown[3]

@@ -67,8 +67,8 @@ def test_formulas_stand_beside_the_film(run_case, tmp_path, contact, density):
         assert file["formulas"].keys() == films.keys()
         for name, film in films.items():
             row, quantity = file["formulas"][name], QUANTITY[name]
-            assert row[()] == pytest.approx(film, rel=1e-12)
-            assert row[()] == pytest.approx(row.attrs["dimensionless"] * file["scaling"].attrs["film_thickness"], rel=1e-12)
+            assert row[()] == pytest.approx(film, rel=1e-12, abs=0)
+            assert row[()] == pytest.approx(row.attrs["dimensionless"] * file["scaling"].attrs["film_thickness"], rel=1e-12, abs=0)
             assert (text(row.attrs["units"]), text(row.attrs["quantity"])) == ("m", quantity)
             assert len(text(row.attrs["long_name"])) > 20
             assert re.search(r"19\d\d", text(row.attrs["source"]))

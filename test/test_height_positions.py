@@ -27,7 +27,7 @@ def profile(asperity, folder, keys="", refused=None):
 
 def assert_profile(found, z=Z, spacing=SPACING):
     assert found[0] == pytest.approx(z, rel=1e-12, abs=1e-20)
-    assert np.diff(found[1]) == pytest.approx(np.full(len(z) - 1, spacing), rel=1e-9)
+    assert np.diff(found[1]) == pytest.approx(np.full(len(z) - 1, spacing), rel=1e-9, abs=0)
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e-3, -5e-5])
@@ -117,8 +117,8 @@ def test_positions_of_an_area(asperity, tmp_path, falls):
     assert (done.returncode, done.stderr) == (0, "")
     with h5py.File(tmp_path / "case.h5") as file:
         assert file["solution/height_undeformed"][()] == pytest.approx(z[:: steps[1], :: steps[0]], rel=1e-12, abs=1e-20)
-        assert np.diff(file["solution/x"][()]) == pytest.approx(np.full(nx - 1, 2e-6), rel=1e-9)
-        assert np.diff(file["solution/y"][()]) == pytest.approx(np.full(ny - 1, 3e-6), rel=1e-9)
+        assert np.diff(file["solution/x"][()]) == pytest.approx(np.full(nx - 1, 2e-6), rel=1e-9, abs=0)
+        assert np.diff(file["solution/y"][()]) == pytest.approx(np.full(ny - 1, 3e-6), rel=1e-9, abs=0)
 
 
 def test_an_attribute_goes_before_positions(asperity, tmp_path):
@@ -223,8 +223,8 @@ def test_dimension_scales_of_an_area(run_case, tmp_path, library):
     run_case(case_text(surface, [1e6], "", more, problem="dry_area"), "--quiet")
     with h5py.File(tmp_path / "case.h5") as file:
         np.testing.assert_allclose(file["solution/height_undeformed"][()], z[::-1], rtol=1e-10, atol=1e-20)
-        assert np.diff(file["solution/x"][()]) == pytest.approx(2e-6, rel=1e-9)
-        assert np.diff(file["solution/y"][()]) == pytest.approx(3e-6, rel=1e-9)
+        assert np.diff(file["solution/x"][()]) == pytest.approx(2e-6, rel=1e-9, abs=0)
+        assert np.diff(file["solution/y"][()]) == pytest.approx(3e-6, rel=1e-9, abs=0)
 
 
 def test_a_scale_without_unit_needs_the_key(asperity, tmp_path):

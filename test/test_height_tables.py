@@ -265,7 +265,7 @@ def test_columns_by_their_names(asperity, tmp_path, names, keys, expected):
     if isinstance(expected, str):
         assert expected in found
     else:
-        assert found[0].max() == pytest.approx(expected, rel=1e-14)
+        assert found[0].max() == pytest.approx(expected, rel=1e-14, abs=0)
 
 
 @pytest.mark.parametrize("variable", [True, False])
@@ -282,7 +282,7 @@ def test_units_of_hdf5(asperity, tmp_path, attribute, keys, variable):
             data.attrs[attribute] = "\u00b5m" if variable else np.bytes_("um")
     found, x = read_back(asperity, tmp_path, "z.h5", ", dataset = 'z'" + keys)
     np.testing.assert_allclose(found, z, rtol=1e-14, atol=1e-22)
-    assert x[1] == pytest.approx(SPACING, rel=1e-12)
+    assert x[1] == pytest.approx(SPACING, rel=1e-12, abs=0)
 
 
 def test_units_of_hdf5_that_contradict(asperity, tmp_path):
