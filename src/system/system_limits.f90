@@ -167,9 +167,11 @@ contains
    !> not known.
    function peak_memory() result(bytes)
       real(wp) :: bytes
+      real(wp), save :: most = 0.0_wp   ! of the counters of Linux a later sum may be less
 
       bytes = number_in(process_status, 'VmHWM:')
-      if (bytes >= huge(bytes)) bytes = 0.0_wp
+      if (bytes < huge(bytes)) most = max(bytes, most)
+      bytes = most
    end function peak_memory
 
    !> Prepares the libraries for what there is. Where the address space is not limited, freed memory
