@@ -78,7 +78,7 @@ BUSY = (
     PLAIN.replace("128", "64")
     + wave(1)
     + wave(2, wavelength=4e-5, position=-0.2)
-    + time(3.0, 0.01, ", statistics_from = 0.5")
+    + time(3.0, 0.01, ", statistics_from = 0.0")
     + "&solver film_floor = 3.2e-7, on_film_breakdown = 'continue' /\n"
     + "&output checkpoint_interval = 0.0, film_thresholds = 4e-7, 5e-7, profile_stride = 7,"
     + " fields = 'film_thickness', 'pressure', 'shear_stress_1', 'shear_stress_mean', 'shear_stress_2' /\n"
@@ -223,6 +223,16 @@ MORE = {
     ),
     "stopped": ({"a.nml": BUSY}, ["stop a.nml", "asperity a.nml --resume --quiet"]),
     "stopped_not": ({"a.nml": BUSY}, ["asperity a.nml --quiet"]),
+    "stopped_leaving": (
+        {
+            "a.nml": PLAIN.replace("128", "64")
+            + feature(2, position=0.95)
+            + time(2.0, 0.01, ", statistics_from = 0.0")
+            + NO_BARS
+            + SAVING
+        },
+        ["stop a.nml", "asperity a.nml --resume --quiet"],
+    ),
     "stopped_target": (
         {
             "a.nml": ONE["target_in_time"].replace("end_time = 0.3", "end_time = 1.5")
