@@ -18,27 +18,27 @@ contains
 
    !> Hands the limits of a converged solution to the writer of its result, and of a steady one what
    !> formulas need.
-   subroutine judge_limits(case, contact, state, report, watcher)
+   subroutine judge_limits(case, contact, state, report, listener)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(circumstances_t) :: of
 
       if (.not. report%converged) return
-      of%scaling = watcher%scaling
+      of%scaling = listener%scaling
       of%bodies = case%bodies
       of%lubricant = case%lubricant
       of%materials = case%materials
       of%contact = contact
-      of%summary = watcher%writer%quantities_at_end(state, report)
+      of%summary = listener%writer%quantities_at_end(state, report)
       ! the rule tells the share of the starved film
       of%film_loss = report%inlet_error/(1 + report%inlet_error)
-      if (watcher%writer%bars%inlet%is_known) of%film_loss = film_loss(watcher%writer%bars%inlet)
+      if (listener%writer%bars%inlet%is_known) of%film_loss = film_loss(listener%writer%bars%inlet)
       of%has_momentum = case%equations == 'stokes'
-      watcher%writer%limits = limits_of(of, state)
-      if (.not. case%time%is_transient) watcher%writer%formulas = formulas_of(contact)
+      listener%writer%limits = limits_of(of, state)
+      if (.not. case%time%is_transient) listener%writer%formulas = formulas_of(contact)
    end subroutine judge_limits
 
 end module case_limits

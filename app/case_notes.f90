@@ -72,32 +72,32 @@ contains
 
    !> Says where grid or time step are too coarse for the waves of the surfaces, behind what `note`
    !> says already. With a wanted accuracy both are chosen by their effect on h_min.
-   subroutine tell_coarse_waves(case, contact, watcher, note)
+   subroutine tell_coarse_waves(case, contact, listener, note)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       character(:), allocatable, intent(inout) :: note
       character(:), allocatable :: words
 
       if (case%accuracy%target > 0.0_wp) return
       words = coarse_waves(contact, case%time)
       if (len(words) == 0 .and. case%accuracy%has_error_bars) words = long_steps(contact, case%time)
-      call tell(case, watcher, words, note)
+      call tell(case, listener, words, note)
    end subroutine tell_coarse_waves
 
    !> Says where pilot runs do not foretell that a transient keeps its wanted accuracy, behind what
    !> `note` says already.
-   subroutine tell_missed_target(case, contact, watcher, note)
+   subroutine tell_missed_target(case, contact, listener, note)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       character(:), allocatable, intent(inout) :: note
       character(:), allocatable :: words
       real(wp) :: foretold
 
       if (.not. (case%accuracy%target > 0.0_wp .and. case%time%is_transient)) return
       words = 'no error of h_min is foretold: pilot runs on coarser grids found no solution'
-      associate (forecast => watcher%writer%bars%forecast)
+      associate (forecast => listener%writer%bars%forecast)
          if (forecast%is_known) then
             foretold = forecast%error(h_min)/forecast%pilot(h_min)
             if (.not. case%domain%has_inlet) foretold = foretold &
@@ -108,22 +108,22 @@ contains
                ' is foretold, '//to_text(case%accuracy%target, 2)//' was wanted'
          end if
       end associate
-      call tell(case, watcher, words, note)
+      call tell(case, listener, words, note)
    end subroutine tell_missed_target
 
    !> Says where the error of h_min that coarse runs of a transient with a wanted accuracy show is
    !> larger than that, behind what the `report` notes already. On a given inlet the target is that
    !> of grid and time step alone.
-   subroutine tell_measured_error(case, watcher, state, report)
+   subroutine tell_measured_error(case, listener, state, report)
       type(case_t), intent(in) :: case
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       type(line_summary_t) :: summary
       real(wp) :: measured
 
-      if (.not. (watcher%writer%bars%apart%is_known .and. report%converged)) return
-      summary = watcher%writer%quantities_at_end(state, report)
+      if (.not. (listener%writer%bars%apart%is_known .and. report%converged)) return
+      summary = listener%writer%quantities_at_end(state, report)
       associate (film => summary%of(h_min))
          measured = film%error_estimate
          if (case%domain%has_inlet) measured = film%error_grid
@@ -131,23 +131,23 @@ contains
       end associate
       if (.not. ieee_is_finite(measured)) return
       if (measured <= (1.0_wp + rounding)*case%accuracy%target) return
-      call tell(case, watcher, 'the wanted accuracy is not shown: a relative error of h_min of ' &
+      call tell(case, listener, 'the wanted accuracy is not shown: a relative error of h_min of ' &
          //to_text(measured, 2)//' is estimated, '//to_text(case%accuracy%target, 2) &
          //' was wanted', report%note)
    end subroutine tell_measured_error
 
    !> Says where the error of p_max of a steady contact stays above the wanted one on the finest
    !> grid that there is, behind what the `report` notes already.
-   subroutine tell_pressure_error(case, watcher, state, report)
+   subroutine tell_pressure_error(case, listener, state, report)
       type(case_t), intent(in) :: case
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       type(line_summary_t) :: summary
       character(:), allocatable :: found
 
       if (.not. (case%accuracy%target_p_max > 0.0_wp .and. report%converged)) return
-      summary = watcher%writer%quantities_at_end(state, report)
+      summary = listener%writer%quantities_at_end(state, report)
       found = 'no error is estimated'
       associate (largest => summary%of(p_max))
          if (ieee_is_finite(largest%error_estimate)) then
@@ -157,19 +157,19 @@ contains
                //' is estimated'
          end if
       end associate
-      call tell(case, watcher, 'the wanted accuracy of p_max is not shown: '//found//', ' &
+      call tell(case, listener, 'the wanted accuracy of p_max is not shown: '//found//', ' &
          //to_text(case%accuracy%target_p_max, 2)//' was wanted', report%note)
    end subroutine tell_pressure_error
 
    !> Says `words`, if there are any, and puts them behind what `note` says already.
-   subroutine tell(case, watcher, words, note)
+   subroutine tell(case, listener, words, note)
       type(case_t), intent(in) :: case
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       character(*), intent(in) :: words
       character(:), allocatable, intent(inout) :: note
 
       if (words == '') return
-      call watcher%log%say(case%file//': '//words)
+      call listener%log%say(case%file//': '//words)
       call add_sentence(note, words)
    end subroutine tell
 

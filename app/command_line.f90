@@ -169,7 +169,7 @@ contains
       end select
    end subroutine read_option_value
 
-   !> Adds a file to so many `files`. Error: an unknown option; a name that is too long.
+   !> Adds a file to this many `files`. Error: an unknown option; a name that is too long.
    subroutine read_file_name(command, word, files, error)
       type(command_t), intent(inout) :: command
       character(*), intent(in) :: word

@@ -6,7 +6,7 @@ module dry_target
    use dry_case, only: dry_case_t
    use dry_errors, only: estimate_dry_errors
    use dry_resampling, only: dry_sweep_t
-   use dry_resolution, only: area_doubt, dry_rung_t, finer_nodes, is_met
+   use dry_resolution, only: area_doubt, dry_trial_t, finer_nodes, is_met
    use dry_scaling, only: dry_scaling_t, new_dry_scaling
    use dry_settings, only: dry_settings_t
    use dry_surfaces, only: is_refinable, refine_heights
@@ -41,34 +41,34 @@ contains
       type(dry_outcome_t), intent(out) :: outcome
       type(dry_row_t), allocatable, intent(out) :: errors(:)
       type(error_t), allocatable, intent(out) :: error
-      type(dry_rung_t), allocatable :: rungs(:)
-      type(dry_rung_t) :: rung
+      type(dry_trial_t), allocatable :: trials(:)
+      type(dry_trial_t) :: trial
       real(wp) :: spent(times)
       integer :: most, nodes(2)
 
-      allocate (rungs(0))
+      allocate (trials(0))
       most = 0
       if (is_refinable(dry)) most = max_nodes(dry)
       spent = 0.0_wp
       do
-         rung = dry_rung_t([dry%grid%nx, dry%grid%ny], not_known())
+         trial = dry_trial_t([dry%grid%nx, dry%grid%ny], not_known())
          call solve_grid(dry, outcome, errors, error)
          if (allocated(error)) then
             ! On a coarse grid there may be no contact at that separation.
             if (.not. dry%target > 0.0_wp .or. error%kind /= input_error) return
          else
-            if (size(errors) > 0) rung%doubt = area_doubt(outcome%rows, errors)
+            if (size(errors) > 0) trial%doubt = area_doubt(outcome%rows, errors)
          end if
          call add_times(outcome, spent)
          if (.not. dry%target > 0.0_wp) return
-         if (is_met(rung, dry%target)) return
-         rungs = [rungs, rung]
-         nodes = finer_nodes(rungs, dry%target, most)
+         if (is_met(trial, dry%target)) return
+         trials = [trials, trial]
+         nodes = finer_nodes(trials, dry%target, most)
          if (nodes(1) == 0) exit
          call refine_heights(dry, nodes, error)
          if (allocated(error)) return
       end do
-      if (.not. allocated(error)) call tell_unmet(dry, rung%doubt, most)
+      if (.not. allocated(error)) call tell_unmet(dry, trial%doubt, most)
    end subroutine solve_to_target
 
    !> The sweep on the grid of `dry`, and the estimated `errors` of its quantities (none: not

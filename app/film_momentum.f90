@@ -25,48 +25,48 @@ contains
 
    !> Before the Reynolds equation is solved: time steps will be repeated by the full momentum
    !> equations, where the case asks for both.
-   subroutine prepare_momentum(case, watcher)
+   subroutine prepare_momentum(case, listener)
       type(case_t), intent(in) :: case
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(momentum_march_t) :: march
 
       if (.not. (case%equations == 'stokes' .and. case%time%is_transient)) return
-      march%walls = walls_of(case, watcher)
+      march%walls = walls_of(case, listener)
       march%layers = case%layers
-      allocate (watcher%follower, source=march)
+      allocate (listener%follower, source=march)
    end subroutine prepare_momentum
 
    !> What the equations need to know of the bodies.
-   function walls_of(case, watcher) result(walls)
+   function walls_of(case, listener) result(walls)
       type(case_t), intent(in) :: case
-      type(run_observer_t), intent(in) :: watcher
+      type(run_observer_t), intent(in) :: listener
       type(walls_t) :: walls
 
-      walls%delta = film_slope(watcher%scaling)
-      if (case%has_inertia) walls%inertia = inertia_number(watcher%scaling, case%materials%density)
+      walls%delta = film_slope(listener%scaling)
+      if (case%has_inertia) walls%inertia = inertia_number(listener%scaling, case%materials%density)
       walls%curvature_share = case%bodies%curvature_share
    end function walls_of
 
    !> Where the case asks for it, goes on from `state`, a converged steady solution of the Reynolds
    !> equation, which becomes that of the momentum equations, or closes their march; what they
    !> change is noted.
-   subroutine follow_momentum(case, contact, watcher, state, report, error)
+   subroutine follow_momentum(case, contact, listener, state, report, error)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(inout) :: state
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
 
       if (case%equations /= 'stokes' .or. .not. report%converged) return
       call begin_activity('full momentum equations of the film')
-      associate (writer => watcher%writer)
-         if (allocated(watcher%follower)) then
-            select type (march => watcher%follower)
+      associate (writer => listener%writer)
+         if (allocated(listener%follower)) then
+            select type (march => listener%follower)
             type is (momentum_march_t)
                writer%momentum = march%fields()
                call compare_passage(writer%film_passage, writer%momentum)
-               call tell(case, watcher, march_sentence(march)//'; ' &
+               call tell(case, listener, march_sentence(march)//'; ' &
                   //difference_sentence(writer%momentum), report%note)
             end select
             report%peak_memory = peak_memory()
@@ -74,12 +74,12 @@ contains
          end if
          writer%reynolds = state
          allocate (writer%momentum)
-         call solve_film_momentum(contact, walls_of(case, watcher), case%layers, state, &
+         call solve_film_momentum(contact, walls_of(case, listener), case%layers, state, &
             writer%momentum, report, error)
          if (allocated(error)) return
          report%peak_memory = peak_memory()
          if (report%converged) then
-            call tell(case, watcher, difference_sentence(writer%momentum), report%note)
+            call tell(case, listener, difference_sentence(writer%momentum), report%note)
          else
             deallocate (writer%momentum, writer%reynolds)
          end if

@@ -3,8 +3,8 @@
 module grid_comparison
    use case_notes, only: tell_measured_error, tell_pressure_error
    use case_record, only: case_t
-   use coarse_runs, only: companions_t, make_coarse_runs, make_companion_runs, new_companions, &
-      run_apart, take_companions
+   use coarse_runs, only: side_runs_t, make_coarse_runs, make_side_runs, new_side_runs, &
+      run_apart, copy_side_runs
    use error_bars, only: error_bars_t
    use errors, only: error_t
    use iteration_report, only: report_t
@@ -20,13 +20,13 @@ module grid_comparison
 
 contains
 
-   !> Coarse runs, unless the `companions` of a transient have been made already, and the `seconds`
+   !> Coarse runs, unless the `side_runs` of a transient have been made already, and the `seconds`
    !> that they took. Error: memory or a library failed.
-   subroutine compare_grids(case, contact, watcher, companions, seconds, error)
+   subroutine compare_grids(case, contact, listener, side_runs, seconds, error)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
-      type(run_observer_t), intent(inout) :: watcher
-      type(companions_t), allocatable, intent(inout) :: companions
+      type(run_observer_t), intent(inout) :: listener
+      type(side_runs_t), allocatable, intent(inout) :: side_runs
       real(wp), intent(out) :: seconds
       type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
@@ -34,40 +34,40 @@ contains
 
       start = wall_seconds()
       if (case%time%is_transient) then
-         if (.not. allocated(companions)) then
-            companions = new_companions(contact, case%solver, case%time)
-            call make_companion_runs(companions, watcher)
+         if (.not. allocated(side_runs)) then
+            side_runs = new_side_runs(contact, case%solver, case%time)
+            call make_side_runs(side_runs, listener)
          end if
-         call take_companions(companions, bars, error)   ! error: the caller looks
+         call copy_side_runs(side_runs, bars, error)   ! error: the caller looks
       else
-         call make_coarse_runs(bars, contact, case%solver, watcher, &
+         call make_coarse_runs(bars, contact, case%solver, listener, &
             error)   ! error: the caller looks
       end if
-      watcher%writer%bars = bars
+      listener%writer%bars = bars
       seconds = wall_seconds() - start
    end subroutine compare_grids
 
    !> Whether a solution is as good as wanted: by coarse runs where pilots chose the grid of its
    !> `contact` and its time step.
-   subroutine check_forecast(case, contact, watcher, state, report, seconds, error)
+   subroutine check_forecast(case, contact, listener, state, report, seconds, error)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       real(wp), intent(inout) :: seconds
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: start
 
-      call tell_pressure_error(case, watcher, state, report)
-      if (.not. (case%accuracy%has_error_bars .and. watcher%writer%bars%forecast%is_known &
+      call tell_pressure_error(case, listener, state, report)
+      if (.not. (case%accuracy%has_error_bars .and. listener%writer%bars%forecast%is_known &
          .and. report%converged)) return
       start = wall_seconds()
-      call run_apart(watcher%writer%bars, contact, case%solver, case%time, watcher, error)
+      call run_apart(listener%writer%bars, contact, case%solver, case%time, listener, error)
       if (allocated(error)) return
       seconds = seconds + wall_seconds() - start
-      report%converged = .not. watcher%is_stopping
-      call tell_measured_error(case, watcher, state, report)
+      report%converged = .not. listener%is_stopping
+      call tell_measured_error(case, listener, state, report)
    end subroutine check_forecast
 
 end module grid_comparison

@@ -25,33 +25,32 @@ module line_model
 contains
 
    !> Makes `contact` and the times of a case with model = 'auto' those of the leanest model that is
-   !> adequate. A run that goes on from a checkpoint is a passage, and stays one; and so does one
-   !> whose film is to be counted over time.
-   subroutine choose_lean_model(case, contact, watcher, error)
+   !> adequate. Resumed runs stay transient, and so do those with film statistics over time.
+   subroutine choose_lean_model(case, contact, listener, error)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(inout) :: contact
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
 
       if (case%model /= 'auto') return
-      associate (choice => watcher%writer%choice)
+      associate (choice => listener%writer%choice)
          call choose_model(scene_t(contact, case%solver, case%time), case%accuracy%target, &
             allocated(case%time%resume_from) .or. size(case%output_settings%film_thresholds) > 0, &
-            choice, watcher, error)
+            choice, listener, error)
          if (allocated(error) .or. .not. choice%is_steady) return
          call take_model(choice, contact, case%time)
          call reopen(contact%domain)
          call choose_domain(contact, case%accuracy%target)
-         call watcher%log%say(case%file//': solves '//solved_text(choice))
+         call listener%log%say(case%file//': solves '//solved_text(choice))
       end associate
       call set_effective(case, 'time', 'transient', '.false.')
    end subroutine choose_lean_model
 
    !> Measures what the ingredients of the model change, where that is wanted.
-   subroutine measure_model(case, contact, watcher, state, report, error)
+   subroutine measure_model(case, contact, listener, state, report, error)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
@@ -59,15 +58,15 @@ contains
 
       if (.not. (case%output_settings%has_adequacy .and. report%converged)) return
       start = wall_seconds()
-      associate (writer => watcher%writer)
+      associate (writer => listener%writer)
          call measure_adequacy(scene_t(contact, case%solver, case%time), state, &
             own_runs_t(writer%passage%extremes(summary_of(state)), real(report%cycles, wp), &
             writer%bars), &
             accuracy_for(case%accuracy%target, writer%quantities_at_end(state, report)), &
-            writer%adequacy, watcher, error)
+            writer%adequacy, listener, error)
       end associate
       if (allocated(error)) return
-      report%converged = .not. watcher%is_stopping
+      report%converged = .not. listener%is_stopping
       report%phase_seconds(phase_adequacy) = wall_seconds() - start
    end subroutine measure_model
 

@@ -4,7 +4,7 @@ module line_solution
    use case_notes, only: note_unusual, tell, tell_coarse_waves, tell_missed_target
    use case_record, only: case_t
    use chosen_values, only: fill_chosen, fill_numbers, fill_passage
-   use coarse_runs, only: companions_t
+   use coarse_runs, only: side_runs_t
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
    use grid_comparison, only: check_forecast, compare_grids
@@ -29,129 +29,129 @@ contains
 
    !> The case itself and its coarse runs, which come after it unless they choose its grid, or are
    !> made beside it on another thread.
-   subroutine solve_line_case(case, contact, watcher, state, report, error)
+   subroutine solve_line_case(case, contact, listener, state, report, error)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(inout) :: contact
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: note
-      type(companions_t), allocatable :: companions
+      type(side_runs_t), allocatable :: side_runs
       real(wp) :: seconds
       logical :: is_open
 
       seconds = 0.0_wp
-      watcher%writer%passage%times = new_passage_times(contact, case%time)
+      listener%writer%passage%times = new_passage_times(contact, case%time)
       case%solver%target = case%accuracy%target
       case%solver%target_p_max = case%accuracy%target_p_max
       case%solver%wants_coarse_runs = case%accuracy%has_error_bars
       ! the solver chooses the grid
       is_open = case%accuracy%target > 0.0_wp .and. .not. case%time%is_transient
-      watcher%has_coarse_runs = case%accuracy%has_error_bars &
+      listener%has_coarse_runs = case%accuracy%has_error_bars &
          .and. (is_open .or. .not. case%accuracy%target > 0.0_wp)
       if (allocated(case%time%resume_from)) then
-         call restore_resolution(case, contact, watcher)
+         call restore_resolution(case, contact, listener)
       else if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
-         call choose_grid(case, contact, watcher, seconds, error)
-         if (allocated(error) .or. watcher%is_stopping) return
+         call choose_grid(case, contact, listener, seconds, error)
+         if (allocated(error) .or. listener%is_stopping) return
       end if
       call choose_time_step(contact, case%time)
-      if (watcher%has_coarse_runs) watcher%writer%bars = new_error_bars(contact, case%time, &
+      if (listener%has_coarse_runs) listener%writer%bars = new_error_bars(contact, case%time, &
          case%solver%space_scheme)
-      watcher%writer%bars%left_out = watcher%writer%choice%influence
+      listener%writer%bars%left_out = listener%writer%choice%influence
       call note_unusual(case, note)
-      call tell(case, watcher, case%note, note)
-      call tell_coarse_waves(case, contact, watcher, note)
-      call tell_missed_target(case, contact, watcher, note)
-      call tell(case, watcher, passage_note(contact, watcher%writer%passage%times), note)
-      watcher%intervals = contact%domain%intervals
-      watcher%time_step = case%time%time_step
-      watcher%space_scheme = case%solver%space_scheme
-      call solve_beside(contact, case, companions, watcher, state, report, error)
+      call tell(case, listener, case%note, note)
+      call tell_coarse_waves(case, contact, listener, note)
+      call tell_missed_target(case, contact, listener, note)
+      call tell(case, listener, passage_note(contact, listener%writer%passage%times), note)
+      listener%intervals = contact%domain%intervals
+      listener%time_step = case%time%time_step
+      listener%space_scheme = case%solver%space_scheme
+      call solve_beside(contact, case, side_runs, listener, state, report, error)
       if (allocated(error)) return
       report%nodes_per_wave = nodes_in_wave(contact)
       report%steps_per_wave = steps_in_wave(contact, case%time)
       call move_alloc(note, report%note)
       call refuse_nonsense(state, report)
-      call keep_coarser(watcher)
+      call keep_coarser(listener)
       if (allocated(case%time%resume_from)) deallocate (case%time%resume_from)
-      if (watcher%has_coarse_runs .and. report%converged) then
-         call compare_grids(case, contact, watcher, companions, seconds, error)
+      if (listener%has_coarse_runs .and. report%converged) then
+         call compare_grids(case, contact, listener, side_runs, seconds, error)
          if (allocated(error)) return
-         report%converged = .not. watcher%is_stopping
+         report%converged = .not. listener%is_stopping
       end if
-      call check_ends(case, contact, watcher, report, error)
+      call check_ends(case, contact, listener, report, error)
       if (allocated(error)) return
-      call check_forecast(case, contact, watcher, state, report, seconds, &
+      call check_forecast(case, contact, listener, state, report, seconds, &
          error)   ! error: the caller looks
       call fill_chosen(case, contact, report)
-      call fill_numbers(case, contact, report, watcher%writer%choice)
-      call fill_passage(case, contact, watcher%writer%passage%times)
-      call complete_report(watcher, seconds, report)
+      call fill_numbers(case, contact, report, listener%writer%choice)
+      call fill_passage(case, contact, listener%writer%passage%times)
+      call complete_report(listener, seconds, report)
    end subroutine solve_line_case
 
    !> Grid, time step and scheme of the run that this one goes on with.
-   subroutine restore_resolution(case, contact, watcher)
+   subroutine restore_resolution(case, contact, listener)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(inout) :: contact
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(error_bars_t) :: bars
 
       if (case%accuracy%target > 0.0_wp) then   ! as before pilot runs chose the rest
          bars = new_error_bars(contact, case%time, case%solver%space_scheme)
          bars%unseen = ''
-         bars%forecast = watcher%writer%bars%forecast
-         watcher%writer%bars = bars
+         bars%forecast = listener%writer%bars%forecast
+         listener%writer%bars = bars
       end if
-      if (watcher%intervals > 0) contact%domain%intervals = watcher%intervals
-      case%time%time_step = watcher%time_step
-      case%solver%space_scheme = watcher%space_scheme
+      if (listener%intervals > 0) contact%domain%intervals = listener%intervals
+      case%time%time_step = listener%time_step
+      case%solver%space_scheme = listener%space_scheme
       call settle_tolerance(case%solver)
    end subroutine restore_resolution
 
    !> Coarser grids that a steady solution has passed need not be run any more.
-   subroutine keep_coarser(watcher)
-      type(run_observer_t), intent(inout) :: watcher
+   subroutine keep_coarser(listener)
+      type(run_observer_t), intent(inout) :: listener
 
-      if (.not. (watcher%has_coarse_runs .and. allocated(watcher%coarser))) return
-      if (size(watcher%coarser) < 2) return
-      call take_coarser(watcher%writer%bars, watcher%coarser)
-      watcher%has_coarse_runs = .false.
+      if (.not. (listener%has_coarse_runs .and. allocated(listener%coarser))) return
+      if (size(listener%coarser) < 2) return
+      call take_coarser(listener%writer%bars, listener%coarser)
+      listener%has_coarse_runs = .false.
    end subroutine keep_coarser
 
    !> Intervals and time step for the accuracy that is wanted of a transient, by pilot runs, and the
    !> `seconds` that they took. Error: memory or a library failed.
-   subroutine choose_grid(case, contact, watcher, seconds, error)
+   subroutine choose_grid(case, contact, listener, seconds, error)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(inout) :: contact
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       real(wp), intent(out) :: seconds
       type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
       real(wp) :: start
 
       start = wall_seconds()
-      call choose_resolution(bars, contact, case%solver, case%time, watcher, &
+      call choose_resolution(bars, contact, case%solver, case%time, listener, &
          error)   ! error: the caller looks
-      watcher%writer%bars = bars
+      listener%writer%bars = bars
       seconds = wall_seconds() - start
    end subroutine choose_grid
 
    !> Completes the report by what the solver does not know: a film breakdown in SI, the times of
    !> separate coarse runs and of output.
-   subroutine complete_report(watcher, seconds, report)
-      type(run_observer_t), intent(in) :: watcher
+   subroutine complete_report(listener, seconds, report)
+      type(run_observer_t), intent(in) :: listener
       real(wp), intent(in) :: seconds
       type(report_t), intent(inout) :: report
 
       if (index(report%reason, 'film breakdown') == 1 &
-         .and. watcher%scaling%is_dimensional) report%reason = &
-         breakdown_sentence(report%breakdown, watcher%film_floor, watcher%scaling)
+         .and. listener%scaling%is_dimensional) report%reason = &
+         breakdown_sentence(report%breakdown, listener%film_floor, listener%scaling)
       associate (phases => report%phase_seconds)
          phases(phase_error_bars) = phases(phase_error_bars) + seconds
-         phases(phase_output) = watcher%output_seconds
-         phases(phase_transient) = max(phases(phase_transient) - watcher%output_seconds, 0.0_wp)
+         phases(phase_output) = listener%output_seconds
+         phases(phase_transient) = max(phases(phase_transient) - listener%output_seconds, 0.0_wp)
       end associate
    end subroutine complete_report
 

@@ -27,54 +27,54 @@ contains
 
    !> Both ends of the domain of the solved `contact`, for the error bars of the result. Error:
    !> memory or a library failed.
-   subroutine check_ends(case, contact, watcher, report, error)
+   subroutine check_ends(case, contact, listener, report, error)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
       type(line_contact_t) :: at_rest
 
       if (.not. report%converged) return
-      bars = watcher%writer%bars
+      bars = listener%writer%bars
       if (case%accuracy%has_error_bars) then
          at_rest = contact
          if (case%time%is_transient) then   ! what passes comes and goes, the inlet stays
             at_rest%surface_1 = rough_surface_t(speed=contact%surface_1%speed)
             at_rest%surface_2 = rough_surface_t(speed=contact%surface_2%speed)
          end if
-         call run_farther(bars, at_rest, case%solver, watcher, error)
+         call run_farther(bars, at_rest, case%solver, listener, error)
          if (allocated(error)) return
          ! a target has chosen its grid by the estimate from coarser ones
          if (.not. (case%time%is_transient .or. case%accuracy%target > 0.0_wp)) call &
-            run_other_scheme(bars, contact, case%solver, watcher, error)
+            run_other_scheme(bars, contact, case%solver, listener, error)
          if (allocated(error)) return
       end if
       if (report%outlet_pressure > 0.0_wp) then
          bars%is_cut = .true.
          if (case%accuracy%has_error_bars) then
-            call run_longer(bars, contact, case%solver, case%time, watcher, error)
+            call run_longer(bars, contact, case%solver, case%time, listener, error)
             if (allocated(error)) return
          end if
-         call tell_outlet(case, contact, outlet_error(bars), watcher, report)
+         call tell_outlet(case, contact, outlet_error(bars), listener, report)
       end if
-      watcher%writer%bars = bars
+      listener%writer%bars = bars
    end subroutine check_ends
 
    !> Adds a note to the report that the outlet cuts the film off, unless that is known to change
    !> the quantities only a little; `change`: by how much, NaN if it is not known.
-   subroutine tell_outlet(case, contact, change, watcher, report)
+   subroutine tell_outlet(case, contact, change, listener, report)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: change
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(report_t), intent(inout) :: report
 
       if (ieee_is_finite(change)) then
          if (change <= telling_change) return
       end if
-      call tell(case, watcher, outlet_note(contact, change), report%note)
+      call tell(case, listener, outlet_note(contact, change), report%note)
    end subroutine tell_outlet
 
    !> What is wrong with the outlet and how to mend it; `change`: of the quantities, NaN if unknown.

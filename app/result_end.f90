@@ -28,81 +28,81 @@ contains
 
    !> Ends the result of a case, whose `contact` has all of its roughness: as an `error` has it, as
    !> an interrupted run, or with a last `state`.
-   subroutine end_result(case, contact, watcher, state, report, error, outcome)
+   subroutine end_result(case, contact, listener, state, report, error, outcome)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(in) :: contact
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(in) :: error
       type(case_outcome_t), intent(out) :: outcome
 
       if (allocated(error)) then
-         call give_up(error, watcher%log, outcome)
-      else if (watcher%is_stopping .and. .not. report%converged &
-         .and. .not. watcher%writer%has_failed()) then
-         call suspend_result(watcher, outcome)
+         call give_up(error, listener%log, outcome)
+      else if (listener%is_stopping .and. .not. report%converged &
+         .and. .not. listener%writer%has_failed()) then
+         call suspend_result(listener, outcome)
       else
-         call judge_limits(case, contact, state, report, watcher)
+         call judge_limits(case, contact, state, report, listener)
          if (case%output_settings%velocity_layers > 0 .and. allocated(state%shear_stress_mean)) then
-            watcher%writer%velocity = velocity_profile(contact%fluid, contact%lambda, &
+            listener%writer%velocity = velocity_profile(contact%fluid, contact%lambda, &
                contact%slide_to_roll, state%x, state%pressure, state%film_thickness, &
                case%output_settings%velocity_layers)
          end if
-         call finish_result(case, watcher, state, report, outcome)
+         call finish_result(case, listener, state, report, outcome)
       end if
    end subroutine end_result
 
    !> Writes the result and prints its closing table.
-   subroutine finish_result(case, watcher, state, report, outcome)
+   subroutine finish_result(case, listener, state, report, outcome)
       type(case_t), intent(inout) :: case
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       type(case_outcome_t), intent(out) :: outcome
       type(error_t), allocatable :: error
       type(closing_words_t) :: words
 
-      watcher%writer%inputs = case%effective
-      call watcher%writer%finish(state, report, error)
+      listener%writer%inputs = case%effective
+      call listener%writer%finish(state, report, error)
       if (allocated(error)) then
-         if (watcher%writer%name%has_checkpoint) error%message = error%message &
+         if (listener%writer%name%has_checkpoint) error%message = error%message &
             //'; --resume goes on after step '// &
-            to_text(watcher%writer%name%kept_step)
-         call give_up(error, watcher%log, outcome)
+            to_text(listener%writer%name%kept_step)
+         call give_up(error, listener%log, outcome)
          return
       end if
-      associate (writer => watcher%writer)
-         if (.not. watcher%log%is_quiet) then
+      associate (writer => listener%writer)
+         if (.not. listener%log%is_quiet) then
             words%spike = spike_lines(writer%summary, case%accuracy%target_p_max > 0.0_wp, &
                .not. case%time%is_transient, case%domain%intervals > 0)
-            words%formulas = formula_lines(writer%formulas, writer%summary, watcher%scaling)
+            words%formulas = formula_lines(writer%formulas, writer%summary, listener%scaling)
             if (allocated(writer%adequacy%rows)) words%model = &
                model_line(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)
             words%decision = decision_lines(writer%choice, writer%adequacy)
          end if
-         call close_case(watcher%log, writer%summary, report, writer%name%path, &
+         call close_case(listener%log, writer%summary, report, writer%name%path, &
             writer%passage%times, writer%limits, words)
       end associate
       outcome = outcome_of(report)
    end subroutine finish_result
 
    !> The end of an interrupted run: the files needed to go on are kept and named.
-   subroutine suspend_result(watcher, outcome)
-      type(run_observer_t), intent(inout) :: watcher
+   subroutine suspend_result(listener, outcome)
+      type(run_observer_t), intent(inout) :: listener
       type(case_outcome_t), intent(out) :: outcome
       character(:), allocatable :: words
 
       outcome%status = status_interrupted
-      if (allocated(watcher%failure)) outcome%status = status_not_written
-      words = watcher%writer%name%interruption_text()
+      if (allocated(listener%failure)) outcome%status = status_not_written
+      words = listener%writer%name%interruption_text()
       outcome%reason = words
       call take_last_words()
-      call watcher%log%say_error(words)
-      if (watcher%writer%name%has_checkpoint) then
-         call watcher%writer%suspend()
+      call listener%log%say_error(words)
+      if (listener%writer%name%has_checkpoint) then
+         call listener%writer%suspend()
       else
-         call watcher%writer%discard()
+         call listener%writer%discard()
       end if
    end subroutine suspend_result
 

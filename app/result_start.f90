@@ -31,44 +31,44 @@ contains
    !> Opens the result `path` of `case`; with `is_resume` at the last checkpoint, if there is one.
    !> `case%time%resume_from` then says where the run goes on. Errors: the grid does not fit; the
    !> result cannot be written; the checkpoint is of no use.
-   subroutine start_result(case, contact, path, is_resume, watcher, error)
+   subroutine start_result(case, contact, path, is_resume, listener, error)
       type(case_t), intent(inout) :: case
       type(line_contact_t), intent(in) :: contact
       character(*), intent(in) :: path
       logical, intent(in) :: is_resume
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
       logical :: has_checkpoint
 
       call check_grid(case, contact, error)
       if (allocated(error)) return
-      call watcher%start_clock()
-      watcher%checkpoint_interval = case%output_settings%checkpoint_interval
+      call listener%start_clock()
+      listener%checkpoint_interval = case%output_settings%checkpoint_interval
       inquire (file=path//'.ckpt', exist=has_checkpoint)
-      if (case%time%is_transient .or. has_checkpoint) watcher%case = case_identity(case)
+      if (case%time%is_transient .or. has_checkpoint) listener%case = case_identity(case)
       if (is_resume .and. has_checkpoint) then
-         call go_on(case, path, watcher, error)
+         call go_on(case, path, listener, error)
       else
-         if (is_resume) call watcher%log%say(case%file//': no checkpoint '//path &
+         if (is_resume) call listener%log%say(case%file//': no checkpoint '//path &
             //'.ckpt: starts at the beginning')
-         call open_result(watcher%writer, path, error)
-         if (.not. allocated(error)) watcher%writer%fields = stored_fields(case, &
-            watcher%scaling)
+         call open_result(listener%writer, path, error)
+         if (.not. allocated(error)) listener%writer%fields = stored_fields(case, &
+            listener%scaling)
       end if
       if (allocated(error)) return
-      associate (statistics => watcher%writer%statistics, &
+      associate (statistics => listener%writer%statistics, &
          thresholds => case%output_settings%film_thresholds)
          if (.not. allocated(statistics%thresholds) .and. size(thresholds) > 0) then
-            statistics = new_statistics(thresholds/watcher%scaling%film)
+            statistics = new_statistics(thresholds/listener%scaling%film)
          end if
       end associate
-      watcher%writer%heating = new_heating(watcher%scaling, case%bodies, &
+      listener%writer%heating = new_heating(listener%scaling, case%bodies, &
          case%materials%effusivity, case%materials%conductivity)
-      watcher%writer%profile_stride = case%output_settings%profile_stride
-      if (any(index(watcher%writer%fields, 'shear_stress') == 1)) watcher%stress_stride = &
-         watcher%writer%profile_stride
-      watcher%writer%has_si = case%output_settings%has_si .and. watcher%scaling%is_dimensional
-      call watcher%writer%describe(trim(case%problem), case%title, case%namelist, watcher%scaling)
+      listener%writer%profile_stride = case%output_settings%profile_stride
+      if (any(index(listener%writer%fields, 'shear_stress') == 1)) listener%stress_stride = &
+         listener%writer%profile_stride
+      listener%writer%has_si = case%output_settings%has_si .and. listener%scaling%is_dimensional
+      call listener%writer%describe(trim(case%problem), case%title, case%namelist, listener%scaling)
    end subroutine start_result
 
    !> Names of the fields that are stored of each time, of the mark of a film below the floor, if
@@ -86,34 +86,34 @@ contains
    end function stored_fields
 
    !> Goes on at the checkpoint of `path`.
-   subroutine go_on(case, path, watcher, error)
+   subroutine go_on(case, path, listener, error)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: path
-      type(run_observer_t), intent(inout) :: watcher
+      type(run_observer_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
       type(checkpoint_t) :: checkpoint
 
-      call read_checkpoint(path//'.ckpt', watcher%case, checkpoint, error)
-      if (.not. allocated(error)) call reopen_result(watcher%writer, path, &
-         stored_fields(case, watcher%scaling), checkpoint%part, size(checkpoint%march%film), error)
+      call read_checkpoint(path//'.ckpt', listener%case, checkpoint, error)
+      if (.not. allocated(error)) call reopen_result(listener%writer, path, &
+         stored_fields(case, listener%scaling), checkpoint%part, size(checkpoint%march%film), error)
       if (allocated(error)) then
          error%message = 'cannot resume: '//error%message
          return
       end if
-      watcher%earlier_seconds = checkpoint%march%report%wall_seconds
-      watcher%output_seconds = checkpoint%march%report%phase_seconds(phase_output)
-      call watcher%writer%name%expect_interruption(checkpoint%march%step)
-      watcher%intervals = checkpoint%intervals
-      watcher%time_step = checkpoint%time_step
-      watcher%space_scheme = checkpoint%space_scheme
-      watcher%writer%passage = checkpoint%passage
-      watcher%writer%bars%forecast = checkpoint%forecast
-      watcher%writer%statistics = checkpoint%statistics
+      listener%earlier_seconds = checkpoint%march%report%wall_seconds
+      listener%output_seconds = checkpoint%march%report%phase_seconds(phase_output)
+      call listener%writer%name%expect_interruption(checkpoint%march%step)
+      listener%intervals = checkpoint%intervals
+      listener%time_step = checkpoint%time_step
+      listener%space_scheme = checkpoint%space_scheme
+      listener%writer%passage = checkpoint%passage
+      listener%writer%bars%forecast = checkpoint%forecast
+      listener%writer%statistics = checkpoint%statistics
       if (allocated(checkpoint%momentum)) then
-         watcher%follower%earlier = checkpoint%momentum
-         watcher%writer%film_passage = checkpoint%film_passage
+         listener%follower%earlier = checkpoint%momentum
+         listener%writer%film_passage = checkpoint%film_passage
       end if
-      call watcher%log%say(case%file//': goes on after step '//to_text(checkpoint%march%step) &
+      call listener%log%say(case%file//': goes on after step '//to_text(checkpoint%march%step) &
          //', checkpoint '//path//'.ckpt')
       case%time%resume_from = checkpoint%march
    end subroutine go_on

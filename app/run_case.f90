@@ -71,7 +71,7 @@ contains
       end if
    end subroutine run_one_case
 
-   !> Solves a lubricated case on at most so many `threads` and writes its result `path`.
+   !> Solves a lubricated case on up to `threads` threads and writes its result `path`.
    subroutine run_lubricated_case(case, path, is_resume, threads, log, outcome)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: path
@@ -79,34 +79,34 @@ contains
       integer, intent(in) :: threads
       type(progress_log_t), intent(in) :: log
       type(case_outcome_t), intent(out) :: outcome
-      type(run_observer_t) :: watcher
+      type(run_observer_t) :: listener
       type(line_contact_t) :: contact, whole   ! as it is solved, with all of its roughness
       type(line_state_t) :: state
       type(report_t) :: report
       type(error_t), allocatable :: error
 
-      watcher%log = log
-      watcher%threads = threads
-      watcher%scaling = case%scaling
+      listener%log = log
+      listener%threads = threads
+      listener%scaling = case%scaling
       call build_line_contact(case, contact)
       whole = contact
       case%solver = scaled_solver(case)
-      watcher%film_floor = case%solver%film_floor
-      call watcher%log%start_case(case%file, watcher%scaling)
-      call prepare_momentum(case, watcher)
-      call start_result(case, contact, path, is_resume, watcher, error)
+      listener%film_floor = case%solver%film_floor
+      call listener%log%start_case(case%file, listener%scaling)
+      call prepare_momentum(case, listener)
+      call start_result(case, contact, path, is_resume, listener, error)
       if (.not. allocated(error)) then
-         call choose_lean_model(case, contact, watcher, error)
-         if (.not. allocated(error)) call solve_line_case(case, contact, watcher, state, &
+         call choose_lean_model(case, contact, listener, error)
+         if (.not. allocated(error)) call solve_line_case(case, contact, listener, state, &
             report, error)
-         if (.not. allocated(error)) call measure_model(case, contact, watcher, state, report, &
+         if (.not. allocated(error)) call measure_model(case, contact, listener, state, report, &
             error)
-         if (.not. allocated(error)) call follow_momentum(case, contact, watcher, state, report, &
+         if (.not. allocated(error)) call follow_momentum(case, contact, listener, state, report, &
             error)
-         if (allocated(error)) call watcher%writer%discard()
+         if (allocated(error)) call listener%writer%discard()
       end if
       whole%domain = contact%domain
-      call end_result(case, whole, watcher, state, report, error, outcome)
+      call end_result(case, whole, listener, state, report, error, outcome)
    end subroutine run_lubricated_case
 
 end module run_case

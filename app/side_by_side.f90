@@ -2,7 +2,7 @@
 module side_by_side
    use case_memory, only: lubricated_memory
    use case_record, only: case_t
-   use coarse_runs, only: companions_t, make_companion_runs, new_companions
+   use coarse_runs, only: side_runs_t, make_side_runs, new_side_runs
    use errors, only: error_t
    use iteration_report, only: report_t
    use kinds, only: wp
@@ -20,82 +20,82 @@ module side_by_side
 
    !> Listens to coarse runs, which tell nothing: they end when the program is interrupted or when
    !> the run itself has made them useless.
-   type, extends(listener_t) :: onlooker_t
+   type, extends(listener_t) :: side_relay_t
       logical, pointer :: are_off => null()
    contains
       procedure :: wants_stop
-   end type onlooker_t
+   end type side_relay_t
 
 contains
 
    !> Whether coarse runs, where they are wanted in a transient, shall have a thread of their own:
    !> two are allowed, and there are processors and memory for them. `contact` has its domain.
-   function can_run_beside(contact, case, watcher)
+   function can_run_beside(contact, case, listener)
       type(line_contact_t), intent(in) :: contact
       type(case_t), intent(in) :: case
-      type(run_observer_t), intent(in) :: watcher
+      type(run_observer_t), intent(in) :: listener
       logical :: can_run_beside
 
-      can_run_beside = watcher%has_coarse_runs .and. case%time%is_transient &
-         .and. min(watcher%threads, processors()) > 1
+      can_run_beside = listener%has_coarse_runs .and. case%time%is_transient &
+         .and. min(listener%threads, processors()) > 1
       if (.not. can_run_beside) return
       can_run_beside = memory_fault('two runs', lubricated_memory(2*contact%domain%intervals, &
          2*case%time%end_time/case%time%time_step, is_dense=.false., layers=case%layers), &
          of_blas + thread_memory(2)) == ''
    end function can_run_beside
 
-   !> Solves the case as `solve_contact` does, with two threads beside its `companions`; these are
+   !> Solves the case as `solve_contact` does, with two threads beside its `side_runs`; these are
    !> there afterwards if they were made and the solution has converged on the domain that they
    !> have.
-   subroutine solve_beside(contact, case, companions, watcher, state, report, error)
+   subroutine solve_beside(contact, case, side_runs, listener, state, report, error)
       type(line_contact_t), intent(inout) :: contact
       type(case_t), intent(in) :: case
-      type(companions_t), allocatable, target, intent(out) :: companions
-      type(run_observer_t), intent(inout) :: watcher
+      type(side_runs_t), allocatable, target, intent(out) :: side_runs
+      type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: x_outlet
       logical :: is_off
 
-      if (.not. can_run_beside(contact, case, watcher)) then
-         call solve_contact(contact, case%solver, case%time, watcher, state, report, &
+      if (.not. can_run_beside(contact, case, listener)) then
+         call solve_contact(contact, case%solver, case%time, listener, state, report, &
             error)   ! error: the caller looks
          return
       end if
-      allocate (companions)
-      companions = new_companions(contact, case%solver, case%time)
+      allocate (side_runs)
+      side_runs = new_side_runs(contact, case%solver, case%time)
       x_outlet = contact%domain%x_outlet
       !$omp parallel num_threads(2) private(is_off)
       ! the first thread alone writes and takes signals
       !$omp master
-      call solve_contact(contact, case%solver, case%time, watcher, state, report, error)
+      call solve_contact(contact, case%solver, case%time, listener, state, report, error)
       is_off = allocated(error) .or. .not. report%converged
       if (.not. is_off) is_off = abs(contact%domain%x_outlet - x_outlet) > 0.0_wp
       call begin_activity('coarse runs')
       if (is_off) then
          !$omp atomic write
-         companions%are_off = .true.
+         side_runs%are_off = .true.
       end if
       !$omp end master
-      call help(companions)
+      call help(side_runs)
       !$omp end parallel
-      if (companions%are_off) deallocate (companions)
-      watcher%is_stopping = watcher%is_stopping .or. is_interrupted()
+      if (side_runs%are_off) deallocate (side_runs)
+      listener%is_stopping = listener%is_stopping .or. is_interrupted()
    end subroutine solve_beside
 
    !> The part of one thread in the coarse runs.
-   subroutine help(companions)
-      type(companions_t), intent(inout), target :: companions
-      type(onlooker_t) :: onlooker
+   subroutine help(side_runs)
+      type(side_runs_t), intent(inout), target :: side_runs
+      type(side_relay_t) :: relay
 
-      onlooker%are_off => companions%are_off
-      call make_companion_runs(companions, onlooker)
+      relay%are_off => side_runs%are_off
+      call make_side_runs(side_runs, relay)
    end subroutine help
 
    !> Whether the run is of no use.
    function wants_stop(self)
-      class(onlooker_t), intent(inout) :: self
+      class(side_relay_t), intent(inout) :: self
       logical :: wants_stop, are_off
 
       !$omp atomic read

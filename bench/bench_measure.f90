@@ -100,7 +100,7 @@ contains
       type(measurement_t), intent(inout) :: outcome
       real(wp), intent(out) :: times(:)
       type(error_t), allocatable, intent(out) :: error
-      type(recorder_t) :: watcher
+      type(recorder_t) :: listener
       type(line_contact_t) :: contact
       type(line_state_t) :: state
       type(report_t) :: report
@@ -112,28 +112,28 @@ contains
       contact = outcome%contact
       time = case%time
       times = 0.0_wp
-      call start_recorder(watcher, is_first .and. (job%is_reference .or. job%is_compared &
+      call start_recorder(listener, is_first .and. (job%is_reference .or. job%is_compared &
          .or. case%time%is_transient), job%limit)
       start = wall_seconds()
       settings = case%solver
       settings%target = case%accuracy%target
       settings%wants_coarse_runs = job%has_bars
       if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
-         call choose_resolution(bars, contact, settings, time, watcher, error)
+         call choose_resolution(bars, contact, settings, time, listener, error)
          if (allocated(error)) return
       end if
-      call solve_contact(contact, settings, time, watcher, state, report, error)
+      call solve_contact(contact, settings, time, listener, state, report, error)
       if (allocated(error)) return
       times = [report%phase_seconds([phase_setup, phase_steady, phase_transient]), &
          wall_seconds() - start]
       if (.not. is_first) return
       if (.not. case%time%is_transient) then
-         call record_steady(watcher, state)
-         watcher%residual = report%residual
+         call record_steady(listener, state)
+         listener%residual = report%residual
       end if
       outcome%contact%domain = contact%domain
       outcome%report = report
-      outcome%first = watcher
+      outcome%first = listener
    end subroutine run_once
 
 end module bench_measure

@@ -24,8 +24,8 @@ module ablation_runs
 
    public :: change_between, doubt_between, largest_change, measure_at_rest, set_change
 
-   !> The error of a change: so many times its own change from the coarser grid, a share of itself,
-   !> a share of the largest change of a film, and what iterations leave at least.
+   !> The error of a change: this many times its own change from the coarser grid, a share of
+   !> itself, a share of the largest change of a film, and what iterations leave at least.
    real(wp), parameter :: widths(4) = [1.5_wp, 0.05_wp, 0.0_wp, 2.0e-5_wp]
    !> Where only the finer grid carries the lean film, the error of films is this share of their
    !> change; it tells only what is plainly needed.
@@ -39,7 +39,7 @@ module ablation_runs
    real(wp), parameter :: usual_steps = 11.0_wp
    !> Newton steps of one ingredient on a grid at most.
    real(wp), parameter :: most_steps = 50.0_wp
-   !> The finer one of the two grids: so many intervals where the budget allows it, and no less.
+   !> The finer one of the two grids: this many intervals where the budget allows it, and no less.
    integer, parameter :: most_intervals = 256, least_intervals = 64
 
 contains
@@ -49,14 +49,14 @@ contains
    !> of `adequacy` as soon as that is known. `budget`: nodes times Newton steps that may be spent,
    !> of which what is left is returned.
    ! allow(too-many-arguments)  what is measured, the bound, and what every run has
-   subroutine measure_at_rest(contact, state, list, ends_early, budget, adequacy, watcher, error)
+   subroutine measure_at_rest(contact, state, list, ends_early, budget, adequacy, listener, error)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
       type(ingredient_t), intent(in) :: list(:)
       logical, intent(in) :: ends_early
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
       type(lean_level_t) :: full(2)
       integer :: g, i
@@ -67,17 +67,17 @@ contains
          if (any(grids == 0)) return
          do g = 1, 2
             call solve_from(full(g), contact, grids(g), pressure_on(state, grids(g)), &
-               budget, watcher, error)
-            if (allocated(error) .or. watcher%is_stopping) return
-            if (full(g)%is_solved) call add_kappa(full(g), budget - full(g)%work, watcher)
+               budget, listener, error)
+            if (allocated(error) .or. listener%is_stopping) return
+            if (full(g)%is_solved) call add_kappa(full(g), budget - full(g)%work, listener)
             budget = budget - full(g)%work
          end do
          if (.not. full(1)%is_solved) return
          do i = 1, size(list)
             if (budget < usual_steps*sum(grids)) cycle
             call measure_one(contact, list(i), full, adequacy%accuracy, ends_early, budget, &
-               adequacy%rows(i), watcher, error)
-            if (allocated(error) .or. watcher%is_stopping) return
+               adequacy%rows(i), listener, error)
+            if (allocated(error) .or. listener%is_stopping) return
          end do
       end associate
    end subroutine measure_at_rest
@@ -86,7 +86,7 @@ contains
    !> scheme of the thesis and, unless it is plainly needed for the `accuracy` already and
    !> `ends_early`, by kappa.
    ! allow(too-many-arguments)  what is measured, the bound, and what every run has
-   subroutine measure_one(contact, ingredient, full, accuracy, ends_early, budget, row, watcher, &
+   subroutine measure_one(contact, ingredient, full, accuracy, ends_early, budget, row, listener, &
       error)
       type(line_contact_t), intent(in) :: contact
       type(ingredient_t), intent(in) :: ingredient
@@ -95,7 +95,7 @@ contains
       logical, intent(in) :: ends_early
       real(wp), intent(inout) :: budget
       type(influence_t), intent(inout) :: row
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
       type(lean_level_t) :: lean(2)
       real(wp) :: rest
@@ -106,8 +106,8 @@ contains
       rest = -1.0_wp
       do g = 1, 2
          call solve_without(lean(g), contact, ingredient, full(g), &
-            min(budget, most_steps*full(g)%level%n), rest, watcher, error)
-         if (allocated(error) .or. watcher%is_stopping) return
+            min(budget, most_steps*full(g)%level%n), rest, listener, error)
+         if (allocated(error) .or. listener%is_stopping) return
          budget = budget - lean(g)%work
          if (.not. lean(g)%is_solved) row%unknown = no_solution
          if (.not. lean(1)%is_solved) return
@@ -124,7 +124,7 @@ contains
       if (.not. all(full%has_kappa)) return
       do g = 1, 2
          budget = budget + lean(g)%work
-         call add_kappa(lean(g), min(budget, most_steps*full(g)%level%n) - lean(g)%work, watcher)
+         call add_kappa(lean(g), min(budget, most_steps*full(g)%level%n) - lean(g)%work, listener)
          budget = budget - lean(g)%work
          if (.not. lean(g)%has_kappa) return
          changes(:, g) = change_between(lean(g)%kappa, full(g)%kappa)
@@ -223,7 +223,7 @@ contains
       end do
    end function change_between
 
-   !> The finer and the coarser one of two grids of n/2^k intervals on which so many solutions fit
+   !> The finer and the coarser one of two grids of n/2^k intervals on which this many solutions fit
    !> into the budget; 0: there are none that carry the film.
    pure function grids_for(contact, n, solutions, budget) result(grids)
       type(line_contact_t), intent(in) :: contact

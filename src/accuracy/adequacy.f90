@@ -18,10 +18,10 @@ module adequacy
    public :: accuracy_for, adequacy_t, compared, influence_t, is_plainly_needed, judge, &
       new_influence, tell_at_rest, verdict_on
 
-   !> A change of the smooth steady contact that is so many times the accuracy, and so large, is no
-   !> less than the accuracy in a passage.
+   !> A change of the smooth steady contact that is this many times the accuracy, and so large, is
+   !> no less than the accuracy in a passage.
    real(wp), parameter :: plain_factor = 5.0_wp, plain_change = 0.05_wp
-   !> Without an ingredient roughness changes at most so many times as much as with it; it says
+   !> Without an ingredient roughness changes at most this many times as much as with it; it says
    !> nothing where that is more than half of a quantity.
    real(wp), parameter :: other_roughness = 2.0_wp, largest_roughness = 0.5_wp
 
@@ -109,8 +109,8 @@ contains
       end do
    end subroutine judge
 
-   !> The row of the time step; it errs by no more than `grid`, both together, where that is known,
-   !> and where nothing else is by anything between that and 0.
+   !> The row of the time step, bounded by the combined error of grid and step where that is known;
+   !> where nothing else is, anything between that and 0.
    pure function bounded(time_step, grid) result(row)
       type(influence_t), intent(in) :: time_step, grid
       type(influence_t) :: row

@@ -20,54 +20,54 @@ module coarse_runs
    implicit none (type, external)
    private
 
-   public :: companions_t, make_coarse_runs, make_companion_runs, new_companions, run_apart, &
-      run_farther, run_for_comparison, run_longer, run_other_scheme, take_companions
+   public :: side_runs_t, make_coarse_runs, make_side_runs, new_side_runs, run_apart, &
+      run_farther, run_for_comparison, run_longer, run_other_scheme, copy_side_runs
 
    !> Coarse runs that error bars come from have at least this many intervals.
    integer, parameter :: min_intervals = 32
    !> Up to this share of the film the rule of the inlet tells what it starves; beyond that the
-   !> change is measured, on a domain that is doubled so many times at most.
+   !> change is measured, on a domain that is doubled this many times at most.
    real(wp), parameter :: small_loss = 0.05_wp
    integer, parameter :: max_doublings = 5
 
    !> A coarse run of a transient, which does not depend on the run itself: another thread may make
    !> it while that goes on. On `factor` times fewer intervals with time steps as much larger.
-   type :: companion_t
+   type :: side_run_t
       integer :: factor
       !> Without its solution the other ones are of no use.
       logical :: is_needed
       logical :: is_known = .false.
       type(line_summary_t) :: summary
       type(error_t), allocatable :: error
-   end type companion_t
+   end type side_run_t
 
    !> All of them, in the order in which they begin.
-   type :: companions_t
+   type :: side_runs_t
       type(line_contact_t) :: contact
       type(solver_settings_t) :: settings
       type(time_settings_t) :: time
-      type(companion_t), allocatable :: runs(:)
-      !> So many have begun.
+      type(side_run_t), allocatable :: runs(:)
+      !> This many have begun.
       integer :: begun = 0
       !> They are of no use any more.
       logical :: are_off = .false.
-   end type companions_t
+   end type side_runs_t
 
 contains
 
-   !> Runs a steady case on n/2 and n/4 intervals; in time `make_companion_runs` does it. A run that
-   !> finds no solution, or that `watcher` stops, leaves its quantities unknown.
-   subroutine make_coarse_runs(bars, contact, settings, watcher, error)
+   !> Runs a steady case on n/2 and n/4 intervals; in time `make_side_runs` does it. A run that
+   !> finds no solution, or that `listener` stops, leaves its quantities unknown.
+   subroutine make_coarse_runs(bars, contact, settings, listener, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
       type(time_settings_t) :: steady
 
       bars = new_error_bars(contact, steady, settings%space_scheme)
-      collector%parent => watcher
+      collector%parent => listener
       call run_coarser(contact, settings, steady, 2, collector, bars%has_half, error)
       if (allocated(error)) return
       bars%half = collector%summary
@@ -83,66 +83,66 @@ contains
 
    !> Of a `contact` on its grid and with its time steps: n/2 and n/4 intervals, with the scheme of
    !> second order; of a transient of first order, first its own grid with that scheme.
-   pure function new_companions(contact, settings, time) result(companions)
+   pure function new_side_runs(contact, settings, time) result(side_runs)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
-      type(companions_t) :: companions
+      type(side_runs_t) :: side_runs
       type(error_bars_t) :: bars
 
-      companions%contact = contact
-      companions%settings = settings
-      companions%time = time
-      if (allocated(time%resume_from)) deallocate (companions%time%resume_from)
-      companions%runs = [companion_t(2, is_needed=.false.), companion_t(4, is_needed=.false.)]
+      side_runs%contact = contact
+      side_runs%settings = settings
+      side_runs%time = time
+      if (allocated(time%resume_from)) deallocate (side_runs%time%resume_from)
+      side_runs%runs = [side_run_t(2, is_needed=.false.), side_run_t(4, is_needed=.false.)]
       bars = new_error_bars(contact, time, settings%space_scheme)
-      if (bars%is_first_order) companions%runs = [companion_t(1, is_needed=.true.), &
-         companions%runs]
-   end function new_companions
+      if (bars%is_first_order) side_runs%runs = [side_run_t(1, is_needed=.true.), &
+         side_runs%runs]
+   end function new_side_runs
 
-   !> Makes the runs that nobody has begun, one after the other, until they are of no use. Any
-   !> number of threads may do so; `watcher` is that of the thread and may stop a run, whose
-   !> quantities are then unknown.
-   subroutine make_companion_runs(companions, watcher)
-      type(companions_t), intent(inout) :: companions
-      class(listener_t), intent(inout), target :: watcher
+   !> Makes the runs that are not begun yet, one after the other, while they are of use. Any number
+   !> of threads may call it; `listener` is that of the thread and may stop a run, whose quantities
+   !> are then unknown.
+   subroutine make_side_runs(side_runs, listener)
+      type(side_runs_t), intent(inout) :: side_runs
+      class(listener_t), intent(inout), target :: listener
       type(collector_t) :: collector
       type(time_settings_t) :: time
       logical :: are_off
       integer :: i
 
-      collector%parent => watcher
-      time = companions%time
+      collector%parent => listener
+      time = side_runs%time
       time%scheme = 'bdf2'
       do
          !$omp atomic capture
-         companions%begun = companions%begun + 1
-         i = companions%begun
+         side_runs%begun = side_runs%begun + 1
+         i = side_runs%begun
          !$omp end atomic
          !$omp atomic read
-         are_off = companions%are_off
-         if (are_off .or. i > size(companions%runs)) return
-         associate (run => companions%runs(i))
-            call run_coarser(companions%contact, companions%settings, time, run%factor, collector, &
+         are_off = side_runs%are_off
+         if (are_off .or. i > size(side_runs%runs)) return
+         associate (run => side_runs%runs(i))
+            call run_coarser(side_runs%contact, side_runs%settings, time, run%factor, collector, &
                run%is_known, run%error)
             run%summary = collector%summary
             if (run%is_known .or. .not. (run%is_needed .or. allocated(run%error))) cycle
          end associate
          !$omp atomic write
-         companions%are_off = .true.
+         side_runs%are_off = .true.
       end do
-   end subroutine make_companion_runs
+   end subroutine make_side_runs
 
    !> What the runs are for; `error` is the first of theirs.
-   subroutine take_companions(companions, bars, error)
-      type(companions_t), intent(in) :: companions
+   subroutine copy_side_runs(side_runs, bars, error)
+      type(side_runs_t), intent(in) :: side_runs
       type(error_bars_t), intent(out) :: bars
       type(error_t), allocatable, intent(out) :: error
       integer :: i
 
-      bars = new_error_bars(companions%contact, companions%time, companions%settings%space_scheme)
-      do i = 1, size(companions%runs)
-         associate (run => companions%runs(i))
+      bars = new_error_bars(side_runs%contact, side_runs%time, side_runs%settings%space_scheme)
+      do i = 1, size(side_runs%runs)
+         associate (run => side_runs%runs(i))
             if (allocated(run%error)) error = run%error
             if (allocated(error) .or. (run%is_needed .and. .not. run%is_known)) return
             select case (run%factor)
@@ -157,17 +157,17 @@ contains
             end select
          end associate
       end do
-   end subroutine take_companions
+   end subroutine copy_side_runs
 
    !> Runs a transient whose resolution was chosen with twice the spacing, and with twice the time
    !> step: errors of both often cancel, and together they would tell too little. Without a solution
    !> of one of them neither is known.
-   subroutine run_apart(bars, contact, settings, time, watcher, error)
+   subroutine run_apart(bars, contact, settings, time, listener, error)
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
       type(line_contact_t) :: own
@@ -179,7 +179,7 @@ contains
       steps = nint(time%end_time/time%time_step)
       slow_steps = (steps + 1)/2
       if (steps < 2) return
-      collector%parent => watcher
+      collector%parent => listener
       own = contact
       slow = time
       slow%time_step = time%end_time/slow_steps
@@ -201,19 +201,19 @@ contains
    !> The case at the spacing of n/2 intervals on a domain that is longer behind the outlet: what
    !> the outlet cuts off. Twice the length; of a steady contact up to eight times, until nothing is
    !> cut off any more.
-   subroutine run_longer(bars, contact, settings, time, watcher, error)
+   subroutine run_longer(bars, contact, settings, time, listener, error)
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
       type(line_contact_t) :: longer
       integer :: doubling
 
       if (.not. bars%has_half) return
-      collector%parent => watcher
+      collector%parent => listener
       longer = contact
       do doubling = 1, merge(1, 3, time%is_transient)
          associate (domain => longer%domain)
@@ -237,11 +237,11 @@ contains
    !> them, where that finds no solution), and at the same spacing on a domain twice as long;
    !> without a tail on one with the inlet that would be chosen, at least, unless that takes more
    !> intervals than a grid that is chosen may have.
-   subroutine run_farther(bars, contact, settings, watcher, error)
+   subroutine run_farther(bars, contact, settings, listener, error)
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
       type(line_contact_t) :: longer
@@ -259,7 +259,7 @@ contains
          call reach_out(longer, 2*max_chosen(settings), is_out)
          if (.not. is_out) return
       end if
-      collector%parent => watcher
+      collector%parent => listener
       exact = settings
       exact%tolerance = 0.0_wp
       associate (inlet => bars%inlet)
@@ -285,7 +285,7 @@ contains
    end subroutine double_in_front
 
    !> Doubles the domain of `contact` until its inlet is as far out as a chosen one, and of that
-   !> kind; `is_out`: a few times suffice, with at most so many intervals.
+   !> kind; `is_out`: a few times suffice, with at most this many intervals.
    pure subroutine reach_out(contact, max_intervals, is_out)
       type(line_contact_t), intent(inout) :: contact
       integer, intent(in) :: max_intervals
@@ -308,11 +308,11 @@ contains
 
    !> A steady `contact` that the kappa scheme has solved, by that of the thesis on its own grid and
    !> on those that it passes on the way.
-   subroutine run_other_scheme(bars, contact, settings, watcher, error)
+   subroutine run_other_scheme(bars, contact, settings, listener, error)
       type(error_bars_t), intent(inout) :: bars
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(collector_t) :: collector
       type(solver_settings_t) :: other
@@ -320,7 +320,7 @@ contains
       logical :: is_known
 
       if (.not. bars%is_kappa) return
-      collector%parent => watcher
+      collector%parent => listener
       other = settings
       other%space_scheme = 'upwind2'
       call run_coarser(contact, other, steady, 1, collector, is_known, error)
@@ -372,7 +372,7 @@ contains
       own_settings%levels = 0
       own_settings%explains_failure = .false.
       own_settings%film_floor = 0.0_wp
-      ! where Newton's method finds nothing on a coarser grid, nothing does: no long search
+      ! if Newton fails on a coarser grid, so do the fallbacks: skip them
       if (settings%method == 'auto' .and. settings%smoother == 'auto') own_settings%method = &
          'newton_krylov'
       if (.not. time%is_transient) own_settings%method = 'newton_krylov'

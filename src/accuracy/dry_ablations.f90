@@ -29,14 +29,15 @@ module dry_ablations
 
    !> Error measure to which they are solved.
    real(wp), parameter :: tolerance = 1.0e-6_wp
-   !> The error of a change is so many times its difference on both grids, which of first order is
+   !> The error of a change is this many times its difference on both grids, which of first order is
    !> the error, and a share of itself, for two grids may agree by chance; of the contact area no
-   !> less than so many standard deviations of what its edges do, which lie anywhere between nodes.
+   !> less than this many standard deviations of what its edges do, which lie anywhere between
+   !> nodes.
    real(wp), parameter :: safety = 1.5_wp, own_share = 0.05_wp, deviations = 2.0_wp
    !> Variance of a place between two nodes, in spacings.
    real(wp), parameter :: uniform_variance = 1.0_wp/12.0_wp
-   !> Profiles of an area that are solved as lines, and Student's t for so many: the mean of all is
-   !> within that many standard errors of theirs in 95 of 100 areas.
+   !> Profiles of an area that are solved as lines, and Student's t for this many: the mean of all
+   !> is within that many standard errors of theirs in 95 of 100 areas.
    integer, parameter, public :: profiles = 16
    real(wp), parameter :: students_t = 2.131_wp
 

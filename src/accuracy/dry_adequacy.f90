@@ -246,10 +246,10 @@ contains
       end do
    end subroutine count_harmonics
 
-   !> How many times coarser the finer one of two grids is on which so many `parts` can be left out
-   !> under the `heaviest` load at the allowed cost; the other one has twice its spacing. On its own
-   !> grid the sweep has been solved with all of them. A finer grid than that only where error bars
-   !> take one.
+   !> How many times coarser the finer one of two grids is on which this many `parts` can be left
+   !> out under the `heaviest` load at the allowed cost; the other one has twice its spacing. On its
+   !> own grid the sweep has been solved with all of them. A finer grid than that only where error
+   !> bars take one.
    pure function affordable_ratio(sweep, rows, heaviest, parts) result(ratio)
       type(dry_sweep_t), intent(in) :: sweep
       type(dry_row_t), intent(in) :: rows(:)

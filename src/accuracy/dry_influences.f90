@@ -10,7 +10,7 @@ module dry_influences
    !> Names of the compared quantities in /sweep.
    character(len=21), parameter, public :: compared_names(compared_count) = &
       [character(len=21) :: 'contact_area_fraction', 'mean_separation', 'p_max']
-   !> The second grid of a measurement is so many times as coarse as the first.
+   !> The second grid of a measurement is this many times as coarse as the first.
    real(wp), parameter, public :: coarsening = 2.0_wp
 
    !> One ingredient, or the grid.

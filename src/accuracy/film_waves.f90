@@ -36,7 +36,7 @@ module film_waves
    !> A pressure is not known where it may be off by more than this share of P at X = 0, and a wave
    !> of less than this share of the film there is nothing to it.
    real(wp), parameter :: large_share = 0.05_wp
-   !> Of the phase: by so many times it the pressures err; from where on their changes do not tell
+   !> Of the phase: by this many times it the pressures err; from where on their changes do not tell
    !> it; where the wave is lost.
    real(wp), parameter :: safety = 2.0_wp, seen_phase = 0.1_wp, lost_phase = 0.5_wp
    !> Steps of the search for a spacing that would do.

@@ -17,7 +17,7 @@ module inlet_change
 
    public :: change_by_inlet, film_loss, inlet_change_t
 
-   !> An estimate is so many times the change, and this share of the largest one: a quantity may
+   !> An estimate is this many times the change, and this share of the largest one: a quantity may
    !> change little by chance.
    real(wp), parameter :: safety = 1.1_wp, doubt = 0.15_wp
 

@@ -56,34 +56,34 @@ contains
    !> Poses `contact`, whose domain is complete, on `intervals` with its surfaces of time 0, and
    !> solves it from `start` (0:intervals) by the scheme of the thesis, in at most `work` nodes
    !> times Newton steps.
-   subroutine solve_from(self, contact, intervals, start, work, watcher, error)
+   subroutine solve_from(self, contact, intervals, start, work, listener, error)
       type(lean_level_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: intervals
       type(film_state_t), intent(in) :: start
       real(wp), intent(in) :: work
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
 
       call pose(self, contact, intervals, 0.0_wp, error)
       if (allocated(error)) return
       self%level%state%pressure = start%pressure
       call place_film(self%level, minval(start%film))
-      call solve_level_of(self, work, watcher)
+      call solve_level_of(self, work, listener)
       if (self%is_solved) self%summary = summary_with_doubt(self%level)
    end subroutine solve_from
 
    !> From a solution by the scheme of the thesis that by the kappa scheme, which errs less, if
    !> there is one; the state stays.
-   subroutine add_kappa(self, work, watcher)
+   subroutine add_kappa(self, work, listener)
       type(lean_level_t), intent(inout) :: self
       real(wp), intent(in) :: work
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       type(film_state_t) :: thesis
 
       thesis = self%level%state
       self%level%is_kappa = .true.
-      call solve_level_of(self, work, watcher)
+      call solve_level_of(self, work, listener)
       self%has_kappa = self%is_solved
       if (self%has_kappa) self%kappa = summary_with_doubt(self%level)
       self%is_solved = .true.
@@ -123,17 +123,17 @@ contains
 
    !> Solves the problem posed on the level from its present state, in at most `work` nodes times
    !> Newton steps.
-   subroutine solve_level_of(self, work, watcher)
+   subroutine solve_level_of(self, work, listener)
       type(lean_level_t), intent(inout) :: self
       real(wp), intent(in) :: work
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       logical :: halts(size(ieee_usual))
 
       ! A trial may diverge beyond all numbers, which is then no solution; checked builds go on too.
       call ieee_get_halting_mode(ieee_usual, halts)
       call ieee_set_halting_mode(ieee_usual, .false.)
       call solve_newton(self%newton, self%level, lean_tolerance, &
-         int(min(real(max_newton_steps, wp), work/self%level%n)), watcher, film_is_exact=.true.)
+         int(min(real(max_newton_steps, wp), work/self%level%n)), listener, film_is_exact=.true.)
       call ieee_set_halting_mode(ieee_usual, halts)
       self%work = self%work + real(self%newton%steps, wp)*self%level%n
       self%is_solved = self%newton%is_converged
@@ -154,14 +154,14 @@ contains
    !> that has none, with three quarters of it. `rest`: how much of it to keep, or below 0 on entry,
    !> how much was kept, 0 or 3/4. At most `work` nodes times Newton steps.
    ! allow(too-many-arguments)  what is solved, from where, the bound, and what every run has
-   subroutine solve_without(lean, contact, ingredient, full, work, rest, watcher, error)
+   subroutine solve_without(lean, contact, ingredient, full, work, rest, listener, error)
       type(lean_level_t), intent(inout) :: lean
       type(line_contact_t), intent(in) :: contact
       type(ingredient_t), intent(in) :: ingredient
       type(lean_level_t), intent(in) :: full
       real(wp), intent(in) :: work
       real(wp), intent(inout) :: rest
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
       type(line_contact_t) :: other
       logical :: is_open
@@ -172,13 +172,13 @@ contains
       if (is_open) rest = 0.0_wp
       other = contact_without(contact, ingredient, rest)
       if (full%level%n >= coarsest_for_film(other)) call solve_from(lean, other, full%level%n, &
-         full%level%state, work, watcher, error)
+         full%level%state, work, listener, error)
       if (allocated(error) .or. lean%is_solved) return
       if (.not. (is_open .and. ingredient%can_reduce)) return
       rest = largest_rest
       call start_anew(lean)
       call solve_from(lean, contact_without(contact, ingredient, rest), full%level%n, &
-         full%level%state, work - lean%work, watcher, error)   ! error: the caller looks
+         full%level%state, work - lean%work, listener, error)   ! error: the caller looks
    end subroutine solve_without
 
    !> Extremes over the times of a passage that count, of steady solutions with the surfaces of
@@ -186,7 +186,7 @@ contains
    !> `start`, the solution of the thesis's scheme for smooth surfaces.
    !> `is_known` is false if one of them is not found. Nodes times Newton steps are added to `work`.
    ! allow(too-many-arguments)  what a march has, and its outcome
-   subroutine follow_waves(contact, time, is_kappa, start, summary, is_known, work, watcher, &
+   subroutine follow_waves(contact, time, is_kappa, start, summary, is_known, work, listener, &
       error)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
@@ -195,7 +195,7 @@ contains
       type(line_summary_t), intent(out) :: summary
       logical, intent(out) :: is_known
       real(wp), intent(inout) :: work
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
       type(line_contact_t) :: own
       type(lean_level_t) :: lean
@@ -218,7 +218,7 @@ contains
             lean%level%state%pressure = start%pressure
             lean%level%is_kappa = is_kappa
             call place_film(lean%level, minval(start%film))
-            if (is_kappa) call solve_level_of(lean, huge(1.0_wp), watcher)
+            if (is_kappa) call solve_level_of(lean, huge(1.0_wp), listener)
             smooth = lean%level%state%pressure
             last = now
          end if
@@ -229,7 +229,7 @@ contains
          last = now
          lean%level%rhs_film = 0.5_wp*lean%level%x**2 - roughness_at(own, lean%level, now)
          call place_film(lean%level, minval(lean%level%state%film))
-         call solve_level_of(lean, huge(1.0_wp), watcher)
+         call solve_level_of(lean, huge(1.0_wp), listener)
          is_known = lean%is_solved
          if (.not. is_known) work = work + lean%work
          if (.not. is_known) return

@@ -45,7 +45,7 @@ module measured_adequacy
    !> Intervals of the smooth steady contact, at most.
    integer, parameter :: most_at_rest = 128
 
-   !> The error of a change: so many times its own change from the grid with twice the spacing, of
+   !> The error of a change: this many times its own change from the grid with twice the spacing, of
    !> first order 1.5 times the error; a share of itself; on n/8 a share of the largest change of a
    !> film, for a wave passes the nodes of two coarse grids alike by chance; and what iterations
    !> leave.
@@ -56,18 +56,18 @@ contains
 
    !> Measures every ingredient of a converged `scene` whose last state is `state`, and which has
    !> made `runs`, for the `accuracy` that counts.
-   subroutine measure_adequacy(scene, state, runs, accuracy, adequacy, watcher, error)
+   subroutine measure_adequacy(scene, state, runs, accuracy, adequacy, listener, error)
       type(scene_t), intent(in) :: scene
       type(line_state_t), intent(in) :: state
       type(own_runs_t), intent(in) :: runs
       real(wp), intent(in) :: accuracy
       type(adequacy_t), intent(out) :: adequacy
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: budget
 
       adequacy%accuracy = accuracy
-      call watcher%on_stage('measuring what each ingredient changes')
+      call listener%on_stage('measuring what each ingredient changes')
       associate (list => ingredients_of(scene%contact, scene%time%is_transient), &
          n => real(size(state%x) - 1, wp))
          if (scene%time%is_transient) then
@@ -78,11 +78,11 @@ contains
                budget = budget*(1 + coarse_share)
             end if
             budget = max(share*budget, small_run)
-            call measure_passage(scene, list, runs, budget, adequacy, watcher, &
+            call measure_passage(scene, list, runs, budget, adequacy, listener, &
                error)   ! error: the caller looks
          else
             budget = max(share*steady_steps*n, small_run)
-            call measure_at_rest(scene%contact, state, list, .false., budget, adequacy, watcher, &
+            call measure_at_rest(scene%contact, state, list, .false., budget, adequacy, listener, &
                error)   ! error: the caller looks
          end if
       end associate
@@ -91,50 +91,49 @@ contains
    !> Measures the ingredients of a transient: those of oil and bodies at rest, those that the
    !> `runs` made already tell, and the others over the passage, as far as the `budget` goes (nodes
    !> times Newton steps).
-   subroutine measure_passage(scene, list, runs, budget, adequacy, watcher, error)
+   subroutine measure_passage(scene, list, runs, budget, adequacy, listener, error)
       type(scene_t), intent(in) :: scene
       type(ingredient_t), intent(in) :: list(:)
       type(own_runs_t), intent(in) :: runs
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: kept(2)
       logical, dimension(size(list)) :: is_open, takes_rest
 
-      call measure_smooth(scene, list, budget, adequacy, watcher, error)
-      if (allocated(error) .or. watcher%is_stopping) return
+      call measure_smooth(scene, list, budget, adequacy, listener, error)
+      if (allocated(error) .or. listener%is_stopping) return
       is_open = .true.
       call ask_own(scene, runs, list, list%kind == roughness, kept, budget, adequacy, is_open, &
-         watcher, error)
-      if (allocated(error) .or. watcher%is_stopping) return
+         listener, error)
+      if (allocated(error) .or. listener%is_stopping) return
       call look_at_rest(list, adequacy, is_open)
-      call measure_parts(scene, runs, list, kept(2), budget, adequacy, is_open, watcher, error)
-      if (allocated(error) .or. watcher%is_stopping) return
+      call measure_parts(scene, runs, list, kept(2), budget, adequacy, is_open, listener, error)
+      if (allocated(error) .or. listener%is_stopping) return
       takes_rest = list%kind == squeeze .and. is_told_by_own(scene, runs, list)
       call ask_own(scene, runs, list, is_open .and. .not. takes_rest, kept, budget, adequacy, &
-         is_open, watcher, error)
-      if (allocated(error) .or. watcher%is_stopping) return
+         is_open, listener, error)
+      if (allocated(error) .or. listener%is_stopping) return
       call compare_passages(scene, list, is_open .and. .not. takes_rest, budget, adequacy, &
-         watcher, error)
-      if (allocated(error) .or. watcher%is_stopping) return
-      call ask_time_step(scene, runs, any(takes_rest), kept, budget, adequacy, watcher, error)
-      if (allocated(error) .or. watcher%is_stopping) return
-      call ask_own(scene, runs, list, takes_rest, kept, budget, adequacy, is_open, watcher, &
+         listener, error)
+      if (allocated(error) .or. listener%is_stopping) return
+      call ask_time_step(scene, runs, any(takes_rest), kept, budget, adequacy, listener, error)
+      if (allocated(error) .or. listener%is_stopping) return
+      call ask_own(scene, runs, list, takes_rest, kept, budget, adequacy, is_open, listener, &
          error)   ! error: the caller looks
    end subroutine measure_passage
 
-   !> The time step, if what it costs does not take the grids from squeeze, which takes the rest of
-   !> the budget where it is wanted.
+   !> Measures the time step if enough budget for the squeeze term remains.
    ! allow(too-many-arguments)  what is measured, the bound, and what every run has
-   subroutine ask_time_step(scene, runs, wants_squeeze, kept, budget, adequacy, watcher, error)
+   subroutine ask_time_step(scene, runs, wants_squeeze, kept, budget, adequacy, listener, error)
       type(scene_t), intent(in) :: scene
       type(own_runs_t), intent(in) :: runs
       logical, intent(in) :: wants_squeeze
       type(passages_t), intent(inout) :: kept(2)
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: larger
       real(wp) :: cost
@@ -147,7 +146,7 @@ contains
       cost = time_step_cost(scene, runs, kept(2)%is_tried)
       if (wants_squeeze) is_open = leaves_enough(scene, runs, kept(1), budget, cost)
       if (budget < cost .or. .not. is_open) return
-      call run_larger_step(scene, runs, kept(2), larger, budget, watcher, error)
+      call run_larger_step(scene, runs, kept(2), larger, budget, listener, error)
       if (allocated(error)) return
       adequacy%time_step%unknown = 'a coarse grid has no solution with larger steps'
       if (larger%is_known) call take_larger_step(kept(2)%full(2), larger%full(2), &
@@ -156,7 +155,7 @@ contains
 
    !> Those of the chosen ingredients that the passages of the run tell.
    ! allow(too-many-arguments)  what is measured, the bound, and what every run has
-   subroutine ask_own(scene, runs, list, is_chosen, kept, budget, adequacy, is_open, watcher, &
+   subroutine ask_own(scene, runs, list, is_chosen, kept, budget, adequacy, is_open, listener, &
       error)
       type(scene_t), intent(in) :: scene
       type(own_runs_t), intent(in) :: runs
@@ -166,7 +165,7 @@ contains
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
       logical, intent(inout) :: is_open(:)
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       logical :: is_known
       integer :: i
@@ -174,13 +173,13 @@ contains
       do i = 1, size(list)
          if (.not. (is_chosen(i) .and. is_told_by_own(scene, runs, list(i)))) cycle
          call compare_with_own(scene, runs, list(i), kept, budget, adequacy%rows(i), is_known, &
-            watcher, error)
-         if (allocated(error) .or. watcher%is_stopping) return
+            listener, error)
+         if (allocated(error) .or. listener%is_stopping) return
          is_open(i) = .not. is_known
       end do
    end subroutine ask_own
 
-   !> Which ingredients stay open when what they change at rest is known, and what roughness does.
+   !> Marks ingredients that the smooth steady contact leaves undecided.
    pure subroutine look_at_rest(list, adequacy, is_open)
       type(ingredient_t), intent(in) :: list(:)
       type(adequacy_t), intent(inout) :: adequacy
@@ -198,12 +197,12 @@ contains
    end subroutine look_at_rest
 
    !> The rows, with the ingredients of oil and bodies measured on the smooth steady contact.
-   subroutine measure_smooth(scene, list, budget, adequacy, watcher, error)
+   subroutine measure_smooth(scene, list, budget, adequacy, listener, error)
       type(scene_t), intent(in) :: scene
       type(ingredient_t), intent(in) :: list(:)
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(scene_t) :: smooth
       type(adequacy_t) :: own
@@ -220,13 +219,13 @@ contains
             .and. n/2 >= 2*coarsest_for_film(scene%contact))
             n = n/2
          end do
-         call solve_steadily(smooth, watcher, state, is_solved, error)
+         call solve_steadily(smooth, listener, state, is_solved, error)
          if (allocated(error) .or. .not. is_solved) return
          budget = budget - steps_to_start*n
       end associate
       own%accuracy = adequacy%accuracy
       call measure_at_rest(smooth%contact, state, pack(list, .not. is_of_surfaces(list)), .true., &
-         budget, own, watcher, error)
+         budget, own, listener, error)
       if (allocated(error)) return
       adequacy%at_rest = own%at_rest
       k = 0
@@ -240,13 +239,13 @@ contains
 
    !> Runs the passage with every ingredient and, as long as the budget lasts, without each one that
    !> is open.
-   subroutine compare_passages(scene, list, is_open, budget, adequacy, watcher, error)
+   subroutine compare_passages(scene, list, is_open, budget, adequacy, listener, error)
       type(scene_t), intent(in) :: scene
       type(ingredient_t), intent(in) :: list(:)
       logical, intent(in) :: is_open(:)
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: passages(size(schemes))
       integer :: i
@@ -256,21 +255,21 @@ contains
       if (any(adequacy%in_time == 0)) return
       do i = 1, size(list)
          if (is_open(i)) call compare_one(scene, list(i), passages, budget, adequacy%in_time, &
-            adequacy%rows(i), watcher, error)
-         if (allocated(error) .or. watcher%is_stopping) return
+            adequacy%rows(i), listener, error)
+         if (allocated(error) .or. listener%is_stopping) return
       end do
    end subroutine compare_passages
 
    !> The change of one ingredient: by the first scheme that finds all solutions within the budget.
    ! allow(too-many-arguments)  what is measured, the bound, and what every run has
-   subroutine compare_one(scene, ingredient, passages, budget, grids, row, watcher, error)
+   subroutine compare_one(scene, ingredient, passages, budget, grids, row, listener, error)
       type(scene_t), intent(in) :: scene
       type(ingredient_t), intent(in) :: ingredient
       type(passages_t), intent(inout) :: passages(:)
       real(wp), intent(inout) :: budget
       integer, intent(in) :: grids(2)
       type(influence_t), intent(inout) :: row
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), cost, spent
       logical :: is_known
@@ -280,15 +279,15 @@ contains
       do k = 1, size(schemes)
          if (.not. passages(k)%is_tried) then
             if (budget < cost) return
-            call run_passages(scene, grids, schemes(k), passages(k), watcher, error)
-            if (allocated(error) .or. watcher%is_stopping) return
+            call run_passages(scene, grids, schemes(k), passages(k), listener, error)
+            if (allocated(error) .or. listener%is_stopping) return
             budget = budget - passages(k)%work
          end if
          ! smooth surfaces take one steady solution
          if (ingredient%kind == roughness) cost = 0.0_wp
          if (.not. passages(k)%is_known .or. budget < cost) cycle
          spent = passages(k)%work
-         call changes_without(passages(k), ingredient, changes, doubt, is_known, watcher, &
+         call changes_without(passages(k), ingredient, changes, doubt, is_known, listener, &
             error)
          if (allocated(error)) return
          budget = budget - (passages(k)%work - spent)
@@ -304,7 +303,7 @@ contains
    !> Newton steps at rest). `kept`: the passages on n and n/2, and on n/4 and n/8, for all
    !> ingredients that take them. `is_known`: there is a solution.
    ! allow(too-many-arguments)  what is measured, the bound, and what every run has
-   subroutine compare_with_own(scene, runs, ingredient, kept, budget, row, is_known, watcher, &
+   subroutine compare_with_own(scene, runs, ingredient, kept, budget, row, is_known, listener, &
       error)
       type(scene_t), intent(in) :: scene
       type(own_runs_t), intent(in) :: runs
@@ -313,7 +312,7 @@ contains
       real(wp), intent(inout) :: budget
       type(influence_t), intent(inout) :: row
       logical, intent(out) :: is_known
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: passages
       real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), cost, widths(4)
@@ -332,14 +331,14 @@ contains
          widths = coarse_widths
          cost = cost_of_coarse(scene, runs, kept(2)%is_tried)
          if (budget < cost) return
-         call run_coarsest(scene, runs, kept(2), budget, watcher, error)
-         if (allocated(error) .or. watcher%is_stopping) return
+         call run_coarsest(scene, runs, kept(2), budget, listener, error)
+         if (allocated(error) .or. listener%is_stopping) return
          if (.not. kept(2)%is_known) return
          passages = kept(2)
       end select
       passages%work = 0.0_wp
       if (budget < cost) return
-      call changes_without(passages, ingredient, changes, doubt, is_known, watcher, error)
+      call changes_without(passages, ingredient, changes, doubt, is_known, listener, error)
       if (allocated(error)) return
       budget = budget - passages%work
       if (ingredient%kind == roughness) kept(1)%smooth = passages%smooth

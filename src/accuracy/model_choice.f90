@@ -34,7 +34,7 @@ module model_choice
    !> What is left out may change a quantity by this share of the target, its error counted: the
    !> rest is for grid, time step and domain.
    real(wp), parameter :: leave_share = 0.25_wp
-   !> Roughness that is higher than so many times the target, over the film, is not looked at: of
+   !> Roughness that is higher than this many times the target, over the film, is not looked at: of
    !> 20 passages that could do without (seeds 12 and 13 of bench/auto.py) four had more, and so had
    !> nearly all that could not.
    real(wp), parameter :: highest = 0.75_wp
@@ -46,12 +46,12 @@ contains
 
    !> Decides on every ingredient of an open `scene` for a relative error `target` > 0;
    !> `needs_passage`: a passage it stays.
-   subroutine choose_model(scene, target, needs_passage, choice, watcher, error)
+   subroutine choose_model(scene, target, needs_passage, choice, listener, error)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: target
       logical, intent(in) :: needs_passage
       type(model_choice_t), intent(out) :: choice
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(scene_t) :: whole
       type(ingredient_t), allocatable :: list(:)
@@ -72,10 +72,10 @@ contains
       call choose_time_step(whole%contact, whole%time)
       call move_profiles(whole%contact, 0.0_wp, error)
       if (allocated(error)) return
-      call watcher%on_stage('measuring what the model needs')
+      call listener%on_stage('measuring what the model needs')
       if (moves(scene%contact%surface_1) .or. moves(scene%contact%surface_2)) then
          where (list%kind == squeeze) choice%why = cheap_in_motion
-         call look_at_roughness(whole, list, target, choice, watcher, &
+         call look_at_roughness(whole, list, target, choice, listener, &
             error)   ! error: the caller looks
       else if (counts_late(whole)) then
          where (list%kind >= roughness) choice%why = cheap_steady
@@ -100,19 +100,19 @@ contains
    end function counts_late
 
    !> Leaves out the roughness of a passage, and its motion, if it is low and surely changes little.
-   subroutine look_at_roughness(scene, list, target, choice, watcher, error)
+   subroutine look_at_roughness(scene, list, target, choice, listener, error)
       type(scene_t), intent(in) :: scene
       type(ingredient_t), intent(in) :: list(:)
       real(wp), intent(in) :: target
       type(model_choice_t), intent(inout) :: choice
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       integer :: i
 
       i = findloc(list%kind, roughness, 1)
       choice%why(i) = too_high
       if (height_of(scene%contact) > highest*target*film_estimate(scene%contact)) return
-      call measure(scene, list(i), choice%rows(i), choice%grids, watcher, error)
+      call measure(scene, list(i), choice%rows(i), choice%grids, listener, error)
       if (allocated(error)) return
       choice%why(i) = not_measured
       associate (row => choice%rows(i))
@@ -128,7 +128,7 @@ contains
       choice%why(i) = changes_little
    end subroutine look_at_roughness
 
-   !> The largest |change| + error of a row; a friction that is not known there is none.
+   !> The largest |change| + error of a row; unknown values (NaN) are skipped.
    pure function largest_influence(row) result(largest)
       type(influence_t), intent(in) :: row
       real(wp) :: largest
@@ -143,12 +143,12 @@ contains
 
    !> The change of all quantities without the roughness, on the two finest grids that the budget
    !> allows. What a spike may add to both pressures alike does not count.
-   subroutine measure(scene, ingredient, row, grids, watcher, error)
+   subroutine measure(scene, ingredient, row, grids, listener, error)
       type(scene_t), intent(in) :: scene
       type(ingredient_t), intent(in) :: ingredient
       type(influence_t), intent(inout) :: row
       integer, intent(out) :: grids(2)
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(passages_t) :: passages
       real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), budget
@@ -161,10 +161,10 @@ contains
       grids = passage_grids(scene, 0, budget)   ! smooth surfaces take no second passage
       if (any(grids == 0)) return
       do k = 1, size(schemes)
-         call run_passages(scene, grids, schemes(k), passages, watcher, error)
-         if (allocated(error) .or. watcher%is_stopping) return
+         call run_passages(scene, grids, schemes(k), passages, listener, error)
+         if (allocated(error) .or. listener%is_stopping) return
          if (.not. passages%is_known) cycle
-         call changes_without(passages, ingredient, changes, doubt, is_known, watcher, error)
+         call changes_without(passages, ingredient, changes, doubt, is_known, listener, error)
          if (allocated(error)) return
          if (.not. is_known) cycle
          doubt = 0.0_wp

@@ -19,7 +19,7 @@ module own_passages
       type(error_bars_t) :: bars
    end type own_runs_t
 
-   !> A time step on a coarse grid takes so many times the Newton steps of one of the run.
+   !> A time step on a coarse grid takes this many times the Newton steps of one of the run.
    real(wp), parameter :: longer_steps = 1.3_wp
 
 contains

@@ -33,10 +33,10 @@ module passage_pairs
    !> Grids have half of these times a power of two of intervals, the coarser ones half of those
    !> below: 0.63 to 0.71 of the finer ones.
    integer, parameter :: families(4) = [14, 12, 10, 8], coarser_families(4) = [10, 8, 7, 5]
-   !> The error of a change: so many times its change from the coarser of these grids (an error that
-   !> falls with the spacing is twice that), a share of itself, a share of the largest change of a
-   !> film, for a wave passes the nodes of two coarse grids alike by chance, and what iterations
-   !> leave of both.
+   !> The error of a change: this many times its change from the coarser of these grids (an error
+   !> that falls with the spacing is twice that), a share of itself, a share of the largest change
+   !> of a film, for a wave passes the nodes of two coarse grids alike by chance, and what
+   !> iterations leave of both.
    real(wp), parameter, public :: widths(4) = [3.0_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
    !> By which scheme a passage is run, and by which where that finds no solution: what errs least
    !> on coarse grids, and what is solved most often.
@@ -84,9 +84,9 @@ contains
       end do
    end function known_passages
 
-   !> Intervals of the finer and the coarser one of two passages, as fine as so many ingredients fit
-   !> into the budget, or if the waves are not seen there as coarse as they are, so that one does at
-   !> least; 0: none fits.
+   !> Intervals of the finer and the coarser one of two passages, as fine as this many ingredients
+   !> fit into the budget, or if the waves are not seen there as coarse as they are, so that one
+   !> does at least; 0: none fits.
    pure function passage_grids(scene, ingredients, budget) result(grids)
       type(scene_t), intent(in) :: scene
       integer, intent(in) :: ingredients

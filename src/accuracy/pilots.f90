@@ -1,5 +1,4 @@
-!> What pilot runs of a transient on coarse resolutions tell of its errors, and which finer
-!> resolution they foretell to be good enough.
+!> Predicts from coarse pilot runs of a transient which resolution meets a target.
 module pilots
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use grid_errors, only: kappa_share
@@ -20,10 +19,10 @@ module pilots
    !> What a pilot refines.
    integer, parameter, public :: nothing = 0, space = 1, time_step = 2
 
-   !> Intervals of the first pilot at least, and the spacing of its time step at most: that of so
+   !> Intervals of the first pilot at least, and the spacing of its time step at most: that of this
    !> many intervals.
    integer, parameter :: min_intervals = 16, first_steps = 32
-   !> Spacing and time step are foretold up to so many times finer than in the last pilot, without
+   !> Spacing and time step are foretold up to this many times finer than in the last pilot, without
    !> and with an observed order.
    real(wp), parameter :: reaches(2) = [2.0_wp, 4.0_wp]
    !> Intervals that may be chosen are these times a power of two, time steps these powers of two
@@ -35,7 +34,7 @@ module pilots
    integer, parameter :: pilot_in_wave = 2, nodes_in_wave = 4, steps_in_wave = 4
    !> Steps in its passage from which on a single change by the time step is believed.
    integer, parameter :: believed_steps = 8
-   !> After so many refinements of one direction the other one is looked at again.
+   !> After this many refinements of one direction the other one is looked at again.
    integer, parameter :: max_in_a_row = 2
    !> Whole numbers of steps are known to so much.
    real(wp), parameter :: rounding = 1.0e-6_wp
@@ -287,7 +286,7 @@ contains
       end do
    end function cheapest_resolution
 
-   !> Whether so many intervals see the waves, may be taken and are foretold.
+   !> Whether this many intervals see the waves, may be taken and are foretold.
    pure function is_within_reach(pilots, intervals)
       type(pilots_t), intent(in) :: pilots
       integer, intent(in) :: intervals
@@ -300,7 +299,7 @@ contains
          *reach(space) >= 1.0_wp
    end function is_within_reach
 
-   !> The fewest steps with so many intervals whose foretold error is not above `bound`; 0: none.
+   !> The fewest steps with this many intervals whose foretold error is not above `bound`; 0: none.
    pure function steps_needed(pilots, error, intervals, bound) result(steps)
       type(pilots_t), intent(in) :: pilots
       type(split_error_t), intent(in) :: error

@@ -20,8 +20,8 @@ module pressure_errors
 
    !> An estimate is widened by this factor in place of `safety`.
    real(wp), parameter :: pressure_safety = 2.0_wp
-   !> Sliding friction is off by up to so many times what a spike may add to it, and not known where
-   !> that is more than the second share of it.
+   !> Sliding friction is off by up to this many times what a spike may add to it, and not known
+   !> where that is more than the second share of it.
    real(wp), parameter :: shear_safety = 12.0_wp, largest_shear_growth = 0.02_wp
 
 contains

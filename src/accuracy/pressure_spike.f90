@@ -48,7 +48,7 @@ module pressure_spike
    !> A in units of H_c^(2/3): the top node of a spike of which a grid shows nothing would be so
    !> high.
    real(wp), parameter :: edge_strength = 0.5_wp
-   !> No height beyond this many times that of the node is looked for, in so many steps, and none
+   !> No height beyond this many times that of the node is looked for, in this many steps, and none
    !> beyond `max_claimed` times it is claimed.
    real(wp), parameter :: highest_growth = 20.0_wp, max_claimed = 3.0_wp
    integer, parameter :: max_steps = 200

@@ -75,12 +75,12 @@ contains
    !> transient to the cheapest choice that is foretold to keep the relative error of h_min below
    !> `settings%target`, or to the finest pilot if none is; `bars` hold what was foretold of its
    !> quantities.
-   subroutine choose_resolution(bars, contact, settings, time, watcher, error)
+   subroutine choose_resolution(bars, contact, settings, time, listener, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(inout) :: settings
       type(time_settings_t), intent(inout) :: time
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(search_t) :: search
       type(resolution_t) :: chosen
@@ -92,7 +92,7 @@ contains
       target = settings%target
       if (contact%domain%inlet_is_chosen) target = target - domain_error(inlet_error(contact))
       search = new_search(contact, settings, time)
-      search%collector%parent => watcher
+      search%collector%parent => listener
       call settle_tolerance(settings)
       call check_first(search%pilots, settings%method, error)
       if (allocated(error)) return
@@ -100,7 +100,7 @@ contains
          call run_pilot(search, error)
          if (allocated(error)) return
          settings%space_scheme = search%settings%space_scheme
-         if (watcher%is_stopping) return
+         if (listener%is_stopping) return
          if (.not. search%has_solution .and. is_finest(search%pilots)) exit
          call learn(search)
          is_last = is_finest(search%pilots) .or. is_dear(search)

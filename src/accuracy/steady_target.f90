@@ -45,20 +45,20 @@ contains
    !> Solves one contact as `solve_ehl_line` does; a steady one with `settings%target` on a grid
    !> that is chosen for that accuracy of h_min, and so is its inlet, unless it is given: then the
    !> accuracy is that on the given domain.
-   subroutine solve_contact(contact, settings, time, watcher, state, report, error)
+   subroutine solve_contact(contact, settings, time, listener, state, report, error)
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
 
       if (settings%target > 0.0_wp .and. .not. time%is_transient) then
-         call solve_ehl_line(contact, settings, time, watcher, state, report, error, &
+         call solve_ehl_line(contact, settings, time, listener, state, report, error, &
             solve_to_accuracy)   ! error: the caller looks
       else
-         call solve_ehl_line(contact, settings, time, watcher, state, report, &
+         call solve_ehl_line(contact, settings, time, listener, state, report, &
             error)   ! error: the caller looks
       end if
    end subroutine solve_contact
@@ -67,11 +67,11 @@ contains
    !> of h_min is below `settings%target`, of which an inlet of the program takes a part, and that
    !> of p_max below `settings%target_p_max`, or on the finest that there is;
    !> `contact%domain%intervals` becomes its number.
-   subroutine solve_to_accuracy(hierarchy, contact, settings, watcher, report, error)
+   subroutine solve_to_accuracy(hierarchy, contact, settings, listener, report, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
@@ -93,12 +93,12 @@ contains
          if (allocated(error)) return
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
          call adopt(hierarchy, ways(i))
-         call climb(hierarchy, contact, goal, watcher, bars, is_sound, error)
-         if (allocated(error) .or. watcher%is_stopping) return
+         call climb(hierarchy, contact, goal, listener, bars, is_sound, error)
+         if (allocated(error) .or. listener%is_stopping) return
          if (is_sound) exit
       end do
       if (.not. is_sound) then
-         call double_grid(hierarchy, contact, goal, watcher, bars, report, &
+         call double_grid(hierarchy, contact, goal, listener, bars, report, &
             error)   ! error: the caller looks
          return
       end if
@@ -109,18 +109,18 @@ contains
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
       end if
       hierarchy%levels(hierarchy%finest)%is_kappa = hierarchy%is_kappa
-      call solve_steady(hierarchy, contact, settings, watcher, report, &
+      call solve_steady(hierarchy, contact, settings, listener, report, &
          is_started=settings%levels == 0)
    end subroutine solve_to_accuracy
 
    !> Exact solutions on level after level, from the coarsest that carries a film, until the
    !> `goal` is reached; the hierarchy grows as far as that needs, or as it can. `is_sound`
    !> is false if a level finds no solution and the next finer ones neither.
-   subroutine climb(hierarchy, contact, goal, watcher, bars, is_sound, error)
+   subroutine climb(hierarchy, contact, goal, listener, bars, is_sound, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       type(goal_t), intent(in) :: goal
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       type(error_bars_t), intent(inout) :: bars
       logical, intent(out) :: is_sound
       type(error_t), allocatable, intent(out) :: error
@@ -130,15 +130,15 @@ contains
       k = 1
       do
          is_sound = .false.
-         if (is_stopped(watcher)) return
+         if (is_stopped(listener)) return
          if (k > hierarchy%top) then
             call add_level(hierarchy, contact, error)
             if (allocated(error)) return
          end if
          call first_guess(hierarchy, contact, k, first)
-         call watcher%on_stage('steady on '//to_text(hierarchy%levels(k)%n)//' intervals')
+         call listener%on_stage('steady on '//to_text(hierarchy%levels(k)%n)//' intervals')
          call solve_level(hierarchy, k, min(coarse_run_tolerance, goal%film), is_sound, &
-            watcher)
+            listener)
          if (is_sound) then
             call take_coarser(bars, coarser_summaries(hierarchy))
             if (hierarchy%levels(k)%n >= intervals_for_waves(contact) &
@@ -155,11 +155,11 @@ contains
 
    !> Where the climb fails: solutions of their own on grids doubled from the program's choice,
    !> until the goal is reached.
-   subroutine double_grid(hierarchy, contact, goal, watcher, bars, report, error)
+   subroutine double_grid(hierarchy, contact, goal, listener, bars, report, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
       type(goal_t), intent(in) :: goal
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       type(error_bars_t), intent(inout) :: bars
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
@@ -173,8 +173,8 @@ contains
          call new_hierarchy(hierarchy, contact, goal%settings%levels, error)
          if (allocated(error)) return
          call pose_steady_problem(hierarchy, contact, with_roughness=.true.)
-         call solve_steady(hierarchy, contact, goal%settings, watcher, report)
-         if (watcher%is_stopping) return
+         call solve_steady(hierarchy, contact, goal%settings, listener, report)
+         if (listener%is_stopping) return
          if (2*contact%domain%intervals > max_chosen(goal%settings)) return
          if (report%converged) then
             associate (level => hierarchy%levels(hierarchy%finest))

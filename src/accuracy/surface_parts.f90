@@ -18,8 +18,8 @@ module surface_parts
 
    public :: affordable_grid, take_part
 
-   !> The error of a change: so many times that of the change by all roughness on the grid, a share
-   !> of itself, and what iterations leave.
+   !> The error of a change: this many times that of the change by all roughness on the grid, a
+   !> share of itself, and what iterations leave.
    real(wp), parameter :: widths(4) = [1.2_wp, 0.1_wp, 0.0_wp, 2*coarse_tolerance]
    !> And a share of the largest change of a film by all roughness, for which waves pass the nodes
    !> alike by chance.
@@ -55,7 +55,7 @@ contains
    end function factor_of
 
    !> The finer one of the grids of n/4 (1) and n/8 intervals (2) that sees all waves and on which
-   !> so many parts fit into the budget; 0: none. The run has made that on n/4 with everything;
+   !> this many parts fit into the budget; 0: none. The run has made that on n/4 with everything;
    !> `has_coarsest`: that on n/8 is there too.
    pure function affordable_grid(scene, runs, parts, has_coarsest, budget) result(g)
       type(scene_t), intent(in) :: scene

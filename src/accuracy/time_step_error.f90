@@ -19,7 +19,7 @@ module time_step_error
 
    public :: take_larger_step, tell_time_step, time_step_cost
 
-   !> The error because of the time step: so many times the change from twice the step on n/8, or
+   !> The error because of the time step: this many times the change from twice the step on n/8, or
    !> from the scheme of first order to that of second, and a share of the largest change of a film,
    !> for changes vanish by chance.
    real(wp), parameter :: by_larger_step(2) = [0.2_wp, 0.2_wp], by_scheme(2) = [2.0_wp, 0.3_wp]

@@ -62,7 +62,7 @@ contains
       if (string(len(string):) == '.') string = string(:len(string) - 1)
    end function real_to_text
 
-   !> A `value` > 0 with so many `digits`, above it: a least value that may be copied.
+   !> A `value` > 0 with this many `digits`, above it: a least value that may be copied.
    pure function rounded_up(value, digits) result(string)
       real(wp), intent(in) :: value
       integer, intent(in) :: digits
@@ -84,7 +84,7 @@ contains
       string = real_to_text(unit*aint(value/unit), digits)
    end function rounded_down
 
-   !> What one more of the last of so many `digits` of a `value` > 0 is.
+   !> What one more of the last of this many `digits` of a `value` > 0 is.
    pure function last_digit(value, digits) result(unit)
       real(wp), intent(in) :: value
       integer, intent(in) :: digits

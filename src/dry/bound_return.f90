@@ -9,7 +9,7 @@ module bound_return
 
    public :: bring_back, settle_load
 
-   !> So many times at most the network brings nodes beyond a bound back in an iteration; the rest
+   !> This many times at most the network brings nodes beyond a bound back in an iteration; the rest
    !> is clipped and shifted.
    integer, parameter :: max_returns = 20
    !> The network is not used again once less than this share of the first excess is left beyond the

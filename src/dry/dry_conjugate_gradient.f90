@@ -27,7 +27,7 @@ module dry_conjugate_gradient
    !> v = K p - z is computed anew when the rounding errors of its updates reach this share of the
    !> error measure.
    real(wp), parameter :: noise_share = 0.3_wp
-   !> After so many iterations in which the error has not halved the iteration ends.
+   !> After this many iterations in which the error has not halved the iteration ends.
    integer, parameter :: patience = 1000
    !> Lengths of the first step and of the second, over s; later ones are like those before them.
    real(wp), parameter :: first_length = 0.7_wp, usual_length = 0.5_wp

@@ -171,9 +171,9 @@ contains
       goes_finer = 16.0_wp*bending(grid, heights, 1) > short_waves*bending(grid, heights, 2)
    end function goes_finer
 
-   !> Sum of the squares of the second differences of `heights` (nx*ny) over so many spacings. Twice
-   !> as many spacings make it 16 times as large where the surface is smooth, less where it has
-   !> short waves.
+   !> Sum of the squares of the second differences of `heights` (nx*ny) over this many spacings.
+   !> Twice as many spacings make it 16 times as large where the surface is smooth, less where it
+   !> has short waves.
    pure function bending(grid, heights, spacings)
       type(dry_grid_t), intent(in) :: grid
       real(wp), intent(in) :: heights(grid%nx, grid%ny)

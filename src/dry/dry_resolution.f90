@@ -12,15 +12,15 @@ module dry_resolution
    implicit none (type, external)
    private
 
-   public :: area_doubt, dry_rung_t, finer_nodes, is_met
+   public :: area_doubt, dry_trial_t, finer_nodes, is_met
 
    !> A grid that was solved.
-   type :: dry_rung_t
+   type :: dry_trial_t
       !> Nodes in x and y (1 of a line).
       integer :: nodes(2) = 0
       !> Largest estimated relative error of the contact area of all loads; NaN: not known.
       real(wp) :: doubt = 0.0_wp
-   end type dry_rung_t
+   end type dry_trial_t
 
    !> How much finer the next grid is at most, of a line and of an area, and without a solution.
    real(wp), parameter :: farthest(2) = [4.0_wp, 2.0_wp], doubling = 2.0_wp
@@ -50,19 +50,19 @@ contains
    end function area_doubt
 
    !> True if a solution keeps the `target`.
-   pure function is_met(rung, target)
-      type(dry_rung_t), intent(in) :: rung
+   pure function is_met(trial, target)
+      type(dry_trial_t), intent(in) :: trial
       real(wp), intent(in) :: target
       logical :: is_met
 
       is_met = .false.
-      if (ieee_is_finite(rung%doubt)) is_met = rung%doubt <= target
+      if (ieee_is_finite(trial%doubt)) is_met = trial%doubt <= target
    end function is_met
 
-   !> Nodes of the grid after `rungs`, at least one, which do not keep the `target`; 0 if there is
+   !> Nodes of the grid after `trials`, at least one, which do not keep the `target`; 0 if there is
    !> none of up to `most` nodes, or if the last two grids have no solution.
-   pure function finer_nodes(rungs, target, most) result(nodes)
-      type(dry_rung_t), intent(in) :: rungs(:)
+   pure function finer_nodes(trials, target, most) result(nodes)
+      type(dry_trial_t), intent(in) :: trials(:)
       real(wp), intent(in) :: target
       integer, intent(in) :: most
       integer :: nodes(2)
@@ -70,15 +70,15 @@ contains
       integer :: directions
 
       nodes = 0
-      associate (last => rungs(size(rungs)))
+      associate (last => trials(size(trials)))
          directions = merge(1, 2, last%nodes(2) == 1)
-         if (without_solution(rungs) > 1) return
+         if (without_solution(trials) > 1) return
          factor = doubling
          if (ieee_is_finite(last%doubt)) factor = &
-            min((last%doubt/(margin*target))**(1.0_wp/observed_order(rungs)), &
+            min((last%doubt/(margin*target))**(1.0_wp/observed_order(trials)), &
             farthest(directions))
          ! Both directions keep the ratio of the first grid.
-         first = rungs(1)%nodes
+         first = trials(1)%nodes
          factor = factor*(product(last%nodes/first))**(1.0_wp/directions)
          largest = (most/product(first))**(1.0_wp/directions)
          nodes(:directions) = even_nodes(factor*first(:directions), largest*first(:directions))
@@ -87,30 +87,30 @@ contains
       end associate
    end function finer_nodes
 
-   !> Number of grids without a solution at the end of `rungs`.
-   pure function without_solution(rungs) result(number)
-      type(dry_rung_t), intent(in) :: rungs(:)
+   !> Number of grids without a solution at the end of `trials`.
+   pure function without_solution(trials) result(number)
+      type(dry_trial_t), intent(in) :: trials(:)
       integer :: number
 
       number = 0
-      do while (number < size(rungs))
-         if (ieee_is_finite(rungs(size(rungs) - number)%doubt)) return
+      do while (number < size(trials))
+         if (ieee_is_finite(trials(size(trials) - number)%doubt)) return
          number = number + 1
       end do
    end function without_solution
 
    !> The order with which the estimate fell from the grid before the last to the last one.
-   pure function observed_order(rungs) result(order)
-      type(dry_rung_t), intent(in) :: rungs(:)
+   pure function observed_order(trials) result(order)
+      type(dry_trial_t), intent(in) :: trials(:)
       real(wp) :: order
       integer :: n
 
       order = 1.0_wp
-      n = size(rungs)
+      n = size(trials)
       if (n < 2) return
-      if (.not. ieee_is_finite(rungs(n - 1)%doubt)) return
-      order = log(rungs(n - 1)%doubt/rungs(n)%doubt)/log(real(rungs(n)%nodes(1), &
-         wp)/rungs(n - 1)%nodes(1))
+      if (.not. ieee_is_finite(trials(n - 1)%doubt)) return
+      order = log(trials(n - 1)%doubt/trials(n)%doubt)/log(real(trials(n)%nodes(1), &
+         wp)/trials(n - 1)%nodes(1))
       order = min(max(order, orders(1)), orders(2))
    end function observed_order
 

@@ -17,7 +17,7 @@ module load_search
 
    !> Most solutions of one search.
    integer, parameter :: max_solves = 100
-   !> Every so many solutions the bracket is halved, whatever the secant says.
+   !> Every this many solutions the bracket is halved, whatever the secant says.
    integer, parameter :: halving_interval = 6
    !> Longest step in the logarithm of the load while there is no bracket.
    real(wp), parameter :: longest_step = log(8.0_wp)

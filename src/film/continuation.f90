@@ -41,13 +41,13 @@ contains
 
    !> Solves level k, from its present pressure, at the stress higher by `factor` and on to its own.
    !> The ratio of two stresses shrinks to its root after a failure. `is_sound` is false if the
-   !> ratio falls below the smallest, or `watcher` wants to stop.
-   subroutine follow_stress(hierarchy, k, factor, is_sound, watcher)
+   !> ratio falls below the smallest, or `listener` wants to stop.
+   subroutine follow_stress(hierarchy, k, factor, is_sound, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
       real(wp), intent(in) :: factor
       logical, intent(out) :: is_sound
-      class(listener_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: listener
       type(fluid_t) :: fluid
       real(wp) :: ratio, reached, wanted
 
@@ -57,13 +57,13 @@ contains
       wanted = factor
       do
          hierarchy%levels(k)%fluid = eased_fluid(fluid, wanted)
-         call try_newton(hierarchy, k, max_stress_steps, is_sound, watcher)
+         call try_newton(hierarchy, k, max_stress_steps, is_sound, listener)
          hierarchy%levels(k)%fluid = fluid
          if (is_sound) then
             if (wanted <= 1.0_wp) return
             reached = wanted
          else
-            if (is_stopped(watcher) .or. reached > factor) return
+            if (is_stopped(listener) .or. reached > factor) return
             ratio = sqrt(ratio)
             if (ratio < smallest_ratio) return
          end if
@@ -72,13 +72,13 @@ contains
    end subroutine follow_stress
 
    !> Follows the steady problem posed on level k from its present pressure. `is_settled` is false
-   !> if the steps shrink to nothing or are too many, or `watcher` wants to stop; the level is then
+   !> if the steps shrink to nothing or are too many, or `listener` wants to stop; the level is then
    !> left where the motion stands.
-   subroutine follow_time(hierarchy, k, is_settled, watcher)
+   subroutine follow_time(hierarchy, k, is_settled, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
       logical, intent(out) :: is_settled
-      class(listener_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: listener
       real(wp), allocatable :: right_side(:)
       real(wp) :: time_step
       integer :: step
@@ -89,11 +89,11 @@ contains
          time_step = first_step*level%dx
          is_settled = .false.
          do step = 1, max_steps
-            if (is_stopped(watcher)) exit
+            if (is_stopped(listener)) exit
             call fluid_density(level%fluid, level%state%pressure, level%density)
             level%inverse_time_step = 1.0_wp/time_step
             level%rhs_reynolds = right_side - level%lambda/time_step*level%density*level%state%film
-            call try_newton(hierarchy, k, max_time_steps, is_solved, watcher)
+            call try_newton(hierarchy, k, max_time_steps, is_solved, listener)
             if (is_solved) then
                is_settled = time_step >= last_step
                time_step = time_step*merge(growth**2, growth, &
@@ -109,16 +109,16 @@ contains
    end subroutine follow_time
 
    !> One solution on level k, which keeps its state where there is none.
-   subroutine try_newton(hierarchy, k, max_newton_steps, is_solved, watcher)
+   subroutine try_newton(hierarchy, k, max_newton_steps, is_solved, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k, max_newton_steps
       logical, intent(out) :: is_solved
-      class(listener_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: listener
       type(film_state_t) :: before
 
       associate (level => hierarchy%levels(k))
          before = level%state
-         call solve_newton(hierarchy%newton, level, step_tolerance, max_newton_steps, watcher)
+         call solve_newton(hierarchy%newton, level, step_tolerance, max_newton_steps, listener)
          call count_work(hierarchy, k, hierarchy%newton%steps)
          is_solved = hierarchy%newton%is_converged
          if (.not. is_solved) level%state = before

@@ -31,8 +31,7 @@ module cycle_control
    !> Residuals that grew by this factor over the first one diverge, and so does a load error of
    !> this (docs/decisions.md).
    real(wp), parameter :: divergence_factor = 1.0e6_wp
-   !> So many cycles in a row beyond that factor, the last above the first of them, do not come
-   !> back.
+   !> After this many consecutive cycles beyond that factor, still rising, give up.
    integer, parameter :: lost_cycles = 5
 
    !> How the larger of residual and load error has gone from cycle to cycle.
@@ -60,11 +59,11 @@ contains
 
    !> Cycles on the finest level, from a film that is that of its pressure and of H0, as the
    !> relaxation of the hierarchy says. The report gets every cycle, `converged` and `reason`;
-   !> `watcher`, if there, is told each.
-   subroutine iterate(hierarchy, report, watcher)
+   !> `listener`, if there, is told each.
+   subroutine iterate(hierarchy, report, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(report_t), intent(inout) :: report
-      class(listener_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: listener
       type(residual_t) :: residual
       type(film_state_t) :: before
       type(course_t) :: course
@@ -86,7 +85,7 @@ contains
             call report%add(residual%reynolds, residual%load)
             report%tolerance_effective = effective_tolerance(choice%tolerance, residual)
             hierarchy%goal = report%tolerance_effective
-            if (present(watcher)) call watcher%on_stage('cycle', cycle, &
+            if (present(listener)) call listener%on_stage('cycle', cycle, &
                [residual%reynolds, residual%load])
             call follow(course, cycle, residual)
             report%converged = residual%film_is_open &
@@ -94,7 +93,7 @@ contains
                .and. residual%load <= max(choice%tolerance, load_floor)
             if (report%converged) exit
             call look_for_obstacle(hierarchy, before, residual, course, cycle, report%reason)
-            if (is_stopped(watcher)) report%reason = 'stopped from outside'
+            if (is_stopped(listener)) report%reason = 'stopped from outside'
             if (len(report%reason) > 0) exit
             call close_inlet(level)
          end do

@@ -38,7 +38,7 @@ module domain_choice
    !> Share by which a chosen inlet may starve the film: of P = 0, of a tail, which costs less.
    real(wp), parameter :: default_inlet_error = 1.0e-3_wp, default_tail_error = 1.0e-4_wp
    !> An inlet with a tail that starves the film by the share e changes the largest pressure by up
-   !> to so many times e, times the smaller one of 1 and H_c (docs/decisions.md).
+   !> to this many times e, times the smaller one of 1 and H_c (docs/decisions.md).
    real(wp), parameter :: pressure_behind_tail = 6.0_wp
    !> Viscosity where the pressure builds up, at which sliding thins the oil [mu_0].
    real(wp), parameter :: inlet_viscosity = 3.0_wp

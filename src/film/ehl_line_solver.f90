@@ -26,14 +26,14 @@ module ehl_line_solver
    abstract interface
       !> Builds the grids of a contact whose domain is complete and solves the steady contact on the
       !> finest; the number of intervals is its choice.
-      subroutine find_steady_interface(hierarchy, contact, settings, watcher, report, error)
+      subroutine find_steady_interface(hierarchy, contact, settings, listener, report, error)
          import :: error_t, line_contact_t, line_hierarchy_t, listener_t, report_t, &
             solver_settings_t
          implicit none (type, external)
          type(line_hierarchy_t), intent(inout) :: hierarchy
          type(line_contact_t), intent(inout) :: contact
          type(solver_settings_t), intent(in) :: settings
-         class(listener_t), intent(inout) :: watcher
+         class(listener_t), intent(inout) :: listener
          type(report_t), intent(inout) :: report
          type(error_t), allocatable, intent(out) :: error
       end subroutine find_steady_interface
@@ -50,12 +50,12 @@ contains
    !> With `time%resume_from` the transient goes on there. Not converging is in the report; `error`
    !> is for failures of memory, libraries and files of heights.
    ! allow(too-many-arguments)  the last is optional
-   recursive subroutine solve_ehl_line(contact, settings, time, watcher, state, report, error, &
+   recursive subroutine solve_ehl_line(contact, settings, time, listener, state, report, error, &
       find_steady)
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       type(line_state_t), intent(out) :: state
       type(report_t), intent(out) :: report
       type(error_t), allocatable, intent(out) :: error
@@ -82,11 +82,11 @@ contains
       hierarchy%earlier_pairs = report%fft_pairs
       hierarchy%setup_seconds = wall_seconds() - start
       if (present(find_steady)) then
-         call find_steady(hierarchy, contact, settings, watcher, report, error)
+         call find_steady(hierarchy, contact, settings, listener, report, error)
       else
          call new_hierarchy(hierarchy, contact, settings%levels, error)
          if (.not. (allocated(error) .or. is_resumed)) call solve_start(hierarchy, contact, &
-            settings, time, watcher, report)
+            settings, time, listener, report)
       end if
       if (allocated(error)) return
       associate (seconds => report%phase_seconds, level => hierarchy%levels(hierarchy%finest))
@@ -102,17 +102,17 @@ contains
                call reopen(contact%domain)
                contact%domain%x_outlet = min(2*contact%domain%x_outlet - 1, farthest)
                contact%domain%has_outlet = .true.
-               call solve_ehl_line(contact, settings, time, watcher, state, report, error, &
+               call solve_ehl_line(contact, settings, time, listener, state, report, error, &
                   find_steady)
                return
             end if
          end if
          if (report%converged .and. time%is_transient) then
             begin = wall_seconds()
-            call march(hierarchy, contact, settings, whole_steps, watcher, state, report)
+            call march(hierarchy, contact, settings, whole_steps, listener, state, report)
             seconds(phase_transient) = seconds(phase_transient) + wall_seconds() - begin
          else if (report%converged) then
-            watcher%coarser = coarser_summaries(hierarchy)
+            listener%coarser = coarser_summaries(hierarchy)
             call look_for_breakdown(state%x, state%film_thickness, settings, 0, 0.0_wp, report)
          end if
       end associate
@@ -124,21 +124,21 @@ contains
 
    !> The steady solution on a given grid: the answer, or with smooth surfaces the start of a
    !> transient.
-   subroutine solve_start(hierarchy, contact, settings, time, watcher, report)
+   subroutine solve_start(hierarchy, contact, settings, time, listener, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       type(report_t), intent(inout) :: report
 
       hierarchy%wants_coarse_runs = settings%wants_coarse_runs .and. .not. time%is_transient
       call pose_steady_problem(hierarchy, contact, with_roughness=.not. time%is_transient)
-      call solve_steady(hierarchy, contact, settings, watcher, report)
-      if (settings%explains_failure .and. .not. (report%converged .or. watcher%is_stopping)) then
+      call solve_steady(hierarchy, contact, settings, listener, report)
+      if (settings%explains_failure .and. .not. (report%converged .or. listener%is_stopping)) then
          if (.not. time%is_transient) call blame_surfaces(hierarchy%levels(hierarchy%finest), &
             contact, report)
-         call blame_grid(contact, settings, .not. time%is_transient, watcher, report)
+         call blame_grid(contact, settings, .not. time%is_transient, listener, report)
       end if
    end subroutine solve_start
 

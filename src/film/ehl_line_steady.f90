@@ -26,7 +26,7 @@ module ehl_line_steady
    !> others have borders of their own.
    character(len=*), parameter :: blaming_methods(2) = [character(len=13) :: 'auto', &
       'newton_krylov']
-   !> Grids tried to find one that carries the film: so many times the one that failed or the fit,
+   !> Grids tried to find one that carries the film: this many times the one that failed or the fit,
    !> and no larger; cycles on each.
    integer, parameter :: max_refinement = 8, largest_blame = 2**16, blame_cycles = 40
    !> Accuracy and cycles of the thesis's scheme as start of the kappa scheme.
@@ -38,11 +38,11 @@ contains
    !> Solves the steady problem posed on the hierarchy; tolerance is that of the settings, else
    !> `steady_tolerance`. `is_started`: the finest level holds a first approximation, from which
    !> Newton's method goes on.
-   subroutine solve_steady(hierarchy, contact, settings, watcher, report, is_started)
+   subroutine solve_steady(hierarchy, contact, settings, listener, report, is_started)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(report_t), intent(inout) :: report
       logical, intent(in), optional :: is_started
       type(relaxation_t), allocatable :: attempts(:)
@@ -56,7 +56,7 @@ contains
       do i = 1, size(attempts)
          call adopt(hierarchy, attempts(i))
          call note_choice(report, attempts(i))
-         call watcher%on_stage('steady on '//to_text(contact%domain%intervals)//' intervals by ' &
+         call listener%on_stage('steady on '//to_text(contact%domain%intervals)//' intervals by ' &
             //report%method)
          if (has_start .and. attempts(i)%method == method_newton_krylov) then
             has_start = .false.
@@ -65,20 +65,20 @@ contains
             call bump_start(hierarchy, contact, hierarchy%finest)
             is_sound = .true.
             if (attempts(i)%follows_time) call follow_time(hierarchy, hierarchy%finest, &
-               is_sound, watcher)
+               is_sound, listener)
          else
-            call full_multigrid_start(hierarchy, contact, is_sound, watcher)
+            call full_multigrid_start(hierarchy, contact, is_sound, listener)
          end if
          if (is_sound) then
-            if (attempts(i)%thesis_first) call start_from_thesis(hierarchy, watcher)
-            call iterate(hierarchy, report, watcher)
-            if (report%converged .or. watcher%is_stopping) return
+            if (attempts(i)%thesis_first) call start_from_thesis(hierarchy, listener)
+            call iterate(hierarchy, report, listener)
+            if (report%converged .or. listener%is_stopping) return
          else
             report%converged = .false.
             report%reason = 'the exact solution of the coarse start grid failed'
             if (attempts(i)%follows_time) report%reason = 'the start in pseudo-time came to no end'
-            if (watcher%is_stopping) report%reason = 'stopped from outside'
-            if (watcher%is_stopping) return
+            if (listener%is_stopping) report%reason = 'stopped from outside'
+            if (listener%is_stopping) return
          end if
          failure = report%method//': '//report%reason
          if (i == 1) failures = failure
@@ -89,20 +89,20 @@ contains
    end subroutine solve_steady
 
    !> Start of the kappa scheme from the solution of the thesis's scheme on the same level.
-   subroutine start_from_thesis(hierarchy, watcher)
+   subroutine start_from_thesis(hierarchy, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
-      class(listener_t), intent(inout), target :: watcher
-      type(relay_t) :: lookout
+      class(listener_t), intent(inout), target :: listener
+      type(relay_t) :: relay
       type(relaxation_t) :: choice
       type(report_t) :: report
 
-      lookout%parent => watcher
+      relay%parent => listener
       choice = hierarchy%relaxation
       hierarchy%relaxation%tolerance = rough_tolerance
       hierarchy%relaxation%max_cycles = rough_cycles
       hierarchy%relaxation%patience = rough_cycles
       hierarchy%levels(hierarchy%finest)%is_kappa = .false.
-      call iterate(hierarchy, report, lookout)
+      call iterate(hierarchy, report, relay)
       hierarchy%levels(hierarchy%finest)%is_kappa = .true.
       hierarchy%relaxation = choice
    end subroutine start_from_thesis
@@ -110,13 +110,13 @@ contains
    !> Where there is no solution, but Newton's method finds one on a finer grid, the grid is to
    !> blame: says so in the reason, with the first number of intervals that was seen to do. With
    !> shear thinning the fit of film and grid is too rough to skip any.
-   subroutine blame_grid(contact, settings, with_roughness, watcher, report)
+   subroutine blame_grid(contact, settings, with_roughness, listener, report)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
       logical, intent(in) :: with_roughness
-      class(listener_t), intent(inout), target :: watcher
+      class(listener_t), intent(inout), target :: listener
       type(report_t), intent(inout) :: report
-      type(relay_t) :: lookout
+      type(relay_t) :: relay
       type(line_contact_t) :: finer
       integer :: fitted, given, last
       logical :: is_solved
@@ -124,15 +124,15 @@ contains
       given = contact%domain%intervals
       fitted = intervals_for_film(contact)
       if (given >= fitted .and. .not. any(settings%method == blaming_methods)) return
-      lookout%parent => watcher
+      relay%parent => listener
       finer = contact
       finer%domain%intervals = max(fitted, 2*given)
       if (thins(contact%fluid)) finer%domain%intervals = 2*given
       last = min(largest_blame, settings%max_intervals, max_refinement*max(fitted, given))
       is_solved = .false.
       do while (finer%domain%intervals <= last)
-         call try_grid(finer, settings%space_scheme, with_roughness, lookout, is_solved)
-         if (watcher%is_stopping) return
+         call try_grid(finer, settings%space_scheme, with_roughness, relay, is_solved)
+         if (listener%is_stopping) return
          if (is_solved) exit
          finer%domain%intervals = 2*finer%domain%intervals
       end do
@@ -161,11 +161,11 @@ contains
    end subroutine blame_surfaces
 
    !> Whether Newton's method solves a steady contact on its grid.
-   subroutine try_grid(contact, space_scheme, with_roughness, lookout, is_solved)
+   subroutine try_grid(contact, space_scheme, with_roughness, relay, is_solved)
       type(line_contact_t), intent(in) :: contact
       character(*), intent(in) :: space_scheme
       logical, intent(in) :: with_roughness
-      class(listener_t), intent(inout) :: lookout
+      class(listener_t), intent(inout) :: relay
       logical, intent(out) :: is_solved
       type(line_hierarchy_t) :: hierarchy
       type(solver_settings_t) :: settings
@@ -180,7 +180,7 @@ contains
       settings%method = 'newton_krylov'
       settings%space_scheme = space_scheme
       settings%max_cycles = blame_cycles
-      call solve_steady(hierarchy, contact, settings, lookout, report)
+      call solve_steady(hierarchy, contact, settings, relay, report)
       is_solved = report%converged
    end subroutine try_grid
 

@@ -57,12 +57,12 @@ contains
    !> from `choose_time_step`; the listener gets every step. Ends early, not converged, where a step
    !> finds no solution, or the heights of a surface cannot be read any more; `state` is then the
    !> last good one. The profiles are at hand where it begins.
-   subroutine march(hierarchy, contact, settings, time, watcher, state, report)
+   subroutine march(hierarchy, contact, settings, time, listener, state, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
       type(solver_settings_t), intent(in) :: settings
       type(time_settings_t), intent(in) :: time
-      class(listener_t), intent(inout) :: watcher
+      class(listener_t), intent(inout) :: listener
       type(line_state_t), intent(inout) :: state
       type(report_t), intent(inout) :: report
       type(march_state_t) :: history
@@ -73,10 +73,10 @@ contains
       call note_choice(report, plan%attempts(1))
       plan%length = time%time_step
       plan%scheme = time%scheme
-      plan%keeps_parts = allocated(watcher%follower)
+      plan%keeps_parts = allocated(listener%follower)
       steps = nint(time%end_time/time%time_step)
       associate (level => hierarchy%levels(hierarchy%finest))
-         call watcher%on_stage('time steps on '//to_text(level%n)//' intervals')
+         call listener%on_stage('time steps on '//to_text(level%n)//' intervals')
          if (allocated(time%resume_from)) then
             history = time%resume_from
             level%state%pressure = history%pressure(:, 1)
@@ -95,18 +95,18 @@ contains
             call evaluate_coefficients(level)
             call fill_state(contact, level, 0.0_wp, state)
          end if
-         call start_follower(watcher, contact, state, report)
+         call start_follower(listener, contact, state, report)
          if (.not. report%converged) return
          if (.not. allocated(time%resume_from)) call hand_out(0)
          do step = history%step + 1, steps
-            if (watcher%wants_stop()) then
+            if (listener%wants_stop()) then
                call refuse(report, 'stopped from outside')
                return
             end if
             plan%step = step
             plan%ends = part_ends(plan%scheme, step, plan%length)
             call take_step(hierarchy, contact, plan, history, report)
-            if (report%converged) call advance_follower(watcher, plan, report)
+            if (report%converged) call advance_follower(listener, plan, report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
                   to_text(step*plan%length)//'): '//report%reason//hints(contact, state))
@@ -131,10 +131,10 @@ contains
          integer, intent(in) :: step
 
          associate (level => hierarchy%levels(hierarchy%finest))
-            call fill_state(contact, level, step*plan%length, state, watcher%wants_stresses(step))
+            call fill_state(contact, level, step*plan%length, state, listener%wants_stresses(step))
          end associate
          call report_cost(hierarchy, report)
-         call watcher%on_step(step, steps, state, history, report)
+         call listener%on_step(step, steps, state, history, report)
       end subroutine hand_out
 
    end subroutine march
@@ -142,26 +142,26 @@ contains
    !> Begins, or goes on with, the other equations of a follower, if there is one: at T = 0 with
    !> the smooth steady pressure of `contact` and the film that the surfaces have entered. Where it
    !> cannot, the report is not converged.
-   subroutine start_follower(watcher, contact, state, report)
-      class(listener_t), intent(inout) :: watcher
+   subroutine start_follower(listener, contact, state, report)
+      class(listener_t), intent(inout) :: listener
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
       character(:), allocatable :: reason
 
-      if (.not. allocated(watcher%follower)) return
-      if (allocated(watcher%follower%earlier)) then
-         call watcher%follower%resume(contact, state, watcher%follower%earlier, reason)
-         deallocate (watcher%follower%earlier)
+      if (.not. allocated(listener%follower)) return
+      if (allocated(listener%follower%earlier)) then
+         call listener%follower%resume(contact, state, listener%follower%earlier, reason)
+         deallocate (listener%follower%earlier)
       else
-         call watcher%follower%begin(contact, state, reason)
+         call listener%follower%begin(contact, state, reason)
       end if
       if (allocated(reason)) call refuse(report, reason)
    end subroutine start_follower
 
    !> Repeats the parts of a step, in the same way.
-   subroutine advance_follower(watcher, plan, report)
-      class(listener_t), intent(inout) :: watcher
+   subroutine advance_follower(listener, plan, report)
+      class(listener_t), intent(inout) :: listener
       type(step_plan_t), intent(in) :: plan
       type(report_t), intent(inout) :: report
       character(:), allocatable :: reason
@@ -169,7 +169,7 @@ contains
 
       if (.not. plan%keeps_parts) return
       do i = 1, size(plan%parts)
-         call watcher%follower%advance(plan%parts(i), reason)
+         call listener%follower%advance(plan%parts(i), reason)
          if (allocated(reason)) call refuse(report, reason)
          if (allocated(reason)) return
       end do

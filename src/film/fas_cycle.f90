@@ -22,8 +22,8 @@ module fas_cycle
 
    public :: cycle_from
 
-   !> The coarsest level is solved until a Newton step changes nothing above this, in so many steps
-   !> at most.
+   !> The coarsest level is solved until a Newton step changes nothing above this, in this many
+   !> steps at most.
    real(wp), parameter :: coarse_tolerance = 1.0e-12_wp
    integer, parameter :: coarse_steps = 40
    !> A correction may lower a film to this share, and change a pressure by this share of max(1, P).

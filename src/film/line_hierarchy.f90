@@ -216,7 +216,7 @@ contains
       coarsest = halved(n, max(first, min(largest_coarsest, max(smallest_coarsest, 4*first))))
    end function cycle_coarsest
 
-   !> n halved as often as it is even and no less than `least` is left; n itself if it is less.
+   !> Halves n while it is even and the half is at least `least`; n itself if it is less.
    pure function halved(n, least) result(coarse)
       integer, intent(in) :: n, least
       integer :: coarse

@@ -42,12 +42,12 @@ contains
    !> of levels makes that one coarser) up to the coarsest of the cycles, then cubic interpolation
    !> and one cycle on each finer level; the finest is left with the interpolated pressure. Where no
    !> film is found on the first grid, the next finer ones are tried. `is_sound` is false if that
-   !> fails too, or `watcher` wants to stop.
-   subroutine full_multigrid_start(hierarchy, contact, is_sound, watcher)
+   !> fails too, or `listener` wants to stop.
+   subroutine full_multigrid_start(hierarchy, contact, is_sound, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       logical, intent(out) :: is_sound
-      class(listener_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: listener
       integer :: finest, first, k, last
 
       first = 1
@@ -57,16 +57,16 @@ contains
       end do
       last = min(first + max_firsts - 1, hierarchy%coarsest)
       do k = first, last
-         call nested_solutions(hierarchy, contact, k, is_sound, watcher)
+         call nested_solutions(hierarchy, contact, k, is_sound, listener)
          if (is_sound) exit
-         if (is_stopped(watcher)) return
+         if (is_stopped(listener)) return
       end do
       if (.not. is_sound) return
       finest = hierarchy%finest
       do k = hierarchy%coarsest + 1, finest
          call refine(hierarchy, k)
          if (k == finest) exit
-         is_sound = .not. is_stopped(watcher)
+         is_sound = .not. is_stopped(listener)
          if (.not. is_sound) return
          hierarchy%finest = k
          call cycle_from(hierarchy, k)
@@ -77,12 +77,12 @@ contains
    !> Exact solutions on the levels from `first` (`first_stress`: there by way of a higher Eyring
    !> stress) to the coarsest of the cycles; if that is the finest level, it is left with the
    !> interpolated pressure, or (`follows_time`) where that has moved to.
-   subroutine nested_solutions(hierarchy, contact, first, is_sound, watcher)
+   subroutine nested_solutions(hierarchy, contact, first, is_sound, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: first
       logical, intent(out) :: is_sound
-      class(listener_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: listener
       type(line_contact_t) :: eased
       real(wp) :: tolerance
       integer :: k
@@ -94,21 +94,21 @@ contains
          do k = first, hierarchy%coarsest
             call first_guess(hierarchy, eased, k, first)
             if (k == first .and. choice%first_stress > 1.0_wp) then
-               call follow_stress(hierarchy, k, choice%first_stress, is_sound, watcher)
+               call follow_stress(hierarchy, k, choice%first_stress, is_sound, listener)
                if (.not. is_sound) return
             end if
             if (k == hierarchy%top) then
-               if (choice%follows_time) call follow_time(hierarchy, k, is_sound, watcher)
+               if (choice%follows_time) call follow_time(hierarchy, k, is_sound, listener)
                return
             end if
             tolerance = merge(coarse_run_tolerance, nested_tolerance, hierarchy%wants_coarse_runs &
                .and. k >= hierarchy%top - 2)
-            call solve_level(hierarchy, k, tolerance, is_sound, watcher)
+            call solve_level(hierarchy, k, tolerance, is_sound, listener)
             if (.not. is_sound .and. choice%follows_time) then
-               if (is_stopped(watcher)) return
+               if (is_stopped(listener)) return
                call first_guess(hierarchy, contact, k, first)
-               call follow_time(hierarchy, k, is_sound, watcher)
-               if (is_sound) call solve_level(hierarchy, k, tolerance, is_sound, watcher)
+               call follow_time(hierarchy, k, is_sound, listener)
+               if (is_sound) call solve_level(hierarchy, k, tolerance, is_sound, listener)
             end if
             if (.not. is_sound) return
          end do
@@ -131,23 +131,23 @@ contains
    !> Exact solution on level k from its present pressure, of a coarse run by the space scheme of
    !> the hierarchy: from the solution of the thesis's scheme to that of the kappa scheme. Where
    !> that step fails, the first solution stays, which is no coarse run.
-   subroutine solve_level(hierarchy, k, tolerance, is_sound, watcher)
+   subroutine solve_level(hierarchy, k, tolerance, is_sound, listener)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       integer, intent(in) :: k
       real(wp), intent(in) :: tolerance
       logical, intent(out) :: is_sound
-      class(listener_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: listener
       type(film_state_t) :: thesis
 
       associate (level => hierarchy%levels(k), is_solved => hierarchy%newton%is_converged)
          level%is_kappa = .false.
-         call solve_newton(hierarchy%newton, level, tolerance, nested_steps, watcher)
+         call solve_newton(hierarchy%newton, level, tolerance, nested_steps, listener)
          is_sound = is_solved
          level%is_coarse_run = is_sound .and. tolerance <= coarse_run_tolerance
          if (level%is_coarse_run .and. hierarchy%is_kappa) then
             thesis = level%state
             level%is_kappa = .true.
-            call solve_newton(hierarchy%newton, level, tolerance, nested_steps, watcher)
+            call solve_newton(hierarchy%newton, level, tolerance, nested_steps, listener)
             level%is_kappa = is_solved
             level%is_coarse_run = is_solved
             if (.not. is_solved) level%state = thesis

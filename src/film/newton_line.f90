@@ -32,8 +32,8 @@ module newton_line
    real(wp), parameter :: largest_slip_step = 10.0_wp
    !> The step may be halved this often before the method gives up.
    integer, parameter :: max_halvings = 20
-   !> A step within a tolerance of the pressure must leave every film within so many times that, as
-   !> a share of it: 0.01 p_h is all of a film of 1e-4 b^2/R.
+   !> A step within a tolerance of the pressure must leave every film within this many times that,
+   !> as a share of it: 0.01 p_h is all of a film of 1e-4 b^2/R.
    real(wp), parameter :: film_share = 10.0_wp
    !> A full step below `settled` that is no longer ten times smaller than the one before has
    !> reached the round-off.
@@ -47,16 +47,16 @@ contains
 
    !> Solves the level's equations (with its right sides) from its present pressure; film and H0 are
    !> updated. Ends when a full step is below `tolerance` in P and H0, and below ten times that in
-   !> relative H, or at round-off, after `max_steps`, or before a step where `watcher` wants to
+   !> relative H, or at round-off, after `max_steps`, or before a step where `listener` wants to
    !> stop. `goal`: bound on |r|/lambda that the caller is after. `film_is_exact`: the level's film
    !> is already that of its pressure and of H0.
    subroutine solve_newton(newton, level, tolerance, max_steps, &
-      watcher, goal, film_is_exact)
+      listener, goal, film_is_exact)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: tolerance
       integer, intent(in) :: max_steps
-      class(listener_t), intent(inout), optional :: watcher
+      class(listener_t), intent(inout), optional :: listener
       real(wp), intent(in), optional :: goal
       logical, intent(in), optional :: film_is_exact
       real(wp) :: previous_step, share
@@ -77,7 +77,7 @@ contains
          return
       end if
       do while (newton%steps < max_steps)
-         if (is_stopped(watcher)) return
+         if (is_stopped(listener)) return
          if (newton%steps > 0) call close_inlet(level)
          call evaluate_jacobian(level, newton%jacobian)
          call prepare_system(newton, level)

@@ -23,7 +23,8 @@ module passage_times
 
    public :: new_passage_times, passage_note, passage_times_t, place_features
 
-   !> The start is forgotten after so many times 2 + S, and half of that suffices for a comparison.
+   !> The start is forgotten after this many times 2 + S, and half of that suffices for a
+   !> comparison.
    real(wp), parameter :: settling = 1.5_wp, comparable = 1.0_wp
    !> Quantities of periodic passages are taken over whole periods that last this many times 2 + S
    !> at least.
@@ -31,7 +32,7 @@ module passage_times
    !> A feature is put in front of X = -1 - c S.
    real(wp), parameter :: entry = 1.0_wp
    !> Several waves repeat themselves where each is this part of its period from where it was, at
-   !> most; looked for up to so many periods of the slowest.
+   !> most; looked for up to this many periods of the slowest.
    real(wp), parameter :: same_phase = 0.05_wp
    integer, parameter :: max_periods = 1000
    !> Times are equal to this share of the end.

@@ -24,7 +24,7 @@ module wave_resolution
    real(wp), parameter :: seen_nodes(2) = [16.0_wp, 8.0_wp], seen_steps = 32.0_wp
    !> A feature or sinusoid with fewer nodes, or steps in its passage, is refused.
    real(wp), parameter, public :: min_in_a_wave = 2.0_wp
-   !> Steps up to so many spacings are no longer than dX, but for rounding.
+   !> Steps up to this many spacings are no longer than dX, but for rounding.
    real(wp), parameter :: long_step = 1.001_wp
    !> More steps than these are as good as any.
    real(wp), parameter :: max_steps = 1.0e6_wp
@@ -101,7 +101,7 @@ contains
          > long_step*node_spacing(contact)
    end function has_long_steps
 
-   !> That they do, for a wave that passes in so many steps.
+   !> That they do, for a wave that passes in this many steps.
    pure function unseen_passage(steps) result(words)
       real(wp), intent(in) :: steps
       character(:), allocatable :: words

@@ -43,7 +43,7 @@ module hdf5_input
       procedure :: integer_value
       !> The number of an attribute that may be missing.
       procedure :: number_of
-      !> All numbers of a dataset or attribute, of which there must be so many, to an address.
+      !> All numbers of a dataset or attribute, of which there must be this many, to an address.
       procedure :: read_numbers
       !> The text of a dataset, or of an attribute of a dataset or group, of a fixed length.
       procedure :: text

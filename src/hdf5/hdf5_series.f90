@@ -30,7 +30,7 @@ module hdf5_series
 
 contains
 
-   !> Makes a series at `path` for so many `records`.
+   !> Makes a series at `path` for this many `records`.
    subroutine create_series(series, file, path, row_length, records, label)
       type(series_t), intent(out) :: series
       class(hdf5_file_t), intent(inout) :: file

@@ -8,7 +8,7 @@ module height_range
 
    public :: height_range_t
 
-   !> A value that lies farther from the next one than so many times the range of all others is
+   !> A value that lies farther from the next one than this many times the range of all others is
    !> likely the mark of a missing point.
    real(wp), parameter :: far = 10.0_wp
 

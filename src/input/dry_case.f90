@@ -52,7 +52,7 @@ module dry_case
    contains
       !> Whether it is solved on other grids too.
       procedure :: is_compared
-      !> The memory that it needs at most on so many nodes [bytes].
+      !> The memory that it needs at most on this many nodes [bytes].
       procedure :: memory_on
    end type dry_case_t
 
@@ -66,7 +66,7 @@ contains
       is_compared = self%has_error_bars .or. self%wants_adequacy
    end function is_compared
 
-   !> The memory that the case needs at most on so many nodes [bytes]: with a target on coarser
+   !> The memory that the case needs at most on this many nodes [bytes]: with a target on coarser
    !> grids first, each compared with finer ones.
    pure function memory_on(self, nodes) result(bytes)
       class(dry_case_t), intent(in) :: self

@@ -31,9 +31,9 @@ module line_profiles
    real(wp), parameter :: usual_domain = 30.0_wp
    !> Smooth entry of a profile where it is not given [half-widths].
    real(wp), parameter :: usual_entry = 1.0_wp
-   !> A profile of at most so many nodes is made at once; a longer one is put together from pieces.
-   !> Each piece has at least 32 of the longest waves, which are at most `max_waves` times as long
-   !> as the shortest.
+   !> A profile of at most this many nodes is made at once; a longer one is put together from
+   !> pieces. Each piece has at least 32 of the longest waves, which are at most `max_waves` times
+   !> as long as the shortest.
    integer, parameter :: max_nodes = 2**20, max_waves = max_nodes/(32*nodes_per_wave)
    !> Rms height over the expected film from which a note is given, and above which it is refused.
    real(wp), parameter :: many_films = 10.0_wp, most_films = 1000.0_wp

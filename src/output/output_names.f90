@@ -53,7 +53,7 @@ contains
       end do
    end function output_findings
 
-   !> Namelists and height files, so many `inputs`; behind them results, each followed by what is
+   !> Namelists and height files, this many `inputs`; behind them results, each followed by what is
    !> written beside it.
    subroutine list_places(cases, output_dir, places, inputs)
       type(case_t), intent(in) :: cases(:)
@@ -148,9 +148,9 @@ contains
       end do
    end subroutine link_places
 
-   !> The first objection to output `number` because of other places, of which so many are `inputs`;
-   !> empty: none. Of two outputs in one place the later one is objected to, and only a result can
-   !> be in the way of another one's files.
+   !> The first objection to output `number` because of other places, of which this many are
+   !> `inputs`; empty: none. Of two outputs in one place the later one is objected to, and only a
+   !> result can be in the way of another one's files.
    function first_finding(places, number, inputs, cases) result(found)
       type(place_t), intent(in) :: places(:)
       integer, intent(in) :: number, inputs

@@ -71,7 +71,7 @@ contains
       energy = area*self%pressure*self%height*work
    end function energy_in_si
 
-   !> A height of so many `metres`, dimensionless.
+   !> A height of this many `metres`, dimensionless.
    pure elemental function scaled_height(self, metres) result(height)
       class(dry_scaling_t), intent(in) :: self
       real(wp), intent(in) :: metres
@@ -80,7 +80,7 @@ contains
       height = metres/self%height
    end function scaled_height
 
-   !> A pressure of so many `pascal`, dimensionless.
+   !> A pressure of this many `pascal`, dimensionless.
    pure elemental function scaled_pressure(self, pascal) result(pressure)
       class(dry_scaling_t), intent(in) :: self
       real(wp), intent(in) :: pascal

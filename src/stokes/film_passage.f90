@@ -24,13 +24,13 @@ module film_passage
    contains
       !> Takes the end of a time step.
       procedure :: add
-      !> Makes room for so many steps, where there is less.
+      !> Makes room for this many steps, where there is less.
       procedure :: make_room
    end type film_passage_t
 
 contains
 
-   !> Room for so many steps on nx nodes.
+   !> Room for this many steps on nx nodes.
    pure function new_passage(steps, stride, nx) result(passage)
       integer, intent(in) :: steps, stride, nx
       type(film_passage_t) :: passage

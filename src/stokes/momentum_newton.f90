@@ -38,7 +38,7 @@ module momentum_newton
    integer, parameter :: max_halvings = 20
    !> The last full column may have no place: full its pressure would be negative, cavitated its
    !> balance of mass would ask for some. Once cavitated it stays so while that is below this share
-   !> of the pressure upstream of it, and in any case after so many changes.
+   !> of the pressure upstream of it, and in any case after this many changes.
    real(wp), parameter :: smallest_rise = 1.0e-2_wp
    integer, parameter :: most_changes = 3
 
@@ -48,7 +48,7 @@ module momentum_newton
       integer :: steps = 0, factorisations = 0, linear_iterations = 0
       !> Share of delta^2 that module momentum_continuation has come to.
       real(wp) :: reached = 0.0_wp
-      !> The factors are kept while so many more steps with them are expected to do. (To factor
+      !> The factors are kept while this many more steps with them are expected to do. (To factor
       !> costs as much as six steps.)
       integer :: most_further_steps = 5
       !> A solution also counts as found where what is left after a full step is foretold to be

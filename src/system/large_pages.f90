@@ -18,7 +18,7 @@ module large_pages
    !> Bytes of a large page; with less than two of them nothing is gained.
    integer(c_intptr_t), parameter :: page = 2097152_c_intptr_t
    !> Most that is taken at once [bytes]: larger blocks do not come from memory that is kept
-   !> (`settle_memory`). So many of them at most.
+   !> (`settle_memory`). This many of them at most.
    integer(c_intptr_t), parameter :: most = 536870912_c_intptr_t
    integer, parameter :: max_blocks = 256
    !> What a periodic area usually takes, elastic and in one load [bytes/node].

@@ -32,7 +32,7 @@ module system_limits
 
 contains
 
-   !> "found ..., expected ..." for something, `what`, that takes so many `bytes` beside the
+   !> "found ..., expected ..." for something, `what`, that takes this many `bytes` beside the
    !> program, and `mapped` ones of address space that it hardly writes to; empty if there is
    !> enough. Physical memory, that of the control group, data and address space each have a limit.
    function memory_fault(what, bytes, mapped) result(fault)

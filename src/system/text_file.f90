@@ -72,8 +72,8 @@ contains
       end do
    end subroutine read_text_file
 
-   !> Opens `file` for reading byte by byte; it has so many `bytes`. Errors (input_error): the file
-   !> does not exist, is a folder, a pipe or a device, cannot be opened.
+   !> Opens `file` for reading byte by byte; it has this many `bytes`. Errors (input_error): the
+   !> file does not exist, is a folder, a pipe or a device, cannot be opened.
    subroutine open_stream(file, unit, bytes, error)
       character(*), intent(in) :: file
       integer, intent(out) :: unit
