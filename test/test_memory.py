@@ -7,9 +7,8 @@ import subprocess
 import sys
 
 import pytest
-from cases import STEADY, TRANSIENT, write
+from cases import HANGING, STEADY, TRANSIENT, write
 from dry_cases import case_text
-from time_limits import HANGING
 
 MEGABYTE = 1e6
 WAVE = "shape = 'sinusoid', amplitude = 1e-7, wavelength = 1e-3"
