@@ -4,9 +4,10 @@
     golden.py [--program PATH] [--store] [--count] [--first] [NAME ...]
 
 All data sets and attributes of results, what is printed, exit statuses: texts to the letter, numbers to 1e-12. Of long arrays
-a few sums are stored. Clocks, memory and versions are left out. A change that is meant is stored with --store, and the
-difference printed before belongs into the message of the commit. With --count valgrind counts the instructions of some cases, as
-shares of the stored ones: all below 1.03 pass.
+a few sums are stored. Clocks, memory and versions are left out. What is stored is of one compiler, its default flags and one
+processor: elsewhere round-off differs, and --store comes before the change. A change that is meant is stored with --store, and
+the difference printed before belongs into the message of the commit. With --count valgrind counts the instructions of some
+cases, as shares of the stored ones: all below 1.03 pass.
 """
 
 import argparse
