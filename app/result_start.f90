@@ -9,11 +9,9 @@ module result_start
    use file_bytes, only: seal_fault
    use film_heating, only: new_heating
    use film_statistics, only: new_statistics
-   use grid_check, only: check_grid
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use iteration_report, only: phase_output
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use missing_value, only: not_known
    use result_file, only: field_name_length, open_result, reopen_result
    use result_name, only: hold_name, result_name_t
@@ -29,19 +27,16 @@ module result_start
 contains
 
    !> Opens the result `path` of `case`; with `is_resume` at the last checkpoint, if there is one.
-   !> `case%time%resume_from` then says where the run goes on. Errors: the grid does not fit; the
-   !> result cannot be written; the checkpoint is of no use.
-   subroutine start_result(case, contact, path, is_resume, listener, error)
+   !> `case%time%resume_from` then says where the run goes on. Errors: the result cannot be written;
+   !> the checkpoint is of no use.
+   subroutine start_result(case, path, is_resume, listener, error)
       type(case_t), intent(inout) :: case
-      type(line_contact_t), intent(in) :: contact
       character(*), intent(in) :: path
       logical, intent(in) :: is_resume
       type(run_observer_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
       logical :: has_checkpoint
 
-      call check_grid(case, contact, error)
-      if (allocated(error)) return
       call listener%start_clock()
       listener%checkpoint_interval = case%output_settings%checkpoint_interval
       inquire (file=path//'.ckpt', exist=has_checkpoint)

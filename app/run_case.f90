@@ -94,7 +94,7 @@ contains
       listener%film_floor = case%solver%film_floor
       call listener%log%start_case(case%file, listener%scaling)
       call prepare_momentum(case, listener)
-      call start_result(case, contact, path, is_resume, listener, error)
+      call start_result(case, path, is_resume, listener, error)
       if (.not. allocated(error)) then
          call choose_lean_model(case, contact, listener, error)
          if (.not. allocated(error)) call solve_line_case(case, contact, listener, state, &

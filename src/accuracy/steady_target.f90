@@ -3,7 +3,7 @@
 !> estimate, until the estimate is small enough. Nothing is solved twice.
 module steady_target
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use domain_choice, only: chosen_intervals
+   use domain_choice, only: choose_intervals
    use ehl_line_solver, only: solve_ehl_line
    use ehl_line_steady, only: solve_steady
    use error_bars, only: apply_error_bars, error_bars_t, new_error_bars
@@ -165,7 +165,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(line_summary_t) :: summary
 
-      contact%domain%intervals = chosen_intervals(contact)
+      call choose_intervals(contact)
       bars%has_half = .false.
       bars%has_quarter = .false.
       bars%has_eighth = .false.

@@ -27,7 +27,7 @@ module domain_choice
    implicit none (type, external)
    private
 
-   public :: choose_domain, choose_inlet, chosen_intervals, chosen_outlet, inlet_error, &
+   public :: choose_domain, choose_inlet, choose_intervals, chosen_outlet, inlet_error, &
       inlet_pressure_error, intervals_for, intervals_for_film, reopen
 
    !> Spacing that gives 1 % in the central film: dX <= 0.045 sqrt(H_c).
@@ -70,10 +70,9 @@ contains
             domain%may_lengthen = .true.
          end if
          call choose_inlet(contact, target)
-         if (domain%intervals <= 0) then
-            domain%intervals = chosen_intervals(contact)
-            domain%intervals_are_chosen = .true.
-         end if
+         if (domain%intervals > 0) return
+         call choose_intervals(contact)
+         domain%intervals_are_chosen = .true.
       end associate
    end subroutine choose_domain
 
@@ -141,17 +140,16 @@ contains
 
    !> Intervals where the program chooses them, on the contact's domain: for 1 % in the central
    !> film, and for its waves.
-   pure function chosen_intervals(contact) result(intervals)
-      type(line_contact_t), intent(in) :: contact
-      integer :: intervals
-      type(line_contact_t) :: posed
+   pure subroutine choose_intervals(contact)
+      type(line_contact_t), intent(inout) :: contact
 
-      posed = contact
-      intervals = min(max(intervals_for(contact, accurate_spacing), min_intervals), max_intervals)
-      posed%domain%intervals = intervals
-      intervals = max(intervals, min(intervals_at_least(wanted_nodes/nodes_in_wave(posed) &
-         *intervals), max_for_waves))
-   end function chosen_intervals
+      associate (intervals => contact%domain%intervals)
+         intervals = min(max(intervals_for(contact, accurate_spacing), min_intervals), &
+            max_intervals)
+         intervals = max(intervals, min(intervals_at_least(wanted_nodes/nodes_in_wave(contact) &
+            *intervals), max_for_waves))
+      end associate
+   end subroutine choose_intervals
 
    !> c of an inlet at X = -(1 + c S) that starves the film by the share `tolerance`, for what is in
    !> front of it.

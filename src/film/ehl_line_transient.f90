@@ -139,9 +139,8 @@ contains
 
    end subroutine march
 
-   !> Begins, or goes on with, the other equations of a follower, if there is one: at T = 0 with
-   !> the smooth steady pressure of `contact` and the film that the surfaces have entered. Where it
-   !> cannot, the report is not converged.
+   !> Starts the other equations of a follower, if there is one. Where it cannot, the report is not
+   !> converged.
    subroutine start_follower(listener, contact, state, report)
       class(listener_t), intent(inout) :: listener
       type(line_contact_t), intent(in) :: contact
@@ -150,12 +149,7 @@ contains
       character(:), allocatable :: reason
 
       if (.not. allocated(listener%follower)) return
-      if (allocated(listener%follower%earlier)) then
-         call listener%follower%resume(contact, state, listener%follower%earlier, reason)
-         deallocate (listener%follower%earlier)
-      else
-         call listener%follower%begin(contact, state, reason)
-      end if
+      call listener%follower%start(contact, state, reason)
       if (allocated(reason)) call refuse(report, reason)
    end subroutine start_follower
 

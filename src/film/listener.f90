@@ -26,6 +26,8 @@ module listener
       !> From the smooth steady pressure of a contact, whose film the surfaces have entered, at
       !> T = 0; `reason` why it cannot.
       procedure(begin_interface), deferred :: begin
+      !> Begins, or goes on from where it stood `earlier`.
+      procedure, non_overridable :: start
       !> Goes on by one part; `reason` why it cannot.
       procedure(advance_interface), deferred :: advance
       !> Where it stands after a step, and going on from there; `reason` why it cannot.
@@ -102,6 +104,22 @@ module listener
    end type relay_t
 
 contains
+
+   !> Begins, or goes on from where it stood; `reason` why it cannot.
+   subroutine start(self, contact, state, reason)
+      class(follower_t), intent(inout) :: self
+      type(line_contact_t), intent(in) :: contact
+      type(line_state_t), intent(in) :: state
+      character(:), allocatable, intent(out) :: reason
+      type(momentum_history_t), allocatable :: earlier
+
+      call move_alloc(self%earlier, earlier)
+      if (allocated(earlier)) then
+         call self%resume(contact, state, earlier, reason)
+      else
+         call self%begin(contact, state, reason)
+      end if
+   end subroutine start
 
    !> Whether the listener, if any, wants the solver to end.
    function is_stopped(listener)
