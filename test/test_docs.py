@@ -21,12 +21,12 @@ from cases import HANGING
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGES = [
-    *("README.md", "CONTRIBUTING.md", "docs/guide.md", "docs/dry.md", "docs/batch.md"),
+    *("README.md", "docs/CONTRIBUTING.md", "docs/guide.md", "docs/dry.md", "docs/batch.md"),
     *("docs/theory.md", "docs/developer.md", "docs/tasks.md"),
 ]
 LINKED_PAGES = [
     *PAGES,
-    "CHANGELOG.md",
+    "docs/CHANGELOG.md",
     "docs/decisions.md",
     "docs/input.md",
     "docs/ford.md",
@@ -36,7 +36,7 @@ LINKED_PAGES = [
     "docs/testing.md",
 ]
 BLOCK = re.compile(r"^(?P<exempt><!-- not run: [^\n]+ -->\n)?```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
-FOLDERS = r"(?:src|app|test|tools|docs|input|postproc|include|bench|batch|cluster|studies|python|notebooks|packaging|\.ci)"
+FOLDERS = r"(?:src|app|test|tools|docs|input|postproc|include|bench|batch|python|\.ci)"
 
 
 def page_text(page):
@@ -235,7 +235,7 @@ def test_scene_gets_its_verdicts(asperity, tmp_path, path):
     assert said == {name: verdict for verdict, names in VERDICTS[path.stem].items() for name in names.split()}
 
 
-NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+NOTEBOOKS = sorted((ROOT / "python" / "notebooks").glob("*.ipynb"))
 QUANTITY = re.compile(r"(h_min|h_central|p_max|friction_coefficient) +(\S+)")
 
 

@@ -149,7 +149,7 @@ def test_one_version_everywhere(asperity):
     for name, pattern in {
         "src/base/build_info.f90": r"program_version = '(.+)'",
         "CITATION.cff": r"^version: [\"']?(.+?)[\"']?$",
-        "CHANGELOG.md": r"^## \[?(\d\S*?)\]?(?: |$)",
+        "docs/CHANGELOG.md": r"^## \[?(\d\S*?)\]?(?: |$)",
     }.items():
         assert re.search(pattern, (ROOT / name).read_text(encoding="utf-8"), re.M)[1] == version, name
 

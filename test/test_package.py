@@ -177,7 +177,7 @@ def test_the_wheel_runs_where_there_is_only_python(wheel):
     if os.geteuid() != 0:
         pytest.skip("not applicable: a new root folder needs root")
     done = subprocess.run(
-        [ROOT / "packaging" / "try_wheel.sh", wheel], cwd=ROOT, capture_output=True, text=True, check=False
+        [ROOT / "python" / "packaging" / "try_wheel.sh", wheel], cwd=ROOT, capture_output=True, text=True, check=False
     )  # fmt: skip
     if "mount: " in done.stderr:
         pytest.skip("not applicable: no mounts here: " + done.stderr.splitlines()[-1])

@@ -63,7 +63,7 @@ def main():
         "sources": lines_of(sources),
         "how sure": lines_of(sure),
         "tests": lines_of(tracked("test/*.py", "test/*.pf", "test/*.f90", "test/*.nml", "test/*.toml", "test/*.txt")),
-        "bench": lines_of(tracked("bench/*")),
+        "bench": lines_of(tracked("bench/*", ":!bench/studies")),
         "words of pages": sum(len(text_of(path).split()) for path in tracked("*.md")),
         "imports of a file": max(len(re.findall(r"(?m)^ *use\b", text_of(path))) for path in sources),
         "components of a type": max(components(text_of(path)) for path in sources),

@@ -19,7 +19,7 @@ import f90nml
 import h5py
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "postproc"))
 
 import figure_style as style  # noqa: E402
