@@ -19,6 +19,13 @@ if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
+def pytest_collection_modifyitems(items):
+    """Tests that are marked `nightly` run where NIGHTLY is set."""
+    for item in items if not os.environ.get("NIGHTLY") else ():
+        if item.get_closest_marker("nightly"):
+            item.add_marker(pytest.mark.skip(reason="not applicable: .ci/nightly runs it"))
+
+
 @pytest.fixture(scope="session")
 def program():
     """Path of the asperity to test: the environment variable ASPERITY, else what `make build` left."""
