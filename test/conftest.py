@@ -1,5 +1,6 @@
 """What the end-to-end tests share: the program, called as a user calls it."""
 
+import contextlib
 import os
 import pathlib
 import signal
@@ -107,3 +108,17 @@ def solved_case(run_case, tmp_path):
         return h5py.File(tmp_path / f"{name}.h5")
 
     return call
+
+
+@pytest.fixture
+def solved_cases(asperity, tmp_path):
+    """Runs cases that converge, in one call: solved_cases(a=text, b=text) are their results a.h5 and b.h5, open."""
+    with contextlib.ExitStack() as opened:
+
+        def call(**cases):
+            for name, content in cases.items():
+                write(tmp_path, f"{name}.nml", content)
+            ended(asperity(*(f"{name}.nml" for name in cases), "--quiet"))
+            return [opened.enter_context(h5py.File(tmp_path / f"{name}.h5")) for name in cases]
+
+        yield call

@@ -157,9 +157,8 @@ def test_statistics_over_time_keep_the_passage(asperity, tmp_path):
     assert "transient/time" in lean
 
 
-def test_later_run_finds_its_lean_result_complete(asperity, tmp_path):
-    write(tmp_path, "case.nml", auto(LOW))
-    assert asperity("case.nml").returncode == 0
+def test_later_run_finds_its_lean_result_complete(run_case, asperity, tmp_path):
+    run_case(auto(LOW))
     again = asperity("--resume", "case.nml")
     assert "complete: nothing to do" in again.stderr
     with h5py.File(tmp_path / "case.h5") as file:

@@ -7,7 +7,6 @@ differ; `fortran` blocks with a &case are checked as namelists, `toml` blocks wi
 """
 
 import os
-import pathlib
 import re
 import shutil
 import subprocess
@@ -18,8 +17,8 @@ import nbclient
 import nbformat
 import pytest
 from cases import HANGING
+from conftest import ROOT
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGES = [
     *("README.md", "docs/CONTRIBUTING.md", "docs/guide.md", "docs/dry.md", "docs/batch.md"),
     *("docs/theory.md", "docs/developer.md", "docs/tasks.md"),

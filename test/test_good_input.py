@@ -1,13 +1,12 @@
 """Input that must be accepted, the template, the pages of the key table, and the command line."""
 
-import pathlib
 import re
 import tomllib
 
 import pytest
 from cases import MOES, STEADY, TRANSIENT, ended
+from conftest import ROOT
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 INPUTS = sorted((ROOT / "input").glob("*.nml"))
 
 

@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 import result_maker
 from cases import HANGING, STEADY, STOKES, seal, write
+from conftest import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics", "regime", "friction")
 RIDGE = {"shape": "feature", "amplitude": 2e-7, "wavelength": 1e-4, "position": -2.5}
 

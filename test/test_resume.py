@@ -167,9 +167,8 @@ def test_resume_without_a_checkpoint_starts_at_the_beginning(run_case, tmp_path)
     assert names(tmp_path) == ["case.h5", "case.nml"]
 
 
-def test_resume_leaves_a_complete_result_alone(asperity, tmp_path):
-    write(tmp_path, "case.nml", STEADY)
-    assert asperity("case.nml").returncode == 0
+def test_resume_leaves_a_complete_result_alone(run_case, asperity, tmp_path):
+    run_case(STEADY)
     written = (tmp_path / "case.h5").stat().st_mtime_ns
     done = asperity("case.nml", "--resume")
     assert (done.returncode, done.stderr) == (0, "case.nml: case.h5 is complete: nothing to do\n")
@@ -187,10 +186,9 @@ UNCONVERGED = {
 
 
 @pytest.mark.parametrize("kind", UNCONVERGED)
-def test_resume_says_that_a_complete_result_did_not_converge(asperity, tmp_path, kind):
+def test_resume_says_that_a_complete_result_did_not_converge(run_case, asperity, tmp_path, kind):
     """With its reason, as the run told it, and how to compute it again."""
-    write(tmp_path, "case.nml", UNCONVERGED[kind])
-    assert asperity("case.nml", "--quiet").returncode == 2
+    run_case(UNCONVERGED[kind], "--quiet", status=2)
     with h5py.File(tmp_path / "case.h5") as file:
         reason = text(file.attrs["reason"])
     assert reason
@@ -273,10 +271,9 @@ def test_values_of_a_checkpoint_have_names(interrupted, tmp_path):
 
 
 @pytest.mark.parametrize("place", [20, 3000, -100, -40])
-def test_damaged_result_is_not_complete(asperity, tmp_path, place):
+def test_damaged_result_is_not_complete(run_case, asperity, tmp_path, place):
     """In its structure, its data, its seal: --resume makes it again."""
-    write(tmp_path, "case.nml", STEADY)
-    assert asperity("case.nml", "--quiet").returncode == 0
+    run_case(STEADY, "--quiet")
     result = tmp_path / "case.h5"
     result.write_bytes(flipped(result.read_bytes(), place))
     assert "nothing to do" not in ended(asperity("case.nml", "--resume")).stderr

@@ -1,23 +1,18 @@
 """The thesis again, in short: error tables of chapter 5, film thinning of chapter 6, amplitude of a rolling waviness."""
 
-import sys
-
-import numpy as np
-import pytest
-from conftest import ROOT
-from study_runs import STUDIES, rows, run_quick
-
-sys.path.append(str(STUDIES))
-
 import chapter5
 import chapter5_passages
 import chapter5_rule
 import chapter6_besides
+import numpy as np
 import overtaking
+import pytest
 import trends
 import waviness
+from conftest import ROOT
 from linear_response import Advection
 from study import Claims, Runner, exchanged
+from study_runs import rows, run_quick
 
 
 @pytest.fixture

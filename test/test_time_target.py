@@ -1,16 +1,11 @@
 """A wanted accuracy in time: a result whose own coarse runs show a larger error says so."""
 
 import random
-import sys
-from pathlib import Path
-
-import h5py
-import pytest
-
-sys.path.append(str(Path(__file__).resolve().parent.parent / "bench"))
 
 import families
+import h5py
 import namelists
+import pytest
 
 COUNT = 10
 

@@ -99,9 +99,8 @@ def test_names_what_is_in_the_result(results, kind):
 
 
 @pytest.mark.parametrize("kind", ["steady", "area"])
-def test_the_result_is_the_same_without(results, asperity, tmp_path, kind):
-    write(tmp_path, "a.nml", KINDS[kind][0].replace("xdmf = .true., ", ""))
-    assert asperity("a.nml", "--quiet").returncode == 0
+def test_the_result_is_the_same_without(run_case, results, tmp_path, kind):
+    run_case(KINDS[kind][0].replace("xdmf = .true., ", ""), "--quiet", name="a")
     assert not list(tmp_path.glob("*.xdmf"))
     one, other = (cases.contents(path) for path in (tmp_path / "a.h5", results / f"{kind}.h5"))
     fields = [name for name in one if name.startswith(("solution/", "summary/", "sweep/")) and "@" not in name]
@@ -125,9 +124,8 @@ def test_takes_no_place_that_is_not_its_own(asperity, tmp_path):
     assert "found the namelist a.xdmf as its XDMF file" in asperity("b.nml", "a.xdmf", "--check").stderr
 
 
-def test_names_that_xml_would_take_for_its_own(asperity, tmp_path):
-    write(tmp_path, "a.nml", (STEADY + LEAN).replace("&case", "&case output = 'oil & <steel>.h5',"))
-    assert asperity("a.nml", "--quiet").returncode == 0
+def test_names_that_xml_would_take_for_its_own(run_case, tmp_path):
+    run_case((STEADY + LEAN).replace("&case", "&case output = 'oil & <steel>.h5',"), "--quiet", name="a")
     items = list(ElementTree.parse(tmp_path / "oil & <steel>.xdmf").getroot().iter("DataItem"))
     assert any(item.text.strip() == "oil & <steel>.h5:/solution/pressure" for item in items)
 
