@@ -1,12 +1,12 @@
 """model = 'auto': what is left out, what is kept, and that the result says so."""
 
-import pathlib
 import subprocess
 import sys
 
 import h5py
 import pytest
 from cases import STEADY, TRANSIENT, contents, same_bits, write
+from conftest import ROOT
 
 TARGET = "&accuracy target = 0.01 /\n"
 
@@ -41,7 +41,7 @@ RESTING = (
 
 def test_figure_over_time_says_why_there_are_no_times(asperity, tmp_path):
     solve(asperity, tmp_path, "lean", auto(LOW))
-    script = pathlib.Path(__file__).resolve().parent.parent / "postproc" / "transient.py"
+    script = ROOT / "postproc" / "transient.py"
     done = subprocess.run([sys.executable, script, "lean.h5"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode != 0
     assert "has no /transient: model = 'auto' solved the steady contact with smooth surfaces, in place of" in done.stderr

@@ -4,12 +4,12 @@ import os
 import resource
 import signal
 import subprocess
-import time
 
 import h5py
 import numpy as np
 import pytest
 from cases import HANGING, LONG, MOES, STEADY, TRANSIENT, contents, ended, same_bits, text, write
+from kill_and_resume import wait_for
 
 SOLUTION = ["x", "pressure", "film_thickness", "viscosity", "density", "slip_factor", "roughness_1", "roughness_2"]
 FRICTION = ["friction_coefficient", "rolling_friction_coefficient", "sliding_power", "rolling_power"]
@@ -28,16 +28,6 @@ RESULTS = ["steady", "transient", "moes", "moes_transient"]
 def results(solve_all):
     """Results of a steady and a transient case, and of both by Moes' numbers, each run once."""
     return solve_all({"steady": STEADY, "transient": TRANSIENT, "moes": MOES, "moes_transient": MOES + IN_TIME})
-
-
-def wait_for_size(path, size):
-    """Waits until a file has at least `size` bytes."""
-    deadline = time.monotonic() + HANGING
-    while time.monotonic() < deadline:
-        if path.exists() and path.stat().st_size >= size:
-            return
-        time.sleep(0.02)
-    pytest.fail(f"{path} did not grow to {size} bytes")
 
 
 @pytest.mark.parametrize("name", RESULTS)
@@ -369,7 +359,7 @@ def test_one_unwritable_case_does_not_stop_the_others(asperity, tmp_path):
 def test_two_runs_do_not_write_one_file(program, asperity, tmp_path):
     write(tmp_path, "a.nml", LONG)
     with subprocess.Popen([program, "a.nml", "--quiet"], cwd=tmp_path) as running:
-        wait_for_size(tmp_path / "a.h5.part", 1)
+        wait_for(tmp_path / "a.h5.part", running, size=1)
         second = asperity("a.nml", "--quiet")
         size = (tmp_path / "a.h5.part").stat().st_size
         running.send_signal(signal.SIGKILL)
@@ -394,7 +384,7 @@ def test_killed_run_leaves_the_older_result(program, tmp_path):
     older = older_result(program, tmp_path)
     write(tmp_path, "a.nml", LONG)
     with subprocess.Popen([program, "a.nml", "--quiet"], cwd=tmp_path) as running:
-        wait_for_size(tmp_path / "a.h5.part", 300_000)
+        wait_for(tmp_path / "a.h5.part", running, size=300_000)
         running.send_signal(signal.SIGKILL)
         assert running.wait(HANGING) == -signal.SIGKILL
     assert (tmp_path / "a.h5").read_bytes() == older

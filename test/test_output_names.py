@@ -7,8 +7,7 @@ import h5py
 import numpy as np
 import pytest
 from cases import HANGING, LONG, STEADY, write
-from kill_and_resume import start
-from test_resume import wait_for, wait_for_times
+from kill_and_resume import start, wait_for
 
 DRY = """&case problem = 'dry_line' /
 &bodies youngs_modulus_1 = 206e9, poisson_ratio_1 = 0.3 /
@@ -125,11 +124,8 @@ def test_all_findings_at_once(asperity, tmp_path):
     write(tmp_path, "b.nml", to("notes.txt"))
     write(tmp_path, "c.nml", to("d.h5"))
     write(tmp_path, "d.nml", STEADY)
-    assert [line.split(":")[0] for line in refused(asperity, tmp_path, "a.nml", "b.nml", "c.nml", "d.nml")] == [
-        "a.nml",
-        "b.nml",
-        "d.nml",
-    ]
+    found = refused(asperity, tmp_path, "a.nml", "b.nml", "c.nml", "d.nml")
+    assert [line.split(":")[0] for line in found] == ["a.nml", "b.nml", "d.nml"]
 
 
 def test_an_older_result_is_replaced(run_case, asperity, tmp_path):
@@ -158,7 +154,7 @@ def test_resume_leaves_a_running_job_alone(run_case, program, asperity, tmp_path
     write(tmp_path, "long.nml", to("case.h5", LONG + "&output checkpoint_interval = 0.0 /\n"))
     with start(program, tmp_path, name="long.nml") as running:  # the same case would be done too soon: another one, to its name
         wait_for(tmp_path / "case.h5.ckpt", running)
-        wait_for_times(tmp_path / "case.h5.part", 20)
+        wait_for(tmp_path / "case.h5.part", running, times=20)
         done = asperity("case.nml", "--resume", "--quiet")
         assert (done.returncode, done.stderr) == (3, "asperity: cannot write case.h5: another run is writing case.h5.part\n")
         assert (tmp_path / "case.h5.ckpt").exists()

@@ -12,30 +12,7 @@ import numpy as np
 import pytest
 from cases import HANGING, LONG, STEADY, TRANSIENT, ended, seal, text, write
 from conftest import ROOT
-from kill_and_resume import busy, check_part, different, kill_until_complete, killed_at_last, start, undisturbed
-
-
-def wait_for(path, running, seconds=HANGING):
-    """Waits until a run has made a file."""
-    deadline = time.monotonic() + seconds
-    while not path.exists():
-        if time.monotonic() > deadline or running.poll() is not None:
-            pytest.fail(f"{path} did not appear")
-        time.sleep(0.002)
-
-
-def wait_for_times(part, times):
-    """Waits until a run has stored some times."""
-    deadline = time.monotonic() + HANGING
-    while time.monotonic() < deadline:
-        try:
-            with h5py.File(part) as file:
-                if len(file["transient/time"]) >= times:
-                    return
-        except (OSError, KeyError):
-            pass
-        time.sleep(0.005)
-    pytest.fail(f"{part} did not grow to {times} times")
+from kill_and_resume import busy, check_part, different, kill_until_complete, killed_at_last, start, undisturbed, wait_for
 
 
 def flipped(content, place):
@@ -86,7 +63,7 @@ def test_killed_at_random_moments(program, tmp_path):
 def test_a_signal_ends_with_status_4_and_a_checkpoint(program, tmp_path, number):
     write(tmp_path, "case.nml", LONG)
     with killed_at_last(program, tmp_path) as running:
-        wait_for_times(tmp_path / "case.h5.part", 20)
+        wait_for(tmp_path / "case.h5.part", running, times=20)
         running.send_signal(number)
         message = running.stderr.read()
     assert running.returncode == 4
@@ -386,6 +363,6 @@ def test_killed_in_the_middle_part_holds_what_was_stored(program, tmp_path):
     reference, _ = undisturbed(program, tmp_path, busy(1000.0))
     write(tmp_path, "case.nml", busy(0.0))  # slow: a checkpoint after every step
     with killed_at_last(program, tmp_path) as running:
-        wait_for_times(tmp_path / "case.h5.part", 300)
+        wait_for(tmp_path / "case.h5.part", running, times=300)
     assert running.returncode == -signal.SIGKILL
     assert check_part(tmp_path / "case.h5.part", reference) >= 300
