@@ -8,7 +8,7 @@ import subprocess
 
 import h5py
 import pytest
-from cases import HANGING, ended, processor, write
+from cases import HANGING, contents, ended, processor, write
 
 # Shells ignore SIGINT for what runs in the background, nohup SIGHUP, and programs inherit that: the runs that these tests interrupt
 # must not. A handler of our own is not inherited.
@@ -106,6 +106,17 @@ def solved_case(run_case, tmp_path):
     def call(content, *options, name="case"):
         run_case(content, "--quiet", *options, name=name)
         return h5py.File(tmp_path / f"{name}.h5")
+
+    return call
+
+
+@pytest.fixture
+def told_case(run_case, tmp_path):
+    """Runs a case: told_case(text) are the contents of its result, and what is said."""
+
+    def call(content, *options, status=0, name="case"):
+        done = run_case(content, *options, status=status, name=name)
+        return contents(tmp_path / f"{name}.h5"), done.stderr + done.stdout
 
     return call
 
