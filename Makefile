@@ -91,7 +91,7 @@ lint: ## style of Fortran, Python and shell, types of the Python package, order 
 	ruff check --quiet .
 	ruff format --quiet --check .
 	$(PYTHON) -m mypy --no-error-summary python/asperity
-	shellcheck bootstrap .ci/run .ci/nightly tools/asperity-heights $(wildcard tools/*.sh packaging/*.sh cluster/*.sh cluster/*.sbatch)
+	shellcheck bootstrap .ci/run .ci/nightly tools/asperity-heights $(wildcard tools/*.sh python/packaging/*.sh batch/*.sh batch/*.sbatch)
 	@echo "lint: no findings"
 
 demo: build ## the main job: a ridge passing through an oil film, a rough profile and area; results and figures in results/demo/
@@ -108,43 +108,43 @@ figures: ## the figures of the demo again, from its result files
 
 .PHONY: formulas regime scenes chapter3 chapter4 chapter5 chapter6 chapter7 area bench-dry amplitude trends thesis dry
 chapter5: build ## thesis, chapter 5: Cases 1 to 3, error tables, figures, statements (ARGS=--quick)
-	$(PYTHON) studies/chapter5.py $(ARGS)
+	$(PYTHON) bench/studies/chapter5.py $(ARGS)
 
 chapter6: build ## thesis, chapter 6: every overtaking of ridges and dents, figures, statements (ARGS=--quick)
-	$(PYTHON) studies/chapter6.py $(ARGS)
+	$(PYTHON) bench/studies/chapter6.py $(ARGS)
 
 amplitude: build ## what an oil film leaves of a waviness, rolling and sliding, beside published values (ARGS=--quick)
-	$(PYTHON) studies/amplitude.py $(ARGS)
+	$(PYTHON) bench/studies/amplitude.py $(ARGS)
 
 trends: build ## how film and waviness depend on each input, beside (2.3) and the fit of Moes (ARGS=--quick)
-	$(PYTHON) studies/trends.py $(ARGS)
+	$(PYTHON) bench/studies/trends.py $(ARGS)
 
 thesis: chapter5 chapter6 amplitude trends ## the lubricated half of the thesis: the four above, and their figures into docs/images/
-	$(PYTHON) studies/page_images.py chapter5 chapter6 amplitude
+	$(PYTHON) bench/studies/page_images.py chapter5 chapter6 amplitude
 
 regime: build ## films over Moes' numbers, for the chart of postproc/regime.py, into postproc/data/ (ARGS=--quick)
-	$(PYTHON) studies/moes_films.py $(ARGS)
+	$(PYTHON) bench/studies/moes_films.py $(ARGS)
 
 formulas: build ## film formulas of handbooks beside computed films: how far they are off (ARGS=--quick)
-	$(PYTHON) studies/film_formulas.py $(ARGS)
+	$(PYTHON) bench/studies/film_formulas.py $(ARGS)
 
 scenes: build ## the ten scenes of input/scenes/: verdicts beside fine grids; makes docs/scenes.md and its figures
 	-$(PYTHON) bench/scenes.py --page
 
 chapter3: build ## thesis, chapter 3: elastic against elastic-perfectly plastic, load, unload, reload (ARGS=--quick)
-	$(PYTHON) studies/chapter3.py $(ARGS)
+	$(PYTHON) bench/studies/chapter3.py $(ARGS)
 
 chapter4: build ## thesis, chapter 4: which harmonics and how many nodes the contact area needs, statements (ARGS=--quick)
-	$(PYTHON) studies/chapter4.py $(ARGS)
+	$(PYTHON) bench/studies/chapter4.py $(ARGS)
 
 area: build ## contact area of rough areas against the load, with its error (ARGS=--quick)
-	$(PYTHON) studies/area.py $(ARGS)
+	$(PYTHON) bench/studies/area.py $(ARGS)
 
 chapter7: build ## thesis, chapter 7 and Paper C: four dry profiles, 18 loads, 50 realisations of each, statements (ARGS=--quick)
-	$(PYTHON) studies/chapter7.py $(ARGS)
+	$(PYTHON) bench/studies/chapter7.py $(ARGS)
 
 dry: chapter3 chapter4 chapter7 area ## the dry half of the thesis: chapters 3, 4, 7 and rough areas, and their figures into docs/images/
-	$(PYTHON) studies/page_images.py chapter3 chapter4 chapter7 area
+	$(PYTHON) bench/studies/page_images.py chapter3 chapter4 chapter7 area
 
 bench: bench-program ## speed and memory, in results/bench/ (ARGS=--quick: shorter)
 	$(PYTHON) bench/run.py $(ARGS)
@@ -181,7 +181,7 @@ docs: prepare ## the pages of the programming interface, docs/api/index.html; a 
 	@sh tools/build_docs.sh
 
 notebooks: build ## the notebooks again, with their pictures and numbers
-	PYTHONPATH=$(CURDIR)/python jupyter execute --inplace notebooks/*.ipynb
+	PYTHONPATH=$(CURDIR)/python jupyter execute --inplace python/notebooks/*.ipynb
 
 wheel: build ## a Python package that carries the program, for any Linux of this kind of processor, in dist/
 	@rm -rf build/wheel dist

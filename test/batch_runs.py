@@ -1,16 +1,13 @@
 """What the tests of batch/ share: calling its scripts as a user does, and a sweep that takes a moment."""
 
 import os
-import pathlib
 import subprocess
 import sys
 
 from cases import HANGING
+from conftest import ROOT
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 BATCH = ROOT / "batch"
-if str(BATCH) not in sys.path:
-    sys.path.append(str(BATCH))
 
 # Four contacts on 256 intervals; the second one has room for one cycle of a slow method only and does not converge.
 SMALL = """base = "base.nml"

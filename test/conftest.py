@@ -1,5 +1,6 @@
 """What the end-to-end tests share: the program, called as a user calls it."""
 
+import contextlib
 import os
 import pathlib
 import signal
@@ -7,7 +8,7 @@ import subprocess
 
 import h5py
 import pytest
-from cases import HANGING, ended, processor, write
+from cases import HANGING, contents, ended, processor, write
 
 # Shells ignore SIGINT for what runs in the background, nohup SIGHUP, and programs inherit that: the runs that these tests interrupt
 # must not. A handler of our own is not inherited.
@@ -17,6 +18,13 @@ if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
     signal.signal(signal.SIGHUP, lambda *_: None)
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+def pytest_collection_modifyitems(items):
+    """Tests that are marked `nightly` run where NIGHTLY is set."""
+    for item in items if not os.environ.get("NIGHTLY") else ():
+        if item.get_closest_marker("nightly"):
+            item.add_marker(pytest.mark.skip(reason="not applicable: .ci/nightly runs it"))
 
 
 @pytest.fixture(scope="session")
@@ -100,3 +108,28 @@ def solved_case(run_case, tmp_path):
         return h5py.File(tmp_path / f"{name}.h5")
 
     return call
+
+
+@pytest.fixture
+def told_case(run_case, tmp_path):
+    """Runs a case: told_case(text) are the contents of its result, and what is said."""
+
+    def call(content, *options, status=0, name="case"):
+        done = run_case(content, *options, status=status, name=name)
+        return contents(tmp_path / f"{name}.h5"), done.stderr + done.stdout
+
+    return call
+
+
+@pytest.fixture
+def solved_cases(asperity, tmp_path):
+    """Runs cases that converge, in one call: solved_cases(a=text, b=text) are their results a.h5 and b.h5, open."""
+    with contextlib.ExitStack() as opened:
+
+        def call(**cases):
+            for name, content in cases.items():
+                write(tmp_path, f"{name}.nml", content)
+            ended(asperity(*(f"{name}.nml" for name in cases), "--quiet"))
+            return [opened.enter_context(h5py.File(tmp_path / f"{name}.h5")) for name in cases]
+
+        yield call

@@ -61,6 +61,24 @@ def check_part(part, reference):
     return times
 
 
+def stored_times(part):
+    """Number of times that can be read in a file being written; 0 before there are any."""
+    try:
+        with h5py.File(part) as file:
+            return len(file["transient/time"])
+    except (OSError, KeyError):
+        return 0
+
+
+def wait_for(path, running, times=0, size=0, seconds=HANGING):
+    """Waits until a run has made a file, of so many bytes or with so many stored times."""
+    deadline = time.monotonic() + seconds
+    while stored_times(path) < times if times else not path.exists() or path.stat().st_size < size:
+        assert running.poll() is None, f"{path} is not there yet, and the run has ended"
+        assert time.monotonic() < deadline, f"{path} did not appear or grow"
+        time.sleep(0.002)
+
+
 def start(program, folder, *options, name="case.nml"):
     """A run of case.nml in `folder`."""
     return subprocess.Popen([program, name, "--quiet", *options], cwd=folder, stderr=subprocess.PIPE, text=True)
@@ -76,11 +94,11 @@ def killed_at_last(program, folder, *options):
             running.kill()
 
 
-def undisturbed(program, folder, text):
+def undisturbed(program, folder, text, *options):
     """Runs the case without interruption; its result and how long it took."""
     write(folder, "case.nml", text)
     begin = time.monotonic()
-    with start(program, folder) as running:
+    with start(program, folder, *options) as running:
         assert running.wait(HANGING) == 0, running.stderr.read()
     (folder / "case.h5").rename(folder / "reference.h5")
     return folder / "reference.h5", time.monotonic() - begin

@@ -17,7 +17,7 @@ import time
 import h5py
 import numpy as np
 from cases import write
-from kill_and_resume import BUSY, killed_at_last, new_parser, start
+from kill_and_resume import BUSY, killed_at_last, new_parser, start, wait_for
 
 STEP = 0.01
 
@@ -38,15 +38,6 @@ def peak_memory(running):
     return int(line[0].split()[1]) / 1024 if line else None
 
 
-def stored_times(part):
-    """Number of times that can be read in a file being written; 0 before there are any."""
-    try:
-        with h5py.File(part) as file:
-            return len(file["transient/time"])
-    except (OSError, KeyError):
-        return 0
-
-
 def check_part(part, step=STEP):
     """Every time that is counted is there, whole; returns how many."""
     with h5py.File(part) as file:
@@ -63,15 +54,11 @@ def check_part(part, step=STEP):
     return times
 
 
-def follow(running, part, marks, patience=3600.0):
+def follow(running, part, marks):
     """Waits until a run has stored as many times as each of `marks`, looks into the file then; returns the memory at each."""
     memory = []
     for mark in marks:
-        deadline = time.monotonic() + patience
-        while stored_times(part) < mark:
-            assert running.poll() is None, f"ended before time {mark}: {running.stderr.read()}"
-            assert time.monotonic() < deadline, f"{part} did not grow to {mark} times"
-            time.sleep(0.02)
+        wait_for(part, running, times=mark, seconds=3600)
         memory.append(peak_memory(running))
         assert check_part(part) >= mark
     return memory

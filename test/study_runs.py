@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-STUDIES = Path(__file__).resolve().parent.parent / "studies"
+STUDIES = Path(__file__).resolve().parent.parent / "bench" / "studies"
 
 
 def run_quick(name, program, folder):

@@ -1,13 +1,11 @@
 """/adequacy of lubricated results: what each ingredient changes, in the file, in the closing table and switched off."""
 
-import pathlib
-
 import h5py
 import numpy as np
 import pytest
 from cases import STEADY, TRANSIENT, contents, same_bits, write
+from conftest import ROOT
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 OFF = "&output adequacy = .false. /\n"
 INGREDIENTS = {"compressibility", "elasticity", "piezoviscosity", "roelands", "shear_thinning"}
 NUMERICAL = {"grid", "domain", "iteration"}
@@ -134,9 +132,8 @@ def test_what_is_not_known_says_why(asperity, tmp_path):
     assert partly >= 1
 
 
-def test_no_solution_has_no_adequacy(asperity, tmp_path):
-    write(tmp_path, "case.nml", STEADY + "&solver max_cycles = 1 /\n")
-    assert asperity("case.nml").returncode == 2
+def test_no_solution_has_no_adequacy(run_case, tmp_path):
+    run_case(STEADY + "&solver max_cycles = 1 /\n", status=2)
     with h5py.File(tmp_path / "case.h5") as file:
         assert "adequacy" not in file
 

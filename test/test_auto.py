@@ -1,12 +1,12 @@
 """model = 'auto': what is left out, what is kept, and that the result says so."""
 
-import pathlib
 import subprocess
 import sys
 
 import h5py
 import pytest
-from cases import STEADY, TRANSIENT, contents, same_bits, write
+from cases import STEADY, TRANSIENT, same_bits
+from conftest import ROOT
 
 TARGET = "&accuracy target = 0.01 /\n"
 
@@ -21,14 +21,6 @@ def auto(text):
     return text.replace("problem = 'ehl_line'", "problem = 'ehl_line', model = 'auto'")
 
 
-def solve(asperity, folder, name, text):
-    """Log and contents of a case."""
-    write(folder, f"{name}.nml", text)
-    done = asperity(f"{name}.nml")
-    assert done.returncode == 0, done.stderr
-    return done.stderr + done.stdout, contents(folder / f"{name}.h5")
-
-
 PASSAGE = without_numbers(TRANSIENT.replace("position = -2.1", "position = -2.5").replace("end_time = 1.0", "end_time = 2.2"))
 LOW = PASSAGE.replace("0.2e-6", "2e-10")
 # the ridge on a surface at rest, inside the contact
@@ -39,9 +31,9 @@ RESTING = (
 )
 
 
-def test_figure_over_time_says_why_there_are_no_times(asperity, tmp_path):
-    solve(asperity, tmp_path, "lean", auto(LOW))
-    script = pathlib.Path(__file__).resolve().parent.parent / "postproc" / "transient.py"
+def test_figure_over_time_says_why_there_are_no_times(told_case, tmp_path):
+    told_case(auto(LOW), name="lean")
+    script = ROOT / "postproc" / "transient.py"
     done = subprocess.run([sys.executable, script, "lean.h5"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode != 0
     assert "has no /transient: model = 'auto' solved the steady contact with smooth surfaces, in place of" in done.stderr
@@ -49,9 +41,9 @@ def test_figure_over_time_says_why_there_are_no_times(asperity, tmp_path):
 
 
 @pytest.mark.path
-def test_low_ridge_is_left_out_and_the_result_says_so(asperity, tmp_path):
-    log, lean = solve(asperity, tmp_path, "lean", auto(LOW))
-    _, full = solve(asperity, tmp_path, "full", LOW)
+def test_low_ridge_is_left_out_and_the_result_says_so(told_case):
+    lean, log = told_case(auto(LOW), name="lean")
+    full, _ = told_case(LOW, name="full")
     assert "solves the steady contact with smooth surfaces, in place of the passage" in log
     table = log[log.index("  auto  ") :].splitlines()
     assert table[0].split()[:2] == ["auto", "roughness"]
@@ -79,9 +71,9 @@ def test_low_ridge_is_left_out_and_the_result_says_so(asperity, tmp_path):
     assert lean["summary/h_min"] == pytest.approx(full["summary/h_min"], rel=0.01)
 
 
-def test_high_ridge_is_solved_as_by_the_full_model(asperity, tmp_path):
-    log, lean = solve(asperity, tmp_path, "auto", auto(PASSAGE))
-    _, full = solve(asperity, tmp_path, "full", PASSAGE)
+def test_high_ridge_is_solved_as_by_the_full_model(told_case):
+    lean, log = told_case(auto(PASSAGE), name="auto")
+    full, _ = told_case(PASSAGE, name="full")
     assert "kept: too high" in log
     assert lean["adequacy/decision@solved"] == b"the case with every ingredient"
     solved = [name for name in full if not name.startswith("input") and "seconds" not in name]
@@ -89,21 +81,21 @@ def test_high_ridge_is_solved_as_by_the_full_model(asperity, tmp_path):
     assert [name for name in solved if not same_bits(lean[name], full[name])] == []
 
 
-def test_roughness_at_rest_is_solved_as_a_steady_contact(asperity, tmp_path):
-    _, lean = solve(asperity, tmp_path, "lean", auto(RESTING))
-    _, full = solve(asperity, tmp_path, "full", RESTING)
+def test_roughness_at_rest_is_solved_as_a_steady_contact(told_case):
+    lean, _ = told_case(auto(RESTING), name="lean")
+    full, _ = told_case(RESTING, name="full")
     assert lean["adequacy/decision@solved"] == b"the steady contact with its roughness, in place of the passage"
     assert lean["adequacy/decision/squeeze@decision"] == b"left out"
     assert lean["adequacy/decision/roughness@decision"] == b"kept"
     assert lean["summary/h_min"] == pytest.approx(full["summary/h_min"], rel=0.01)
     early = RESTING.replace("end_time = 8.0", "end_time = 8.0, statistics_from = 1.0")
-    log, _ = solve(asperity, tmp_path, "early", auto(early))
+    _, log = told_case(auto(early), name="early")
     assert "kept: the start counts" in log
 
 
-def test_steady_contact_keeps_everything(asperity, tmp_path):
-    log, lean = solve(asperity, tmp_path, "auto", auto(without_numbers(STEADY)))
-    _, full = solve(asperity, tmp_path, "full", without_numbers(STEADY))
+def test_steady_contact_keeps_everything(told_case):
+    lean, log = told_case(auto(without_numbers(STEADY)), name="auto")
+    full, _ = told_case(without_numbers(STEADY), name="full")
     # what is measured afterwards stands in the table
     line = next(line for line in log.splitlines() if line.split()[:1] == ["elasticity"])
     assert line.endswith("kept: cheap at rest")
@@ -119,11 +111,11 @@ def rows_of(log):
     return {line.split()[0]: line[44:].strip() for line in table}
 
 
-def test_table_shows_what_was_chosen_of_the_numbers(asperity, tmp_path):
+def test_table_shows_what_was_chosen_of_the_numbers(told_case):
     """Grid, domain, time step and method as in the lists of effective values; what was given is told as given."""
     inlet = "&domain x_inlet = -4.0, x_outlet = 1.5 /"
     assert inlet in PASSAGE
-    log, found = solve(asperity, tmp_path, "auto", auto(PASSAGE))
+    found, log = told_case(auto(PASSAGE), name="auto")
     rows = rows_of(log)
     assert rows["grid"] == f"chosen: {found['input/effective/domain@intervals']} intervals"
     assert rows["domain"] == "given: -4 to 1.50"
@@ -133,33 +125,32 @@ def test_table_shows_what_was_chosen_of_the_numbers(asperity, tmp_path):
         group = f"adequacy/decision/{name}"
         assert rows[name] == f"{found[f'{group}@decision'].decode()}: {found[f'{group}@value'].decode()}"
     case = auto(STEADY.replace(", intervals = 256", "").replace(", x_outlet = 1.5", "")) + TARGET
-    log, found = solve(asperity, tmp_path, "steady", case + "&solver method = 'newton_dense' /\n")
+    found, log = told_case(case + "&solver method = 'newton_dense' /\n", name="steady")
     rows = rows_of(log)
     assert "inlet given: -4 to 1.54\n" in log
     assert rows["method"] == "given: newton_dense"
     assert "time_step" not in rows
-    _, found = solve(asperity, tmp_path, "open", auto(PASSAGE.replace(inlet, "")))
+    found, _ = told_case(auto(PASSAGE.replace(inlet, "")), name="open")
     assert found["adequacy/decision/domain@decision"] == b"chosen"
 
 
-def test_smooth_passage_tells_that_squeeze_was_left_out(asperity, tmp_path):
+def test_smooth_passage_tells_that_squeeze_was_left_out(told_case):
     smooth = RESTING[: RESTING.index("&surface_2")] + RESTING[RESTING.index("&time") :]
-    log, found = solve(asperity, tmp_path, "lean", auto(smooth))
+    found, log = told_case(auto(smooth), name="lean")
     assert rows_of(log)["squeeze"] == "left out: at rest"
     assert "time_step" not in rows_of(log)
     assert found["adequacy/decision/squeeze@decision"] == b"left out"
     assert not any(name.startswith("transient") for name in found)
 
 
-def test_statistics_over_time_keep_the_passage(asperity, tmp_path):
-    log, lean = solve(asperity, tmp_path, "case", auto(LOW) + "&output film_thresholds = 1e-7 /\n")
+def test_statistics_over_time_keep_the_passage(told_case):
+    lean, log = told_case(auto(LOW) + "&output film_thresholds = 1e-7 /\n", name="case")
     assert "kept: passage is wanted" in log
     assert "transient/time" in lean
 
 
-def test_later_run_finds_its_lean_result_complete(asperity, tmp_path):
-    write(tmp_path, "case.nml", auto(LOW))
-    assert asperity("case.nml").returncode == 0
+def test_later_run_finds_its_lean_result_complete(run_case, asperity, tmp_path):
+    run_case(auto(LOW))
     again = asperity("--resume", "case.nml")
     assert "complete: nothing to do" in again.stderr
     with h5py.File(tmp_path / "case.h5") as file:

@@ -99,12 +99,6 @@ def test_a_grid_that_is_too_fine_for_its_method_is_found_by_check(asperity, tmp_
     assert "which the program chooses, expected at most 8192 with method = 'newton_dense'" in found
 
 
-def test_empty_file(asperity, tmp_path):
-    assert findings_of(asperity, tmp_path, "") == [
-        "1: found no group, expected &case ... / and others; see asperity --template ehl_line"
-    ]
-
-
 def test_missing_file(asperity, tmp_path):
     assert run(asperity, tmp_path / "none.nml") == [f"{tmp_path}/none.nml: no such file"]
 
@@ -150,46 +144,50 @@ def test_binary_garbage(asperity, tmp_path):
     assert "expected a text file in UTF-8" in lines[0]
 
 
-def test_zero_byte(asperity, tmp_path):
-    assert findings_of(asperity, tmp_path, "! a\n! b\0\n" + STEADY) == ["2: found the byte 0x00, expected a text file in UTF-8"]
+NO_TEXT, LONG = ", expected a text file in UTF-8", "x" * 1_000_000
+CONTENTS = {
+    "empty": ("", "1: found no group, expected &case ... / and others; see asperity --template ehl_line"),
+    "zero_byte": ("! a\n! b\0\n" + STEADY, f"2: found the byte 0x00{NO_TEXT}"),
+    "utf_16": (STEADY.encode("utf-16"), f"1: found UTF-16{NO_TEXT}"),
+    "latin_1": (STEADY.encode("latin-1"), f"1: found the byte 0xD6{NO_TEXT}"),
+    "cut_off_utf_8": (STEADY.encode() + b"! \xc3", f"8: found the byte 0xC3{NO_TEXT}"),
+    "long_line": (
+        STEADY + f"&time transient = {LONG} /\n",
+        f"8: &time transient: found {LONG[:48]}..., expected .true. or .false.",
+    ),
+    "long_string": (
+        STEADY.replace("'ehl_line'", f"'{LONG}'"),
+        f"1: &case problem: found '{LONG[:48]}...', expected 'ehl_line', 'dry_line' or 'dry_area'",
+    ),
+    "long_title": (STEADY.replace("Öl, smooth", "t" * 10_001), "1: &case title: found 10001 bytes, expected at most 10000"),
+}
 
 
-def test_utf_16(asperity, tmp_path):
-    assert findings_of(asperity, tmp_path, STEADY.encode("utf-16")) == ["1: found UTF-16, expected a text file in UTF-8"]
+@pytest.mark.parametrize("name", CONTENTS)
+def test_content(asperity, tmp_path, name):
+    content, finding = CONTENTS[name]
+    assert findings_of(asperity, tmp_path, content) == [finding]
 
 
-def test_latin_1_title(asperity, tmp_path):
-    assert findings_of(asperity, tmp_path, STEADY.encode("latin-1")) == ["1: found the byte 0xD6, expected a text file in UTF-8"]
+# Content, and how many findings there are, at least and at most.
+HUGE = {
+    "name": (STEADY + f"&{LONG}\n/\n", 1, 1),
+    "values": (STEADY.replace("1e5", "1, " * 1_000_000), 1, 1),
+    "quotes": (STEADY.replace("'ehl_line'", "'\"" * 100_001), 1, 3),
+    "brackets": (STEADY.replace("1e5", "(" * 100_000 + ")" * 100_000), 1, 51),
+    "findings": ("rubbish\n" * 100_000, 51, 51),
+    "keys": (STEADY + "&time\n" + "".join(f"k{i} = 1\n" for i in range(100_000)) + "/\n", 51, 51),
+    "groups": ("".join(f"&g{i} /\n" for i in range(100_000)), 51, 51),
+}
 
 
-def test_cut_off_utf_8(asperity, tmp_path):
-    assert findings_of(asperity, tmp_path, STEADY.encode() + b"! \xc3") == ["8: found the byte 0xC3, expected a text file in UTF-8"]
-
-
-def test_very_long_line(asperity, tmp_path):
-    lines = findings_of(asperity, tmp_path, STEADY + "&time transient = " + "x" * 1_000_000 + " /\n")
-    assert lines == ["8: &time transient: found " + "x" * 48 + "..., expected .true. or .false."]
-
-
-def test_very_long_name(asperity, tmp_path):
-    lines = findings_of(asperity, tmp_path, STEADY + "&" + "x" * 1_000_000 + "\n/\n")
-    assert len(lines) == 1
-    assert len(lines[0]) < 300
-
-
-def test_very_long_string(asperity, tmp_path):
-    lines = findings_of(asperity, tmp_path, STEADY.replace("'ehl_line'", "'" + "x" * 1_000_000 + "'"))
-    assert lines == ["1: &case problem: found '" + "x" * 48 + "...', expected 'ehl_line', 'dry_line' or 'dry_area'"]
-
-
-def test_long_title(asperity, tmp_path):
-    lines = findings_of(asperity, tmp_path, STEADY.replace("Öl, smooth", "t" * 10_001))
-    assert lines == ["1: &case title: found 10001 bytes, expected at most 10000"]
-
-
-def test_million_values(asperity, tmp_path):
-    lines = findings_of(asperity, tmp_path, STEADY.replace("1e5", "1, " * 1_000_000))
-    assert len(lines) == 1
+@pytest.mark.parametrize("name", HUGE)
+def test_huge_content(asperity, tmp_path, name):
+    content, least, most = HUGE[name]
+    lines = findings_of(asperity, tmp_path, content)
+    assert least <= len(lines) <= most
+    assert name != "name" or len(lines[0]) < 300
+    assert name != "findings" or lines[-1] == " ... and 99950 more findings"
 
 
 def written(source, count):
@@ -242,29 +240,6 @@ def test_ranges_of_f90nml(asperity, tmp_path):
     namelist.write(tmp_path / "ranges.nml")
     assert "(1:3)" in (tmp_path / "ranges.nml").read_text()
     assert asperity("--check", "ranges.nml").returncode == 0
-
-
-def test_deep_nesting_of_quotes(asperity, tmp_path):
-    assert len(findings_of(asperity, tmp_path, STEADY.replace("'ehl_line'", "'\"" * 100_001))) <= 3
-
-
-def test_deep_nesting_of_brackets(asperity, tmp_path):
-    assert findings_of(asperity, tmp_path, STEADY.replace("1e5", "(" * 100_000 + ")" * 100_000))
-
-
-def test_hundred_thousand_findings_are_cut(asperity, tmp_path):
-    lines = findings_of(asperity, tmp_path, "rubbish\n" * 100_000)
-    assert len(lines) == 51
-    assert lines[-1] == " ... and 99950 more findings"
-
-
-def test_hundred_thousand_keys(asperity, tmp_path):
-    many = "".join(f"k{i} = 1\n" for i in range(100_000))
-    assert len(findings_of(asperity, tmp_path, STEADY + "&time\n" + many + "/\n")) == 51
-
-
-def test_hundred_thousand_groups(asperity, tmp_path):
-    assert len(findings_of(asperity, tmp_path, "".join(f"&g{i} /\n" for i in range(100_000)))) == 51
 
 
 def mutated(text, source):

@@ -1,15 +1,11 @@
 """Borders of the methods as `make stability` maps them: inside converges, outside ends with status 2 and a stated reason."""
 
-import sys
 from pathlib import Path
 
 import h5py
+import namelists
 import numpy as np
 import pytest
-
-sys.path.append(str(Path(__file__).resolve().parent.parent / "bench"))
-
-import namelists
 import stability_cells
 
 KRYLOV = {"method": "newton_krylov"}

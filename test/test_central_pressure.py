@@ -1,18 +1,12 @@
 """Spikes that no grid resolves: p_central, the pressure at X = 0, beside the largest one, and h_min of stiff oils behind them."""
 
-import sys
-from pathlib import Path
-
 import h5py
+import namelists
 import numpy as np
 import pytest
+from cases import ended
 from conftest import ROOT
 from scipy.interpolate import CubicSpline
-
-sys.path.append(str(Path(__file__).resolve().parent.parent / "bench"))
-
-import namelists
-from cases import ended
 
 MINIMAL = ROOT / "input" / "minimal.nml"
 

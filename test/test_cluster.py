@@ -1,4 +1,4 @@
-"""cluster/: the job scripts on a real Slurm that runs on this machine alone (tools/slurm_local.sh), beside a run without it."""
+"""The job scripts of batch/ on a real Slurm that runs on this machine alone (tools/slurm_local.sh), beside a run without it."""
 
 import contextlib
 import os
@@ -104,9 +104,9 @@ def until(condition, words, seconds=cases.HANGING):
 
 
 def submit(folder, environment, program, *options):
-    """Array and gather job of cluster/submit.sh."""
+    """Array and gather job of batch/submit.sh."""
     done = subprocess.run(
-        [ROOT / "cluster" / "submit.sh", folder, "--per-task", "4", "--mem-per-cpu=100M", *options],
+        [ROOT / "batch" / "submit.sh", folder, "--per-task", "4", "--mem-per-cpu=100M", *options],
         env={**environment, "ASPERITY": str(program)},
         capture_output=True,
         text=True,
@@ -180,12 +180,12 @@ def test_an_array_that_is_killed_and_queued_again_gives_the_table_of_a_local_run
 
 def test_what_submit_refuses(tmp_path, folder, slurm):
     def refused(*arguments, environment=None):
-        command = [ROOT / "cluster" / "submit.sh", *arguments]
+        command = [ROOT / "batch" / "submit.sh", *arguments]
         done = subprocess.run(command, env=environment or slurm, capture_output=True, text=True, check=False)
         assert done.returncode == 1
         return done.stdout + done.stderr
 
-    assert "cluster/submit.sh FOLDER" in refused()
+    assert "batch/submit.sh FOLDER" in refused()
     assert "has no index.csv" in refused(tmp_path)
     assert "found --per-task 0, expected a number above 0" in refused(folder, "--per-task", "0")
     assert "found --at-once without a value" in refused(folder, "--at-once")
@@ -200,6 +200,6 @@ def test_without_slurm_submit_says_so(tmp_path):
     tools.mkdir()
     for name in ("bash", "dirname", "env"):
         (tools / name).symlink_to(shutil.which(name))
-    command = [shutil.which("bash"), ROOT / "cluster" / "submit.sh", tmp_path]
+    command = [shutil.which("bash"), ROOT / "batch" / "submit.sh", tmp_path]
     done = subprocess.run(command, env={"PATH": str(tools)}, capture_output=True, text=True, check=False)
     assert (done.returncode, "there is no sbatch here: run the cases with batch/run.py" in done.stderr) == (1, True)

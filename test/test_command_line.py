@@ -5,20 +5,15 @@ import io
 import json
 import math
 import os
-import pathlib
 import random
 import subprocess
-import sys
 
 import h5py
 import pytest
 from cases import MOES, STEADY, contents, ended, seal, text, write
-
-sys.path.append(str(pathlib.Path(__file__).resolve().parent / "fuzz"))
-
+from conftest import ROOT
 from damage import damaged
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 COARSE = STEADY.replace("intervals = 256", "intervals = 64") + "&accuracy error_bars = .false. /\n&output adequacy = .false. /\n"
 SPHERE = ROOT / "input" / "dry_sphere.nml"
 SETS = {
@@ -143,9 +138,8 @@ def test_an_output_that_is_a_file_is_named(run_case, tmp_path):
     assert (tmp_path / "case.nml").read_text(encoding="utf-8") == COARSE
 
 
-def test_a_result_in_place_of_a_namelist_is_recognised(asperity, tmp_path):
-    write(tmp_path, "case.nml", COARSE)
-    assert asperity("case.nml", "--quiet").returncode == 0
+def test_a_result_in_place_of_a_namelist_is_recognised(run_case, asperity):
+    run_case(COARSE, "--quiet")
     assert (
         ended(asperity("case.h5"), 1).stderr
         == "case.h5:1: found an HDF5 file, expected a namelist (results are shown by asperity table)\n"
@@ -238,10 +232,9 @@ def test_table_needs_results_and_a_form(asperity):
         assert message in ended(asperity(*arguments), 1).stderr
 
 
-def test_table_refuses_what_is_not_whole(asperity, tmp_path):
+def test_table_refuses_what_is_not_whole(run_case, asperity, tmp_path):
     """Forty damaged copies, one with a bit of h_min turned over, one changed by another program: no row has other numbers."""
-    write(tmp_path, "a.nml", COARSE)
-    assert asperity("a.nml", "--quiet").returncode == 0
+    run_case(COARSE, "--quiet", name="a")
     whole = (tmp_path / "a.h5").read_bytes()
     source, names = random.Random(20261125), [f"damaged_{number}.h5" for number in range(40)]
     for name in names:
@@ -267,10 +260,9 @@ def test_table_refuses_what_is_not_whole(asperity, tmp_path):
 
 
 @pytest.mark.parametrize("what", ["--check", "--check, bad", "--check, one name", "text", "csv", "json"])
-def test_many_files_take_their_number_in_time(program, asperity, tmp_path, what):
+def test_many_files_take_their_number_in_time(run_case, program, tmp_path, what):
     """Four times as many: four times the processor time, not sixteen times."""
-    write(tmp_path, "a.nml", COARSE)
-    assert asperity("a.nml", "--quiet").returncode == 0
+    run_case(COARSE, "--quiet", name="a")
     result = (tmp_path / "a.h5").read_bytes()
     case = {
         "--check, bad": COARSE.replace("speed_2", "sped_2"),

@@ -3,11 +3,10 @@
 Fenced blocks of a page are run in their order, in one folder that looks like a checkout in which `make build` has run:
 `sh` and `python` blocks are executed and must succeed; a `text` block behind one is its output, where `...` stands for what may
 differ; `fortran` blocks with a &case are checked as namelists, `toml` blocks with a base as sweeps. A comment
-`<!-- not run: reason -->` above a block exempts it.
+`<!-- not run: reason -->` above a block exempts it, `<!-- by night -->` unless NIGHTLY is set.
 """
 
 import os
-import pathlib
 import re
 import shutil
 import subprocess
@@ -18,25 +17,13 @@ import nbclient
 import nbformat
 import pytest
 from cases import HANGING
+from conftest import ROOT
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-PAGES = [
-    *("README.md", "CONTRIBUTING.md", "docs/guide.md", "docs/dry.md", "docs/batch.md"),
-    *("docs/theory.md", "docs/developer.md", "docs/tasks.md"),
-]
-LINKED_PAGES = [
-    *PAGES,
-    "CHANGELOG.md",
-    "docs/decisions.md",
-    "docs/input.md",
-    "docs/ford.md",
-    "docs/thesis.md",
-    "docs/growth.md",
-    "docs/performance.md",
-    "docs/testing.md",
-]
-BLOCK = re.compile(r"^(?P<exempt><!-- not run: [^\n]+ -->\n)?```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
-FOLDERS = r"(?:src|app|test|tools|docs|input|postproc|include|bench|batch|cluster|studies|python|notebooks|packaging|\.ci)"
+PAGES = ["README.md", *(f"docs/{name}.md" for name in ("CONTRIBUTING", "guide", "dry", "batch", "theory", "developer", "tasks"))]
+OTHERS = ("CHANGELOG", "decisions", "input", "ford", "thesis", "growth", "performance", "testing")
+LINKED_PAGES = [*PAGES, *(f"docs/{name}.md" for name in OTHERS)]
+BLOCK = re.compile(r"^(?P<exempt><!-- (?:not run: [^\n]+|by night) -->\n)?```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
+FOLDERS = r"(?:src|app|test|tools|docs|input|postproc|include|bench|batch|python|\.ci)"
 
 
 def page_text(page):
@@ -47,7 +34,8 @@ def blocks(page):
     """(language, code, is_exempt, line number) of the fenced blocks of a page."""
     text = page_text(page)
     for match in BLOCK.finditer(text):
-        yield match["language"], match["code"], bool(match["exempt"]), text.count("\n", 0, match.start()) + 1
+        by_night = "by night" in (match["exempt"] or "") and os.environ.get("NIGHTLY")
+        yield match["language"], match["code"], bool(match["exempt"]) and not by_night, text.count("\n", 0, match.start()) + 1
 
 
 def prose(page):
@@ -235,7 +223,7 @@ def test_scene_gets_its_verdicts(asperity, tmp_path, path):
     assert said == {name: verdict for verdict, names in VERDICTS[path.stem].items() for name in names.split()}
 
 
-NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+NOTEBOOKS = sorted((ROOT / "python" / "notebooks").glob("*.ipynb"))
 QUANTITY = re.compile(r"(h_min|h_central|p_max|friction_coefficient) +(\S+)")
 
 

@@ -10,6 +10,14 @@ import pytest
 from cases import contents, same_bits, write
 from dry_cases import DATA, HARD, STEEL, case_text, close, profile, rows, solve
 
+# Of the sweep, and of the reference table.
+COLUMNS = [
+    *("contact_area_fraction Ar_An_ep", "plastic_area_fraction Ap_An", "plasticity_index Ap_Ar", "mean_separation mean_gap_ep"),
+    *("datum datum_ep", "dp_max dp_max", "dp_mean dp_mean", "elastic_energy U_el_J_m", "dissipated_energy D_pl_J_m"),
+    *("ra_unloaded unl_Ra", "rq_unloaded unl_Rq", "rz_unloaded unl_Rz", "rsk_unloaded unl_Rsk", "rku_unloaded unl_Rk"),
+    *("ra_loaded lep_Ra", "rz_loaded lep_Rz", "rku_loaded lep_Rk"),
+]
+
 
 @pytest.mark.path
 @pytest.mark.parametrize("counter", ["rigid", "steel"])
@@ -21,25 +29,7 @@ def test_sweep_of_a_profile(asperity, tmp_path, name, counter):
     second = STEEL if counter == "steel" else ""
     with solve(asperity, tmp_path, profile(name), loads, HARD + second) as file:
         sweep = {key: value[()] for key, value in file["sweep"].items()}
-    for key, column in {
-        "contact_area_fraction": "Ar_An_ep",
-        "plastic_area_fraction": "Ap_An",
-        "plasticity_index": "Ap_Ar",
-        "mean_separation": "mean_gap_ep",
-        "datum": "datum_ep",
-        "dp_max": "dp_max",
-        "dp_mean": "dp_mean",
-        "elastic_energy": "U_el_J_m",
-        "dissipated_energy": "D_pl_J_m",
-        "ra_unloaded": "unl_Ra",
-        "rq_unloaded": "unl_Rq",
-        "rz_unloaded": "unl_Rz",
-        "rsk_unloaded": "unl_Rsk",
-        "rku_unloaded": "unl_Rk",
-        "ra_loaded": "lep_Ra",
-        "rz_loaded": "lep_Rz",
-        "rku_loaded": "lep_Rk",
-    }.items():
+    for key, column in map(str.split, COLUMNS):
         close(sweep[key], [row[column] for row in table])
     assert sweep["kkt"].max() <= 1e-12
     with solve(asperity, tmp_path, profile(name), loads, second) as file:

@@ -2,17 +2,13 @@
 
 import math
 import re
-import sys
 
-import numpy as np
-import pytest
-from conftest import ROOT
-from study_runs import STUDIES
-
-sys.path.append(str(STUDIES))
 import chapter4_claims
 import chapter7_claims
+import numpy as np
+import pytest
 from asperities import DISTANCES, moment, summits_of
+from conftest import ROOT
 from dry_profiles import verdict
 
 PAGE = (ROOT / "docs" / "dry.md").read_text(encoding="utf-8")

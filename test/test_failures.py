@@ -1,17 +1,13 @@
 """Cases built to break each method: an answer or a stated reason, within a bounded time, never NaN, never a hang."""
 
 import math
-import sys
 from pathlib import Path
 
 import h5py
+import namelists
 import numpy as np
 import pytest
 from cases import text
-
-sys.path.append(str(Path(__file__).resolve().parent.parent / "bench"))
-
-import namelists
 
 FAS = "fas_block_jacobi"
 METHODS = {

@@ -92,30 +92,27 @@ def test_steady_breakdown(asperity, tmp_path, action, status):
 
 
 @pytest.mark.path
-def test_statistics_are_those_of_the_stored_steps(asperity, tmp_path):
+def test_statistics_are_those_of_the_stored_steps(solved_cases):
     shared = HIGH + "&output film_thresholds = 20e-9, 100e-9, 500e-9, fields = 'pressure', 'film_thickness' /\n"
-    write(tmp_path, "a.nml", shared)
-    write(tmp_path, "b.nml", shared.replace("film_thresholds", "profile_stride = 50, film_thresholds"))
-    assert asperity("a.nml", "b.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "b.h5") as strided:
-        scale = file["scaling"].attrs["film_thickness"]
-        x, series, found = file["solution/x"][()], file["transient"], file["statistics"]
-        contact = np.abs(x) <= 1
-        counted = (series["time"][()] > 0) & (series["time"][()] >= found.attrs["statistics_from"])
-        film, h_min = series["film_thickness"][()][counted][:, contact] * scale, series["h_min"][()][counted] * scale
-        assert found["film_threshold"][()] == pytest.approx(THRESHOLDS, rel=1e-12, abs=0)
-        assert found["time_below"][()] == pytest.approx([(h_min < h).mean() for h in THRESHOLDS], abs=1e-14)
-        assert found["area_below"][()] == pytest.approx([(film < h).mean() for h in THRESHOLDS], abs=1e-12)
-        assert found["mean_film"][()] == pytest.approx(film.mean(), rel=1e-12, abs=0)
-        for name, values in (("h_min", h_min), ("p_max", series["p_max"][()][counted] * file["scaling"].attrs["hertz_pressure"])):
-            share, edges = found[f"{name}_share"][()], found[f"{name}_edges"][()]
-            assert share.sum() == pytest.approx(1)
-            assert np.histogram(values, edges)[0] / len(values) == pytest.approx(share)
-        for name in found:
-            assert (found[name][()] == strided["statistics"][name][()]).all(), name
+    file, strided = solved_cases(a=shared, b=shared.replace("film_thresholds", "profile_stride = 50, film_thresholds"))
+    scale = file["scaling"].attrs["film_thickness"]
+    x, series, found = file["solution/x"][()], file["transient"], file["statistics"]
+    contact = np.abs(x) <= 1
+    counted = (series["time"][()] > 0) & (series["time"][()] >= found.attrs["statistics_from"])
+    film, h_min = series["film_thickness"][()][counted][:, contact] * scale, series["h_min"][()][counted] * scale
+    assert found["film_threshold"][()] == pytest.approx(THRESHOLDS, rel=1e-12, abs=0)
+    assert found["time_below"][()] == pytest.approx([(h_min < h).mean() for h in THRESHOLDS], abs=1e-14)
+    assert found["area_below"][()] == pytest.approx([(film < h).mean() for h in THRESHOLDS], abs=1e-12)
+    assert found["mean_film"][()] == pytest.approx(film.mean(), rel=1e-12, abs=0)
+    for name, values in (("h_min", h_min), ("p_max", series["p_max"][()][counted] * file["scaling"].attrs["hertz_pressure"])):
+        share, edges = found[f"{name}_share"][()], found[f"{name}_edges"][()]
+        assert share.sum() == pytest.approx(1)
+        assert np.histogram(values, edges)[0] / len(values) == pytest.approx(share)
+    for name in found:
+        assert (found[name][()] == strided["statistics"][name][()]).all(), name
 
 
-def test_lambda_ratio_of_a_waviness(asperity, tmp_path):
+def test_lambda_ratio_of_a_waviness(solved_cases):
     """Rms of A cos is A/sqrt(2), of two waves that pass each other the root of both squares."""
     waves = """&surface_1 shape = 'sinusoid', amplitude = 30e-9, wavelength = 6e-5 /
 &surface_2 shape = 'sinusoid', amplitude = 40e-9, wavelength = 4e-5 /
@@ -123,14 +120,11 @@ def test_lambda_ratio_of_a_waviness(asperity, tmp_path):
 &output film_thresholds = 100e-9, profile_stride = 1000 /
 &accuracy error_bars = .false. /
 """
-    write(tmp_path, "a.nml", STEADY + waves)
-    write(tmp_path, "smooth.nml", STEADY)
-    assert asperity("a.nml", "smooth.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "smooth.h5") as smooth:
-        found = file["statistics"]
-        assert found["rms_height"][()] == pytest.approx(50e-9 / np.sqrt(2), rel=0.02)
-        assert found["smooth_film"][()] == pytest.approx(smooth["summary/h_central"][()], rel=1e-6, abs=0)
-        assert found["lambda_ratio"][()] == pytest.approx(found["smooth_film"][()] / found["rms_height"][()], rel=1e-13)
+    file, smooth = solved_cases(a=STEADY + waves, smooth=STEADY)
+    found = file["statistics"]
+    assert found["rms_height"][()] == pytest.approx(50e-9 / np.sqrt(2), rel=0.02)
+    assert found["smooth_film"][()] == pytest.approx(smooth["summary/h_central"][()], rel=1e-6, abs=0)
+    assert found["lambda_ratio"][()] == pytest.approx(found["smooth_film"][()] / found["rms_height"][()], rel=1e-13)
 
 
 def test_no_statistics_unless_asked_for(solved_case):

@@ -1,13 +1,12 @@
 """The guide's table of film formulas beside computed films: each row again."""
 
-import pathlib
 import re
 
 import h5py
 import pytest
 from cases import write
+from conftest import ROOT
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 MINIMAL = (ROOT / "input" / "minimal.nml").read_text()
 ROELANDS = "   roelands_z = 0.6\n   roelands_p0 = 1.98e8         ! [Pa]\n"
 SLOW, FAST = (["bodies.speed_1=" + speed, "bodies.speed_2=" + speed] for speed in ("0.1", "3"))

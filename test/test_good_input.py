@@ -1,13 +1,12 @@
 """Input that must be accepted, the template, the pages of the key table, and the command line."""
 
-import pathlib
 import re
 import tomllib
 
 import pytest
 from cases import MOES, STEADY, TRANSIENT, ended
+from conftest import ROOT
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 INPUTS = sorted((ROOT / "input").glob("*.nml"))
 
 
@@ -149,7 +148,7 @@ def test_one_version_everywhere(asperity):
     for name, pattern in {
         "src/base/build_info.f90": r"program_version = '(.+)'",
         "CITATION.cff": r"^version: [\"']?(.+?)[\"']?$",
-        "CHANGELOG.md": r"^## \[?(\d\S*?)\]?(?: |$)",
+        "docs/CHANGELOG.md": r"^## \[?(\d\S*?)\]?(?: |$)",
     }.items():
         assert re.search(pattern, (ROOT / name).read_text(encoding="utf-8"), re.M)[1] == version, name
 

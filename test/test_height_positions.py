@@ -104,7 +104,7 @@ def test_falling_positions_of_a_dataset(asperity, tmp_path):
 
 @pytest.mark.path
 @pytest.mark.parametrize("falls", [(False, False), (True, False), (False, True), (True, True)])
-def test_positions_of_an_area(asperity, tmp_path, falls):
+def test_positions_of_an_area(run_case, tmp_path, falls):
     ny, nx = 24, 36
     z = 1e-7 * np.random.default_rng(5).standard_normal((ny, nx))
     x, y = 2e-6 * np.arange(nx), 3e-6 * np.arange(ny)
@@ -112,9 +112,7 @@ def test_positions_of_an_area(asperity, tmp_path, falls):
     store(tmp_path / "z.h5", z, x=x[:: steps[0]], y=y[:: steps[1]])
     surface = FILE.format("z.h5") + ", dataset = 'z', detrend = 'none'"
     more = "&output adequacy = .false. /\n&accuracy error_bars = .false. /"
-    write(tmp_path, "case.nml", case_text(surface, [1e6], "", more, problem="dry_area"))
-    done = asperity("case.nml", "--quiet")
-    assert (done.returncode, done.stderr) == (0, "")
+    assert run_case(case_text(surface, [1e6], "", more, problem="dry_area"), "--quiet").stderr == ""
     with h5py.File(tmp_path / "case.h5") as file:
         assert file["solution/height_undeformed"][()] == pytest.approx(z[:: steps[1], :: steps[0]], rel=1e-12, abs=1e-20)
         assert np.diff(file["solution/x"][()]) == pytest.approx(np.full(nx - 1, 2e-6), rel=1e-9, abs=0)

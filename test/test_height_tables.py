@@ -303,14 +303,12 @@ def oil(surface):
 
 
 @pytest.mark.parametrize(("amplitude", "status"), [(20e-9, 0), (10e-6, 0), (1.4e-3, 1)])
-def test_heights_beside_the_film(asperity, tmp_path, amplitude, status):
+def test_heights_beside_the_film(run_case, asperity, tmp_path, amplitude, status):
     """The film is about half a micrometre; long waves of these heights are not steep."""
     x = np.arange(2000) * 1e-5
     z = amplitude * np.cos(2 * np.pi * (x - 1e-2) / 1e-2)
     np.savetxt(tmp_path / "z.csv", np.column_stack([x, z]), delimiter=",", header="x_m,z_m", comments="")
-    write(tmp_path, "case.nml", oil("shape = 'file', file = 'z.csv'"))
-    done = asperity("case.nml", "--check")
-    assert done.returncode == status, done.stderr
+    done = run_case(oil("shape = 'file', file = 'z.csv'"), "--check", status=status)
     assert ("times the film that is expected" in done.stderr) == (status == 1)
     if status:
         return
@@ -326,14 +324,12 @@ def test_steep_profile_is_noted(run_case, tmp_path):
     assert "have an rms slope of 1.25 (are the units right: x_unit, z_unit?)" in " ".join((done.stdout + done.stderr).split())
 
 
-def test_units_that_are_stated_are_believed(asperity, tmp_path):
+def test_units_that_are_stated_are_believed(run_case, tmp_path):
     """A profile steeper than any surface is refused, and only noted with both units stated."""
     z = [1e-4 * (i % 2) for i in range(16)]
     (tmp_path / "z.csv").write_text("".join(f"{i * 0.8e-6:.7e},{h!r}\n" for i, h in enumerate(z)), encoding="utf-8")
     for units, status in (("", 1), (", z_unit = 'm'", 1), (", x_unit = 'm', z_unit = 'm'", 0)):
-        write(tmp_path, "case.nml", case_text(FILE.format("z.csv") + units, [1e6], ""))
-        done = asperity("case.nml")
-        assert done.returncode == status, done.stderr
+        done = run_case(case_text(FILE.format("z.csv") + units, [1e6], ""), status=status)
         assert "rms slope of 125" in " ".join((done.stdout + done.stderr).split())
 
 

@@ -1,20 +1,16 @@
 """The kappa space scheme: one solution at a pressure spike, whatever the start, no zigzag in front of it, and the way back."""
 
 import random
-import sys
-from pathlib import Path
 
 import h5py
+import namelists
 import numpy as np
 import pytest
-
-sys.path.append(str(Path(__file__).resolve().parent.parent / "bench"))
-
-import namelists
+from conftest import ROOT
 
 STARTS = (({}, True), ({}, False), ({"levels": 1}, False))
 COUNT = 16
-MINIMAL = Path(__file__).resolve().parent.parent / "input" / "minimal.nml"
+MINIMAL = ROOT / "input" / "minimal.nml"
 
 
 def pressures(asperity, folder, moes, law, intervals):

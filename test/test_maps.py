@@ -1,14 +1,8 @@
 """The maps of `make stability`: one rule for the classes of all methods, and namelists that the program takes."""
 
-import sys
-
-import pytest
-from conftest import ROOT
-
-sys.path.append(str(ROOT / "bench"))
-
 import bench_program
 import dry_runs
+import pytest
 import stability
 import stability_cells
 import stability_dry

@@ -3,27 +3,19 @@
 import random
 import re
 import signal
-import time
 
 import cases
 import h5py
 import numpy as np
 import pytest
 from cases import STOKES
-from kill_and_resume import different, kill_until_complete, start, undisturbed
-
-
-def solved(asperity, folder, text, status=0):
-    """The contents of the result of a case, and what was printed."""
-    done = asperity(cases.write(folder, "case.nml", text), "--output", folder)
-    assert done.returncode == status, done.stderr
-    return cases.contents(folder / "case.h5"), done.stderr + done.stdout
+from kill_and_resume import different, kill_until_complete, start, undisturbed, wait_for
 
 
 @pytest.mark.path
-def test_fields_and_differences(asperity, tmp_path):
+def test_fields_and_differences(told_case):
     """The film of Case 1: its flux, the speeds of its walls, its mean pressure, and what the closing table says."""
-    found, printed = solved(asperity, tmp_path, STOKES + "&film layers = 10 /")
+    found, printed = told_case(STOKES + "&film layers = 10 /")
     assert found["@converged"] == 1
     pressure, film = found["solution/pressure"], found["solution/film_thickness"]
     for name in ("u", "w", "layer_pressure", "shear_stress", "viscosity"):
@@ -51,10 +43,10 @@ def test_fields_and_differences(asperity, tmp_path):
     assert "full momentum equations on 10 layers" in " ".join(printed.split())
 
 
-def test_error_bars_are_those_of_reynolds(asperity, tmp_path):
+def test_error_bars_are_those_of_reynolds(told_case, tmp_path):
     """Quantities are those of the full equations, their errors those of the Reynolds equation by the same scheme."""
-    full, _ = solved(asperity, tmp_path, STOKES)
-    plain, _ = solved(asperity, tmp_path, cases.STEADY + "&solver space_scheme = 'kappa' /")
+    full, _ = told_case(STOKES)
+    plain, _ = told_case(cases.STEADY + "&solver space_scheme = 'kappa' /")
     for name in ("h_min", "h_central", "p_max"):
         key = f"summary/{name}"
         assert full[key] / plain[key] - 1 == pytest.approx(full[f"momentum/difference_{name}"], abs=1e-9)
@@ -63,21 +55,21 @@ def test_error_bars_are_those_of_reynolds(asperity, tmp_path):
         assert "momentum" not in file
 
 
-def test_inertia_is_small(asperity, tmp_path):
+def test_inertia_is_small(told_case):
     """The convective terms change the film by millionths, in proportion to the density."""
     found = {}
     for density in (0, 870, 8700):
         inertia = f"&film inertia = {'.true.' if density else '.false.'} /"
         text = STOKES.replace("viscosity = 0.14", f"viscosity = 0.14, density = {max(density, 870)}") + inertia
-        found[density] = solved(asperity, tmp_path, text)[0]["momentum/difference_h_min"]
+        found[density] = told_case(text)[0]["momentum/difference_h_min"]
     assert found[870] - found[0] == pytest.approx(2.1e-6, rel=0.2)
     assert found[8700] - found[0] == pytest.approx(10 * (found[870] - found[0]), rel=0.02)
 
 
 @pytest.mark.path
-def test_no_solution_has_its_reason(asperity, tmp_path):
+def test_no_solution_has_its_reason(told_case):
     """Where shear stress rises with pressure by more than 1 the result says so and holds no film."""
-    found, printed = solved(asperity, tmp_path, STOKES.replace("3.3e6", "100e6"), status=2)
+    found, printed = told_case(STOKES.replace("3.3e6", "100e6"), status=2)
     assert found["@converged"] == 0
     assert "(T_max)" in cases.text(found["@reason"])
     assert "no solution of the full momentum equations" in " ".join(printed.split())
@@ -92,11 +84,11 @@ ROLLING = (
 
 
 @pytest.mark.parametrize("radii", ["radius_1 = 0.01, radius_2 = 2.0", "radius_1 = 0.02, radius_2 = 0.02"])
-def test_a_newtonian_oil_rolls(asperity, tmp_path, radii):
+def test_a_newtonian_oil_rolls(told_case, radii):
     """T_max is that of the pressure gradient, tau = h/2 dp/dx at the walls; the oil that turns with the film has no part in it, and
     there is a solution near that of Reynolds' equation."""
     text = ROLLING.replace("radius_1 = 0.01, radius_2 = 2.0", radii)
-    found, _ = solved(asperity, tmp_path, text + "&film layers = 8 /&accuracy error_bars = .false. /")
+    found, _ = told_case(text + "&film layers = 8 /&accuracy error_bars = .false. /")
     assert found["@converged"] == 1
     pressure, film = found["momentum/reynolds_pressure"], found["momentum/reynolds_film_thickness"]
     slope = found["scaling@half_width"] / found["scaling@reduced_radius"]
@@ -111,40 +103,40 @@ def test_a_newtonian_oil_rolls(asperity, tmp_path, radii):
 
 
 @pytest.mark.path
-def test_a_ridge_passes_where_a_newtonian_oil_rolls(asperity, tmp_path):
+def test_a_ridge_passes_where_a_newtonian_oil_rolls(told_case):
     """The march begins there too."""
     passage = PASSAGE.replace("end_time = 1.4", "end_time = 0.1").replace("0.2e-6", "0.02e-6")
-    found, _ = solved(asperity, tmp_path, ROLLING + passage)
+    found, _ = told_case(ROLLING + passage)
     assert found["@converged"] == 1
     assert 0.3 < found["momentum/stress_rise"] < 1
     assert np.abs(found["momentum/transient/difference_h_min"]).max() < 1e-3
 
 
-def test_ridge_at_rest(asperity, tmp_path):
+def test_ridge_at_rest(told_case):
     """A ridge on a surface at rest adds to the difference, as steeper films do."""
     still = STOKES.replace("speed_1 = 0.1, speed_2 = 1.1", "speed_1 = 0.0, speed_2 = 1.2")
     ridge = still + "&surface_1 shape = 'feature', amplitude = 0.2e-6, wavelength = 1e-4, position = 0.0 /"
-    smooth, _ = solved(asperity, tmp_path, still)
-    rough, _ = solved(asperity, tmp_path, ridge)
+    smooth, _ = told_case(still)
+    rough, _ = told_case(ridge)
     assert rough["@converged"] == 1
     assert rough["momentum/pressure_variation"] > 2 * smooth["momentum/pressure_variation"]
 
 
-def test_random_contacts_are_solved(asperity, tmp_path):
+def test_random_contacts_are_solved(told_case):
     """Contacts at random with T_max below one half: each has a solution, near that of the Reynolds equation."""
     source = np.random.default_rng(20261123)
     for _ in range(6):
         stress, load, slip = 10 ** source.uniform(6, 7), 10 ** source.uniform(4.5, 5.3), source.uniform(-0.5, 0.5)
         text = STOKES.replace("3.3e6", f"{stress:.3e}").replace("1e5", f"{load:.3e}")
         text = text.replace("speed_1 = 0.1, speed_2 = 1.1", f"speed_1 = {0.6 - slip:.3f}, speed_2 = {0.6 + slip:.3f}")
-        found, _ = solved(asperity, tmp_path, text + "&film layers = 8 /&accuracy error_bars = .false. /")
+        found, _ = told_case(text + "&film layers = 8 /&accuracy error_bars = .false. /")
         assert found["@converged"] == 1
         assert found["momentum/stress_rise"] < 0.5
         # Reynolds' equation is within 1 % there
         assert abs(found["momentum/difference_h_min"]) < 0.01
 
 
-def test_nearly_rolling_contacts_are_solved(asperity, tmp_path):
+def test_nearly_rolling_contacts_are_solved(told_case):
     """Sharp pressure spikes and slides of 2 % or none, at random: from the Reynolds film, or with slopes growing from it."""
     source = np.random.default_rng(20261124)
     for _ in range(6):
@@ -154,7 +146,7 @@ def test_nearly_rolling_contacts_are_solved(asperity, tmp_path):
         text = (
             STOKES.replace("3.3e6", f"{stress:.4g}").replace("1e5", f"{load:.4g}").replace("speed_1 = 0.1, speed_2 = 1.1", speeds)
         )
-        found, _ = solved(asperity, tmp_path, text + "&film layers = 10 /&accuracy error_bars = .false. /")
+        found, _ = told_case(text + "&film layers = 10 /&accuracy error_bars = .false. /")
         assert found["@converged"] == 1
         assert 0 < found["momentum/difference_h_min"] < 0.01
 
@@ -166,11 +158,11 @@ PASSAGE = (
 )
 
 
-def test_passage_beside_reynolds(asperity, tmp_path):
+def test_passage_beside_reynolds(told_case):
     """A ridge on the fast surface: the same steps by both equations, small differences, few Newton steps."""
-    found, printed = solved(asperity, tmp_path, STOKES + PASSAGE)
+    found, printed = told_case(STOKES + PASSAGE)
     text = STOKES.replace(", equations = 'stokes'", "") + PASSAGE.replace("&film layers = 6 /", "&solver space_scheme = 'kappa' /")
-    plain, _ = solved(asperity, tmp_path, text)
+    plain, _ = told_case(text)
     assert found["@converged"] == 1
     # the result is that of Reynolds' equation
     assert np.array_equal(found["transient/pressure"], plain["transient/pressure"])
@@ -217,14 +209,13 @@ def most_steps(printed):
     return int(re.search(r"at most (\d+) of Newton for one", " ".join(printed.split()))[1])
 
 
-def test_three_newton_steps_do(asperity, tmp_path):
-    """Cases 2 and 3, and ridges at random of their steepness on sliding surfaces: no time step takes more."""
+def test_three_newton_steps_do(told_case):
+    """Case 2 (Case 3: above), and ridges at random of their steepness on sliding surfaces: no time step takes more."""
     source = np.random.default_rng(20261125)
-    texts = [STOKES + PASSAGE.replace("&surface_2", surface) for surface in ("&surface_1", "&surface_2")]
-    texts[0] = texts[0].replace("end_time = 1.4, time_step = 0.02", "end_time = 12.0, time_step = 0.12")
-    texts += [ridge_at_random(source, (0.1, 0.5), 0.002, 1.0) for _ in range(6)]
-    for text in texts:
-        found, printed = solved(asperity, tmp_path, text)
+    slow = PASSAGE.replace("end_time = 1.4, time_step = 0.02", "end_time = 12.0, time_step = 0.12")
+    rough = [ridge_at_random(source, (0.1, 0.5), 0.002, 1.0) for _ in range(6)]
+    for text in [STOKES + slow.replace("&surface_2", "&surface_1"), *rough]:
+        found, printed = told_case(text)
         assert found["@converged"] == 1
         assert most_steps(printed) <= 3
 
@@ -277,9 +268,7 @@ def test_an_interrupted_passage_goes_on(program, asperity, tmp_path):
     reference, _ = undisturbed(program, tmp_path, with_checkpoints(1000.0))
     cases.write(tmp_path, "case.nml", with_checkpoints(0.0))
     with start(program, tmp_path) as running:
-        while not (tmp_path / "case.h5.ckpt").exists():
-            assert running.poll() is None
-            time.sleep(0.002)
+        wait_for(tmp_path / "case.h5.ckpt", running)
         running.send_signal(signal.SIGTERM)
         printed = running.stderr.read()
     assert running.returncode == 4
@@ -294,10 +283,10 @@ def test_an_interrupted_passage_goes_on(program, asperity, tmp_path):
     assert counters(reference) == counters(tmp_path / "case.h5")
 
 
-def test_si_copies_are_the_fields_in_si(asperity, tmp_path):
+def test_si_copies_are_the_fields_in_si(told_case, tmp_path):
     """/si/momentum holds what /momentum holds, in SI, with names, units and axes; not where it is not wanted."""
     text = STOKES.replace("intervals = 256", "intervals = 96") + PASSAGE.replace("end_time = 1.4", "end_time = 0.4")
-    solved(asperity, tmp_path, text)
+    told_case(text)
     with h5py.File(tmp_path / "case.h5") as file:
         for group in ("momentum", "momentum/transient"):
             plain, copies = file[group], file["si"][group]
@@ -318,6 +307,6 @@ def test_si_copies_are_the_fields_in_si(asperity, tmp_path):
         across = file["si/momentum/u"][48]
         assert 0.1 < across[0] < 0.3
         assert 0.9 < across[-1] < 1.1
-    solved(asperity, tmp_path, text.replace("&output ", "&output si_copies = .false., "))
+    told_case(text.replace("&output ", "&output si_copies = .false., "))
     with h5py.File(tmp_path / "case.h5") as file:
         assert "si" not in file

@@ -4,12 +4,12 @@ import os
 import resource
 import signal
 import subprocess
-import time
 
 import h5py
 import numpy as np
 import pytest
 from cases import HANGING, LONG, MOES, STEADY, TRANSIENT, contents, ended, same_bits, text, write
+from kill_and_resume import wait_for
 
 SOLUTION = ["x", "pressure", "film_thickness", "viscosity", "density", "slip_factor", "roughness_1", "roughness_2"]
 FRICTION = ["friction_coefficient", "rolling_friction_coefficient", "sliding_power", "rolling_power"]
@@ -28,16 +28,6 @@ RESULTS = ["steady", "transient", "moes", "moes_transient"]
 def results(solve_all):
     """Results of a steady and a transient case, and of both by Moes' numbers, each run once."""
     return solve_all({"steady": STEADY, "transient": TRANSIENT, "moes": MOES, "moes_transient": MOES + IN_TIME})
-
-
-def wait_for_size(path, size):
-    """Waits until a file has at least `size` bytes."""
-    deadline = time.monotonic() + HANGING
-    while time.monotonic() < deadline:
-        if path.exists() and path.stat().st_size >= size:
-            return
-        time.sleep(0.02)
-    pytest.fail(f"{path} did not grow to {size} bytes")
 
 
 @pytest.mark.parametrize("name", RESULTS)
@@ -136,21 +126,18 @@ def test_effective_values_are_numbers(results):
 
 
 @pytest.mark.path
-def test_inlet_that_the_program_chooses(asperity, tmp_path):
+def test_inlet_that_the_program_chooses(solved_cases):
     case = "&case problem = 'ehl_line' / &moes moes_m = 1.0, moes_l = 5.0, velocity = 'sum' /\n"
     case += "&lubricant viscosity_law = 'barus', density_law = 'constant' /\n"
-    write(tmp_path, "tail.nml", case)
-    write(tmp_path, "zero.nml", case + "&domain inlet = 'zero', intervals = 2048 /\n")
-    assert asperity("tail.nml", "zero.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "tail.h5") as tail, h5py.File(tmp_path / "zero.h5") as zero:
-        assert text(tail["input/effective/domain"].attrs["inlet"]) == "tail"
-        assert text(zero["input/effective/domain"].attrs["inlet"]) == "zero"
-        assert tail["input/effective/domain"].attrs["x_inlet"] > 0.3 * zero["input/effective/domain"].attrs["x_inlet"]
-        assert tail["solution/pressure"][0] > 0 == zero["solution/pressure"][0]
-        films = [file["summary/h_min"].attrs["dimensionless"] for file in (tail, zero)]
-        errors = [file["summary/h_min"].attrs["error_estimate"] / film for file, film in zip((tail, zero), films, strict=True)]
-        # each within its own estimate of the truth
-        assert abs(films[0] - films[1]) < (errors[0] + errors[1]) * films[1] < 0.02 * films[1]
+    tail, zero = solved_cases(tail=case, zero=case + "&domain inlet = 'zero', intervals = 2048 /\n")
+    assert text(tail["input/effective/domain"].attrs["inlet"]) == "tail"
+    assert text(zero["input/effective/domain"].attrs["inlet"]) == "zero"
+    assert tail["input/effective/domain"].attrs["x_inlet"] > 0.3 * zero["input/effective/domain"].attrs["x_inlet"]
+    assert tail["solution/pressure"][0] > 0 == zero["solution/pressure"][0]
+    films = [file["summary/h_min"].attrs["dimensionless"] for file in (tail, zero)]
+    errors = [file["summary/h_min"].attrs["error_estimate"] / film for file, film in zip((tail, zero), films, strict=True)]
+    # each within its own estimate of the truth
+    assert abs(films[0] - films[1]) < (errors[0] + errors[1]) * films[1] < 0.02 * films[1]
 
 
 def test_summary_is_the_solution_in_si(results):
@@ -229,31 +216,28 @@ def test_stride_and_fields_choose_what_is_stored(solved_case):
 
 
 @pytest.mark.path
-def test_shear_stresses_at_the_times_of_the_profiles(asperity, tmp_path):
+def test_shear_stresses_at_the_times_of_the_profiles(solved_cases):
     """By their definition from the stored film and pressure, at every stored time; those of the last one are in /solution."""
     fields = "'pressure', 'film_thickness', 'shear_stress_1', 'shear_stress_mean', 'shear_stress_2'"
-    write(tmp_path, "a.nml", TRANSIENT + f"&output profile_stride = 5, fields = {fields} /\n")
-    write(tmp_path, "b.nml", TRANSIENT)
-    assert asperity("a.nml", "b.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "b.h5") as plain:
-        series = file["transient"]
-        x, p, h = (series[name][()] for name in ("x", "pressure", "film_thickness"))
-        first, mean, second = (series[f"shear_stress_{which}"][()] for which in (1, "mean", 2))
-        assert first.shape == mean.shape == second.shape == (5, 257)
-        wet = p > 0
-        wet[:, [0, -1]] = False  # one-sided slopes there
-        drive = h * np.gradient(p, x, axis=1)
-        rounding = 1e-12 * np.abs(drive).max()
-        np.testing.assert_allclose((second - first)[wet], drive[wet], rtol=1e-10, atol=rounding)
-        np.testing.assert_allclose((second + first)[wet], 2 * mean[wet], rtol=1e-10, atol=rounding)
-        assert not mean[:, 1:][p[:, 1:] == 0].any()
-        # The sum of the result has the oil in front of the domain too, and half of the last interval: 0.18 % here.
-        load = (x[1] - x[0]) * mean.sum(axis=1) * 2 / np.pi
-        np.testing.assert_allclose(load, series["friction_coefficient"][::5], rtol=0.003)
-        for name in ("shear_stress_1", "shear_stress_mean", "shear_stress_2"):
-            np.testing.assert_array_equal(series[name][-1], plain["solution"][name])
-            assert text(file[f"si/transient/{name}"].attrs["units"]) == "Pa"
-            assert name not in plain["transient"]
+    file, plain = solved_cases(a=TRANSIENT + f"&output profile_stride = 5, fields = {fields} /\n", b=TRANSIENT)
+    series = file["transient"]
+    x, p, h = (series[name][()] for name in ("x", "pressure", "film_thickness"))
+    first, mean, second = (series[f"shear_stress_{which}"][()] for which in (1, "mean", 2))
+    assert first.shape == mean.shape == second.shape == (5, 257)
+    wet = p > 0
+    wet[:, [0, -1]] = False  # one-sided slopes there
+    drive = h * np.gradient(p, x, axis=1)
+    rounding = 1e-12 * np.abs(drive).max()
+    np.testing.assert_allclose((second - first)[wet], drive[wet], rtol=1e-10, atol=rounding)
+    np.testing.assert_allclose((second + first)[wet], 2 * mean[wet], rtol=1e-10, atol=rounding)
+    assert not mean[:, 1:][p[:, 1:] == 0].any()
+    # The sum of the result has the oil in front of the domain too, and half of the last interval: 0.18 % here.
+    load = (x[1] - x[0]) * mean.sum(axis=1) * 2 / np.pi
+    np.testing.assert_allclose(load, series["friction_coefficient"][::5], rtol=0.003)
+    for name in ("shear_stress_1", "shear_stress_mean", "shear_stress_2"):
+        np.testing.assert_array_equal(series[name][-1], plain["solution"][name])
+        assert text(file[f"si/transient/{name}"].attrs["units"]) == "Pa"
+        assert name not in plain["transient"]
 
 
 def test_moes_result_has_no_invented_units(results):
@@ -375,7 +359,7 @@ def test_one_unwritable_case_does_not_stop_the_others(asperity, tmp_path):
 def test_two_runs_do_not_write_one_file(program, asperity, tmp_path):
     write(tmp_path, "a.nml", LONG)
     with subprocess.Popen([program, "a.nml", "--quiet"], cwd=tmp_path) as running:
-        wait_for_size(tmp_path / "a.h5.part", 1)
+        wait_for(tmp_path / "a.h5.part", running, size=1)
         second = asperity("a.nml", "--quiet")
         size = (tmp_path / "a.h5.part").stat().st_size
         running.send_signal(signal.SIGKILL)
@@ -400,17 +384,16 @@ def test_killed_run_leaves_the_older_result(program, tmp_path):
     older = older_result(program, tmp_path)
     write(tmp_path, "a.nml", LONG)
     with subprocess.Popen([program, "a.nml", "--quiet"], cwd=tmp_path) as running:
-        wait_for_size(tmp_path / "a.h5.part", 300_000)
+        wait_for(tmp_path / "a.h5.part", running, size=300_000)
         running.send_signal(signal.SIGKILL)
         assert running.wait(HANGING) == -signal.SIGKILL
     assert (tmp_path / "a.h5").read_bytes() == older
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.h5.part", "a.nml"]
 
 
-def test_part_of_a_killed_run_is_replaced(asperity, tmp_path):
+def test_part_of_a_killed_run_is_replaced(run_case, asperity, tmp_path):
     """Also one of a run that was killed before it wrote anything, or while it began."""
-    write(tmp_path, "a.nml", STEADY)
-    assert asperity("a.nml", "--quiet").returncode == 0
+    run_case(STEADY, "--quiet", name="a")
     head = (tmp_path / "a.h5").read_bytes()
     for left in (b"", head[:96], head[:96] + bytes(744) + head[840:872], head[:5000]):
         (tmp_path / "a.h5.part").write_bytes(left)

@@ -7,8 +7,7 @@ import h5py
 import numpy as np
 import pytest
 from cases import HANGING, LONG, STEADY, write
-from kill_and_resume import start
-from test_resume import wait_for, wait_for_times
+from kill_and_resume import start, wait_for
 
 DRY = """&case problem = 'dry_line' /
 &bodies youngs_modulus_1 = 206e9, poisson_ratio_1 = 0.3 /
@@ -125,16 +124,12 @@ def test_all_findings_at_once(asperity, tmp_path):
     write(tmp_path, "b.nml", to("notes.txt"))
     write(tmp_path, "c.nml", to("d.h5"))
     write(tmp_path, "d.nml", STEADY)
-    assert [line.split(":")[0] for line in refused(asperity, tmp_path, "a.nml", "b.nml", "c.nml", "d.nml")] == [
-        "a.nml",
-        "b.nml",
-        "d.nml",
-    ]
+    found = refused(asperity, tmp_path, "a.nml", "b.nml", "c.nml", "d.nml")
+    assert [line.split(":")[0] for line in found] == ["a.nml", "b.nml", "d.nml"]
 
 
-def test_an_older_result_is_replaced(asperity, tmp_path):
-    write(tmp_path, "case.nml", STEADY)
-    assert asperity("case.nml", "--quiet").returncode == 0
+def test_an_older_result_is_replaced(run_case, asperity, tmp_path):
+    run_case(STEADY, "--quiet")
     first = (tmp_path / "case.h5").stat().st_ino
     assert asperity("case.nml", "--quiet").returncode == 0
     assert (tmp_path / "case.h5").stat().st_ino != first
@@ -151,16 +146,15 @@ def test_no_link_is_followed_beside_the_result(asperity, tmp_path, ending):
         assert (tmp_path / "precious.txt").read_text(encoding="utf-8") == "precious"
 
 
-def test_resume_leaves_a_running_job_alone(program, asperity, tmp_path):
+def test_resume_leaves_a_running_job_alone(run_case, program, asperity, tmp_path):
     """A complete result is there, and another run makes it again: its checkpoint and temporary file are not ours."""
     short = LONG.replace("end_time = 1000.0", "end_time = 0.1")
-    write(tmp_path, "case.nml", short)
-    assert asperity("case.nml", "--quiet").returncode == 0
+    run_case(short, "--quiet")
     complete = (tmp_path / "case.h5").read_bytes()
     write(tmp_path, "long.nml", to("case.h5", LONG + "&output checkpoint_interval = 0.0 /\n"))
     with start(program, tmp_path, name="long.nml") as running:  # the same case would be done too soon: another one, to its name
         wait_for(tmp_path / "case.h5.ckpt", running)
-        wait_for_times(tmp_path / "case.h5.part", 20)
+        wait_for(tmp_path / "case.h5.part", running, times=20)
         done = asperity("case.nml", "--resume", "--quiet")
         assert (done.returncode, done.stderr) == (3, "asperity: cannot write case.h5: another run is writing case.h5.part\n")
         assert (tmp_path / "case.h5.ckpt").exists()

@@ -9,9 +9,9 @@ import h5py
 import numpy as np
 import pytest
 from cases import HANGING, LONG, STEADY, TRANSIENT, ended, text, write
-from kill_and_resume import busy, different, killed_at_last, start, undisturbed
+from kill_and_resume import busy, different, killed_at_last, start, undisturbed, wait_for
 from test_output_names import heights, refused
-from test_resume import wait_for, wait_for_times
+from test_signals import DRY
 
 WORKING = [".part", ".tmp", ".ckpt", ".ckpt.tmp"]
 XDMF = "&output xdmf = .true. /\n"
@@ -76,14 +76,8 @@ def test_a_file_that_appears_at_the_name_stays(program, tmp_path, passage):
 
 def test_an_end_by_force_removes_no_file_of_the_user(program, tmp_path):
     """Appeared beside a dry case, which a timer ends."""
-    area = """&case problem = 'dry_area' /
-&bodies youngs_modulus_1 = 206e9, poisson_ratio_1 = 0.3 /
-&load mean_pressure = 1e7, 2e7, 4e7, 8e7, 1e8, 2e8, 3e8, 4e8, 5e8, 6e8 /
-&surface_1 shape = 'synthetic', seed = 3, hurst = 0.8, rms_height = 1e-6, wavelength_long = 1e-3, wavelength_short = 4e-6 /
-&domain length_x = 1e-3, length_y = 1e-3, intervals_x = 1024, intervals_y = 1024 /
-"""
     source = random.Random(1)
-    write(tmp_path, "case.nml", area)
+    write(tmp_path, "case.nml", DRY)
     with start(program, tmp_path) as running:
         wait_for(tmp_path / "case.h5.part", running)
         kept = {ending: precious(tmp_path / f"case.h5{ending}", source) for ending in WORKING[1:]}
@@ -120,7 +114,7 @@ def test_a_part_that_somebody_changes(program, tmp_path):
     source, part, told = random.Random(20261125), tmp_path / "case.h5.part", 0
     for number in range(16):
         with start(program, tmp_path) as running:
-            wait_for_times(part, source.choice([1, 3, 30, 100]))
+            wait_for(part, running, times=source.choice([1, 3, 30, 100]))
             kind = harm(part, source)
             status, words = running.wait(HANGING), running.stderr.read()
         left = part.read_bytes() if part.exists() else b""
@@ -150,14 +144,13 @@ def test_a_part_cut_off_before_its_checkpoint(program, asperity, tmp_path):
     assert "cannot resume: case.h5.part" in ended(asperity("case.nml", "--resume", "--quiet"), 1).stderr
 
 
-def test_one_run_only_where_the_part_was_removed(program, asperity, tmp_path):
+def test_one_run_only_where_the_part_was_removed(run_case, program, tmp_path):
     """The lock is gone with it: two runs are on their way to one name, and only the later one may have it."""
     write(tmp_path, "case.nml", busy(1000.0))
     with start(program, tmp_path) as running:
-        wait_for_times(tmp_path / "case.h5.part", 3)
+        wait_for(tmp_path / "case.h5.part", running, times=3)
         (tmp_path / "case.h5.part").unlink()
-        write(tmp_path, "other.nml", TRANSIENT.replace("&case", "&case output = 'case.h5',"))
-        assert asperity("other.nml", "--quiet").returncode == 0
+        run_case(TRANSIENT.replace("&case", "&case output = 'case.h5',"), "--quiet", name="other")
         first = (tmp_path / "case.h5").read_bytes()
         assert running.wait(HANGING) == 3
         assert "case.h5.part was removed or replaced while the run went on" in running.stderr.read()

@@ -166,6 +166,7 @@ def wheel(program, tmp_path_factory):
     return next(folder.glob("*.whl"))
 
 
+@pytest.mark.nightly
 def test_the_wheel_carries_program_and_scripts(wheel):
     assert re.fullmatch(r"asperity-[\d.]+-py3-none-manylinux_2_\d+_\w+(\.manylinux\w+)*\.whl", wheel.name)
     names = zipfile.ZipFile(wheel).namelist()
@@ -173,11 +174,12 @@ def test_the_wheel_carries_program_and_scripts(wheel):
     assert any(re.match(r"asperity\.libs/libgomp-.*\.so", name) for name in names)  # of others what is not in the program
 
 
+@pytest.mark.nightly
 def test_the_wheel_runs_where_there_is_only_python(wheel):
     if os.geteuid() != 0:
         pytest.skip("not applicable: a new root folder needs root")
     done = subprocess.run(
-        [ROOT / "packaging" / "try_wheel.sh", wheel], cwd=ROOT, capture_output=True, text=True, check=False
+        [ROOT / "python" / "packaging" / "try_wheel.sh", wheel], cwd=ROOT, capture_output=True, text=True, check=False
     )  # fmt: skip
     if "mount: " in done.stderr:
         pytest.skip("not applicable: no mounts here: " + done.stderr.splitlines()[-1])
@@ -193,6 +195,7 @@ def git(*words):
     return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, check=True).stdout
 
 
+@pytest.mark.nightly
 def test_a_plain_fpm_install_from_a_tarball(program, tmp_path):
     """Without make, with the flags that fpm has for itself: all shipped cases pass the checks, one of each kind runs."""
     if program.name != "asperity":

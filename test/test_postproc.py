@@ -17,9 +17,9 @@ import h5py
 import numpy as np
 import pytest
 import result_maker
-from cases import HANGING, STEADY, STOKES, seal, write
+from cases import HANGING, STEADY, STOKES, seal
+from conftest import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = ("profile", "transient", "convergence", "compare", "film_statistics", "regime", "friction")
 RIDGE = {"shape": "feature", "amplitude": 2e-7, "wavelength": 1e-4, "position": -2.5}
 
@@ -61,6 +61,13 @@ def run(script: str, *arguments: object) -> Done:
     return Done(status, out.getvalue(), err.getvalue())
 
 
+def drawn(script: str, *arguments: object) -> str:
+    """What a script prints that has drawn its figures and has nothing to say about them."""
+    done = run(script, *arguments)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
 def files_of(folder: Path) -> list[str]:
     """Names in a folder, sorted; none may be empty."""
     assert all(path.stat().st_size > 1000 for path in folder.iterdir())
@@ -81,30 +88,26 @@ def _moving(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize("si", [(), ("--si",)])
 def test_profile_draws_png_and_pdf(steady: Path, tmp_path: Path, si: tuple[str, ...]) -> None:
-    done = run("profile", steady, "--output", tmp_path / "out", *si)
-    assert (done.returncode, done.stderr) == (0, "")
+    said = drawn("profile", steady, "--output", tmp_path / "out", *si)
     assert files_of(tmp_path / "out") == ["smooth_profile.pdf", "smooth_profile.png"]
-    assert done.stdout.split() == [str(tmp_path / "out" / f"smooth_profile.{ending}") for ending in ("png", "pdf")]
+    assert said.split() == [str(tmp_path / "out" / f"smooth_profile.{ending}") for ending in ("png", "pdf")]
 
 
 def test_profile_of_a_time(moving: Path, tmp_path: Path) -> None:
     target = tmp_path / "deep" / "middle.png"
-    done = run("profile", moving, "--time", 1.4, "--output", target)
-    assert (done.returncode, done.stderr) == (0, "")
+    drawn("profile", moving, "--time", 1.4, "--output", target)
     assert files_of(target.parent) == ["middle.png"]
 
 
 def test_convergence_draws(steady: Path, moving: Path, tmp_path: Path) -> None:
-    done = run("convergence", steady, moving, "--output", tmp_path / "out", "--format", "png")
-    assert (done.returncode, done.stderr) == (0, "")
+    drawn("convergence", steady, moving, "--output", tmp_path / "out", "--format", "png")
     assert files_of(tmp_path / "out") == ["ridge_convergence.png", "smooth_convergence.png"]
 
 
 def test_compare_draws_and_prints_a_table(steady: Path, moving: Path, tmp_path: Path) -> None:
-    done = run("compare", steady, moving, "--output", tmp_path / "out")
-    assert (done.returncode, done.stderr) == (0, "")
+    said = drawn("compare", steady, moving, "--output", tmp_path / "out")
     assert files_of(tmp_path / "out") == ["smooth_compare.pdf", "smooth_compare.png"]
-    head, first, second = done.stdout.splitlines()[:3]
+    head, first, second = said.splitlines()[:3]
     assert "h_min [-]" in head
     assert first.split()[:2] == ["smooth", "129"]
     assert "+0.000%" in first
@@ -118,32 +121,23 @@ def scaled(entry: str) -> str:
 
 
 @pytest.mark.parametrize("key", ["load_per_length = 1e5", "radius_1 = 0.01", "speed_2 = 1.1"])
-def test_compare_is_in_si_where_scales_differ(asperity: Callable, tmp_path: Path, key: str) -> None:
+def test_compare_is_in_si_where_scales_differ(solved_cases: Callable, tmp_path: Path, key: str) -> None:
     """The change of the film that is printed is that of the film in metres, whatever of the case changes."""
-    write(tmp_path, "one.nml", STEADY)
-    write(tmp_path, "other.nml", STEADY.replace(key, scaled(key)))
-    assert asperity("one.nml", "other.nml", "--quiet").returncode == 0
-    done = run("compare", tmp_path / "one.h5", tmp_path / "other.h5", "--output", tmp_path / "out", "--format", "png")
-    assert (done.returncode, done.stderr) == (0, "")
-    films = []
-    for name in ("one", "other"):
-        with h5py.File(tmp_path / f"{name}.h5") as file:
-            films.append(file["summary/h_min"][()])
+    films = [file["summary/h_min"][()] for file in solved_cases(one=STEADY, other=STEADY.replace(key, scaled(key)))]
+    said = drawn("compare", tmp_path / "one.h5", tmp_path / "other.h5", "--output", tmp_path / "out", "--format", "png")
     change = f"{100 * (films[1] / films[0] - 1):+8.3f}%".strip()
     assert change != "+0.000%"
-    rows = {line.split()[0]: line.split() for line in done.stdout.splitlines() if line[:3] in ("one", "oth")}
+    rows = {line.split()[0]: line.split() for line in said.splitlines() if line[:3] in ("one", "oth")}
     assert rows["other"][3] == change
     differ = "speed" not in key
-    assert ("compared in SI" in done.stdout) is differ
-    assert ("h_min [µm]" in done.stdout) is differ
+    assert ("compared in SI" in said) is differ
+    assert ("h_min [µm]" in said) is differ
 
 
-def test_compare_warns_where_there_is_no_si(asperity: Callable, tmp_path: Path) -> None:
-    for m in (10.0, 20.0):
-        write(tmp_path, f"m{m:.0f}.nml", MOES.format(m, 5.0, 0.01))
-    write(tmp_path, "coarse.nml", MOES.format(10.0, 5.0, 0.05))
-    assert asperity("m10.nml", "m20.nml", "coarse.nml", "--quiet").returncode == 0
-    results = [tmp_path / f"{name}.h5" for name in ("m10", "m20", "coarse")]
+def test_compare_warns_where_there_is_no_si(solved_cases: Callable, tmp_path: Path) -> None:
+    points = {"m10": (10.0, 5.0, 0.01), "m20": (20.0, 5.0, 0.01), "coarse": (10.0, 5.0, 0.05)}
+    solved_cases(**{name: MOES.format(*point) for name, point in points.items()})
+    results = [tmp_path / f"{name}.h5" for name in points]
     done = run("compare", *results[:2], "--output", tmp_path / "out", "--format", "png")
     assert done.returncode == 0
     assert "the scales of the results differ, and " in done.stderr
@@ -158,18 +152,11 @@ def test_compare_needs_two_files(steady: Path) -> None:
 
 @pytest.mark.parametrize("si", [(), ("--si",)])
 def test_transient_draws_map_strip_and_animation(moving: Path, tmp_path: Path, si: tuple[str, ...]) -> None:
-    done = run("transient", moving, "--output", tmp_path / "out", *si)
-    assert (done.returncode, done.stderr) == (0, "")
+    drawn("transient", moving, "--output", tmp_path / "out", *si)
     assert len(files_of(tmp_path / "out")) == 4
-    done = run("transient", moving, "--parts", "passage", "--output", tmp_path / "out", "--frames", 4, *si)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert files_of(tmp_path / "out") == [
-        "ridge_film_strip.pdf",
-        "ridge_film_strip.png",
-        "ridge_passage.gif",
-        "ridge_xt.pdf",
-        "ridge_xt.png",
-    ]
+    drawn("transient", moving, "--parts", "passage", "--output", tmp_path / "out", "--frames", 4, *si)
+    parts = ("film_strip.pdf", "film_strip.png", "passage.gif", "xt.pdf", "xt.png")
+    assert files_of(tmp_path / "out") == [f"ridge_{part}" for part in parts]
 
 
 @pytest.mark.parametrize(
@@ -182,8 +169,7 @@ def test_transient_draws_map_strip_and_animation(moving: Path, tmp_path: Path, s
 )
 def test_transient_with_other_surfaces(tmp_path: Path, features: dict[str, object]) -> None:
     result = result_maker.write_result(tmp_path / "a.h5", result_maker.passage(), features)
-    done = run("transient", result, "--output", tmp_path / "out", "--parts", "xt", "film_strip")
-    assert (done.returncode, done.stderr) == (0, "")
+    drawn("transient", result, "--output", tmp_path / "out", "--parts", "xt", "film_strip")
     assert len(files_of(tmp_path / "out")) == 4
 
 
@@ -197,17 +183,15 @@ def test_not_converged_is_said(tmp_path: Path, script: str) -> None:
     assert len(done.stderr.splitlines()) == 1
 
 
-def test_figures_of_the_program(asperity, tmp_path: Path) -> None:
+def test_figures_of_the_program(run_case, tmp_path: Path) -> None:
     text = (ROOT / "input" / "case3_demo.nml").read_text(encoding="utf-8")
     text, found = re.subn(r"(intervals = )512", r"\g<1>128", text)
     text, also_found = re.subn(r"(time_step = )5.37109375e-3", r"\g<1>2.1484375e-2", text)
     assert (found, also_found) == (1, 1)
-    (tmp_path / "demo.nml").write_text(text, encoding="utf-8")
-    assert asperity("demo.nml", "--quiet").returncode == 0
+    run_case(text, "--quiet", name="demo")
     result = tmp_path / "demo.h5"
     for script in ("profile", "convergence", "transient"):
-        done = run(script, result, "--output", tmp_path / "out", "--format", "png")
-        assert (done.returncode, done.stderr) == (0, "")
+        drawn(script, result, "--output", tmp_path / "out", "--format", "png")
     assert files_of(tmp_path / "out") == [f"demo_{kind}" for kind in ("convergence.png", "film_strip.png", "profile.png", "xt.png")]
     read = load_module("result_file").read_result(result, with_transient=True)
     (ridge,) = read.features
@@ -223,15 +207,13 @@ def test_figures_of_the_program(asperity, tmp_path: Path) -> None:
     assert thinner < 0.8
 
 
-def test_profiles_have_times_of_their_own(asperity, tmp_path: Path) -> None:
+def test_profiles_have_times_of_their_own(run_case, tmp_path: Path) -> None:
     """Numbers of every step, profiles of every 40th: the figures show the profiles at their times."""
     text = (ROOT / "input" / "case3_demo.nml").read_text(encoding="utf-8")
-    (tmp_path / "demo.nml").write_text(text + "&output profile_stride = 40 /\n", encoding="utf-8")
-    assert asperity("demo.nml", "--quiet").returncode == 0
+    run_case(text + "&output profile_stride = 40 /\n", "--quiet", name="demo")
     for script in ("profile", "convergence", "transient"):
         extra = ("--time", 1.0) if script == "profile" else ()
-        done = run(script, tmp_path / "demo.h5", "--output", tmp_path / "out", "--format", "png", *extra)
-        assert (done.returncode, done.stderr) == (0, "")
+        drawn(script, tmp_path / "demo.h5", "--output", tmp_path / "out", "--format", "png", *extra)
     read = load_module("result_file").read_result(tmp_path / "demo.h5", with_transient=True)
     assert read.transient["time"].values.size == 407
     assert read.profile_time.values == pytest.approx(read.transient["time"].values[::40], abs=0)
@@ -248,8 +230,7 @@ def test_profiles_have_times_of_their_own(asperity, tmp_path: Path) -> None:
 def test_results_of_older_versions_are_drawn(tmp_path: Path) -> None:
     """Without profile_time the times of the numbers are those of the profiles."""
     result = result_maker.write_result(tmp_path / "old.h5", result_maker.passage(), RIDGE, has_profile_time=False)
-    done = run("transient", result, "--output", tmp_path / "out", "--parts", "xt", "film_strip")
-    assert (done.returncode, done.stderr) == (0, "")
+    drawn("transient", result, "--output", tmp_path / "out", "--parts", "xt", "film_strip")
     read = load_module("result_file").read_result(result, with_transient=True)
     assert read.profile_time.values.size == read.transient["pressure"].values.shape[0]
 
@@ -276,15 +257,12 @@ MOES = """&case problem = 'ehl_line' /
 """
 
 
-def test_regime_of_several_results(asperity, tmp_path: Path) -> None:
+def test_regime_of_several_results(solved_cases, tmp_path: Path) -> None:
     points = {"rubber": (200.0, 0.0), "roller": (100.0, 10.0), "ring": (0.2, 3.0), "light": (1.0, 38.0), "heavy": (2000.0, 5.0)}
-    for name, point in points.items():
-        (tmp_path / f"{name}.nml").write_text(MOES.format(*point, 1e-2), encoding="utf-8")
-    assert asperity(*[f"{name}.nml" for name in points], "--quiet").returncode == 0
-    done = run("regime", *[tmp_path / f"{name}.h5" for name in points], "--output", tmp_path / "out", "--format", "png")
-    assert (done.returncode, done.stderr) == (0, "")
+    solved_cases(**{name: MOES.format(*point, 1e-2) for name, point in points.items()})
+    printed = drawn("regime", *[tmp_path / f"{name}.h5" for name in points], "--output", tmp_path / "out", "--format", "png")
     assert files_of(tmp_path / "out") == ["rubber_regime.png"]
-    said = dict(line.split(": ", 1) for line in done.stdout.splitlines()[:-1])
+    said = dict(line.split(": ", 1) for line in printed.splitlines()[:-1])
     regimes = {name: words.split(": ")[1].split(";")[0] for name, words in said.items()}
     assert regimes == {
         "rubber": "elastic, isoviscous",
@@ -308,15 +286,13 @@ FRICTION = """&case problem = 'ehl_line' /
 """
 
 
-def test_friction_draws_with_and_without_velocity(asperity, tmp_path: Path) -> None:
+def test_friction_draws_with_and_without_velocity(run_case, tmp_path: Path) -> None:
     """Steady with the velocity across the film, and a passage without; the caption has both coefficients and the time."""
     passage = "&surface_2 shape = 'feature', amplitude = 1e-7, wavelength = 1e-4 /\n&time transient = .true., end_time = 0.5 /"
     for name, more in {"steady": "&output velocity_layers = 8 /", "passage": passage}.items():
-        (tmp_path / f"{name}.nml").write_text(FRICTION.format(more), encoding="utf-8")
-        assert asperity(f"{name}.nml", "--quiet").returncode == 0
+        run_case(FRICTION.format(more), "--quiet", name=name)
         for options in ((), ("--si", "--window", -1, 1)):
-            done = run("friction", tmp_path / f"{name}.h5", "--output", tmp_path / "out", "--format", "png", *options)
-            assert (done.returncode, done.stderr) == (0, "")
+            drawn("friction", tmp_path / f"{name}.h5", "--output", tmp_path / "out", "--format", "png", *options)
     assert files_of(tmp_path / "out") == ["passage_friction.png", "steady_friction.png"]
     friction, read = load("friction"), load_module("result_file").read_result
     result = read(tmp_path / "steady.h5")
@@ -337,7 +313,7 @@ def test_friction_draws_with_and_without_velocity(asperity, tmp_path: Path) -> N
     )
 
 
-def test_friction_of_a_chosen_time(asperity, tmp_path: Path) -> None:
+def test_friction_of_a_chosen_time(run_case, tmp_path: Path) -> None:
     """Stresses, pressure and film of the stored time nearest to the one asked for, friction and power of every step."""
     fields = "'film_thickness', 'pressure', 'shear_stress_1', 'shear_stress_mean', 'shear_stress_2'"
     more = (
@@ -346,11 +322,9 @@ def test_friction_of_a_chosen_time(asperity, tmp_path: Path) -> None:
         f"&output profile_stride = 4, fields = {fields}, velocity_layers = 8 /"
     )
     path = tmp_path / "passage.h5"
-    (tmp_path / "passage.nml").write_text(FRICTION.format(more), encoding="utf-8")
-    assert asperity("passage.nml", "--quiet").returncode == 0
+    run_case(FRICTION.format(more), "--quiet", name="passage")
     for options in ((), ("--time", 0.25), ("--time", 0.25, "--si")):
-        done = run("friction", path, "--output", tmp_path / "out", "--format", "png", *options)
-        assert (done.returncode, done.stderr) == (0, "")
+        drawn("friction", path, "--output", tmp_path / "out", "--format", "png", *options)
     assert files_of(tmp_path / "out") == ["passage_friction.png"]
     friction, style = load("friction"), load_module("figure_style")
     result = load_module("result_file").read_result(path)
@@ -371,42 +345,37 @@ def test_friction_of_a_chosen_time(asperity, tmp_path: Path) -> None:
         style.plt.close(figure)
 
 
-def test_friction_of_a_time_that_is_not_there(asperity, tmp_path: Path) -> None:
+def test_friction_of_a_time_that_is_not_there(run_case, tmp_path: Path) -> None:
     """A steady result has no time, a passage without stored stresses only the last one: each is said."""
     passage = "&surface_2 shape = 'feature', amplitude = 1e-7, wavelength = 1e-4 /\n&time transient = .true., end_time = 0.2 /"
     for name, more, words in (("steady", "", "has no /transient"), ("passage", passage, "&output fields = pressure")):
-        (tmp_path / f"{name}.nml").write_text(FRICTION.format(more), encoding="utf-8")
-        assert asperity(f"{name}.nml", "--quiet").returncode == 0
+        run_case(FRICTION.format(more), "--quiet", name=name)
         done = run("friction", tmp_path / f"{name}.h5", "--time", 0.1)
         assert done.returncode == 1
         assert words in done.stderr
 
 
-def test_friction_needs_stresses(asperity, steady: Path, tmp_path: Path) -> None:
+def test_friction_needs_stresses(run_case, steady: Path, tmp_path: Path) -> None:
     """A file without friction, and a contact by Moes' numbers, whose speeds are not known."""
     done = run("friction", steady)
     assert done.returncode == 1
     assert "has no friction" in done.stderr
-    (tmp_path / "moes.nml").write_text(MOES.format(10.0, 5.0, 1e-2), encoding="utf-8")
-    assert asperity("moes.nml", "--quiet").returncode == 0
+    run_case(MOES.format(10.0, 5.0, 1e-2), "--quiet", name="moes")
     done = run("friction", tmp_path / "moes.h5")
     assert done.returncode == 1
     assert "speeds of the surfaces are not known" in done.stderr
 
 
-def test_regime_table_is_what_the_program_computes(asperity, tmp_path: Path) -> None:
+def test_regime_table_is_what_the_program_computes(solved_cases) -> None:
     table = load("regime").TABLE.read_text(encoding="utf-8").splitlines()
     rows = [dict(zip(table[2].split(","), map(float, line.split(",")), strict=True)) for line in table[3:]]
     assert len(rows) == 11 * 33
     chosen = rows[:: len(rows) // 11]
-    for i, row in enumerate(chosen):
-        (tmp_path / f"{i}.nml").write_text(MOES.format(row["moes_m"], row["moes_l"], 1e-3), encoding="utf-8")
-    assert asperity(*[f"{i}.nml" for i in range(len(chosen))], "--quiet").returncode == 0
-    for i, row in enumerate(chosen):
-        with h5py.File(tmp_path / f"{i}.h5") as file:
-            film = file["summary/h_min_moes"]
-            margin = row["h_min_error"] + film.attrs["error_estimate"] / np.sqrt(2)
-            assert row["h_min"] == pytest.approx(film[()] / np.sqrt(2), abs=margin)
+    results = solved_cases(**{f"{i}": MOES.format(row["moes_m"], row["moes_l"], 1e-3) for i, row in enumerate(chosen)})
+    for row, file in zip(chosen, results, strict=True):
+        film = file["summary/h_min_moes"]
+        margin = row["h_min_error"] + film.attrs["error_estimate"] / np.sqrt(2)
+        assert row["h_min"] == pytest.approx(film[()] / np.sqrt(2), abs=margin)
 
 
 def test_regime_asymptotes() -> None:
@@ -424,15 +393,13 @@ def test_regime_asymptotes() -> None:
     assert rise[-1] == pytest.approx(3 / 4, abs=0.03)
 
 
-def test_film_statistics_of_the_program(asperity, tmp_path: Path) -> None:
+def test_film_statistics_of_the_program(run_case, tmp_path: Path) -> None:
     text = (ROOT / "input" / "rough_passage.nml").read_text(encoding="utf-8")
     for old, new in (("intervals = 512", "intervals = 128"), ("time_step = 0.01", "time_step = 0.04"), ("= 47.99609375", "= 12.0")):
         assert old in text
         text = text.replace(old, new)
-    (tmp_path / "rough.nml").write_text(text, encoding="utf-8")
-    assert asperity("rough.nml", "--quiet").returncode == 0
-    done = run("film_statistics", tmp_path / "rough.h5", "--output", tmp_path / "out", "--format", "png")
-    assert (done.returncode, done.stderr) == (0, "")
+    run_case(text, "--quiet", name="rough")
+    drawn("film_statistics", tmp_path / "rough.h5", "--output", tmp_path / "out", "--format", "png")
     assert files_of(tmp_path / "out") == ["rough_film_statistics.png"]
     values = load("film_statistics").read_statistics(tmp_path / "rough.h5")
     for name in ("h_min", "p_max"):
@@ -469,44 +436,37 @@ def refused(script: str, path: Path, tmp_path: Path) -> str:
     return done.stderr
 
 
-@pytest.mark.parametrize("script", SCRIPTS)
-def test_missing_file(script: str, tmp_path: Path) -> None:
-    assert "no such file" in refused(script, tmp_path / "none.h5", tmp_path)
+def no_result(kind: str, steady: Path) -> Path:
+    """A file that is none, or not one that a figure of films can be made of."""
+    path = steady.with_name(f"{kind.split(maxsplit=1)[0]}.h5")
+    if kind == "a folder":
+        return steady.parent
+    if kind == "no HDF5":
+        path.write_text("&case title = 'no result' /\n")
+    elif kind == "unfinished":
+        path = steady.rename(steady.with_suffix(".h5.part"))
+    elif kind == "foreign":
+        with h5py.File(path, "w") as file:
+            file["data"] = np.arange(3)
+    elif kind == "dry":
+        path = steady
+        with h5py.File(path, "r+") as file:
+            file.attrs["problem"] = "dry_line"
+        seal(path)
+    return path
+
+
+NO_RESULTS = {
+    **{"missing": "no such file", "a folder": "is a folder", "no HDF5": "not an HDF5 file", "unfinished": "unfinished"},
+    **{"foreign": "no result of asperity", "dry": "problem is 'dry_line'"},
+}
 
 
 @pytest.mark.parametrize("script", SCRIPTS)
-def test_folder(script: str, tmp_path: Path) -> None:
-    assert "is a folder" in refused(script, tmp_path, tmp_path)
-
-
-@pytest.mark.parametrize("script", SCRIPTS)
-def test_no_hdf5(script: str, tmp_path: Path) -> None:
-    path = tmp_path / "text.h5"
-    path.write_text("&case title = 'no result' /\n")
-    assert "not an HDF5 file" in refused(script, path, tmp_path)
-
-
-@pytest.mark.parametrize("script", SCRIPTS)
-def test_unfinished_result(script: str, steady: Path, tmp_path: Path) -> None:
-    part = steady.rename(steady.with_suffix(".h5.part"))
-    assert "unfinished" in refused(script, part, tmp_path)
-
-
-@pytest.mark.parametrize("script", SCRIPTS)
-def test_foreign_hdf5(script: str, tmp_path: Path) -> None:
-    path = tmp_path / "foreign.h5"
-    with h5py.File(path, "w") as file:
-        file["data"] = np.arange(3)
-    assert "no result of asperity" in refused(script, path, tmp_path)
-
-
-# regime.py says of a dry result that it has no film: test_regime_of_any_result
-@pytest.mark.parametrize("script", [name for name in SCRIPTS if name != "regime"])
-def test_dry_result(script: str, steady: Path, tmp_path: Path) -> None:
-    with h5py.File(steady, "r+") as file:
-        file.attrs["problem"] = "dry_line"
-    seal(steady)
-    assert "problem is 'dry_line'" in refused(script, steady, tmp_path)
+@pytest.mark.parametrize("kind", NO_RESULTS)
+def test_no_result(script: str, kind: str, steady: Path, tmp_path: Path) -> None:
+    if (script, kind) != ("regime", "dry"):  # it says that the result has no film: test_regime_of_any_result
+        assert NO_RESULTS[kind] in refused(script, no_result(kind, steady), tmp_path)
 
 
 def test_transient_needs_transient(steady: Path, tmp_path: Path) -> None:
@@ -574,11 +534,9 @@ DRY = """&case problem = 'dry_line' /
 """
 
 
-def test_regime_of_any_result(asperity, tmp_path: Path) -> None:
+def test_regime_of_any_result(solved_cases, tmp_path: Path) -> None:
     """A contact by the full momentum equations has its place; of a dry one the command says that it has none."""
-    write(tmp_path, "stokes.nml", STOKES.replace("256", "128"))
-    write(tmp_path, "dry.nml", DRY)
-    assert asperity("stokes.nml", "dry.nml", "--quiet").returncode == 0
+    solved_cases(stokes=STOKES.replace("256", "128"), dry=DRY)
     both = run("regime", tmp_path / "stokes.h5", tmp_path / "dry.h5", "--output", tmp_path, "--format", "png")
     assert both.returncode == 0, both.stderr
     assert "dry: dry, without a film" in both.stdout

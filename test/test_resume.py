@@ -12,30 +12,7 @@ import numpy as np
 import pytest
 from cases import HANGING, LONG, STEADY, TRANSIENT, ended, seal, text, write
 from conftest import ROOT
-from kill_and_resume import busy, check_part, different, kill_until_complete, killed_at_last, start, undisturbed
-
-
-def wait_for(path, running, seconds=HANGING):
-    """Waits until a run has made a file."""
-    deadline = time.monotonic() + seconds
-    while not path.exists():
-        if time.monotonic() > deadline or running.poll() is not None:
-            pytest.fail(f"{path} did not appear")
-        time.sleep(0.002)
-
-
-def wait_for_times(part, times):
-    """Waits until a run has stored some times."""
-    deadline = time.monotonic() + HANGING
-    while time.monotonic() < deadline:
-        try:
-            with h5py.File(part) as file:
-                if len(file["transient/time"]) >= times:
-                    return
-        except (OSError, KeyError):
-            pass
-        time.sleep(0.005)
-    pytest.fail(f"{part} did not grow to {times} times")
+from kill_and_resume import busy, check_part, different, kill_until_complete, killed_at_last, start, undisturbed, wait_for
 
 
 def flipped(content, place):
@@ -86,7 +63,7 @@ def test_killed_at_random_moments(program, tmp_path):
 def test_a_signal_ends_with_status_4_and_a_checkpoint(program, tmp_path, number):
     write(tmp_path, "case.nml", LONG)
     with killed_at_last(program, tmp_path) as running:
-        wait_for_times(tmp_path / "case.h5.part", 20)
+        wait_for(tmp_path / "case.h5.part", running, times=20)
         running.send_signal(number)
         message = running.stderr.read()
     assert running.returncode == 4
@@ -167,9 +144,8 @@ def test_resume_without_a_checkpoint_starts_at_the_beginning(run_case, tmp_path)
     assert names(tmp_path) == ["case.h5", "case.nml"]
 
 
-def test_resume_leaves_a_complete_result_alone(asperity, tmp_path):
-    write(tmp_path, "case.nml", STEADY)
-    assert asperity("case.nml").returncode == 0
+def test_resume_leaves_a_complete_result_alone(run_case, asperity, tmp_path):
+    run_case(STEADY)
     written = (tmp_path / "case.h5").stat().st_mtime_ns
     done = asperity("case.nml", "--resume")
     assert (done.returncode, done.stderr) == (0, "case.nml: case.h5 is complete: nothing to do\n")
@@ -187,10 +163,9 @@ UNCONVERGED = {
 
 
 @pytest.mark.parametrize("kind", UNCONVERGED)
-def test_resume_says_that_a_complete_result_did_not_converge(asperity, tmp_path, kind):
+def test_resume_says_that_a_complete_result_did_not_converge(run_case, asperity, tmp_path, kind):
     """With its reason, as the run told it, and how to compute it again."""
-    write(tmp_path, "case.nml", UNCONVERGED[kind])
-    assert asperity("case.nml", "--quiet").returncode == 2
+    run_case(UNCONVERGED[kind], "--quiet", status=2)
     with h5py.File(tmp_path / "case.h5") as file:
         reason = text(file.attrs["reason"])
     assert reason
@@ -273,10 +248,9 @@ def test_values_of_a_checkpoint_have_names(interrupted, tmp_path):
 
 
 @pytest.mark.parametrize("place", [20, 3000, -100, -40])
-def test_damaged_result_is_not_complete(asperity, tmp_path, place):
+def test_damaged_result_is_not_complete(run_case, asperity, tmp_path, place):
     """In its structure, its data, its seal: --resume makes it again."""
-    write(tmp_path, "case.nml", STEADY)
-    assert asperity("case.nml", "--quiet").returncode == 0
+    run_case(STEADY, "--quiet")
     result = tmp_path / "case.h5"
     result.write_bytes(flipped(result.read_bytes(), place))
     assert "nothing to do" not in ended(asperity("case.nml", "--resume")).stderr
@@ -389,6 +363,6 @@ def test_killed_in_the_middle_part_holds_what_was_stored(program, tmp_path):
     reference, _ = undisturbed(program, tmp_path, busy(1000.0))
     write(tmp_path, "case.nml", busy(0.0))  # slow: a checkpoint after every step
     with killed_at_last(program, tmp_path) as running:
-        wait_for_times(tmp_path / "case.h5.part", 300)
+        wait_for(tmp_path / "case.h5.part", running, times=300)
     assert running.returncode == -signal.SIGKILL
     assert check_part(tmp_path / "case.h5.part", reference) >= 300

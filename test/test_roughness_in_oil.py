@@ -1,14 +1,13 @@
 """Measured and synthetic roughness in the oil film: interpolated, moving, entering without a jump, of any length."""
 
 import signal
-import time
 
 import h5py
 import numpy as np
 import pytest
-from cases import AT_REST, HANGING, STEADY, ended, text, write
-from kill_and_resume import different, killed_at_last, undisturbed
-from long_run import peak_memory, stored_times
+from cases import AT_REST, STEADY, ended, text, write
+from kill_and_resume import different, killed_at_last, undisturbed, wait_for
+from long_run import peak_memory
 
 PASSAGE = "&time transient = .true., end_time = {end}, time_step = 0.02 /\n&accuracy error_bars = .false. /\n"
 SPACING = 1e-6
@@ -102,21 +101,12 @@ def test_long_profile_goes_on_after_a_signal(program, asperity, tmp_path):
     write_hdf5(tmp_path / "p.h5", fine_profile(), FINE)
     reference, _ = undisturbed(program, tmp_path, fine_passage("p.h5"))
     with killed_at_last(program, tmp_path) as running:
-        follow_times(running, tmp_path / "case.h5.part", 7)
+        wait_for(tmp_path / "case.h5.part", running, times=7)
         running.send_signal(signal.SIGTERM)
         assert "--resume goes on" in running.stderr.read()
     assert running.returncode == 4
     assert "goes on after step" in ended(asperity("case.nml", "--resume")).stderr
     assert different(reference, tmp_path / "case.h5") == []
-
-
-def follow_times(running, part, times):
-    """Waits until a run has stored some times."""
-    deadline = time.monotonic() + HANGING
-    while stored_times(part) < times:
-        assert running.poll() is None, "ended too early"
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
 
 
 def test_memory_does_not_grow_with_the_profile(program, tmp_path):
@@ -129,7 +119,7 @@ def test_memory_does_not_grow_with_the_profile(program, tmp_path):
             scan.attrs["spacing"] = FINE
         write(tmp_path, "case.nml", fine_passage("p.h5").replace("end_time = 8.0", "end_time = 1000.0"))
         with killed_at_last(program, tmp_path) as running:
-            follow_times(running, tmp_path / "case.h5.part", 3)
+            wait_for(tmp_path / "case.h5.part", running, times=3)
             memory.append(peak_memory(running))
     assert memory[1] - memory[0] < 4
     assert memory[1] < 60
@@ -150,7 +140,7 @@ def test_synthetic_profile_of_any_length(run_case, program, asperity, tmp_path):
         assert np.std(heights[()]) * heights.attrs["si_scale"] == pytest.approx(10e-9, rel=0.4)
     write(tmp_path, "case.nml", case.replace("end_time = 3.0", "end_time = 10000.0"))
     with killed_at_last(program, tmp_path) as running:
-        follow_times(running, tmp_path / "case.h5.part", 3)
+        wait_for(tmp_path / "case.h5.part", running, times=3)
         assert peak_memory(running) < 100
     done = run_case(case.replace("3e-6", "4e-5"), status=1)
     assert "&surface_2 wavelength_long: found 4.00000E-05 m, expected at most 2048 times wavelength_short" in done.stderr
@@ -160,7 +150,7 @@ def test_heights_that_vanish_end_the_run(program, tmp_path):
     write_hdf5(tmp_path / "p.h5", fine_profile(), FINE)
     write(tmp_path, "case.nml", fine_passage("p.h5"))
     with killed_at_last(program, tmp_path) as running:
-        follow_times(running, tmp_path / "case.h5.part", 2)
+        wait_for(tmp_path / "case.h5.part", running, times=2)
         (tmp_path / "p.h5").unlink()
         message = running.stderr.read()
     assert running.returncode == 2

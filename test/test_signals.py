@@ -9,7 +9,8 @@ from pathlib import Path
 import h5py
 import pytest
 from cases import HANGING, LONG, STEADY, write
-from test_resume import names, wait_for, wait_for_times
+from kill_and_resume import wait_for
+from test_resume import names
 
 # Seconds of solving, without a look at the outside.
 DRY = """&case problem = 'dry_area' /
@@ -74,7 +75,7 @@ def test_a_reader_that_no_longer_reads_does_not_hold_up_the_end(program, tmp_pat
 def test_batch_systems_get_a_checkpoint(program, tmp_path, number):
     write(tmp_path, "case.nml", LONG)
     with begin(program, tmp_path, "case.nml") as running:
-        wait_for_times(tmp_path / "case.h5.part", 20)
+        wait_for(tmp_path / "case.h5.part", running, times=20)
         status, message, _ = end(running, number)
     assert status == 4
     assert message.startswith("asperity: interrupted; --resume goes on after step ")

@@ -2,16 +2,13 @@
 
 import copy
 import math
-import sys
 
+import asperity as package
 import f90nml
 import h5py
 import numpy as np
 import pytest
 from conftest import ROOT
-
-sys.path.insert(0, str(ROOT / "python"))
-import asperity as package
 
 
 @pytest.fixture(autouse=True)

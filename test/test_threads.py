@@ -2,16 +2,16 @@
 
 import random
 import signal
-import subprocess
 import time
 
 import h5py
 import pytest
 from cases import HANGING, STEADY, contents, same_bits, write
-from kill_and_resume import busy, different
+from kill_and_resume import busy, different, start, undisturbed
 
 # Wall times, which differ from run to run.
 CLOCKS = ("report/wall_seconds", "report/phase_seconds")
+BUSY = busy(0.0, "&accuracy error_bars = .true. /\n").replace("end_time = 12.0", "end_time = 4.0")
 
 
 DOMAIN = "&domain x_inlet = -4.0, x_outlet = 1.5, intervals = 256 /"
@@ -56,21 +56,24 @@ def test_a_domain_that_becomes_longer(asperity, tmp_path):
     assert [path for path in results[0] if path not in CLOCKS and not same_bits(results[0][path], results[1][path])] == []
 
 
+@pytest.fixture(scope="module", name="whole")
+def _whole(program, tmp_path_factory):
+    """A passage that nobody disturbs, and how long it takes [s]."""
+    folder = tmp_path_factory.mktemp("whole")
+    return undisturbed(program, folder, BUSY, "--threads", "2")
+
+
 @pytest.mark.parametrize("moment", [0.1, 0.4, 0.7, 0.95, 1.1, 1.4])
-def test_a_signal_at_any_moment(program, asperity, tmp_path, moment):
+def test_a_signal_at_any_moment(program, asperity, whole, tmp_path, moment):
     """Interrupted in the march or in the coarse runs: a checkpoint or a whole result, and the same bits in the end."""
-    write(tmp_path, "case.nml", busy(0.0, "&accuracy error_bars = .true. /\n").replace("end_time = 12.0", "end_time = 4.0"))
-    command = [program, "case.nml", "--quiet", "--threads", "2"]
-    begin = time.perf_counter()
-    assert subprocess.run(command, cwd=tmp_path, check=False, timeout=HANGING).returncode == 0
-    whole = time.perf_counter() - begin
-    (tmp_path / "case.h5").rename(tmp_path / "reference.h5")
-    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE) as running:
-        time.sleep(moment * whole)
+    reference, seconds = whole
+    write(tmp_path, "case.nml", BUSY)
+    with start(program, tmp_path, "--threads", "2") as running:
+        time.sleep(moment * seconds)
         running.send_signal(signal.SIGTERM)
         running.communicate(timeout=HANGING)
     assert running.returncode in (0, 4, -signal.SIGTERM)
     assert asperity("case.nml", "--quiet", "--resume", "--threads", "2").returncode == 0
-    assert different(tmp_path / "reference.h5", tmp_path / "case.h5") == []
+    assert different(reference, tmp_path / "case.h5") == []
     with h5py.File(tmp_path / "case.h5") as file:
         assert "error_estimate" in file["summary/h_min"].attrs

@@ -7,8 +7,8 @@ import re
 import h5py
 import pytest
 from cases import ended, text, write
+from conftest import ROOT
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 SHIPPED = sorted((ROOT / "input").glob("*.nml")) + sorted((ROOT / "input" / "scenes").glob("*.nml"))
 SLIPS = 1e3, 1e-3, 1e6
 WORDS = "is unusual, typical is"

@@ -97,20 +97,17 @@ def test_each_limit_on_either_side(asperity, tmp_path, row):
 
 
 @pytest.mark.path
-def test_what_is_not_known_is_named(asperity, tmp_path):
-    write(tmp_path, "a.nml", STEADY)
-    write(tmp_path, "b.nml", MOES)
-    assert asperity("a.nml", "b.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "b.h5") as moes:
-        group = file["adequacy/validity"]
-        missing = group.attrs["not_evaluated"].decode()
-        assert "mixed_lubrication: no roughness: neither sinusoid nor profile" in missing
-        for name in ("hardness: &bodies hardness is not given", "side_flow: &bodies contact_length is not given"):
-            assert name in missing
-        assert {part.split(":")[0] for part in missing.split("; ")} | set(group) == set(SCENES)
-        assert list(moes["adequacy/validity"]) == ["starvation"]
-        # the two numbers of Stokes against Reynolds are those of the design: Case 1, T_max 0.057 on a fine grid
-        assert group["stokes_number"][()] == pytest.approx(0.0575, abs=1e-3)
+def test_what_is_not_known_is_named(solved_cases):
+    file, moes = solved_cases(a=STEADY, b=MOES)
+    group = file["adequacy/validity"]
+    missing = group.attrs["not_evaluated"].decode()
+    assert "mixed_lubrication: no roughness: neither sinusoid nor profile" in missing
+    for name in ("hardness: &bodies hardness is not given", "side_flow: &bodies contact_length is not given"):
+        assert name in missing
+    assert {part.split(":")[0] for part in missing.split("; ")} | set(group) == set(SCENES)
+    assert list(moes["adequacy/validity"]) == ["starvation"]
+    # the two numbers of Stokes against Reynolds are those of the design: Case 1, T_max 0.057 on a fine grid
+    assert group["stokes_number"][()] == pytest.approx(0.0575, abs=1e-3)
 
 
 @pytest.mark.path
@@ -146,20 +143,17 @@ def rise_of(file, pressure, film):
     return float((surfaces + heat * h / (8 * oil["thermal_conductivity"])).max())
 
 
-def test_heat_of_a_passage_is_the_largest_of_all_times(asperity, tmp_path):
+def test_heat_of_a_passage_is_the_largest_of_all_times(solved_cases):
     """A ridge has left the contact at the end: it was warmer before; to what averaging heat over pairs of nodes changes."""
     case = changed(TRANSIENT, ("position = -2.1", "position = -1.0"), ("end_time = 1.0", "end_time = 2.5, statistics_from = 0.0"))
-    write(tmp_path, "a.nml", case)
-    write(tmp_path, "b.nml", changed(case, ("statistics_from = 0.0", "statistics_from = 2.45")))
-    assert asperity("a.nml", "b.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "b.h5") as late:
-        series = file["transient"]
-        assert len(series["profile_time"]) == len(series["time"])
-        rises = [rise_of(file, *fields) for fields in zip(series["pressure"][()], series["film_thickness"][()], strict=True)]
-        found = file["adequacy/validity/shear_heating"][()]
-        assert found == pytest.approx(max(rises), rel=0.02)
-        assert found > 1.04 * max(rises[0], rises[-1])
-        assert late["adequacy/validity/shear_heating"][()] == pytest.approx(max(rises[-2:]), rel=0.02)
+    file, late = solved_cases(a=case, b=changed(case, ("statistics_from = 0.0", "statistics_from = 2.45")))
+    series = file["transient"]
+    assert len(series["profile_time"]) == len(series["time"])
+    rises = [rise_of(file, *fields) for fields in zip(series["pressure"][()], series["film_thickness"][()], strict=True)]
+    found = file["adequacy/validity/shear_heating"][()]
+    assert found == pytest.approx(max(rises), rel=0.02)
+    assert found > 1.04 * max(rises[0], rises[-1])
+    assert late["adequacy/validity/shear_heating"][()] == pytest.approx(max(rises[-2:]), rel=0.02)
 
 
 def test_what_is_solved_is_not_doubted(solved_case):
@@ -265,24 +259,21 @@ def test_what_a_near_inlet_starves_is_measured(asperity, tmp_path, inlet, place)
         assert ("starves the film" in done.stdout) == (inlet == "zero")
 
 
-def test_every_limit_by_its_definition(asperity, tmp_path):
+def test_every_limit_by_its_definition(solved_cases):
     """Values from the result file alone; starvation against a domain that is far longer: its rule is good to a factor of two."""
     case = changed(
         wavy(0.05e-6, 1e-4), ("speed_2 = 1.1", "speed_2 = 1.1, hardness = 0.9e9, contact_length = 1e-3"), ("4096", "512")
     )
     far = changed(case, ("x_inlet = -4.0", "x_inlet = -15.0"), ("intervals = 512", "intervals = 1536"))
-    write(tmp_path, "a.nml", case)
-    write(tmp_path, "far.nml", far + "&accuracy error_bars = .false. /&output adequacy = .false. /\n")
-    assert asperity("a.nml", "far.nml", "--quiet").returncode == 0
-    with h5py.File(tmp_path / "a.h5") as file, h5py.File(tmp_path / "far.h5") as whole:
-        found = {name: item[()] for name, item in file["adequacy/validity"].items()}
-        assert set(found) == set(SCENES)
-        starved = 1 - file["summary/h_central"][()] / whole["summary/h_central"][()]
-        assert 0.5 < found.pop("starvation") / starved < 2.0
-        expected = limits_by_definition(file)
-        # on 513 nodes the program averages heat over pairs of them
-        assert found.pop("shear_heating") == pytest.approx(expected.pop("shear_heating"), rel=0.02)
-        assert found == pytest.approx(expected, rel=1e-9)
+    file, whole = solved_cases(a=case, far=far + "&accuracy error_bars = .false. /&output adequacy = .false. /\n")
+    found = {name: item[()] for name, item in file["adequacy/validity"].items()}
+    assert set(found) == set(SCENES)
+    starved = 1 - file["summary/h_central"][()] / whole["summary/h_central"][()]
+    assert 0.5 < found.pop("starvation") / starved < 2.0
+    expected = limits_by_definition(file)
+    # on 513 nodes the program averages heat over pairs of them
+    assert found.pop("shear_heating") == pytest.approx(expected.pop("shear_heating"), rel=0.02)
+    assert found == pytest.approx(expected, rel=1e-9)
 
 
 def test_length_that_a_contact_needs(solved_case):

@@ -7,18 +7,11 @@ import pytest
 LAYERS = "&output velocity_layers = 40 /\n"
 
 
-def solved(asperity, folder, text):
-    """The contents of the result of a case."""
-    done = asperity(cases.write(folder, "case.nml", text), "--output", folder, "--quiet")
-    assert done.returncode == 0, done.stderr
-    return cases.contents(folder / "case.h5")
-
-
 @pytest.mark.path
 @pytest.mark.parametrize("text", [cases.STEADY, cases.TRANSIENT])
-def test_velocity_in_the_result(asperity, tmp_path, text):
+def test_velocity_in_the_result(told_case, text):
     """Speeds of the walls in SI; of a steady film one mass flux at all nodes, of a transient the film of the last time."""
-    found = solved(asperity, tmp_path, text + LAYERS)
+    found = told_case(text + LAYERS, "--quiet")[0]
     u, zeta = found["velocity/u"], found["velocity/zeta"]
     assert u.shape == (257, 41)
     assert np.array_equal(zeta, np.arange(41) / 40)
@@ -41,10 +34,10 @@ def test_velocity_in_the_result(asperity, tmp_path, text):
     assert np.allclose(u[empty], (0.1 + zeta) / 1.2, rtol=1e-12)
 
 
-def test_no_velocity_unless_asked(asperity, tmp_path):
+def test_no_velocity_unless_asked(told_case):
     """Without the key there is no group, and the numbers are the same to the bit."""
-    plain = solved(asperity, tmp_path, cases.STEADY)
-    asked = solved(asperity, tmp_path, cases.STEADY + LAYERS)
+    plain = told_case(cases.STEADY, "--quiet")[0]
+    asked = told_case(cases.STEADY + LAYERS, "--quiet")[0]
     assert not any(name.startswith("velocity/") for name in plain)
     for name in ("solution/pressure", "solution/film_thickness", "summary/friction_coefficient"):
         assert cases.same_bits(plain[name], asked[name])

@@ -3,7 +3,6 @@
 #
 #   tools/bare_root.sh demo test                  the words of ./bootstrap, one after the other
 #   SUITE=trixie tools/bare_root.sh demo test     another Debian (default: bookworm)
-#   OPT=-O2 KEEP=1 tools/bare_root.sh test        another optimisation; what was built there becomes build/ here
 #
 # The last commit is laid into a folder with blanks in its name, without git. Of this machine the root has only what its
 # package clients need to reach their registries.
@@ -30,9 +29,5 @@ for word in "$@"; do
   echo "=== Debian $(cat "$root/etc/debian_version"), $place: ./bootstrap $word"
   env -i HOME=/root LANG=C.UTF-8 PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
     ${https_proxy:+https_proxy="$https_proxy"} ${http_proxy:+http_proxy="$http_proxy"} \
-    ${OPT:+OPT="$OPT"} chroot "$root" "$place/bootstrap" "$word" < /dev/null
+    chroot "$root" "$place/bootstrap" "$word" < /dev/null
 done
-if [ -n "${KEEP:-}" ]; then
-  mkdir -p build
-  cp -a "$root$place/build/." build/
-fi

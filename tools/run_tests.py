@@ -19,6 +19,7 @@ import subprocess
 import sys
 import time
 import xml.etree.ElementTree as ET
+from concurrent.futures import ThreadPoolExecutor
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LOG = ROOT / "build" / "tests"
@@ -108,9 +109,11 @@ def main():
     LOG.mkdir(parents=True, exist_ok=True)
     paths_only = sys.argv[1] == "--paths"
     program, *unit_command = sys.argv[2 if paths_only else 1 :]
-    unit = run_unit_tests(unit_command)
-    print(f"unit tests: {unit[0]} passed, {unit[1]} failed", flush=True)
-    python = run_python_tests(pathlib.Path(program), paths_only)
+    with ThreadPoolExecutor() as pool:  # the unit tests take one core
+        waiting = pool.submit(run_unit_tests, unit_command)
+        python = run_python_tests(pathlib.Path(program), paths_only)
+        unit = waiting.result()
+    print(f"unit tests: {unit[0]} passed, {unit[1]} failed")
     print(f"end-to-end tests: {python[0]} passed, {python[1]} failed, all tests in {time.monotonic() - start:.0f} s")
     passed, failed = unit[0] + python[0], unit[1] + python[1]
     print(f"{passed} passed, {failed} failed")

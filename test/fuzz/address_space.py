@@ -100,13 +100,8 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
     run = call(program, folder, "case.nml", *arguments, env=env, limits={resource.RLIMIT_CPU: valid_cases.LIMIT} | limits)
     if run.status in (127, 130, -2) and any(words in run.err for words in BEFORE):
         return None
-    if run.trouble():
-        return run.trouble()
-    if list(folder.glob("*.part")):
-        return f"status {run.status}, left over: case.h5.part"
-    if run.status in (0, 2):
-        with h5py.File(folder / "case.h5") as file:
-            bad = [name for name, item in file["solution"].items() if not np.all(np.isfinite(item[()]))]
-        return f"not finite: {bad}" if bad and run.status == 0 else None
+    broken = valid_cases.trouble(run, folder)
+    if broken or run.status in (0, 2):
+        return broken
     is_told = "found" in run.err and "expected" in run.err
     return None if run.status == 1 and is_told else f"status {run.status}: {run.err.strip()[-300:]}"

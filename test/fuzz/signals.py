@@ -17,7 +17,7 @@ from test_silence import AREA, FIELDS, HEIGHTS, write_heights
 
 TITLE = "signals (TERM, INT, HUP, USR1, USR2, XCPU) at random moments, closed standard error"
 CASES = 100
-QUICK = 4
+QUICK = 2
 SIGNALS = [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU]
 PROBLEMS = {
     "steady": STEADY.replace("256", "16384"),

@@ -1,12 +1,6 @@
 """The quick form of the attacks: a few cases of each kind, another few at each change of SEED."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
 import run
 
 SEED, QUICK = 20261122, 12

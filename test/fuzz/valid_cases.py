@@ -10,7 +10,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from run import ROOT, call
+from run import ROOT, Run, call
 
 sys.path.append(str(ROOT / "bench"))
 
@@ -91,11 +91,8 @@ def write_valid(program: Path, folder: Path, draw: Callable[[], str]) -> None:
     raise RuntimeError("no valid case in many draws")
 
 
-def attack(program: Path, source: random.Random, folder: Path) -> str | None:
-    """One case."""
-    kind = source.choice([lubricated, lubricated, dry])
-    write_valid(program, folder, lambda: kind(source))
-    run = call(program, folder, "case.nml", limits={resource.RLIMIT_CPU: LIMIT})
+def trouble(run: Run, folder: Path) -> str | None:
+    """A crash, a left-over file, a converged result that is not finite."""
     if run.trouble():
         return run.trouble()
     if list(folder.glob("*.part")):
@@ -103,6 +100,14 @@ def attack(program: Path, source: random.Random, folder: Path) -> str | None:
     if run.status == 0:
         with h5py.File(folder / "case.h5") as file:
             bad = [name for name, item in file["solution"].items() if not np.all(np.isfinite(item[()]))]
-        if bad:
-            return f"converged, not finite: {bad}"
-    return None if run.status in (0, 2) else f"status {run.status}: {run.err.strip()[-200:]}"
+        return f"converged, not finite: {bad}" if bad else None
+    return None
+
+
+def attack(program: Path, source: random.Random, folder: Path) -> str | None:
+    """One case."""
+    kind = source.choice([lubricated, lubricated, dry])
+    write_valid(program, folder, lambda: kind(source))
+    run = call(program, folder, "case.nml", limits={resource.RLIMIT_CPU: LIMIT})
+    broken = trouble(run, folder)
+    return broken if broken or run.status in (0, 2) else f"status {run.status}: {run.err.strip()[-200:]}"

@@ -1,14 +1,7 @@
 """bench/page.py: blocks of docs/performance.md."""
 
-import pathlib
-import sys
-
+import page
 import pytest
-
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.append(str(ROOT / "bench"))
-
-import page  # noqa: E402
 
 TEXT = "before\n<!-- dry: written by bench/page.py -->\nold\n<!-- dry: end -->\nafter\n"
 

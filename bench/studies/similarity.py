@@ -41,6 +41,7 @@ def contact(name: str, parameter: float, hardness: float, random: np.random.Gene
         "load": {"mean_pressure": float(load / length)},
         "surface_1": {"shape": "file", "file": str(file), "x_unit": "m", "z_unit": "m"},
         "accuracy": {"error_bars": False},
+        "output": {"adequacy": False},
         "solver": {"tolerance": 1e-9},
     }
     if hardness < ELASTIC:

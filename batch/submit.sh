@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Runs the cases of a sweep as a Slurm job array, and gathers the results when all tasks have ended, also if some failed.
 #
-#   cluster/submit.sh FOLDER [--per-task N] [--at-once M] [--threads T] [OPTIONS OF SBATCH ...]
+#   batch/submit.sh FOLDER [--per-task N] [--at-once M] [--threads T] [OPTIONS OF SBATCH ...]
 #
 #   N  cases in each task (default 10): so many that a task takes at least some minutes
 #   M  tasks that run at once at most (default 100)
 #   T  threads of a process (default 1); for large dry areas, with --cpus-per-task=T
 #
-#   cluster/submit.sh film_map --per-task 50 --time=00:30:00 --partition=short
+#   batch/submit.sh film_map --per-task 50 --time=00:30:00 --partition=short
 #
 # The same command again runs what is missing or failed; finished cases are left alone.
 set -euo pipefail
@@ -55,8 +55,8 @@ if [ "$tasks" -ge "${largest:-1001}" ]; then
 fi
 mkdir -p "$folder/log"
 array=$(sbatch --parsable --array="1-$tasks%$at_once" --output="$folder/log/task_%a.log" "${options[@]}" \
-  "$root/cluster/array.sbatch" "$root" "$folder" "$per_task" "$threads")
+  "$root/batch/array.sbatch" "$root" "$folder" "$per_task" "$threads")
 array=${array%%;*}
-gather=$(sbatch --parsable --dependency="afterany:$array" --output="$folder/log/gather.log" "$root/cluster/gather.sbatch" \
+gather=$(sbatch --parsable --dependency="afterany:$array" --output="$folder/log/gather.log" "$root/batch/gather.sbatch" \
   "$root" "$folder")
 echo "array $array: $cases cases in $tasks tasks; gather ${gather%%;*} follows, into $folder/gathered.h5"

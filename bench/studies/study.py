@@ -19,7 +19,7 @@ import f90nml
 import h5py
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "postproc"))
 
 import figure_style as style  # noqa: E402
@@ -36,12 +36,15 @@ class StudyError(Exception):
 def base_case(name: str) -> Case:
     """The namelist input/NAME.nml as groups of keys.
 
-    Without error bars, since the studies halve grids and steps themselves, and in the space scheme of the thesis.
+    Lubricated ones without error bars, since the studies halve grids and steps themselves, and in the space scheme of the thesis;
+    dry ones without adequacy.
     """
     case = f90nml.read(ROOT / "input" / f"{name}.nml").todict()
     if case["case"]["problem"] == "ehl_line":
         case["accuracy"] = {"error_bars": False}
         case["solver"] = {**case.get("solver", {}), "space_scheme": "upwind2"}
+    else:
+        case["output"] = {**case.get("output", {}), "adequacy": False}
     return case
 
 

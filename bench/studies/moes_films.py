@@ -21,7 +21,7 @@ OILS = (0.0, 0.5, 1.0, 2.5, 5.0, 7.5, 10.0, 15.0, 20.0, 30.0, 40.0)
 TARGET = 3e-3
 HEADER = (
     "Films of the smooth line contact over M and L (sum of the speeds), in Moes units (h/R) sqrt(E'R/(mu_0 u_s)), estimated errors",
-    "Barus, Newtonian, constant density; by make regime (studies/moes_films.py)",
+    "Barus, Newtonian, constant density; by make regime (bench/studies/moes_films.py)",
 )
 COLUMNS = ("moes_m", "moes_l", "h_min", "h_min_error", "h_central", "h_central_error")
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tries a wheel where there is nothing but Python: packaging/try_wheel.sh WHEEL (as root)
+# Tries a wheel where there is nothing but Python: python/packaging/try_wheel.sh WHEEL (as root)
 # A new root folder gets Python, its standard library and the C libraries that these need; pip puts the wheel and what it asks for
 # in, from PyPI; then a case is computed inside, and read.
 set -eu

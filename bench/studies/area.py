@@ -25,6 +25,8 @@ HEIGHT = 1e-6
 SHARES = (0.002, 0.004, 0.008, 0.016, 0.032, 0.064, 0.128)  # pbar/(E* g)
 HARDNESSES = (0.5, 1.0, 2.0)  # over E* g
 ASPERITIES, PERSSON = (2 * np.pi) ** 0.5, (8 / np.pi) ** 0.5
+# Nothing but the contacts.
+BARE = {"accuracy": {"error_bars": False}, "output": {"adequacy": False}}
 
 
 def surface_of(seed: int, nodes: int) -> Case:
@@ -43,7 +45,7 @@ def surface_of(seed: int, nodes: int) -> Case:
         },
         "domain": {"length_x": LENGTH, "length_y": LENGTH, "intervals_x": nodes, "intervals_y": nodes},
         "solver": {"tolerance": 1e-2},
-    }
+    } | BARE
 
 
 def case_of(surface: str, slope: float, nodes: int, hardness: float | None = None) -> Case:
@@ -56,7 +58,7 @@ def case_of(surface: str, slope: float, nodes: int, hardness: float | None = Non
         "surface_1": {"shape": "file", "file": f"{surface}.h5", "dataset": "/solution/height_undeformed"},
         "domain": {"length_x": LENGTH, "length_y": LENGTH, "intervals_x": nodes, "intervals_y": nodes},
         "solver": {"tolerance": 1e-6},
-    }
+    } | BARE
     if hardness:
         case["bodies"]["hardness"] = hardness * unit
     return case
