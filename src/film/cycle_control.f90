@@ -153,8 +153,7 @@ contains
    subroutine advance(hierarchy)
       type(line_hierarchy_t), intent(inout) :: hierarchy
 
-      associate (level => hierarchy%levels(hierarchy%finest), &
-         method => hierarchy%relaxation%method)
+      associate (level => hierarchy%levels(hierarchy%finest), method => hierarchy%relaxation%method)
          if (method == method_fas) then
             call cycle_from(hierarchy, hierarchy%finest)
          else if (maxval(level%state%pressure) < largest_pressure) then

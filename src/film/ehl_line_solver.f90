@@ -10,8 +10,7 @@ module ehl_line_solver
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles
    use level_summaries, only: coarser_summaries
-   use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, &
-      report_cost
+   use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, report_cost
    use line_state, only: line_state_t
    use listener, only: listener_t
    use solver_settings, only: solver_settings_t, time_settings_t

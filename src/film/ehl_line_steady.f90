@@ -138,8 +138,7 @@ contains
       end do
       if (is_solved) then
          report%reason = 'grid too coarse for the film, needs '//to_text(finer%domain%intervals) &
-            //' intervals (has '// &
-            to_text(given)//'); '//report%reason
+            //' intervals (has '//to_text(given)//'); '//report%reason
       else if (given < fitted) then
          report%reason = 'grid too coarse for the film, needs at least '//to_text(fitted) &
             //' intervals (has '// &

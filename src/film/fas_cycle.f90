@@ -119,8 +119,7 @@ contains
 
    !> Strict restriction of the Reynolds residual, see the head of the module.
    pure subroutine restrict_reynolds(fine, coarse)
-      type(line_level_t), intent(inout) :: fine
-      type(line_level_t), intent(inout) :: coarse
+      type(line_level_t), intent(inout) :: fine, coarse
       integer :: i, n
 
       n = coarse%n
@@ -138,8 +137,7 @@ contains
    !> Adds the coarse-grid corrections of P and H at ALL nodes, halved until every film keeps half
    !> of itself.
    pure subroutine prolong(fine, coarse)
-      type(line_level_t), intent(inout) :: fine
-      type(line_level_t), intent(inout) :: coarse
+      type(line_level_t), intent(inout) :: fine, coarse
       real(wp) :: share
 
       coarse%work = coarse%state%pressure - coarse%start_pressure
@@ -148,16 +146,14 @@ contains
       call prolong_linear(coarse%correction, fine%correction)
       share = 1.0_wp
       do while (share > smallest_share)
-         if (all(fine%state%film + share*fine%correction >= smallest_film_share &
-            *fine%state%film) .and. &
-            all(abs(share*fine%work) <= largest_step*max(1.0_wp, fine%state%pressure))) exit
+         if (all(fine%state%film + share*fine%correction >= smallest_film_share*fine%state%film) &
+            .and. all(abs(share*fine%work) <= largest_step*max(1.0_wp, fine%state%pressure))) exit
          share = 0.5_wp*share
       end do
       fine%state%rigid_displacement = coarse%state%rigid_displacement
       fine%state%pressure = max(fine%state%pressure + share*fine%work, 0.0_wp)
       fine%state%film = max(fine%state%film + share*fine%correction, &
-         smallest_film_share*fine%state%film, &
-         thinnest_film)
+         smallest_film_share*fine%state%film, thinnest_film)
    end subroutine prolong
 
 end module fas_cycle

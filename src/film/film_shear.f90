@@ -126,8 +126,7 @@ contains
    pure function exit_by_flux(x, film, node, flux) result(position)
       real(wp), intent(in) :: x(0:), film(0:), flux
       integer, intent(in) :: node
-      real(wp) :: position
-      real(wp) :: bend, part, rise
+      real(wp) :: position, bend, part, rise
       integer :: i
 
       position = not_known()

@@ -17,8 +17,7 @@ module line_hierarchy
 
    public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_coarser_levels, &
       pose_steady_problem, roughness_at
-   public :: add_level, coarsest_for_film, count_work, is_newton, new_growing_hierarchy, &
-      report_cost
+   public :: add_level, coarsest_for_film, count_work, is_newton, new_growing_hierarchy, report_cost
 
    !> Smoother words.
    integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, &

@@ -180,8 +180,7 @@ contains
                maxval(abs(level%state%film(1:level%n - 1)*(level%state%pressure(2:) &
                - level%state%pressure(:level%n - 2)))))/(2*level%dx) < largest_sigma) exit
             level%state%pressure(1:level%n - 1) = 0.25_wp*(level%state%pressure(:level%n - 2) &
-               + 2*level%state%pressure(1:level%n - 1) &
-               + level%state%pressure(2:))
+               + 2*level%state%pressure(1:level%n - 1) + level%state%pressure(2:))
          end do
       end associate
       call count_work(hierarchy, k, 1)

@@ -50,8 +50,7 @@ contains
    !> relative H, or at round-off, after `max_steps`, or before a step where `listener` wants to
    !> stop. `goal`: bound on |r|/lambda that the caller is after. `film_is_exact`: the level's film
    !> is already that of its pressure and of H0.
-   subroutine solve_newton(newton, level, tolerance, max_steps, &
-      listener, goal, film_is_exact)
+   subroutine solve_newton(newton, level, tolerance, max_steps, listener, goal, film_is_exact)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: tolerance

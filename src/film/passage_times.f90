@@ -96,9 +96,8 @@ contains
       real(wp), intent(in) :: time
       logical :: is_earlier
 
-      is_earlier = self%period > 0.0_wp .and. time >= self%earlier_from &
-         - rounding*self%end_time .and. &
-         time <= self%counts_from + rounding*self%end_time
+      is_earlier = self%period > 0.0_wp .and. time >= self%earlier_from - rounding*self%end_time &
+         .and. time <= self%counts_from + rounding*self%end_time
    end function is_earlier
 
    !> Whether the start is forgotten where the times begin that count; of a given beginning nothing
@@ -283,9 +282,8 @@ contains
       else if (times%end_time < times%needed_end*(1 - rounding)) then
          note = 'the surfaces have not filled the contact before T = ' &
             //to_text(times%settled_from, 3)
-         if (times%is_artificial) note = 'the artificial start is in the quantities: it is '// &
-            'forgotten by T = '// &
-            to_text(times%settled_from, 3)
+         if (times%is_artificial) note = 'the artificial start is in the quantities: it is ' &
+            //'forgotten by T = '//to_text(times%settled_from, 3)
          if (times%period > 0.0_wp) note = note//', and a period takes '//to_text(times%period, 3)
          note = note//'; end_time = '//rounded_up(times%needed_end, 3)//' or more is needed'
       else

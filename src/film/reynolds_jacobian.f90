@@ -69,19 +69,15 @@ contains
                   jacobian%faces%by_p_right(level%n), jacobian%faces%by_h_left(level%n), &
                   jacobian%faces%by_h_right(level%n))
             end if
-            call fluid_face_slopes(level%fluid, level%dx, level%state%pressure, &
-               level%state%film, &
-               jacobian%faces, slopes%rho, slopes%rho_p, &
-               level%state%compensation)
+            call fluid_face_slopes(level%fluid, level%dx, level%state%pressure, level%state%film, &
+               jacobian%faces, slopes%rho, slopes%rho_p, level%state%compensation)
             level%face_mobility = jacobian%faces%e
             ! Newton's method bends steps by the mobility of the nodes
             if (.not. thins(level%fluid)) call fluid_mobility_slopes(level%fluid, level%dx, &
-               level%state%pressure, &
-               level%state%film, slopes)
+               level%state%pressure, level%state%film, slopes)
          else
             call fluid_mobility_slopes(level%fluid, level%dx, level%state%pressure, &
-               level%state%film, &
-               slopes, level%state%compensation)
+               level%state%film, slopes, level%state%compensation)
             level%mobility = slopes%e
             level%face_mobility = 0.5_wp*(slopes%e(:level%n - 1) + slopes%e(1:))
          end if
@@ -129,8 +125,7 @@ contains
       real(wp) :: factor, curvature, share
 
       associate (p => level%state%pressure(i - 2:i), h => level%state%film(i - 2:i), &
-         rho => level%density(i - 2:i), &
-         alpha => level%fluid%alpha_bar)
+         rho => level%density(i - 2:i), alpha => level%fluid%alpha_bar)
          factor = level%lambda/(3*level%dx)
          curvature = alpha*dot_product(second, p)
          share = third_order_share(curvature)

@@ -23,8 +23,7 @@ module reynolds_line
    private
 
    public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, mass_flux, &
-      reynolds_diagonals, &
-      third_order_share, third_order_slope, wedge_weights
+      reynolds_diagonals, third_order_share, third_order_slope, wedge_weights
 
    !> Curvature c at which half of the third order is left in the flux of the kappa scheme.
    real(wp), parameter :: strong_curvature = 1.0_wp
@@ -39,13 +38,10 @@ contains
 
       if (level%is_kappa) then
          call fluid_face_mobility(level%fluid, level%dx, level%state%pressure, level%state%film, &
-            level%face_mobility, level%density, &
-            level%state%compensation, level%ln_mu)
+            level%face_mobility, level%density, level%state%compensation, level%ln_mu)
       else
          call fluid_mobility(level%fluid, level%dx, level%state%pressure, level%state%film, &
-            level%mobility, &
-            level%density, &
-            level%state%compensation, level%ln_mu)
+            level%mobility, level%density, level%state%compensation, level%ln_mu)
          level%face_mobility = 0.5_wp*(level%mobility(:level%n - 1) + level%mobility(1:))
       end if
    end subroutine evaluate_coefficients
@@ -155,8 +151,7 @@ contains
    !> scheme has it, with the present coefficients.
    pure function mass_flux(level) result(flux)
       type(line_level_t), intent(in) :: level
-      real(wp) :: flux(level%n)
-      real(wp) :: conductance
+      real(wp) :: flux(level%n), conductance
       integer :: i
 
       conductance = 1/(level%lambda*level%dx)
@@ -184,8 +179,7 @@ contains
       diffusion = 1.0_wp/level%dx**2
       associate (c => level%state%compensation, e => level%face_mobility, flow => level%operator)
          do concurrent (i=1:level%n - 1)
-            flow(i) = flow(i) + diffusion*(e(i + 1)*(c(i + 1) - c(i)) &
-               - e(i)*(c(i) - c(i - 1)))
+            flow(i) = flow(i) + diffusion*(e(i + 1)*(c(i + 1) - c(i)) - e(i)*(c(i) - c(i - 1)))
          end do
       end associate
    end subroutine add_flow_of_compensation

@@ -166,9 +166,8 @@ contains
                      0) + jh(4)*right(l, 1)
                end do
                do d = -2, 2
-                  slots(d) = jacobian%by_pressure(d, i) + jh(1)*rows%slots(-2, &
-                     d) + jh(2)*rows%slots(-1, d) &
-                     + jh(3)*rows%slots(0, d) + jh(4)*rows%slots(1, d)
+                  slots(d) = jacobian%by_pressure(d, i) + jh(1)*rows%slots(-2, d) &
+                     + jh(2)*rows%slots(-1, d) + jh(3)*rows%slots(0, d) + jh(4)*rows%slots(1, d)
                end do
             end associate
             lower(q + 1, i) = slots(-1)

@@ -41,8 +41,7 @@ contains
       do first = 1, size(x), block_size
          last = min(first + block_size - 1, size(x))
          m = last - first + 1
-         call evaluate_nodes(fluid, lambda*slide_to_roll/12, x(2) - x(1), p, h, &
-            ln_mu, first, block)
+         call evaluate_nodes(fluid, lambda*slide_to_roll/12, x(2) - x(1), p, h, ln_mu, first, block)
          stresses(first:last, 1) = block%stress(:m) - 0.5_wp*block%drive(:m)
          stresses(first:last, 2) = block%stress(:m)
          stresses(first:last, 3) = block%stress(:m) + 0.5_wp*block%drive(:m)
@@ -63,8 +62,7 @@ contains
       real(wp), intent(in), contiguous :: p(:), h(:), ln_mu(:)
       integer, intent(in) :: first
       type(stress_block_t), intent(inout) :: block
-      real(wp) :: inverse_film(block_size)
-      real(wp) :: factor
+      real(wp) :: inverse_film(block_size), factor
       integer :: i, last, m
 
       last = min(first + block_size - 1, size(p))

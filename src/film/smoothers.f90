@@ -40,8 +40,7 @@ contains
          do i = 1, n - 1
             film_residual = level%rhs_film(i) - (h(i) - h0 + level%deflection(i))
             full_change = relaxation*(level%rhs_reynolds(i) - level%operator(i) &
-               - level%film_diagonal(i)*film_residual) &
-               /level%diagonal(i)
+               - level%film_diagonal(i)*film_residual)/level%diagonal(i)
             change = min(max(full_change, -p(i)), largest_pressure)
             p(i) = min(p(i) + change, largest_pressure)
             h(i) = max(h(i) + relaxation*film_residual - kernel_diagonal*change, 0.5_wp*h(i), &

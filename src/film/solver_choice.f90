@@ -135,9 +135,8 @@ contains
       if (size(attempts) == 1 .and. attempts(1)%method == method_fas &
          .and. settings%relaxation <= 0.0_wp) then
          base = attempts(1)
-         attempts = [base, with_sweeps(base, 0.4_wp, 3, 3.0_wp), &
-            with_sweeps(base, 0.2_wp, 5, 3.0_wp), with_sweeps(base, 0.1_wp, 8, 3.0_wp), &
-            with_sweeps(base, 0.05_wp, 12, 3.0_wp)]
+         attempts = [base, with_sweeps(base, 0.4_wp, 3, 3.0_wp), with_sweeps(base, 0.2_wp, 5, &
+            3.0_wp), with_sweeps(base, 0.1_wp, 8, 3.0_wp), with_sweeps(base, 0.05_wp, 12, 3.0_wp)]
       end if
       attempts%max_cycles = min(attempts(1)%max_cycles, default_step_cycles)
       attempts%patience = attempts(1)%patience

@@ -127,8 +127,7 @@ contains
       type(solver_settings_t), intent(in) :: settings
       integer :: most
 
-      most = min(max_refined_intervals, max_intervals_of(settings%method), &
-         settings%max_intervals)
+      most = min(max_refined_intervals, max_intervals_of(settings%method), settings%max_intervals)
    end function max_chosen
 
 end module solver_settings

@@ -37,30 +37,23 @@ module eyring
    real(wp), parameter, public :: series_limit = 1.0_wp
 
    !> Series of sinh(x)/x = sum s_m x^(2m), s_m = 1/(2m + 1)!, m = 0 ... 8.
-   real(wp), parameter, public :: s(0:8) = [ &
-                          1.0_wp, 1.0_wp/6.0_wp, 1.0_wp/120.0_wp, 1.0_wp/5040.0_wp, &
-                             1.0_wp/362880.0_wp, &
-                          1.0_wp/39916800.0_wp, 1.0_wp/6227020800.0_wp, 1.0_wp/1307674368000.0_wp, &
-                          1.0_wp/355687428096000.0_wp]
+   real(wp), parameter, public :: s(0:8) = [1.0_wp, 1.0_wp/6.0_wp, 1.0_wp/120.0_wp, &
+      1.0_wp/5040.0_wp, 1.0_wp/362880.0_wp, 1.0_wp/39916800.0_wp, 1.0_wp/6227020800.0_wp, &
+      1.0_wp/1307674368000.0_wp, 1.0_wp/355687428096000.0_wp]
 
    !> Coefficients of the derivative by x, divided by x: 2 m s_m, m = 1 ... 8, and a zero.
    real(wp), parameter, public :: ds(0:8) = 2.0_wp*[s(1), 2.0_wp*s(2), 3.0_wp*s(3), 4.0_wp*s(4), &
-      5.0_wp*s(5), 6.0_wp*s(6), &
-                                            7.0_wp*s(7), 8.0_wp*s(8), 0.0_wp]
+      5.0_wp*s(5), 6.0_wp*s(6), 7.0_wp*s(7), 8.0_wp*s(8), 0.0_wp]
 
    !> Taylor coefficients of 3 (x cosh x - sinh x)/x^3 = sum c_m x^(2m), c_m = 6 (m + 1)/(2m + 3)!,
    !> m = 0 ... 8.
-   real(wp), parameter :: c(0:8) = [ &
-                          1.0_wp, 1.0_wp/10.0_wp, 1.0_wp/280.0_wp, 1.0_wp/15120.0_wp, &
-                             1.0_wp/1330560.0_wp, &
-                          1.0_wp/172972800.0_wp, 1.0_wp/31135104000.0_wp, &
-                             1.0_wp/7410154752000.0_wp, &
-                          1.0_wp/2252687044608000.0_wp]
+   real(wp), parameter :: c(0:8) = [1.0_wp, 1.0_wp/10.0_wp, 1.0_wp/280.0_wp, 1.0_wp/15120.0_wp, &
+      1.0_wp/1330560.0_wp, 1.0_wp/172972800.0_wp, 1.0_wp/31135104000.0_wp, &
+      1.0_wp/7410154752000.0_wp, 1.0_wp/2252687044608000.0_wp]
 
    !> Coefficients of its derivative by x, divided by x: 2 m c_m, m = 1 ... 8, and a zero.
    real(wp), parameter :: dc(0:8) = 2.0_wp*[c(1), 2.0_wp*c(2), 3.0_wp*c(3), 4.0_wp*c(4), &
-      5.0_wp*c(5), 6.0_wp*c(6), &
-                                            7.0_wp*c(7), 8.0_wp*c(8), 0.0_wp]
+      5.0_wp*c(5), 6.0_wp*c(6), 7.0_wp*c(7), 8.0_wp*c(8), 0.0_wp]
 
    !> What the derivatives need again of a block: exp(-2|Sigma|), shear and ratio without their
    !> powers of |Sigma|, and t^2.
@@ -198,9 +191,8 @@ contains
          inverse = 1.0_wp/max(x, series_limit)
          dln_shear = (is_small*small*polynomial(dc, y) &
             + is_large*((1.0_wp - parts%decay(i)) - 3.0_wp*inverse*parts%curve(i)))/parts%curve(i)
-         dln_ratio = is_large*inverse &
-            - (is_small*small*polynomial(ds, y) + is_large*(1.0_wp + parts%decay(i))) &
-               *parts%inverse_sinh(i)
+         dln_ratio = is_large*inverse - (is_small*small*polynomial(ds, y) &
+            + is_large*(1.0_wp + parts%decay(i)))*parts%inverse_sinh(i)
          slope(i) = sign(1.0_wp, sigma(i))*(dln_shear + weight(i)*dln_ratio)
       end do
    end subroutine block_slopes

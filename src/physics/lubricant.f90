@@ -17,10 +17,9 @@ module lubricant
    integer, parameter, public :: rheology_newtonian = 0, rheology_eyring = 1
 
    !> Their names in the input, by number.
-   character(len=16), parameter, public :: viscosity_laws(0:2) = [character(len=16) :: &
-      'constant', 'barus', 'roelands'], density_laws(0:1) = [character(len=16) :: &
-      'constant', 'dowson_higginson'], rheologies(0:1) = [character(len=16) :: &
-      'newtonian', 'eyring']
+   character(len=16), parameter, public :: viscosity_laws(0:2) = [character(len=16) :: 'constant', &
+      'barus', 'roelands'], density_laws(0:1) = [character(len=16) :: 'constant', &
+      'dowson_higginson'], rheologies(0:1) = [character(len=16) :: 'newtonian', 'eyring']
 
    !> The lubricant as the user describes it.
    type, public :: lubricant_t

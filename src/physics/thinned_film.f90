@@ -40,8 +40,7 @@ contains
    pure function thinned_central_film(fluid, lambda, newtonian) result(film)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, newtonian
-      real(wp) :: film
-      real(wp) :: resistance
+      real(wp) :: film, resistance
 
       film = newtonian
       if (.not. thins(fluid)) return
@@ -56,8 +55,7 @@ contains
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda
       logical, intent(in) :: is_thinning
-      real(wp) :: film
-      real(wp) :: lower, upper, middle
+      real(wp) :: film, lower, upper, middle
       integer :: i
 
       lower = thinnest
@@ -78,8 +76,7 @@ contains
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, ln_film
       logical, intent(in) :: is_thinning
-      real(wp) :: excess
-      real(wp) :: ln_slope, pressure, ln_mu(1)
+      real(wp) :: excess, ln_slope, pressure, ln_mu(1)
 
       ln_slope = min(-ln_film/3, -ln_film)
       pressure = pressure_share*exp(min(ln_film/3, -ln_film/2))

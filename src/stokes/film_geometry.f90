@@ -46,8 +46,7 @@ contains
       lower = problem%lower_share*film + problem%lower_shape
       call take_slopes(problem%dx, film, lower, geometry)
       associate (slopes => wall_slopes(problem, geometry))
-         geometry%wall_speed = reshape([ &
-            problem%speed(1)/sqrt(1 + problem%delta2*slopes(:, 1)**2), &
+         geometry%wall_speed = reshape([problem%speed(1)/sqrt(1 + problem%delta2*slopes(:, 1)**2), &
             problem%speed(2)/sqrt(1 + problem%delta2*slopes(:, 2)**2)], [problem%n, 2])
       end associate
       geometry%lower_rate(:) = problem%half_rate*lower
@@ -79,10 +78,9 @@ contains
       associate (d2 => problem%delta2, slopes => wall_slopes(problem, geometry), &
          d_one => change%face_lower_slope, &
          d_two => change%face_lower_slope + change%face_film_slope)
-         change%wall_speed = reshape([ &
-            -problem%speed(1)*d2*slopes(:, 1)*d_one/sqrt(1 + d2*slopes(:, 1)**2)**3, &
-            -problem%speed(2)*d2*slopes(:, 2)*d_two/sqrt(1 + d2*slopes(:, 2)**2)**3], &
-            [problem%n, 2])
+         change%wall_speed = reshape([-problem%speed(1)*d2*slopes(:, 1)*d_one &
+            /sqrt(1 + d2*slopes(:, 1)**2)**3, -problem%speed(2)*d2*slopes(:, 2)*d_two &
+            /sqrt(1 + d2*slopes(:, 2)**2)**3], [problem%n, 2])
       end associate
       change%film_rate(:) = problem%half_rate*film
       change%lower_rate(:) = problem%lower_share*change%film_rate
@@ -95,9 +93,8 @@ contains
       integer :: n
 
       n = ubound(film, 1)
-      if (.not. allocated(geometry%film)) allocate (geometry%film(0:n), &
-         geometry%lower_slope(0:n), geometry%film_slope(0:n), geometry%lower_rate(0:n), &
-         geometry%film_rate(0:n))
+      if (.not. allocated(geometry%film)) allocate (geometry%film(0:n), geometry%lower_slope(0:n), &
+         geometry%film_slope(0:n), geometry%lower_rate(0:n), geometry%film_rate(0:n))
       geometry%film(:) = film
       geometry%face_film = 0.5_wp*(film(:n - 1) + film(1:))
       geometry%face_lower_slope = (lower(1:) - lower(:n - 1))/dx

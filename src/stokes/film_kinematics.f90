@@ -132,27 +132,22 @@ contains
             d_q = (d_g%face_lower_slope(f) + edges*d_g%face_film_slope(f) &
                - q*d_g%face_film(f))/g%face_film(f)
             change%rate(:, f) = (change%shear(:, f) - k%shear(:, f)*(d_g%face_film(f) &
-               /g%face_film(f)))/g%face_film(f) &
-               + problem%delta2*((change%w(:, f) - change%w(:, f - 1))/dx &
-               - 0.5_wp*q*(change%w_slope(:, f - 1) + change%w_slope(:, f)) &
-               - 0.5_wp*d_q*(k%w_slope(:, f - 1) + k%w_slope(:, f)))
+               /g%face_film(f)))/g%face_film(f) + problem%delta2*((change%w(:, f) - change%w(:, f &
+               - 1))/dx - 0.5_wp*q*(change%w_slope(:, f - 1) + change%w_slope(:, f)) - 0.5_wp*d_q &
+               *(k%w_slope(:, f - 1) + k%w_slope(:, f)))
          end do
          do i = 1, n - 1
             q(1:) = (g%lower_slope(i) + centres*g%film_slope(i))/g%film(i)
-            d_q(1:) = (d_g%lower_slope(i) + centres*d_g%film_slope(i) - q(1:)*d_g%film(i)) &
-               /g%film(i)
-            change%stretching(:, i) = (d_u(:, i + 1) - d_u(:, i))/dx &
-               - q(1:)*corner_means(change%shear(:, i:i + 1)) &
-               - d_q(1:)*corner_means(k%shear(:, i:i + 1))
-            change%dilatation(:, i) = ((g%face_film(i + 1)*d_u(:, i + 1) &
-               - g%face_film(i)*d_u(:, i) + d_g%face_film(i + 1)*u(:, i + 1) &
-               - d_g%face_film(i)*u(:, i))/dx + (d_v(1:, i) - d_v(:m - 1, i))/dz &
-               + d_g%film_rate(i) - k%dilatation(:, i)*d_g%film(i))/g%film(i)
+            d_q(1:) = (d_g%lower_slope(i) + centres*d_g%film_slope(i) - q(1:)*d_g%film(i))/g%film(i)
+            change%stretching(:, i) = (d_u(:, i + 1) - d_u(:, i))/dx - q(1:) &
+               *corner_means(change%shear(:, i:i + 1)) - d_q(1:)*corner_means(k%shear(:, i:i + 1))
+            change%dilatation(:, i) = ((g%face_film(i + 1)*d_u(:, i + 1) - g%face_film(i)*d_u(:, &
+               i) + d_g%face_film(i + 1)*u(:, i + 1) - d_g%face_film(i)*u(:, i))/dx + (d_v(1:, i) &
+               - d_v(:m - 1, i))/dz + d_g%film_rate(i) - k%dilatation(:, i)*d_g%film(i))/g%film(i)
             change%mean_rate(:, i) = corner_means(change%rate(:, i:i + 1))
             associate (x => 2*k%stretching(:, i) - trace_share*k%dilatation(:, i), &
-               y => trace_share*k%dilatation(:, i), &
-               d_x => 2*change%stretching(:, i) - trace_share*change%dilatation(:, i), &
-               d_y => trace_share*change%dilatation(:, i))
+               y => trace_share*k%dilatation(:, i), d_x => 2*change%stretching(:, i) &
+               - trace_share*change%dilatation(:, i), d_y => trace_share*change%dilatation(:, i))
                change%rest2(:, i) = problem%delta2*(x*d_x + (x - y)*(d_x - d_y) + y*d_y)
             end associate
          end do

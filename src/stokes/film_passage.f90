@@ -71,9 +71,8 @@ contains
       self%last = step
       self%time(step) = state%time
       associate (full => follower%state)
-         self%series(:, step) = [extremes(full%pressure, full%film), &
-            extremes(state%pressure, state%film_thickness), &
-            maxval(abs(full%pressure - state%pressure)), &
+         self%series(:, step) = [extremes(full%pressure, full%film), extremes(state%pressure, &
+            state%film_thickness), maxval(abs(full%pressure - state%pressure)), &
             maxval(abs(full%film - state%film_thickness)), follower%pressure_variation]
          if (mod(step, self%stride) /= 0) return
          self%pressure(:, step/self%stride) = full%pressure

@@ -83,8 +83,7 @@ contains
             call shear_viscosity(scale, s%ln_mu(:, i), k%mean_rate(:, i)**2 + k%rest2(:, i), &
                s%eta(:, i), s%eta_by_ln_mu(:, i), s%eta_by_shear2(:, i))
             s%xx(:, i) = s%eta(:, i)*(2*k%stretching(:, i) - trace_share*k%dilatation(:, i))
-            s%zz(:, i) = s%eta(:, i)*((2 - trace_share)*k%dilatation(:, i) &
-               - 2*k%stretching(:, i))
+            s%zz(:, i) = s%eta(:, i)*((2 - trace_share)*k%dilatation(:, i) - 2*k%stretching(:, i))
             s%hxx(:, i) = geometry%film(i)*s%xx(:, i)
          end do
          call end_stresses(s%hxx, s%xx, geometry%film)
@@ -134,9 +133,8 @@ contains
                *(2*k%mean_rate(:, i)*d_k%mean_rate(:, i) + d_k%rest2(:, i))
             change%xx(:, i) = d_eta*(2*k%stretching(:, i) - trace_share*k%dilatation(:, i)) &
                + s%eta(:, i)*(2*d_k%stretching(:, i) - trace_share*d_k%dilatation(:, i))
-            change%zz(:, i) = d_eta*((2 - trace_share)*k%dilatation(:, i) &
-               - 2*k%stretching(:, i)) + s%eta(:, i)*((2 - trace_share)*d_k%dilatation(:, i) &
-               - 2*d_k%stretching(:, i))
+            change%zz(:, i) = d_eta*((2 - trace_share)*k%dilatation(:, i) - 2*k%stretching(:, i)) &
+               + s%eta(:, i)*((2 - trace_share)*d_k%dilatation(:, i) - 2*d_k%stretching(:, i))
             change%hxx(:, i) = geometry%film(i)*change%xx(:, i) + d_film(i)*s%xx(:, i)
          end do
          call end_stresses(change%hxx, change%xx, geometry%film)
@@ -150,8 +148,7 @@ contains
    pure function corner_values(layers, is_linear) result(corners)
       real(wp), intent(in) :: layers(:, :)
       logical, intent(in) :: is_linear
-      real(wp) :: corners(0:size(layers, 1))
-      real(wp) :: face(size(layers, 1))
+      real(wp) :: corners(0:size(layers, 1)), face(size(layers, 1))
       integer :: m
 
       m = size(layers, 1)

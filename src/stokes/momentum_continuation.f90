@@ -82,8 +82,7 @@ contains
 
       if (stress_rise < 1.0_wp) then
          reason = 'no solution of the full momentum equations found in '//to_text(newton%steps) &
-            //' Newton steps: with slopes growing from those of a thin film '// &
-            'it is lost at ' &
+            //' Newton steps: with slopes growing from those of a thin film '//'it is lost at ' &
             //to_text(100*sqrt(newton%reached), 2)//' % of b/R (T_max '//to_text(stress_rise, 2) &
             //'); more intervals or layers may keep it'
       else

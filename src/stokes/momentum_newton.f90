@@ -238,8 +238,7 @@ contains
       type(momentum_newton_t), intent(inout) :: newton
       type(momentum_problem_t), intent(in) :: problem
       type(line_level_t), intent(inout) :: level
-      type(film_flow_t), intent(inout) :: flow
-      type(film_flow_t), intent(inout) :: step
+      type(film_flow_t), intent(inout) :: flow, step
       real(wp), intent(in) :: film_shift
       real(wp), intent(out) :: share
       type(film_flow_t) :: old

@@ -192,8 +192,7 @@ contains
       type(momentum_problem_t), intent(in) :: problem
       type(film_flow_t), intent(in) :: flow
       type(momentum_terms_t), intent(in) :: terms
-      real(wp) :: mass(0:problem%n)
-      real(wp) :: flux(problem%n)
+      real(wp) :: mass(0:problem%n), flux(problem%n)
 
       flux = mass_flux(problem, flow, terms)
       mass = 0.0_wp
@@ -215,8 +214,7 @@ contains
          rows%z(:, i) = v(1:problem%layers - 1, i)
       end do
       rows%z(:, 0) = v(1:problem%layers - 1, 0)
-      if (problem%inlet /= inlet_parallel) rows%z(:, 0) = rows%z(:, 0) &
-         - v(1:problem%layers - 1, 1)
+      if (problem%inlet /= inlet_parallel) rows%z(:, 0) = rows%z(:, 0) - v(1:problem%layers - 1, 1)
    end subroutine hold_columns
 
    !> Change of the rows with a change of the flow. `d_mean` (0:n) is that of the mean pressure as
@@ -314,9 +312,8 @@ contains
       associate (rho => terms%stresses%rho, rho_p => terms%stresses%rho_p, h => flow%film, &
          d_p => change%p, d_h => change%film)
          do f = 1, problem%n
-            flux(:, f) = rolling*(rho_p(:, f - 1)*d_p(:, f - 1)*h(f - 1) &
-               + rho(:, f - 1)*d_h(f - 1) + wedge(f)) &
-               + sqrt(rho(:, f - 1)*h(f - 1)*rho(:, f)*h(f))*(change%u(:, f) &
+            flux(:, f) = rolling*(rho_p(:, f - 1)*d_p(:, f - 1)*h(f - 1) + rho(:, f - 1)*d_h(f &
+               - 1) + wedge(f)) + sqrt(rho(:, f - 1)*h(f - 1)*rho(:, f)*h(f))*(change%u(:, f) &
                + 0.5_wp*(flow%u(:, f) - rolling)*(rho_p(:, f - 1)*d_p(:, f - 1)/rho(:, f - 1) &
                + rho_p(:, f)*d_p(:, f)/rho(:, f) + d_h(f - 1)/h(f - 1) + d_h(f)/h(f)))
          end do

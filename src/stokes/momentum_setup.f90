@@ -73,9 +73,8 @@ contains
       if (present(heights)) then
          call set_walls(problem, walls, level, heights)
       else
-         call set_walls(problem, walls, level, reshape([ &
-            surface_height(contact%surface_1, level%x, 0.0_wp), &
-            surface_height(contact%surface_2, level%x, 0.0_wp)], [level%n + 1, 2]))
+         call set_walls(problem, walls, level, reshape([surface_height(contact%surface_1, level%x, &
+            0.0_wp), surface_height(contact%surface_2, level%x, 0.0_wp)], [level%n + 1, 2]))
       end if
       allocate (problem%held_pressure(0:level%n), source=0.0_wp)
       allocate (problem%is_held(0:level%n), source=level%state%pressure <= 0.0_wp)

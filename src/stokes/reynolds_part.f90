@@ -41,9 +41,8 @@ contains
       integer :: f
 
       associate (m => problem%layers, n => problem%n, film => geometry%film)
-         if (.not. allocated(part%u)) allocate (part%u(m, n), part%shear(0:m, n), &
-            part%u_by(m, 4, n), part%shear_by(0:m, 4, n), part%wedge(n), part%rho(0:n), &
-            part%rho_p(0:n))
+         if (.not. allocated(part%u)) allocate (part%u(m, n), part%shear(0:m, n), part%u_by(m, 4, &
+            n), part%shear_by(0:m, 4, n), part%wedge(n), part%rho(0:n), part%rho_p(0:n))
          allocate (mobility%e(n), mobility%by_p_left(n), mobility%by_p_right(n), &
             mobility%by_h_left(n), mobility%by_h_right(n))
          call fluid_viscosity(problem%fluid, pressure, ln_mu, ln_mu_p)
@@ -133,8 +132,7 @@ contains
       type(momentum_problem_t), intent(in) :: problem
       type(reynolds_part_t), intent(in) :: part
       real(wp), intent(in) :: pressure(0:), film(0:), d_pressure(0:), d_film(0:)
-      real(wp) :: change(problem%n)
-      real(wp) :: mass(0:problem%n), d_mass(0:problem%n), curvature
+      real(wp) :: change(problem%n), mass(0:problem%n), d_mass(0:problem%n), curvature
       integer :: f
 
       mass = part%rho*film
