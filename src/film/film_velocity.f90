@@ -1,9 +1,8 @@
 !> Velocity of the oil across the film of a line contact.
 module film_velocity
-   use eyring, only: flow_shapes
    use kinds, only: wp
    use lubricant, only: fluid_t, fluid_viscosity
-   use rheology, only: largest_exponent, ln_slip, wall_stress
+   use rheology, only: flow_shapes, largest_exponent, ln_slip
    implicit none (type, external)
    private
 
@@ -35,7 +34,7 @@ contains
       call fluid_viscosity(fluid, p, ln_mu)
       y = [(real(2*i - layers, wp)/layers, i=0, layers)]
       do i = 1, n
-         call flow_shapes(wall_stress(fluid, drive(i)), y, sliding, driven)
+         call flow_shapes(fluid, drive(i), y, sliding, driven)
          flow = h(i)*drive(i)/(2*lambda)*exp(min(ln_slip(fluid, drive(i), h(i), ln_mu(i)) &
             - ln_mu(i), largest_exponent))
          u(:, i) = 0.5_wp + 0.25_wp*slide_to_roll*sliding - flow*driven

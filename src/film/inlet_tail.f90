@@ -16,7 +16,7 @@ module inlet_tail
    use kinds, only: wp
    use line_level, only: contact_load, line_level_t
    use lubricant, only: fluid_t, viscosity_constant
-   use rheology, only: ln_slip_with_slope, thins
+   use rheology, only: thins
    implicit none (type, external)
    private
 
@@ -111,7 +111,7 @@ contains
       do i = 1, max_steps
          if (y <= bounds(1) .or. y >= bounds(2)) y = 0.5_wp*(bounds(1) + bounds(2))
          drive = exp(y)
-         call ln_slip_with_slope(fluid, drive, h, ln_mu, ln_s, by_drive)
+         call fluid%rheology%ln_slip(drive, h, ln_mu, ln_s, by_drive)
          excess = y + ln_s - ln_gain
          bounds(merge(2, 1, excess > 0.0_wp)) = y
          y = y - excess/(1 + drive*by_drive)

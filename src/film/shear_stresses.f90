@@ -5,9 +5,10 @@
 !> tau_m -+ (h/2) dp/dx. The film pulls surface 1 with tau in +x and surface 2 with -tau. In units
 !> of p_h b/R.
 module shear_stresses
+   use flow_law, only: block_size => slip_block
    use kinds, only: wp
    use lubricant, only: fluid_t, fluid_viscosity
-   use rheology, only: block_size => slip_block, evaluate_stress
+   use rheology, only: evaluate_stress
    implicit none (type, external)
    private
 

@@ -1,12 +1,14 @@
 !> The momentum equations of the film of a line contact, posed on a level of its solution.
 module momentum_setup
    use errors, only: error_t
+   use eyring, only: eyring_t
    use features, only: surface_height
    use film_equation, only: take_film
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t, new_level, set_plain_problem
    use line_state, only: line_state_t
+   use lubricant, only: fluid_t
    use momentum_problem, only: momentum_problem_t
    implicit none (type, external)
    private
@@ -66,8 +68,7 @@ contains
       problem%inertia = walls%inertia
       problem%speed = 0.5_wp*[contact%surface_1%speed, contact%surface_2%speed]
       problem%fluid = level%fluid
-      ! Sigma = sigma_scale H dP/dX is the wall stress over tau_0
-      problem%shear_scale = level%fluid%sigma_scale*level%lambda/3
+      problem%shear_scale = eyring_scale(level%fluid, level%lambda)
       problem%lower_share = -0.5_wp
       allocate (problem%lower_shape(0:level%n), problem%wave_slope(level%n, 2))
       if (present(heights)) then
@@ -81,6 +82,23 @@ contains
       problem%is_held([0, level%n]) = .true.
       problem%held_pressure(0) = level%state%pressure(0)
    end subroutine pose_momentum
+
+   !> mu_0 u_s/(tau_0 h_ref) of Eyring's law, the only one that the momentum equations know; 0 of a
+   !> Newtonian oil.
+   pure function eyring_scale(fluid, lambda) result(scale)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: lambda
+      real(wp) :: scale
+
+      scale = 0.0_wp
+      if (.not. allocated(fluid%rheology)) return
+      select type (law => fluid%rheology)
+      type is (eyring_t)
+         scale = law%sigma_scale*lambda/3   ! Sigma is the wall stress over tau_0
+      class default
+         error stop 'momentum equations: a law without its case'
+      end select
+   end function eyring_scale
 
    !> The walls with `heights` Psi_1 at all nodes, then Psi_2.
    pure subroutine set_walls(problem, walls, level, heights)
