@@ -90,9 +90,10 @@ contains
          is_settled = .false.
          do step = 1, max_steps
             if (is_stopped(listener)) exit
-            call fluid_density(level%fluid, level%state%pressure, level%density)
+            call fluid_density(level%fluid, level%state%pressure, level%oil%density)
             level%inverse_time_step = 1.0_wp/time_step
-            level%rhs_reynolds = right_side - level%lambda/time_step*level%density*level%state%film
+            level%rhs_reynolds = right_side - level%lambda/time_step*level%oil%density &
+               *level%state%film
             call try_newton(hierarchy, k, max_time_steps, is_solved, listener)
             if (is_solved) then
                is_settled = time_step >= last_step

@@ -11,7 +11,7 @@ module cycle_control
    use line_level, only: largest_pressure
    use newton_line, only: solve_newton
    use listener, only: is_stopped, listener_t
-   use relaxation_sweeps, only: sweep_under_load
+   use smoothers, only: sweep_under_load
    use residuals, only: measure_residual, residual_t
    use text, only: counted, to_text
    implicit none (type, external)

@@ -21,14 +21,13 @@ module ehl_line_transient
    use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, report_cost, roughness_at
    use line_state, only: line_state_t
    use march_history, only: extrapolate, foretelling, remember
-   use march_state, only: march_state_t
+   use march_state, only: march_state_t, time_part_t
    use listener, only: listener_t
    use solver_choice, only: adopt, note_choice, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t, word_length
    use reynolds_line, only: evaluate_coefficients
    use state_output, only: fill_state
    use text, only: to_text
-   use time_part, only: time_part_t
    use time_scheme, only: derivative_weights, part_ends
    implicit none (type, external)
    private

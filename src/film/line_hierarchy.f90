@@ -303,7 +303,7 @@ contains
       type(line_hierarchy_t), intent(in) :: hierarchy
       type(report_t), intent(inout) :: report
 
-      report%fft_pairs = hierarchy%earlier_pairs + sum(hierarchy%levels%products)
+      report%fft_pairs = hierarchy%earlier_pairs + sum(hierarchy%levels%elastic%products)
       report%work_units = hierarchy%work_units
    end subroutine report_cost
 

@@ -65,9 +65,9 @@ contains
       history%pressure(:, 1) = level%state%pressure
       history%lengths = [length, history%lengths(1)]
       history%rigid_displacement = [level%state%rigid_displacement, history%rigid_displacement(1:2)]
-      call fluid_density(level%fluid, level%state%pressure, level%density)
+      call fluid_density(level%fluid, level%state%pressure, level%oil%density)
       history%mass(:, 2) = history%mass(:, 1)
-      history%mass(:, 1) = level%density*level%state%film
+      history%mass(:, 1) = level%oil%density*level%state%film
       history%size = min(history%size + 1, 3)
    end subroutine remember
 

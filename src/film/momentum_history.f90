@@ -13,13 +13,15 @@ module momentum_history
    !> Films that the next one is foretold from, at most.
    integer, parameter :: max_excesses = 3
 
-   !> What the equations need of an old time: H, z1 (0:n), rho H of the layers (layers, 0:n).
+   !> What the equations need of an old time, or make of several: H, z1 (0:n), rho H of the layers
+   !> (layers, 0:n).
    type :: past_t
       real(wp), allocatable :: film(:), lower(:), mass(:, :)
    end type past_t
 
-   !> What a film has above that of the Reynolds equation at the same time: P (layers, 0:n), U
-   !> (layers, n) above that of the thin film with its P and H, V (0:layers, 0:n) and H0.
+   !> P (layers, 0:n), U (layers, n), V (0:layers, 0:n) and H0 of a film, or what they have above
+   !> those of the Reynolds equation at the same time, U above that of the thin film with its P and
+   !> H.
    type :: excess_t
       real(wp), allocatable :: p(:, :), u(:, :), v(:, :)
       real(wp) :: rigid_displacement = 0.0_wp
@@ -28,6 +30,9 @@ module momentum_history
    !> The past of the march, the newest first, and its present film.
    type :: momentum_history_t
       integer :: layers = 0
+      !> The film of the Reynolds equation, and heights Psi_1 and Psi_2 of the walls (0:n, 2).
+      type(film_state_t) :: reynolds
+      real(wp), allocatable :: heights(:, :)
       !> How many of `past` and of `excess` there are.
       integer :: times = 0, films = 0
       type(past_t) :: past(2)
@@ -42,14 +47,12 @@ module momentum_history
       !> took more than three.
       integer :: solutions = 0, steps = 0, most_steps = 0, longer = 0
       integer :: factorisations = 0, linear_iterations = 0
-      !> Set where it is kept. The present film: P, V, H0 and all of U, H (0:n), the heights Psi_1
-      !> and Psi_2 (0:n, 2), half the weight of the new value in d/dT and what the old ones make of
-      !> it, and the film of the Reynolds equation.
+      !> Set where it is kept: the present film, its H (0:n), half the weight of the new value in
+      !> d/dT, and what the old ones make of it.
       type(excess_t) :: flow
-      real(wp), allocatable :: film(:), heights(:, :)
+      real(wp), allocatable :: film(:)
       real(wp) :: half_rate = 0.0_wp
       type(past_t) :: made_of_old
-      type(film_state_t) :: reynolds
    end type momentum_history_t
 
 contains

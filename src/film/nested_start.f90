@@ -3,9 +3,8 @@ module nested_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use continuation, only: follow_stress, follow_time
    use fas_cycle, only: cycle_from
-   use film_equation, only: take_film
+   use film_equation, only: carried_load, take_film
    use film_state, only: film_state_t
-   use force_balance, only: carried_load
    use hertz, only: line_pressure
    use kinds, only: wp
    use expected_film, only: film_estimate

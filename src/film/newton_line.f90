@@ -5,8 +5,7 @@
 !> elastic diagonal). How the linear system is solved is decided by the `linear_solver_t`: by
 !> LAPACK, or in O(n log n).
 module newton_line
-   use film_equation, only: take_film
-   use force_balance, only: load_defect
+   use film_equation, only: load_defect, take_film
    use inlet_tail, only: close_inlet
    use kinds, only: wp
    use line_level, only: line_level_t

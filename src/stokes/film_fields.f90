@@ -6,8 +6,7 @@ module film_fields
    use kinds, only: wp
    use momentum_problem, only: film_flow_t, momentum_problem_t
    use momentum_rows, only: momentum_terms_t
-   use shear_law, only: shear_viscosity
-   use thin_film_flow, only: shear_differences
+   use thin_film_flow, only: shear_differences, shear_viscosity
    implicit none (type, external)
    private
 

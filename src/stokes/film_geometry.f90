@@ -52,8 +52,8 @@ contains
       geometry%lower_rate(:) = problem%half_rate*lower
       geometry%film_rate(:) = problem%half_rate*film
       if (.not. problem%half_rate > 0.0_wp) return
-      geometry%lower_rate = geometry%lower_rate - problem%past_lower
-      geometry%film_rate = geometry%film_rate - problem%past_film
+      geometry%lower_rate = geometry%lower_rate - problem%old%lower
+      geometry%film_rate = geometry%film_rate - problem%old%film
    end subroutine take_geometry
 
    !> Slopes of the smooth walls at the faces (n, 2).

@@ -3,15 +3,15 @@
 !>     tau_xz = eta g_xz (corners),  tau_xx = eta (2 u_x - 2/3 D),  tau_zz = eta (2 w_z - 2/3 D)
 !>
 !> (centres), w_z = D - u_x, in the unit mu_0 u_s/h_ref; in tau_xx and tau_zz it is multiplied by
-!> delta = h_ref/b. eta by module shear_law at g^2 = g_xz^2 + rest^2. The ln mu of a corner is the
-!> mean of its four layers, as that of a face in the kappa scheme.
+!> delta = h_ref/b. eta by module thin_film_flow at g^2 = g_xz^2 + rest^2. The ln mu of a corner is
+!> the mean of its four layers, as that of a face in the kappa scheme.
 module film_stresses
    use film_geometry, only: film_geometry_t
    use film_kinematics, only: film_kinematics_t, trace_share
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_viscosity
    use momentum_problem, only: momentum_problem_t
-   use shear_law, only: shear_viscosity
+   use thin_film_flow, only: shear_viscosity
    implicit none (type, external)
    private
 

@@ -6,8 +6,7 @@
 !> pressure. Cavitation: columns whose mean pressure would become negative hold P = 0.
 module momentum_newton
    use errors, only: error_t
-   use film_equation, only: take_film
-   use force_balance, only: load_defect
+   use film_equation, only: load_defect, take_film
    use gmres, only: gmres_t, solve_gmres
    use kinds, only: wp
    use line_level, only: line_level_t

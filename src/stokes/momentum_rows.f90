@@ -155,7 +155,7 @@ contains
 
       do i = 1, problem%n - 1
          squeeze(:, i) = problem%half_rate*terms%stresses%rho(:, i)*flow%film(i) &
-            - problem%past_mass(:, i)
+            - problem%old%mass(:, i)
       end do
    end function squeeze
 
