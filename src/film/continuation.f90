@@ -39,7 +39,7 @@ module continuation
 
 contains
 
-   !> Solves level k, from its present pressure, at the stress higher by `factor` and on to its own.
+   !> Solves level k, from its present pressure, at the stress higher by `factor` down to its value.
    !> The ratio of two stresses shrinks to its root after a failure. `is_sound` is false if the
    !> ratio falls below the smallest, or `listener` wants to stop.
    subroutine follow_stress(hierarchy, k, factor, is_sound, listener)

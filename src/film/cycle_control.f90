@@ -92,7 +92,7 @@ contains
                .and. residual%reynolds <= report%tolerance_effective &
                .and. residual%load <= max(choice%tolerance, load_floor)
             if (report%converged) exit
-            call look_for_obstacle(hierarchy, before, residual, course, cycle, report%reason)
+            call find_obstacle(hierarchy, before, residual, course, cycle, report%reason)
             if (is_stopped(listener)) report%reason = 'stopped from outside'
             if (len(report%reason) > 0) exit
             call close_inlet(level)
@@ -111,7 +111,7 @@ contains
    !> replaced by the one before. Newton steps at round-off move nothing any more, so that no step
    !> will: nodes at the exit on which the linear system and the conditions P >= 0, r <= 0 do not
    !> agree (an inlet tail lags a step behind).
-   subroutine look_for_obstacle(hierarchy, before, residual, course, cycle, reason)
+   subroutine find_obstacle(hierarchy, before, residual, course, cycle, reason)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(film_state_t), intent(in) :: before
       type(residual_t), intent(in) :: residual
@@ -146,7 +146,7 @@ contains
                //to_text(course%best, 2)
          end if
       end associate
-   end subroutine look_for_obstacle
+   end subroutine find_obstacle
 
    !> One cycle of the present method on the finest level: a FAS cycle, a block of Block-Jacobi
    !> sweeps, or a Newton step.

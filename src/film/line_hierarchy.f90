@@ -44,7 +44,7 @@ module line_hierarchy
       real(wp) :: relaxation = 0.8_wp
       !> Under-relaxation of H0 where the coarsest level is swept.
       real(wp) :: load_relaxation = 0.05_wp
-      !> The own share K_0/pi of a node is taken no larger than -bound dX; 0: as it is.
+      !> The kernel K_0/pi of a node itself is taken no larger than -bound dX; 0: as it is.
       real(wp) :: kernel_bound = 3.0_wp
       !> Film of the first start over the Moes film.
       real(wp) :: start_film = 1.0_wp

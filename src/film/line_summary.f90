@@ -41,7 +41,7 @@ module line_summary
 
    !> Maxima of P; NaN: there is none.
    type :: crests_t
-      !> The largest, and the largest beside the spike, each by the parabola through three nodes.
+      !> The largest, and the largest but the spike, each by the parabola through three nodes.
       real(wp) :: highest, other
       !> The spike, the last maximum before the exit if P falls behind it by the share `spike_drop`
       !> within two spacings: P and H of its top node.
@@ -99,7 +99,7 @@ contains
       summary%limits = unknown_limits()
    end function summary_of_fields
 
-   !> Takes the values of `other`, a solution of other equations on the same grid: the estimated
+   !> Copies the values of `other`, a solution of other equations on the same grid: the estimated
    !> errors stay, extrapolated values go along.
    pure subroutine take_values(summary, other)
       type(line_summary_t), intent(inout) :: summary

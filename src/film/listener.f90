@@ -1,4 +1,4 @@
-!> How a solver tells its progress and hands over time steps without knowing who listens.
+!> How a solver reports its progress and hands over time steps without knowing who listens.
 module listener
    use film_state, only: film_state_t
    use iteration_report, only: report_t

@@ -1,6 +1,6 @@
 !> Where the march of the full momentum equations stands: everything that its later steps and its
 !> result depend on, so that a run can be interrupted and taken up again without changing a bit; and
-!> what its last films foretell of the next.
+!> what its last films predict of the next.
 module momentum_history
    use film_state, only: film_state_t
    use kinds, only: wp
@@ -10,7 +10,7 @@ module momentum_history
 
    public :: excess_t, max_excesses, momentum_history_t, next_count, past_t, weights_of
 
-   !> Films that the next one is foretold from, at most.
+   !> Films that predict the next one, at most.
    integer, parameter :: max_excesses = 3
 
    !> What the equations need of an old time, or make of several: H, z1 (0:n), rho H of the layers
@@ -39,7 +39,7 @@ module momentum_history
       type(excess_t) :: excess(max_excesses)
       !> Time from each of these films back to the next older one.
       real(wp) :: lengths(max_excesses - 1) = 0.0_wp
-      !> From how many of the films the next one is foretold.
+      !> How many of the films predict the next one.
       integer :: best_count = 0
       !> Largest T_max so far.
       real(wp) :: stress_rise = 0.0_wp
@@ -57,7 +57,7 @@ module momentum_history
 
 contains
 
-   !> Weights of the last `count` films in what they foretell at the end of a step of this length.
+   !> Weights of the last `count` films in what they predict at the end of a step of this length.
    pure function weights_of(past, length, count) result(weights)
       type(momentum_history_t), intent(in) :: past
       real(wp), intent(in) :: length
@@ -69,7 +69,7 @@ contains
       if (count > 0) weights = parabola_weights(count, length/last, past%lengths(2)/last)
    end function weights_of
 
-   !> From how many of its films the past would best have foretold the present `excess`, after a
+   !> From how many of its films the past would best have predicted the present `excess`, after a
    !> step of this length: pressures and velocities count alike.
    function next_count(past, excess, length) result(best)
       type(momentum_history_t), intent(in) :: past

@@ -113,7 +113,7 @@ contains
    end subroutine block_jacobi_sweep
 
    !> Gauss-Seidel downstream: the same 2x2 system with the new P and H upstream; the integral is
-   !> frozen, only the own share K_0/pi of a change enters H at once. The nodes round the exit are
+   !> frozen, only the diagonal K_0/pi of a change enters H at once. The nodes round the exit are
    !> passed a few times more.
    pure subroutine gauss_seidel_sweep(level, kernel_diagonal, relaxation)
       type(line_level_t), intent(inout) :: level

@@ -106,9 +106,9 @@ contains
    !> All have the limits of the first.
    !>
    !> Where the viscosity is high enough for squeeze and wedge to outweigh the diffusion, the
-   !> equation of a step is H(P) = given: a sweep with the own share K_0 of the kernel only changes
+   !> equation of a step is H(P) = given: a sweep with the diagonal K_0 of the kernel only changes
    !> long waves of P by up to n/10 times too much, and the cycle diverges unless the coarse grids
-   !> get the better of that. So stated smoothers go on with a larger own share, at least 3 dX/pi,
+   !> get the better of that. So stated smoothers go on with a larger diagonal, at least 3 dX/pi,
    !> less relaxation and more sweeps.
    pure function time_step_attempts(contact, settings) result(attempts)
       type(line_contact_t), intent(in) :: contact

@@ -69,7 +69,7 @@ module solver_settings
       !> 'auto', 'block_jacobi', 'gauss_seidel', 'line' or 'hybrid'.
       character(len=word_length) :: smoother = 'auto'
       !> Space discretisation (module reynolds_line): 'upwind2', that of the thesis, or 'kappa',
-      !> which needs a Newton method; 'auto': upwind2, but kappa where pilot runs choose the
+      !> which needs a Newton method; 'auto': upwind2, but kappa where coarse runs choose the
       !> resolution of a transient.
       character(len=word_length) :: space_scheme = 'auto'
       !> Relative error of h_min for which the grid of a steady contact is chosen; zero: the grid is

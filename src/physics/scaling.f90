@@ -126,7 +126,7 @@ contains
       slope = scaling%half_width/scaling%reduced_radius
    end function film_slope
 
-   !> rho_0 u_s^2/p_h [-], the inertia of an oil of ambient `density` [kg/m3] beside its pressure.
+   !> rho_0 u_s^2/p_h [-], the inertia of an oil of ambient `density` [kg/m3] over its pressure.
    !> Dimensional scaling only.
    pure function inertia_number(scaling, density) result(number)
       type(scaling_t), intent(in) :: scaling

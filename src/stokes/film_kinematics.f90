@@ -16,7 +16,7 @@ module film_kinematics
    implicit none (type, external)
    private
 
-   public :: differentiate_kinematics, film_kinematics_t, new_kinematics, take_kinematics
+   public :: differentiate_kinematics, film_kinematics_t, new_kinematics, evaluate_kinematics
 
    !> Third of the trace, which the stresses of a compressible oil lack: tau_xx = eta (2 u_x - 2/3
    !> D).
@@ -51,7 +51,7 @@ contains
 
    !> From velocities `u` (m, n), fluxes `v` (0:m, 0:n) and what the differences of U lack of the
    !> shear (0:m, n).
-   pure subroutine take_kinematics(problem, geometry, u, v, lacking, kinematics)
+   pure subroutine evaluate_kinematics(problem, geometry, u, v, lacking, kinematics)
       type(momentum_problem_t), intent(in) :: problem
       type(film_geometry_t), intent(in) :: geometry
       real(wp), intent(in) :: u(:, :), v(0:, 0:), lacking(0:, :)
@@ -94,7 +94,7 @@ contains
          k%rest2(:, 0) = k%rest2(:, 1)
          k%rest2(:, n) = k%rest2(:, n - 1)
       end associate
-   end subroutine take_kinematics
+   end subroutine evaluate_kinematics
 
    !> Their change with changes of geometry, velocities, fluxes and lacking shear.
    ! allow(too-many-arguments)  values with their changes

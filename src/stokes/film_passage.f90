@@ -1,4 +1,4 @@
-!> What the full momentum equations change over a transient, time by time, beside the Reynolds
+!> What the full momentum equations change over a transient, time by time, against the Reynolds
 !> equation on the same grid.
 module film_passage
    use kinds, only: wp

@@ -16,7 +16,7 @@ module film_stresses
    private
 
    public :: change_of_stresses, corner_values, film_stresses_t, new_stresses, stress_change_t, &
-      take_stresses
+      evaluate_stresses
 
    !> Viscosity and density, stresses, and what their changes need.
    type :: film_stresses_t
@@ -53,7 +53,7 @@ contains
    end subroutine new_stresses
 
    !> From pressures (m, 0:n) and kinematics.
-   pure subroutine take_stresses(problem, geometry, p, kinematics, stresses)
+   pure subroutine evaluate_stresses(problem, geometry, p, kinematics, stresses)
       type(momentum_problem_t), intent(in) :: problem
       type(film_geometry_t), intent(in) :: geometry
       real(wp), intent(in), contiguous :: p(:, 0:)
@@ -88,7 +88,7 @@ contains
          end do
          call end_stresses(s%hxx, s%xx, geometry%film)
       end associate
-   end subroutine take_stresses
+   end subroutine evaluate_stresses
 
    !> H tau_xx does not change along the first and the last interval.
    pure subroutine end_stresses(hxx, xx, film)

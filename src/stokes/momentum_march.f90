@@ -1,5 +1,5 @@
-!> The time steps of a line contact by the full momentum equations of the film, beside those of the
-!> Reynolds equation: the same steps, grid and surfaces, with its own history of H and rho H.
+!> The time steps of a line contact by the full momentum equations of the film, after those of
+!> the Reynolds equation: the same steps, grid and surfaces, another history of H and rho H.
 !>
 !> It starts from the smooth steady film of the full equations, which the surfaces then enter as
 !> they enter that of the Reynolds equation. Every step begins with its last solution and what the
@@ -18,7 +18,7 @@ module momentum_march
    use momentum_newton, only: momentum_newton_t, solve_momentum_contact, start_flow
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t
    use momentum_rows, only: evaluate_rows, momentum_rows_t
-   use momentum_setup, only: pose_momentum, set_walls, take_level, walls_t
+   use momentum_setup, only: pose_momentum, set_walls, pose_level, walls_t
    use listener, only: follower_t
    use march_state, only: time_part_t
    implicit none (type, external)
@@ -90,7 +90,7 @@ contains
       smooth = state
       smooth%roughness_1 = 0.0_wp
       smooth%roughness_2 = 0.0_wp
-      call take_level(contact, smooth, self%level, error)
+      call pose_level(contact, smooth, self%level, error)
       if (allocated(error)) then
          reason = error%message
          return
@@ -176,13 +176,13 @@ contains
       end associate
       self%newton%most_further_steps = 1
       count = min(self%history%best_count, self%history%films)
-      call foretell(self, part%length, count)
+      call predict(self, part%length, count)
       call move_walls(self, part%heights)
       steps = 0
       if (count > 0) then
          call solve_directly(self, steps)
          if (.not. self%newton%is_converged) then
-            call foretell(self, part%length, 0)
+            call predict(self, part%length, 0)
             call move_walls(self, part%heights)
          end if
       end if
@@ -192,8 +192,8 @@ contains
    end subroutine advance
 
    !> First approximation at the end of a step of this length: the film of the Reynolds equation and
-   !> what the last `count` films foretell to be above it. U waits for the new film.
-   subroutine foretell(self, length, count)
+   !> what the last `count` films predict to be above it. U waits for the new film.
+   subroutine predict(self, length, count)
       class(momentum_march_t), intent(inout) :: self
       real(wp), intent(in) :: length
       integer, intent(in) :: count
@@ -221,7 +221,7 @@ contains
             if (problem%is_held(i)) flow%p(:, i) = problem%held_pressure(i)
          end do
       end associate
-   end subroutine foretell
+   end subroutine predict
 
    !> The walls take these heights, the film follows, and the velocities, of which `flow` holds what
    !> they are above those of the thin film.
@@ -313,7 +313,7 @@ contains
          past%past(1)%film = flow%film
          past%past(1)%lower = self%problem%lower_share*flow%film + self%problem%lower_shape
          past%past(1)%mass = self%newton%terms%stresses%rho*spread(flow%film, 1, self%layers)
-         ! that of T = 0 foretells nothing but the first: the surfaces have entered it
+         ! that of T = 0 predicts nothing but the first: the surfaces have entered it
          if (past%films > 0 .and. past%lengths(1) > 0.0_wp) then
             do k = max_excesses, 2, -1
                past%excess(k) = past%excess(k - 1)

@@ -50,7 +50,7 @@ module momentum_newton
       !> The factors are kept while this many more steps with them are expected to do. (To factor
       !> costs as much as six steps.)
       integer :: most_further_steps = 5
-      !> A solution also counts as found where what is left after a full step is foretold to be
+      !> A solution also counts as found where what is left after a full step is predicted to be
       !> below this: all further steps, as if each left as much of the one before as the last did.
       real(wp) :: largest_rest = 0.0_wp
       !> Largest change of P, U and H0 in the last full step.
@@ -143,7 +143,7 @@ contains
          step%u = -plain%u - step%u
          step%v = -plain%v - step%v
          step%p = -plain%p - step%p
-         call take_step(newton, problem, level, flow, step, x(level%n), share)
+         call apply_step(newton, problem, level, flow, step, x(level%n), share)
          if (share <= 0.0_wp) return
          newton%steps = newton%steps + 1
          if (.not. is_new) newton%rate = newton%last_step/previous
@@ -233,7 +233,7 @@ contains
 
    !> Takes the step, shortened until no pressure, velocity or film changes too much; share = 0 if
    !> that fails. `film_shift`: that of H0.
-   subroutine take_step(newton, problem, level, flow, step, film_shift, share)
+   subroutine apply_step(newton, problem, level, flow, step, film_shift, share)
       type(momentum_newton_t), intent(inout) :: newton
       type(momentum_problem_t), intent(in) :: problem
       type(line_level_t), intent(inout) :: level
@@ -285,6 +285,6 @@ contains
       flow%u = flow%u + newton%terms%reynolds%u
       newton%last_step = max(maxval(abs(flow%p - old%p)), maxval(abs(flow%u - old%u)), &
          abs(share*film_shift))
-   end subroutine take_step
+   end subroutine apply_step
 
 end module momentum_newton

@@ -11,12 +11,12 @@
 !> is that of the next node.
 module momentum_rows
    use film_geometry, only: differentiate_geometry, film_geometry_t, layer_centres, layer_edges, &
-      take_geometry
+      evaluate_geometry
    use film_inertia, only: inertia_across, inertia_along
    use film_kinematics, only: differentiate_kinematics, film_kinematics_t, new_kinematics, &
-      take_kinematics
+      evaluate_kinematics
    use film_stresses, only: change_of_stresses, corner_values, film_stresses_t, new_stresses, &
-      stress_change_t, take_stresses
+      stress_change_t, evaluate_stresses
    use kinds, only: wp
    use momentum_problem, only: film_flow_t, inlet_parallel, inlet_thin, mean_pressure, &
       momentum_problem_t
@@ -55,11 +55,11 @@ contains
 
       m = problem%layers
       call new_storage(problem, terms, rows)
-      call take_geometry(problem, flow%film, terms%geometry)
+      call evaluate_geometry(problem, flow%film, terms%geometry)
       call evaluate_reynolds_part(problem, terms%geometry, mean_pressure(flow), terms%reynolds)
-      call take_kinematics(problem, terms%geometry, flow%u, flow%v, terms%reynolds%shear, &
+      call evaluate_kinematics(problem, terms%geometry, flow%u, flow%v, terms%reynolds%shear, &
          terms%kinematics)
-      call take_stresses(problem, terms%geometry, flow%p, terms%kinematics, terms%stresses)
+      call evaluate_stresses(problem, terms%geometry, flow%p, terms%kinematics, terms%stresses)
       associate (g => terms%geometry, s => terms%stresses, kappa => problem%kappa, &
          dx => problem%dx, d2 => problem%delta2)
          do f = 1, problem%n

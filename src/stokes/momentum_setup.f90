@@ -13,7 +13,7 @@ module momentum_setup
    implicit none (type, external)
    private
 
-   public :: pose_momentum, set_walls, take_level, walls_t
+   public :: pose_momentum, set_walls, pose_level, walls_t
 
    !> What a contact in dimensionless form does not know: delta = b/R, the share R/R1 of surface 1,
    !> the lower one, in the curvature, and rho_0 u_s^2/p_h (0: without inertia).
@@ -26,7 +26,7 @@ module momentum_setup
 contains
 
    !> The level of a state: its pressure, film and H0, and the load that its pressure carries.
-   subroutine take_level(contact, state, level, error)
+   subroutine pose_level(contact, state, level, error)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
       type(line_level_t), intent(inout) :: level
@@ -42,7 +42,7 @@ contains
       ! what a tail in front of the inlet carries stays with it
       level%rhs_load = level%dx*sum(state%pressure)
       call take_film(level)
-   end subroutine take_level
+   end subroutine pose_level
 
    !> The problem on `layers` layers for the steady contact posed on `level`, whose pressure is the
    !> first approximation: it says which columns are cavitated.

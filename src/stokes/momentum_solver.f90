@@ -12,7 +12,7 @@ module momentum_solver
    use momentum_continuation, only: missing_reason, solve_by_continuation
    use momentum_newton, only: momentum_newton_t, start_flow
    use momentum_problem, only: film_flow_t, momentum_problem_t
-   use momentum_setup, only: pose_momentum, take_level, walls_t
+   use momentum_setup, only: pose_momentum, pose_level, walls_t
    use quantities, only: h_central, h_min, p_max
    use limit_search, only: film_limits
    use state_output, only: fill_properties
@@ -47,7 +47,7 @@ contains
       real(wp) :: start
 
       start = wall_seconds()
-      call take_level(contact, state, level, error)
+      call pose_level(contact, state, level, error)
       if (allocated(error)) return
       call pose_momentum(problem, contact, walls, level, layers)
       call start_flow(problem, level, flow, newton%terms)
@@ -63,7 +63,7 @@ contains
       fields%linear_iterations = newton%linear_iterations
       if (newton%is_converged) then
          call take_fields(problem, flow, newton%terms, fields)
-         call take_state(contact, level, state, fields)
+         call copy_state(contact, level, state, fields)
       else
          report%reason = missing_reason(newton, fields%stress_rise)
       end if
@@ -73,7 +73,7 @@ contains
    end subroutine solve_film_momentum
 
    !> Takes pressure, film and H0 over into `state`, and the differences from what it was.
-   pure subroutine take_state(contact, level, state, fields)
+   pure subroutine copy_state(contact, level, state, fields)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
       type(line_state_t), intent(inout) :: state
@@ -103,6 +103,6 @@ contains
          relative = after%of(quantity)%value/before%of(quantity)%value - 1
       end function relative
 
-   end subroutine take_state
+   end subroutine copy_state
 
 end module momentum_solver

@@ -55,7 +55,7 @@ contains
             face%slope = (pressure(f) - pressure(f - 1))/problem%dx
             face%film = geometry%face_film(f)
             call reynolds_excess(f, excess, excess_by)
-            call take_profile(face, problem%dx, ln_mu_p(f - 1:f), excess, excess_by, &
+            call evaluate_profile(face, problem%dx, ln_mu_p(f - 1:f), excess, excess_by, &
                part%u(:, f), part%u_by(:, :, f), part%shear(:, f), part%shear_by(:, :, f))
          end do
       end associate
@@ -86,7 +86,7 @@ contains
    !> Velocities and lacking shear at one face whose mean of U is by `excess` above that of the
    !> walls.
    ! allow(too-many-arguments)  values with their derivatives
-   pure subroutine take_profile(face, dx, ln_mu_p, excess, excess_by, u, u_by, shear, shear_by)
+   pure subroutine evaluate_profile(face, dx, ln_mu_p, excess, excess_by, u, u_by, shear, shear_by)
       type(face_flow_t), intent(in) :: face
       real(wp), intent(in) :: dx, ln_mu_p(2), excess, excess_by(4)
       real(wp), intent(out) :: u(:), u_by(:, :), shear(0:), shear_by(0:, :)
@@ -109,7 +109,7 @@ contains
       end do
       u = u + parabola*(excess + 0.5_wp*sum(face%speed) - sum(u)/m)
       shear = shear - shear_differences(u, face%speed)
-   end subroutine take_profile
+   end subroutine evaluate_profile
 
    !> Flux rho H of the wedge at the faces by module reynolds_line, less that of the node upstream.
    pure subroutine evaluate_wedge(problem, pressure, film, part)
