@@ -45,7 +45,7 @@ module momentum_newton
    type :: momentum_newton_t
       logical :: is_converged = .false.
       integer :: steps = 0, factorisations = 0, linear_iterations = 0
-      !> Share of delta^2 that module momentum_continuation has come to.
+      !> Share of delta^2 that module momentum_solver has come to.
       real(wp) :: reached = 0.0_wp
       !> The factors are kept while this many more steps with them are expected to do. (To factor
       !> costs as much as six steps.)
