@@ -8,7 +8,7 @@ module result_end
    use closing_table, only: close_case, closing_words_t
    use decision_section, only: decision_lines
    use errors, only: error_t
-   use film_velocity, only: velocity_profile
+   use shear_stresses, only: velocity_profile
    use formulas_section, only: formula_lines
    use influence_section, only: model_line
    use iteration_report, only: report_t

@@ -200,7 +200,7 @@ def test_a_plain_fpm_install_from_a_tarball(program, tmp_path):
     """Without make, with the flags that fpm has for itself: all shipped cases pass the checks, one of each kind runs."""
     if program.name != "asperity":
         pytest.skip("not applicable: once is enough")
-    for name in git("ls-files", "app", "src", "include", "fpm.toml", "input", "test/data").decode().split():
+    for name in git("ls-files", "app", "src", "tools/*.inc", "tools/*.f03", "fpm.toml", "input", "test/data").decode().split():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     environment = {**os.environ, "PATH": f"{sys.prefix}/bin:{os.environ['PATH']}"}
@@ -221,7 +221,7 @@ def test_a_plain_fpm_install_from_a_tarball(program, tmp_path):
 
 
 def test_a_tarball_names_its_commit(tmp_path):
-    (tmp_path / "a.tar").write_bytes(git("archive", "HEAD", "include/git_commit.inc"))
+    (tmp_path / "a.tar").write_bytes(git("archive", "HEAD", "tools/git_commit.inc"))
     subprocess.run(["tar", "xf", "a.tar"], cwd=tmp_path, check=True)
-    found = re.fullmatch(r"commit = '([0-9a-f]+)'\n", (tmp_path / "include" / "git_commit.inc").read_text())
+    found = re.fullmatch(r"commit = '([0-9a-f]+)'\n", (tmp_path / "tools" / "git_commit.inc").read_text())
     assert git("rev-parse", "HEAD").decode().startswith(found[1])

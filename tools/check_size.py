@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", "src/surface", "include")
+COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", "src/surface")
 # What tells how sure the numbers are: a folder, and files of others.
 SURE = re.compile(
     r"src/accuracy/|/(dry_errors|dry_resolution|dry_resampling|contact_edges|grid_comparison|dry_target|outlet_check"
@@ -15,13 +15,13 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 44_850,
+    "sources": 44_775,
     "how sure": 8_420,
     "tests": 36_220,
     "bench": 5_640,
     "words of pages": 46_600,
     "imports of a file": 28,
-    "components of a type": 32,
+    "components of a type": 30,
 }
 
 
@@ -55,7 +55,7 @@ def main():
     if not (ROOT / ".git").exists():
         print("size: not applicable without git")
         return 0
-    sources = tracked("src/*.f90", "app/*.f90", "include/*")
+    sources = tracked("src/*.f90", "src/*.inc", "app/*.f90")
     name = {path: path.relative_to(ROOT).as_posix() for path in sources}
     sure = [path for path in sources if SURE.search(name[path])]
     computes = [path for path in sources if name[path].startswith(COMPUTES) and path not in sure]

@@ -157,7 +157,7 @@ class Tree:
         old = {path: path.read_bytes() if path.exists() else b"" for path in [self.object_of(file), *modules]}
         for path, content in old.items():
             kept.setdefault(path, content)
-        folders = ["-Ibuild/info", "-Iinclude", "-I/usr/include/hdf5/serial", f"-I{self.modules}", "-J", self.modules]
+        folders = ["-Ibuild/info", "-Itools", "-I/usr/include/hdf5/serial", f"-I{self.modules}", "-J", self.modules]
         command = ["gfortran", "-c", file, *self.flags, "-w", *folders, "-o", self.object_of(file)]
         if subprocess.run(command, cwd=self.place, capture_output=True, check=False).returncode:
             return None

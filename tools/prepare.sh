@@ -25,7 +25,7 @@ ln -sf "$(pkg-config --variable=includedir fftw3)/fftw3.f03" build/info/
 if commit=$(git describe --always --dirty --abbrev=12 --exclude '*' 2> /dev/null); then
   line="commit = '$commit'"
 else
-  line=$(cat include/git_commit.inc) # a tarball knows its commit
+  line=$(cat tools/git_commit.inc) # a tarball knows its commit
 fi
 if [ "$(cat build/info/git_commit.inc 2> /dev/null)" != "$line" ]; then
   echo "$line" > build/info/git_commit.inc
@@ -33,8 +33,8 @@ if [ "$(cat build/info/git_commit.inc 2> /dev/null)" != "$line" ]; then
 fi
 
 # A source is built again if a text that it includes has changed.
-for text in include/*.inc; do
-  grep -l "^ *include '${text#include/}'" src/*/*.f90 | tr / _ | while read -r source; do
+for text in src/numerics/*.inc; do
+  grep -l "^ *include '${text##*/}'" src/*/*.f90 | tr / _ | while read -r source; do
     find build/gfortran_*/ -name "$source.o.digest" ! -newer "$text" -exec rm -f {} + 2> /dev/null || true
   done
 done

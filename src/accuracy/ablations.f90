@@ -1,11 +1,10 @@
 !> The ingredients of a lubricated contact that could be left out, and the contact without one of
 !> them: what a user would have had with the leaner model.
 module ablations
-   use eyring, only: ln_b_of_no_sliding
    use features, only: rough_surface_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
-   use lubricant, only: density_constant, rheology_newtonian, viscosity_barus, viscosity_constant, &
+   use lubricant, only: density_constant, viscosity_barus, viscosity_constant, &
       viscosity_roelands
    use rheology, only: eased_fluid, thins
    use text, only: to_text
@@ -127,9 +126,7 @@ contains
             if (rest > 0.0_wp) then
                fluid = eased_fluid(fluid, 1/rest)
             else
-               fluid%rheology = rheology_newtonian
-               fluid%sigma_scale = 0.0_wp
-               fluid%ln_b_scale = ln_b_of_no_sliding
+               if (allocated(fluid%rheology)) deallocate (fluid%rheology)
             end if
          case (elasticity)
             lean%elasticity = rest*contact%elasticity

@@ -68,7 +68,7 @@ module validity
       logical :: has_momentum = .false.
    end type circumstances_t
 
-   !> Largest pressure at which Barus' law is realistic [Pa], see module viscosity.
+   !> Largest pressure at which Barus' law is realistic [Pa], see module lubricant.
    real(wp), parameter :: barus_data = 0.3e9_wp
    !> Yield stress in shear of a perfectly plastic body over its hardness, and the shakedown limit
    !> of a line contact over that stress.

@@ -39,7 +39,7 @@ module continuation
 
 contains
 
-   !> Solves level k, from its present pressure, at the stress higher by `factor` and on to its own.
+   !> Solves level k, from its present pressure, at the stress higher by `factor` down to its value.
    !> The ratio of two stresses shrinks to its root after a failure. `is_sound` is false if the
    !> ratio falls below the smallest, or `listener` wants to stop.
    subroutine follow_stress(hierarchy, k, factor, is_sound, listener)
@@ -90,9 +90,10 @@ contains
          is_settled = .false.
          do step = 1, max_steps
             if (is_stopped(listener)) exit
-            call fluid_density(level%fluid, level%state%pressure, level%density)
+            call fluid_density(level%fluid, level%state%pressure, level%oil%density)
             level%inverse_time_step = 1.0_wp/time_step
-            level%rhs_reynolds = right_side - level%lambda/time_step*level%density*level%state%film
+            level%rhs_reynolds = right_side - level%lambda/time_step*level%oil%density &
+               *level%state%film
             call try_newton(hierarchy, k, max_time_steps, is_solved, listener)
             if (is_solved) then
                is_settled = time_step >= last_step

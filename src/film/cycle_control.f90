@@ -11,7 +11,7 @@ module cycle_control
    use line_level, only: largest_pressure
    use newton_line, only: solve_newton
    use listener, only: is_stopped, listener_t
-   use relaxation_sweeps, only: sweep_under_load
+   use smoothers, only: sweep_under_load
    use residuals, only: measure_residual, residual_t
    use text, only: counted, to_text
    implicit none (type, external)
@@ -92,7 +92,7 @@ contains
                .and. residual%reynolds <= report%tolerance_effective &
                .and. residual%load <= max(choice%tolerance, load_floor)
             if (report%converged) exit
-            call look_for_obstacle(hierarchy, before, residual, course, cycle, report%reason)
+            call find_obstacle(hierarchy, before, residual, course, cycle, report%reason)
             if (is_stopped(listener)) report%reason = 'stopped from outside'
             if (len(report%reason) > 0) exit
             call close_inlet(level)
@@ -111,7 +111,7 @@ contains
    !> replaced by the one before. Newton steps at round-off move nothing any more, so that no step
    !> will: nodes at the exit on which the linear system and the conditions P >= 0, r <= 0 do not
    !> agree (an inlet tail lags a step behind).
-   subroutine look_for_obstacle(hierarchy, before, residual, course, cycle, reason)
+   subroutine find_obstacle(hierarchy, before, residual, course, cycle, reason)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(film_state_t), intent(in) :: before
       type(residual_t), intent(in) :: residual
@@ -146,15 +146,14 @@ contains
                //to_text(course%best, 2)
          end if
       end associate
-   end subroutine look_for_obstacle
+   end subroutine find_obstacle
 
    !> One cycle of the present method on the finest level: a FAS cycle, a block of Block-Jacobi
    !> sweeps, or a Newton step.
    subroutine advance(hierarchy)
       type(line_hierarchy_t), intent(inout) :: hierarchy
 
-      associate (level => hierarchy%levels(hierarchy%finest), &
-         method => hierarchy%relaxation%method)
+      associate (level => hierarchy%levels(hierarchy%finest), method => hierarchy%relaxation%method)
          if (method == method_fas) then
             call cycle_from(hierarchy, hierarchy%finest)
          else if (maxval(level%state%pressure) < largest_pressure) then

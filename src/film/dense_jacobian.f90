@@ -54,7 +54,7 @@ contains
       integer :: i, j, n, o
 
       n = level%n
-      associate (k => level%kernel, by_film => jacobian%by_film)
+      associate (k => level%elastic%kernel, by_film => jacobian%by_film)
          do j = 1, n - 1
             do i = 1, n - 1
                a(i, j) = -by_film(-2, i)*k(abs(i - 2 - j)) - by_film(-1, i)*k(abs(i - 1 - j)) &

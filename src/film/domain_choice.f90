@@ -22,6 +22,7 @@ module domain_choice
    use expected_film, only: film_estimate, newtonian_film
    use line_contact, only: closing_slope, finest_wave, line_contact_t
    use moes, only: rigid_film
+   use rheology, only: sliding_number
    use solver_settings, only: domain_t
    use wave_resolution, only: intervals_at_least, nodes_in_wave, wanted_nodes
    implicit none (type, external)
@@ -165,7 +166,7 @@ contains
       end if
       rigid_share = rigid_film(contact%moes_m_sum)/newtonian_film(contact)
       ! 1 - 1/S^2 where the pressure builds up: 0 where sliding does not thin the oil, up to 1
-      b_squared = (inlet_viscosity*exp(contact%fluid%ln_b_scale)/newtonian_film(contact))**2
+      b_squared = (inlet_viscosity*sliding_number(contact%fluid)/newtonian_film(contact))**2
       load_effect = rigid_share**2
       load_effect = load_effect + max(1 - load_effect, 0.0_wp)*(b_squared/(1 + b_squared))
       ratio = default_inlet_error/tolerance

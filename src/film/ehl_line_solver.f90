@@ -5,13 +5,12 @@ module ehl_line_solver
    use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
-   use film_breakdown, only: look_for_breakdown
+   use film_breakdown, only: check_breakdown
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles
    use level_summaries, only: coarser_summaries
-   use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, &
-      report_cost
+   use line_hierarchy, only: line_hierarchy_t, new_hierarchy, pose_steady_problem, report_cost
    use line_state, only: line_state_t
    use listener, only: listener_t
    use solver_settings, only: solver_settings_t, time_settings_t
@@ -113,7 +112,7 @@ contains
             seconds(phase_transient) = seconds(phase_transient) + wall_seconds() - begin
          else if (report%converged) then
             listener%coarser = coarser_summaries(hierarchy)
-            call look_for_breakdown(state%x, state%film_thickness, settings, 0, 0.0_wp, report)
+            call check_breakdown(state%x, state%film_thickness, settings, 0, 0.0_wp, report)
          end if
       end associate
       if (all(state%film_thickness > 0.0_wp)) call fill_properties(contact, state)

@@ -23,7 +23,7 @@ module ehl_line_steady
    public :: blame_grid, blame_surfaces, solve_steady
 
    !> Methods whose failure is looked into on finer grids whatever the fit of film and grid says:
-   !> others have borders of their own.
+   !> other methods fail for other reasons.
    character(len=*), parameter :: blaming_methods(2) = [character(len=13) :: 'auto', &
       'newton_krylov']
    !> Grids tried to find one that carries the film: this many times the one that failed or the fit,
@@ -138,8 +138,7 @@ contains
       end do
       if (is_solved) then
          report%reason = 'grid too coarse for the film, needs '//to_text(finer%domain%intervals) &
-            //' intervals (has '// &
-            to_text(given)//'); '//report%reason
+            //' intervals (has '//to_text(given)//'); '//report%reason
       else if (given < fitted) then
          report%reason = 'grid too coarse for the film, needs at least '//to_text(fitted) &
             //' intervals (has '// &

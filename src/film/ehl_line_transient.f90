@@ -11,7 +11,7 @@
 module ehl_line_transient
    use cycle_control, only: iterate
    use errors, only: error_t
-   use film_breakdown, only: look_for_breakdown
+   use film_breakdown, only: check_breakdown
    use film_equation, only: take_film
    use features, only: surface_height
    use film_state, only: film_state_t
@@ -20,15 +20,14 @@ module ehl_line_transient
    use line_contact, only: min_in_wave, intervals_for_waves, line_contact_t, move_profiles
    use line_hierarchy, only: line_hierarchy_t, method_fas, relaxation_t, report_cost, roughness_at
    use line_state, only: line_state_t
-   use march_history, only: extrapolate, foretelling, remember
-   use march_state, only: march_state_t
+   use march_history, only: extrapolate, predictors, remember
+   use march_state, only: march_state_t, time_part_t
    use listener, only: listener_t
    use solver_choice, only: adopt, note_choice, time_step_attempts
    use solver_settings, only: solver_settings_t, time_settings_t, word_length
    use reynolds_line, only: evaluate_coefficients
    use state_output, only: fill_state
    use text, only: to_text
-   use time_part, only: time_part_t
    use time_scheme, only: derivative_weights, part_ends
    implicit none (type, external)
    private
@@ -87,7 +86,7 @@ contains
          else
             level%rhs_film = 0.5_wp*level%x**2 - roughness_at(contact, level, 0.0_wp)
             call take_film(level)
-            call look_for_breakdown(level%x, level%state%film, settings, 0, 0.0_wp, report)
+            call check_breakdown(level%x, level%state%film, settings, 0, 0.0_wp, report)
             if (any(level%state%film <= 0.0_wp)) report%reason = 'film closed at T = 0: the ' &
                //'surfaces at their start are higher than the smooth film; '//report%reason
             if (.not. report%converged) return
@@ -105,14 +104,14 @@ contains
             end if
             plan%step = step
             plan%ends = part_ends(plan%scheme, step, plan%length)
-            call take_step(hierarchy, contact, plan, history, report)
+            call march_step(hierarchy, contact, plan, history, report)
             if (report%converged) call advance_follower(listener, plan, report)
             if (.not. report%converged) then
                call refuse(report, 'time step '//to_text(step)//' of '//to_text(steps)//' (T = '// &
                   to_text(step*plan%length)//'): '//report%reason//hints(contact, state))
                return
             end if
-            call look_for_breakdown(level%x, level%state%film, settings, step, &
+            call check_breakdown(level%x, level%state%film, settings, step, &
                step*plan%length, report)
             if (.not. report%converged) return
             report%outlet_pressure = max(report%outlet_pressure, level%state%pressure(level%n - 1))
@@ -198,7 +197,7 @@ contains
 
    !> One step, in its parts; the history then begins with its end. A step of the start whose parts
    !> find no solution (a smoother on a fine grid) is taken whole, and counted.
-   subroutine take_step(hierarchy, contact, plan, history, report)
+   subroutine march_step(hierarchy, contact, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
       type(step_plan_t), intent(inout) :: plan
@@ -210,23 +209,23 @@ contains
       if (size(plan%ends) == 1) then
          ! whole steps are easier for a smoother than their parts
          if (history%lengths(1) < plan%length) history%way = 1
-         call take_parts(hierarchy, contact, plan, history, report)
+         call solve_parts(hierarchy, contact, plan, history, report)
          return
       end if
       start = history
       state = hierarchy%levels(hierarchy%finest)%state
-      call take_parts(hierarchy, contact, plan, history, report)
+      call solve_parts(hierarchy, contact, plan, history, report)
       if (report%converged) return
       history = start
       history%way = 1
       hierarchy%levels(hierarchy%finest)%state = state
       plan%ends = [1.0_wp]
-      call take_parts(hierarchy, contact, plan, history, report)
+      call solve_parts(hierarchy, contact, plan, history, report)
       report%uncut_steps = report%uncut_steps + 1
-   end subroutine take_step
+   end subroutine march_step
 
    !> The parts of a step, each with the right sides of its end.
-   subroutine take_parts(hierarchy, contact, plan, history, report)
+   subroutine solve_parts(hierarchy, contact, plan, history, report)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
       type(step_plan_t), intent(inout) :: plan
@@ -265,7 +264,7 @@ contains
                heights_at(contact, level%x, new_time), level%state)
          end do
       end associate
-   end subroutine take_parts
+   end subroutine solve_parts
 
    !> Psi_1 and Psi_2 at the nodes x (., 2).
    pure function heights_at(contact, x, time) result(heights)
@@ -293,7 +292,7 @@ contains
       associate (state => hierarchy%levels(hierarchy%finest)%state)
          old_minimum = minval(state%film)
          first = min(history%way, size(attempts))
-         count = foretelling(history)
+         count = predictors(history)
          do attempt = merge(first - 1, first - 2, count == history%size), size(attempts)
             if (attempt == first - 1) count = history%size
             call adopt(hierarchy, attempts(max(attempt, first)))

@@ -157,9 +157,8 @@ contains
       time = 0.0_wp
       if (.not. (allocated(surface%features) .and. is_moving(surface))) return
       associate (f => surface%features)
-         time = maxval([time, pack(1 + half_ridge*f%wavelength - sign(1.0_wp, &
-            surface%speed)*f%position, is_ridge(f))/ &
-            abs(surface%speed)])
+         time = maxval([time, pack(1 + half_ridge*f%wavelength &
+            - sign(1.0_wp, surface%speed)*f%position, is_ridge(f))/abs(surface%speed)])
       end associate
    end function last_passage
 

@@ -38,7 +38,8 @@ contains
 
       other%elasticity = contact%elasticity
       other%fluid = contact%fluid
-      other%fluid%ln_b_scale = contact%fluid%ln_b_scale + log(factor)
+      if (allocated(other%fluid%rheology)) other%fluid%rheology%ln_b_scale = &
+         contact%fluid%rheology%ln_b_scale + log(factor)
       other%lambda = factor*contact%lambda
       other%moes_m_sum = contact%moes_m_sum/sqrt(factor)
       other%moes_l_sum = contact%moes_l_sum*sqrt(sqrt(factor))

@@ -9,10 +9,9 @@
 !> grows by orders of magnitude within a few nodes and the arithmetic mean of e is too large. (The
 !> harmonic or geometric mean of the whole e leads to wrong films.)
 module face_mobility
+   use flow_law, only: block_size => slip_block, largest_exponent, slip_t
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_t, fluid_viscosity
-   use rheology, only: block_size => slip_block, evaluate_slip, evaluate_slip_slopes, &
-      largest_exponent, slip_t, thins
    use eyring, only: ds, s, series_limit
    implicit none (type, external)
    private
@@ -50,10 +49,11 @@ contains
          call fluid_viscosity(fluid, p(first - 1:last), ln_mu(:m))
          if (present(all_ln_mu)) all_ln_mu(first - 1:last) = ln_mu(:m)
          call mean_fluidity(ln_mu(:m), exponent(:m), shape_factor(:m), unused(:m))
-         if (thins(fluid)) then
+         if (allocated(fluid%rheology)) then
             mean_ln_mu(:m) = 0.5_wp*(ln_mu(0:m - 1) + ln_mu(1:m))
             call drive_at_faces(dx, p, h, first, drive(:m), inverse_film(:m), compensation)
-            call evaluate_slip(fluid, drive(:m), inverse_film(:m), mean_ln_mu(:m), slip)
+            call fluid%rheology%evaluate_slip(drive(:m), inverse_film(:m), mean_ln_mu(:m), &
+               .false., slip)
             exponent(:m) = min(exponent(:m) + slip%growth(:m), largest_exponent)
             shape_factor(:m) = shape_factor(:m)*slip%factor(:m)
          end if
@@ -83,10 +83,11 @@ contains
          m = last - first + 1
          call fluid_viscosity(fluid, p(first - 1:last), ln_mu(:m), mu_p(:m))
          call mean_fluidity(ln_mu(:m), exponent(:m), shape_factor(:m), slant(:m))
-         if (thins(fluid)) then
+         if (allocated(fluid%rheology)) then
             mean_ln_mu(:m) = 0.5_wp*(ln_mu(0:m - 1) + ln_mu(1:m))
             call drive_at_faces(dx, p, h, first, drive(:m), inverse_film(:m), compensation)
-            call evaluate_slip_slopes(fluid, drive(:m), inverse_film(:m), mean_ln_mu(:m), slip)
+            call fluid%rheology%evaluate_slip(drive(:m), inverse_film(:m), mean_ln_mu(:m), &
+               .true., slip)
             exponent(:m) = min(exponent(:m) + slip%growth(:m), largest_exponent)
             shape_factor(:m) = shape_factor(:m)*slip%factor(:m)
          end if

@@ -8,13 +8,12 @@
 !> cut by P >= 0; a coarse correction falls to zero where the finest grid has P = 0, which need not
 !> be a coarse node.
 module fas_cycle
-   use film_equation, only: elastic_film, evaluate_deflection
-   use force_balance, only: carried_load, load_defect
+   use film_equation, only: carried_load, elastic_film, evaluate_deflection, load_defect
    use kinds, only: wp
    use line_hierarchy, only: count_work, line_hierarchy_t
    use line_level, only: largest_pressure, line_level_t, thinnest_film
    use newton_line, only: solve_newton
-   use relaxation_sweeps, only: smooth, sweep_under_load
+   use smoothers, only: smooth, sweep_under_load
    use reynolds_line, only: evaluate_reynolds
    use transfer, only: full_weighting, inject, prolong_linear
    implicit none (type, external)
@@ -77,21 +76,21 @@ contains
          call inject(fine%state%pressure, coarse%state%pressure)
          call inject(fine%state%film, coarse%state%film)
          coarse%state%rigid_displacement = fine%state%rigid_displacement
-         coarse%start_pressure(:) = coarse%state%pressure
-         coarse%start_film(:) = coarse%state%film
+         coarse%posed%start_pressure(:) = coarse%state%pressure
+         coarse%posed%start_film(:) = coarse%state%film
          coarse%inverse_time_step = fine%inverse_time_step
          coarse%has_tail = .false.
          coarse%rhs_load = carried_load(coarse) + load_defect(fine)
          call evaluate_deflection(fine)
-         fine%work = elastic_film(fine) - fine%state%film
-         call full_weighting(fine%work, coarse%rhs_film)
+         fine%work%nodes = elastic_film(fine) - fine%state%film
+         call full_weighting(fine%work%nodes, coarse%rhs_film)
          call evaluate_reynolds(fine)
          call evaluate_reynolds(coarse)
          call restrict_exit(fine, coarse)
          call restrict_reynolds(fine, coarse)
          call evaluate_deflection(coarse)
          coarse%rhs_film = coarse%rhs_film + coarse%state%film - coarse%state%rigid_displacement &
-            + coarse%deflection
+            + coarse%elastic%deflection
       end associate
       call count_work(hierarchy, k, 1)
       call count_work(hierarchy, k - 1, 1)
@@ -108,29 +107,28 @@ contains
       integer :: last
 
       last = findloc(fine%state%pressure > 0.0_wp, .true., 1, back=.true.) - 1
-      exit = 0.5_wp*(last + merge(fine%exit_distance, 1.0_wp, last == fine%exit_node))
-      coarse%exit_node = ceiling(exit) - 1
-      coarse%exit_distance = exit - coarse%exit_node
-      coarse%exit_conductance = 0.0_wp
-      if (coarse%exit_node < 1) return
-      coarse%exit_conductance = (1/coarse%exit_distance - 1)*coarse%face_mobility(coarse%exit_node &
-         + 1)/coarse%dx**2
+      exit = 0.5_wp*(last + merge(fine%posed%exit_distance, 1.0_wp, last == fine%posed%exit_node))
+      coarse%posed%exit_node = ceiling(exit) - 1
+      coarse%posed%exit_distance = exit - coarse%posed%exit_node
+      coarse%posed%exit_conductance = 0.0_wp
+      if (coarse%posed%exit_node < 1) return
+      coarse%posed%exit_conductance = (1/coarse%posed%exit_distance - 1) &
+         *coarse%oil%face_mobility(coarse%posed%exit_node + 1)/coarse%dx**2
    end subroutine restrict_exit
 
    !> Strict restriction of the Reynolds residual, see the head of the module.
    pure subroutine restrict_reynolds(fine, coarse)
-      type(line_level_t), intent(inout) :: fine
-      type(line_level_t), intent(inout) :: coarse
+      type(line_level_t), intent(inout) :: fine, coarse
       integer :: i, n
 
       n = coarse%n
-      fine%work = fine%rhs_reynolds - fine%operator
-      fine%work(0) = 0.0_wp
-      fine%work(fine%n) = 0.0_wp
-      fine%correction = merge(fine%work, 0.0_wp, fine%state%pressure > 0.0_wp)
-      call full_weighting(fine%correction, coarse%rhs_reynolds)
+      fine%work%nodes = fine%rhs_reynolds - fine%operator
+      fine%work%nodes(0) = 0.0_wp
+      fine%work%nodes(fine%n) = 0.0_wp
+      fine%work%correction = merge(fine%work%nodes, 0.0_wp, fine%state%pressure > 0.0_wp)
+      call full_weighting(fine%work%correction, coarse%rhs_reynolds)
       do concurrent (i=1:n - 1)
-         if (coarse%state%pressure(i) <= 0.0_wp) coarse%rhs_reynolds(i) = fine%work(2*i)
+         if (coarse%state%pressure(i) <= 0.0_wp) coarse%rhs_reynolds(i) = fine%work%nodes(2*i)
       end do
       coarse%rhs_reynolds = coarse%rhs_reynolds + coarse%operator
    end subroutine restrict_reynolds
@@ -138,26 +136,24 @@ contains
    !> Adds the coarse-grid corrections of P and H at ALL nodes, halved until every film keeps half
    !> of itself.
    pure subroutine prolong(fine, coarse)
-      type(line_level_t), intent(inout) :: fine
-      type(line_level_t), intent(inout) :: coarse
+      type(line_level_t), intent(inout) :: fine, coarse
       real(wp) :: share
 
-      coarse%work = coarse%state%pressure - coarse%start_pressure
-      coarse%correction = coarse%state%film - coarse%start_film
-      call prolong_linear(coarse%work, fine%work)
-      call prolong_linear(coarse%correction, fine%correction)
+      coarse%work%nodes = coarse%state%pressure - coarse%posed%start_pressure
+      coarse%work%correction = coarse%state%film - coarse%posed%start_film
+      call prolong_linear(coarse%work%nodes, fine%work%nodes)
+      call prolong_linear(coarse%work%correction, fine%work%correction)
       share = 1.0_wp
       do while (share > smallest_share)
-         if (all(fine%state%film + share*fine%correction >= smallest_film_share &
-            *fine%state%film) .and. &
-            all(abs(share*fine%work) <= largest_step*max(1.0_wp, fine%state%pressure))) exit
+         if (all(fine%state%film + share*fine%work%correction >= smallest_film_share &
+            *fine%state%film) .and. all(abs(share*fine%work%nodes) &
+            <= largest_step*max(1.0_wp, fine%state%pressure))) exit
          share = 0.5_wp*share
       end do
       fine%state%rigid_displacement = coarse%state%rigid_displacement
-      fine%state%pressure = max(fine%state%pressure + share*fine%work, 0.0_wp)
-      fine%state%film = max(fine%state%film + share*fine%correction, &
-         smallest_film_share*fine%state%film, &
-         thinnest_film)
+      fine%state%pressure = max(fine%state%pressure + share*fine%work%nodes, 0.0_wp)
+      fine%state%film = max(fine%state%film + share*fine%work%correction, &
+         smallest_film_share*fine%state%film, thinnest_film)
    end subroutine prolong
 
 end module fas_cycle

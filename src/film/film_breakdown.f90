@@ -1,7 +1,7 @@
 !> Film breakdown: a film below a stated floor, where the model of a full film does not hold any
 !> more.
 !>
-!> The floor is no part of the equations: it changes no film and no pressure. It is looked at after
+!> The floor is no part of the equations: it changes no film and no pressure. It is checked after
 !> every solution.
 module film_breakdown
    use iteration_report, only: breakdown_t, report_t
@@ -12,14 +12,14 @@ module film_breakdown
    implicit none (type, external)
    private
 
-   public :: look_for_breakdown
+   public :: check_breakdown
 
 contains
 
-   !> Takes down a film below the floor (its smallest value by the parabola through three nodes) or
+   !> Records a film below the floor (its smallest value by the parabola through three nodes) or
    !> closed at a node: the first one with its place, the smallest of all. The report is not
    !> converged any more if that is the end. x, film (n).
-   pure subroutine look_for_breakdown(x, film, settings, step, time, report)
+   pure subroutine check_breakdown(x, film, settings, step, time, report)
       real(wp), intent(in) :: x(:), film(:)
       type(solver_settings_t), intent(in) :: settings
       integer, intent(in) :: step
@@ -45,7 +45,7 @@ contains
          report%converged = .false.
          report%reason = breakdown_reason(breakdown, settings%film_floor)
       end associate
-   end subroutine look_for_breakdown
+   end subroutine check_breakdown
 
    !> Where and when the film first broke down, dimensionless: 'film breakdown at X = -0.3
    !> (T = 0.5): H = 0.01 ...'.

@@ -1,12 +1,17 @@
 !> Film equation (2.58): H = X^2/2 - Psi_1 - Psi_2 + H0 - K P, on a coarse grid with the right side
 !> of the coarse problem, `rhs_film`. K is that of the level: of rigid bodies it is zero.
+!>
+!> Force balance (2.60) by the trapezoidal rule, P = 0 at both ends: dX sum P = pi/2, less what a
+!> tail in front of the inlet carries (module inlet_tail); on a coarse grid what the coarse problem
+!> asks for. That load is `rhs_load`.
 module film_equation
    use kinds, only: wp
    use line_level, only: line_level_t, thinnest_film
    implicit none (type, external)
    private
 
-   public :: elastic_film, evaluate_deflection, take_film, update_film
+   public :: carried_load, elastic_film, evaluate_deflection, load_defect, relax_load, &
+      take_film, update_film
 
 contains
 
@@ -14,9 +19,8 @@ contains
    subroutine evaluate_deflection(level)
       type(line_level_t), intent(inout) :: level
 
-      if (.not. level%elasticity > 0.0_wp) return   ! it has been 0 from the start
-      call level%convolution%apply(level%state%pressure, level%deflection)
-      level%products = level%products + 1
+      if (.not. level%elastic%elasticity > 0.0_wp) return   ! it has been 0 from the start
+      call level%elastic%apply(level%state%pressure, level%elastic%deflection)
    end subroutine evaluate_deflection
 
    !> The film (0:n) of the present H0 and of the last K P; it may be closed (H <= 0).
@@ -24,7 +28,7 @@ contains
       type(line_level_t), intent(in) :: level
       real(wp) :: film(0:level%n)
 
-      film = level%rhs_film + level%state%rigid_displacement - level%deflection
+      film = level%rhs_film + level%state%rigid_displacement - level%elastic%deflection
    end function elastic_film
 
    !> The film of the level becomes that of the present pressure and H0.
@@ -43,5 +47,30 @@ contains
       call evaluate_deflection(level)
       level%state%film = max(elastic_film(level), 0.5_wp*level%state%film, thinnest_film)
    end subroutine update_film
+
+   !> The load that the pressure carries, dX sum P.
+   pure function carried_load(level) result(load)
+      type(line_level_t), intent(in) :: level
+      real(wp) :: load
+
+      load = level%dx*sum(level%state%pressure)
+   end function carried_load
+
+   !> What is missing of it, rhs_load - dX sum P.
+   pure function load_defect(level) result(defect)
+      type(line_level_t), intent(in) :: level
+      real(wp) :: defect
+
+      defect = level%rhs_load - carried_load(level)
+   end function load_defect
+
+   !> Moves H0 by `relaxation` times what is missing: surfaces that carry too little come closer.
+   pure subroutine relax_load(level, relaxation)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: relaxation
+
+      level%state%rigid_displacement = level%state%rigid_displacement &
+         - relaxation*load_defect(level)
+   end subroutine relax_load
 
 end module film_equation

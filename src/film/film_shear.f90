@@ -9,14 +9,14 @@
 !> how much of the width oil fills there is not known.
 module film_shear
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use flow_law, only: block_size => slip_block, slip_t
    use friction_sums, only: friction_t, stressed_share
    use kinds, only: wp
    use line_level, only: line_level_t
    use missing_value, only: not_known
    use quantities, only: exit_between_nodes
    use reynolds_line, only: mass_flux
-   use rheology, only: block_size => slip_block, evaluate_slip, evaluate_stress, &
-      largest_exponent, slip_t, thins
+   use rheology, only: evaluate_stress, largest_exponent, thins
    use shear_stresses, only: evaluate_nodes, stress_block_t
    implicit none (type, external)
    private
@@ -50,7 +50,7 @@ contains
       integer :: i, first, last, m, exit_node
       logical :: has_speeds
 
-      associate (p => level%state%pressure, h => level%state%film, rho => level%density)
+      associate (p => level%state%pressure, h => level%state%film, rho => level%oil%density)
          friction = oil_in_front(level, h(maxloc(p, 1) - 1))
          flux = mass_flux(level)
          exit_node = findloc(p > 0.0_wp, .true., 1, back=.true.) - 1
@@ -62,7 +62,7 @@ contains
             last = min(first + block_size - 1, exit_node)
             m = last - first + 1
             call evaluate_nodes(level%fluid, couette_of(level), level%dx, p(:min(last + 1, &
-               level%n)), h, level%ln_mu, first + 1, block)
+               level%n)), h, level%oil%ln_mu, first + 1, block)
             weights(:m) = merge(level%dx, 0.0_wp, p(first:last) > 0.0_wp)
             if (first == 0) weights(1) = 0.5_wp*level%dx
             if (present(stress)) stress(first + 1:last + 1) = merge(block%stress(:m), 0.0_wp, &
@@ -109,8 +109,8 @@ contains
       associate (x => level%x, h => level%state%film, first => max(node - 2, 0), &
          last => min(node + 2, level%n))
          film = flux
-         rest = exit_by_flux(x(first:last), level%density(first:last)*h(first:last), node - first, &
-            flux) - x(node)
+         rest = exit_by_flux(x(first:last), level%oil%density(first:last)*h(first:last), node &
+            - first, flux) - x(node)
          if (.not. ieee_is_finite(rest)) then
             film = h(node)
             rest = exit_between_nodes(x, level%state%pressure) - x(node)
@@ -126,8 +126,7 @@ contains
    pure function exit_by_flux(x, film, node, flux) result(position)
       real(wp), intent(in) :: x(0:), film(0:), flux
       integer, intent(in) :: node
-      real(wp) :: position
-      real(wp) :: bend, part, rise
+      real(wp) :: position, bend, part, rise
       integer :: i
 
       position = not_known()
@@ -167,7 +166,7 @@ contains
 
       weights = abs(level%x(0))/points*inverse_square
       h = level%state%film(0) + 0.5_wp*level%x(0)**2*(inverse_square - 1) &
-         + 0.5_wp*level%elasticity*ln_share
+         + 0.5_wp*level%elastic%elasticity*ln_share
       flow_drive = level%lambda*max(h - flow, 0.0_wp)/h**2
       reduced = 0.0_wp
       do i = 1, points
@@ -179,7 +178,7 @@ contains
       drive = flow_drive
       if (thins(level%fluid)) then
          do pass = 1, 2   ! S of a drive that S has not made less is too large
-            call evaluate_slip(level%fluid, drive, 1/h, ln_mu, slip)
+            call level%fluid%rheology%evaluate_slip(drive, 1/h, ln_mu, .false., slip)
             drive = flow_drive/(slip%factor(:points)*exp(min(slip%growth(:points), &
                largest_exponent)))
          end do

@@ -30,8 +30,7 @@ contains
    pure function unknown_friction() result(friction)
       type(friction_t) :: friction
 
-      friction = friction_t(not_known(), not_known(), not_known(), not_known(), &
-         not_known())
+      friction = friction_t(not_known(), not_known(), not_known(), not_known(), not_known())
    end function unknown_friction
 
 end module friction_sums

@@ -16,7 +16,7 @@ module inlet_tail
    use kinds, only: wp
    use line_level, only: contact_load, line_level_t
    use lubricant, only: fluid_t, viscosity_constant
-   use rheology, only: ln_slip_with_slope, thins
+   use rheology, only: thins
    implicit none (type, external)
    private
 
@@ -41,7 +41,8 @@ contains
 
       if (.not. level%has_tail) return
       call tail_of(level, pressure, load)
-      level%state%film = level%state%film - (pressure - level%state%pressure(0))*level%kernel
+      level%state%film = level%state%film - (pressure - level%state%pressure(0)) &
+         *level%elastic%kernel
       level%state%pressure(0) = pressure
       level%rhs_load = contact_load - load
    end subroutine close_inlet
@@ -68,7 +69,7 @@ contains
          do i = 1, points
             x = x_a*points/(i - 0.5_wp)
             h = first_film + 0.5_wp*(x**2 - x_a**2) &
-               - level%elasticity*share*log((centre - x)/(centre - x_a))
+               - level%elastic%elasticity*share*log((centre - x)/(centre - x_a))
             reduced = pressure + 0.5_wp*gain
             gain = level%lambda*max(h - flow, 0.0_wp)/h**3
             if (thins(level%fluid)) call divide_by_slip(level%fluid, h, reduced, gain, drive)
@@ -111,7 +112,7 @@ contains
       do i = 1, max_steps
          if (y <= bounds(1) .or. y >= bounds(2)) y = 0.5_wp*(bounds(1) + bounds(2))
          drive = exp(y)
-         call ln_slip_with_slope(fluid, drive, h, ln_mu, ln_s, by_drive)
+         call fluid%rheology%ln_slip(drive, h, ln_mu, ln_s, by_drive)
          excess = y + ln_s - ln_gain
          bounds(merge(2, 1, excess > 0.0_wp)) = y
          y = y - excess/(1 + drive*by_drive)
@@ -130,13 +131,13 @@ contains
 
       i = min(max(maxloc(level%state%pressure, 1) - 1, 1), level%n - 1)
       associate (p => level%state%pressure)
-         mass = level%density(i - 1:i + 1)*level%state%film(i - 1:i + 1)
+         mass = level%oil%density(i - 1:i + 1)*level%state%film(i - 1:i + 1)
          if (level%is_kappa) then
             flow = (2*mass(3) + 5*mass(2) - mass(1))/6
          else
             flow = 0.5_wp*(3*mass(2) - mass(1))
          end if
-         flow = flow - level%face_mobility(i + 1)*(p(i + 1) - p(i))/(level%lambda*level%dx)
+         flow = flow - level%oil%face_mobility(i + 1)*(p(i + 1) - p(i))/(level%lambda*level%dx)
       end associate
    end function flow_at_peak
 

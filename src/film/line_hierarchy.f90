@@ -17,8 +17,7 @@ module line_hierarchy
 
    public :: line_hierarchy_t, relaxation_t, new_hierarchy, pose_coarser_levels, &
       pose_steady_problem, roughness_at
-   public :: add_level, coarsest_for_film, count_work, is_newton, new_growing_hierarchy, &
-      report_cost
+   public :: add_level, coarsest_for_film, count_work, is_newton, new_growing_hierarchy, report_cost
 
    !> Smoother words.
    integer, parameter, public :: smoother_block_jacobi = 1, smoother_gauss_seidel = 2, &
@@ -45,7 +44,7 @@ module line_hierarchy
       real(wp) :: relaxation = 0.8_wp
       !> Under-relaxation of H0 where the coarsest level is swept.
       real(wp) :: load_relaxation = 0.05_wp
-      !> The own share K_0/pi of a node is taken no larger than -bound dX; 0: as it is.
+      !> The kernel K_0/pi of a node itself is taken no larger than -bound dX; 0: as it is.
       real(wp) :: kernel_bound = 3.0_wp
       !> Film of the first start over the Moes film.
       real(wp) :: start_film = 1.0_wp
@@ -304,7 +303,7 @@ contains
       type(line_hierarchy_t), intent(in) :: hierarchy
       type(report_t), intent(inout) :: report
 
-      report%fft_pairs = hierarchy%earlier_pairs + sum(hierarchy%levels%products)
+      report%fft_pairs = hierarchy%earlier_pairs + sum(hierarchy%levels%elastic%products)
       report%work_units = hierarchy%work_units
    end subroutine report_cost
 

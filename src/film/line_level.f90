@@ -22,12 +22,50 @@ module line_level
    !> Load of the contact: Hertz's pressure, integrated over X.
    real(wp), parameter, public :: contact_load = 0.5_wp*pi
 
+   !> How the bodies deform under a pressure on the grid.
+   type, public :: elastic_line_t
+      !> How much of the deformation counts, that of the contact; 0: rigid bodies.
+      real(wp) :: elasticity = 1.0_wp
+      !> Kernel K_j/pi, j = 0..n, times the elasticity, and its product by FFT.
+      real(wp), allocatable :: kernel(:)
+      type(toeplitz_t) :: convolution
+      !> Products with the kernel so far (one FFT pair each).
+      integer :: products = 0
+      !> K P/pi at the last evaluation (0:n).
+      real(wp), allocatable :: deflection(:)
+   contains
+      procedure :: apply => apply_kernel
+   end type elastic_line_t
+
+   !> Coefficients at the last evaluation: e = rho H^3 S/mu (of the thesis's scheme), rho and
+   !> ln(mu/mu_0) of the nodes (0:n), mobility e(i-1/2) of the face left of node i (1:n).
+   type :: coefficients_t
+      real(wp), allocatable :: mobility(:), density(:), ln_mu(:), face_mobility(:)
+   end type coefficients_t
+
+   !> What a coarse problem adds to a grid (module fas_cycle).
+   type :: coarse_problem_t
+      !> The last node with P > 0 where it is posed, how far behind it [dX] the finest grid has
+      !> P = 0 again, and what that adds to the conductance e/dX^2 to the next node.
+      integer :: exit_node = 0
+      real(wp) :: exit_distance = 1.0_wp, exit_conductance = 0.0_wp
+      !> P and H that it was posed with (0:n).
+      real(wp), allocatable :: start_pressure(:), start_film(:)
+   end type coarse_problem_t
+
+   !> Work space of smoothers and transfers (0:n): dL_R/dH at a node and the elastic diagonal
+   !> dL_R/dP - (K_0/pi) dL_R/dH of the smoothers, values and corrections of the nodes.
+   type :: level_work_t
+      real(wp), allocatable :: film_diagonal(:), diagonal(:), nodes(:), correction(:)
+   end type level_work_t
+
    !> A uniform grid of n intervals on [x_inlet, x_outlet]; arrays are (0:n) unless stated.
    type :: line_level_t
       !> Intervals.
       integer :: n = 0
-      !> Spacing dX [b].
+      !> Spacing dX [b], and nodes X.
       real(wp) :: dx = 0.0_wp
+      real(wp), allocatable :: x(:)
       !> Speed parameter lambda and scaled laws of the oil, those of the contact.
       real(wp) :: lambda = 0.0_wp
       type(fluid_t) :: fluid
@@ -42,35 +80,17 @@ module line_level
       logical :: is_coarse_run = .false.
       !> Pressure and load in front of the grid are those of module inlet_tail.
       logical :: has_tail = .false.
-      !> Coarse problems: the last node with P > 0 where they are posed, how far behind it [dX] the
-      !> finest grid has P = 0 again, and what that adds to the conductance e/dX^2 to the next node
-      !> (module fas_cycle).
-      integer :: exit_node = 0
-      real(wp) :: exit_distance = 1.0_wp, exit_conductance = 0.0_wp
-      !> Products with the kernel so far (one FFT pair each).
-      integer :: products = 0
-      !> Nodes X.
-      real(wp), allocatable :: x(:)
-      !> Unknowns, and P and H of those that a coarse problem was posed with.
+      !> Unknowns.
       type(film_state_t) :: state
-      real(wp), allocatable :: start_pressure(:), start_film(:)
       !> Right sides: L_R(P, H) = rhs_reynolds, H - H0 + K P = rhs_film, dX sum P = rhs_load.
       real(wp), allocatable :: rhs_reynolds(:), rhs_film(:)
       real(wp) :: rhs_load = contact_load
-      !> How much of the deformation counts, that of the contact; 0: rigid bodies.
-      real(wp) :: elasticity = 1.0_wp
-      !> Kernel K_j/pi, j = 0..n, times the elasticity, and its product by FFT.
-      real(wp), allocatable :: kernel(:)
-      type(toeplitz_t) :: convolution
-      !> Coefficients e = rho H^3 S/mu (of the thesis's scheme), rho and ln(mu/mu_0), the operator
-      !> L_R, and K P/pi, at the last evaluation.
-      real(wp), allocatable :: mobility(:), density(:), ln_mu(:), operator(:), deflection(:)
-      !> Mobility e(i-1/2) of the face left of node i (1:n), at the last evaluation.
-      real(wp), allocatable :: face_mobility(:)
-      !> dL_R/dH at a node and the elastic diagonal dL_R/dP - (K_0/pi) dL_R/dH, for the smoothers.
-      real(wp), allocatable :: film_diagonal(:), diagonal(:)
-      !> Work space of smoothers and transfers.
-      real(wp), allocatable :: work(:), correction(:)
+      !> L_R at the last evaluation, what it is made of, and how the bodies deform.
+      real(wp), allocatable :: operator(:)
+      type(coefficients_t) :: oil
+      type(elastic_line_t) :: elastic
+      type(coarse_problem_t) :: posed
+      type(level_work_t) :: work
    end type line_level_t
 
 contains
@@ -87,24 +107,36 @@ contains
       real(wp), intent(in), optional :: elasticity
       integer :: i
 
-      if (present(elasticity)) level%elasticity = elasticity
       level%n = n
       level%dx = (ends(2) - ends(1))/n
       level%lambda = lambda
       level%fluid = fluid
-      allocate (level%x(0:n), level%kernel(0:n))
+      allocate (level%x(0:n), level%elastic%kernel(0:n))
       level%x = [(ends(1) + i*level%dx, i=0, n - 1), ends(2)]
-      level%kernel = level%elasticity*line_deflection_coefficients(n, level%dx)
-      call new_toeplitz(level%convolution, level%kernel, error)
-      if (allocated(error)) return
       allocate (level%state%pressure(0:n), level%state%film(0:n), level%rhs_reynolds(0:n), &
-         level%rhs_film(0:n), level%start_pressure(0:n), level%start_film(0:n), source=0.0_wp)
-      allocate (level%mobility(0:n), level%density(0:n), level%ln_mu(0:n), level%operator(0:n), &
-         level%deflection(0:n), source=0.0_wp)
-      allocate (level%face_mobility(n), source=0.0_wp)
-      allocate (level%work(0:n), level%correction(0:n), source=0.0_wp)
-      allocate (level%film_diagonal(0:n), level%diagonal(0:n), source=-1.0_wp)
+         level%rhs_film(0:n), level%operator(0:n), source=0.0_wp)
+      associate (elastic => level%elastic, oil => level%oil, posed => level%posed, &
+         work => level%work)
+         if (present(elasticity)) elastic%elasticity = elasticity
+         elastic%kernel = elastic%elasticity*line_deflection_coefficients(n, level%dx)
+         call new_toeplitz(elastic%convolution, elastic%kernel, error)
+         if (allocated(error)) return
+         allocate (elastic%deflection(0:n), posed%start_pressure(0:n), posed%start_film(0:n), &
+            oil%mobility(0:n), oil%density(0:n), oil%ln_mu(0:n), oil%face_mobility(n), &
+            work%nodes(0:n), work%correction(0:n), source=0.0_wp)
+         allocate (work%film_diagonal(0:n), work%diagonal(0:n), source=-1.0_wp)
+      end associate
    end subroutine new_level
+
+   !> The deflection K p/pi of a pressure (0:n), by FFT.
+   subroutine apply_kernel(self, p, deflection)
+      class(elastic_line_t), intent(inout) :: self
+      real(wp), intent(in), contiguous :: p(:)
+      real(wp), intent(out), contiguous :: deflection(:)
+
+      call self%convolution%apply(p, deflection)
+      self%products = self%products + 1
+   end subroutine apply_kernel
 
    !> The right sides of the original (not the coarse-grid) steady problem for surface heights
    !> `roughness` = Psi_1 + Psi_2.
@@ -116,8 +148,8 @@ contains
       level%rhs_film = 0.5_wp*level%x**2 - roughness
       level%rhs_load = contact_load
       level%inverse_time_step = 0.0_wp
-      level%exit_node = 0
-      level%exit_conductance = 0.0_wp
+      level%posed%exit_node = 0
+      level%posed%exit_conductance = 0.0_wp
    end subroutine set_plain_problem
 
    !> Whether the finest grid has P = 0 before the next node of this one, which has P = 0 still.
@@ -125,8 +157,8 @@ contains
       type(line_level_t), intent(in) :: level
       logical :: is_close
 
-      is_close = level%exit_conductance > 0.0_wp
-      if (is_close) is_close = level%state%pressure(level%exit_node + 1) <= 0.0_wp
+      is_close = level%posed%exit_conductance > 0.0_wp
+      if (is_close) is_close = level%state%pressure(level%posed%exit_node + 1) <= 0.0_wp
    end function has_close_exit
 
 end module line_level

@@ -41,7 +41,7 @@ module line_summary
 
    !> Maxima of P; NaN: there is none.
    type :: crests_t
-      !> The largest, and the largest beside the spike, each by the parabola through three nodes.
+      !> The largest, and the largest but the spike, each by the parabola through three nodes.
       real(wp) :: highest, other
       !> The spike, the last maximum before the exit if P falls behind it by the share `spike_drop`
       !> within two spacings: P and H of its top node.
@@ -84,10 +84,7 @@ contains
    !> The quantities of pressure `p` and film `h` on the nodes `x` of a rising grid at a time, each
    !> (nx), and of their friction if that is known.
    pure function summary_of_fields(x, p, h, time, friction) result(summary)
-      real(wp), intent(in) :: x(:)
-      real(wp), intent(in) :: p(:)
-      real(wp), intent(in) :: h(:)
-      real(wp), intent(in) :: time
+      real(wp), intent(in) :: x(:), p(:), h(:), time
       type(friction_t), intent(in), optional :: friction
       type(line_summary_t) :: summary
       type(friction_t) :: forces
@@ -102,7 +99,7 @@ contains
       summary%limits = unknown_limits()
    end function summary_of_fields
 
-   !> Takes the values of `other`, a solution of other equations on the same grid: the estimated
+   !> Copies the values of `other`, a solution of other equations on the same grid: the estimated
    !> errors stay, extrapolated values go along.
    pure subroutine take_values(summary, other)
       type(line_summary_t), intent(inout) :: summary
@@ -216,8 +213,7 @@ contains
    !> Row `i` without an estimate of its error, from its value and that between the nodes.
    pure function new_quantity(i, values, time) result(quantity)
       integer, intent(in) :: i
-      real(wp), intent(in) :: values(2)
-      real(wp), intent(in) :: time
+      real(wp), intent(in) :: values(2), time
       type(quantity_t) :: quantity
 
       quantity%value = values(1)

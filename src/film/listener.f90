@@ -1,4 +1,4 @@
-!> How a solver tells its progress and hands over time steps without knowing who listens.
+!> How a solver reports its progress and hands over time steps without knowing who listens.
 module listener
    use film_state, only: film_state_t
    use iteration_report, only: report_t
@@ -6,9 +6,8 @@ module listener
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use march_state, only: march_state_t
+   use march_state, only: march_state_t, time_part_t
    use momentum_history, only: momentum_history_t
-   use time_part, only: time_part_t
    implicit none (type, external)
    private
 

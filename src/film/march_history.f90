@@ -9,9 +9,9 @@ module march_history
    implicit none (type, external)
    private
 
-   public :: extrapolate, foretelling, remember
+   public :: extrapolate, predictors, remember
 
-   !> The past foretells a step where the line through two solutions missed the next by no more than
+   !> The past predicts a step where the line through two solutions missed the next by no more than
    !> this share of its change.
    real(wp), parameter :: largest_miss = 0.5_wp
 
@@ -21,7 +21,7 @@ contains
    !> the line through the two before missed that (features that move by a spacing in a step, or
    !> more). In 48 passages with dT = dX this saves 20 % of the cycles on 64 intervals, 10 % on 128,
    !> 3 % on 256.
-   pure function foretelling(history) result(count)
+   pure function predictors(history) result(count)
       type(march_state_t), intent(in) :: history
       integer :: count
       real(wp) :: weights(3)
@@ -33,7 +33,7 @@ contains
          if (maxval(abs(p(:, 1) - weights(1)*p(:, 2) - weights(2)*p(:, 3))) > largest_miss &
             *maxval(abs(p(:, 1) - p(:, 2)))) count = 1
       end associate
-   end function foretelling
+   end function predictors
 
    !> P (cut at 0) and H0 at the end of a step of `length`, by the curve of lowest degree through
    !> the last `count` solutions.
@@ -65,9 +65,9 @@ contains
       history%pressure(:, 1) = level%state%pressure
       history%lengths = [length, history%lengths(1)]
       history%rigid_displacement = [level%state%rigid_displacement, history%rigid_displacement(1:2)]
-      call fluid_density(level%fluid, level%state%pressure, level%density)
+      call fluid_density(level%fluid, level%state%pressure, level%oil%density)
       history%mass(:, 2) = history%mass(:, 1)
-      history%mass(:, 1) = level%density*level%state%film
+      history%mass(:, 1) = level%oil%density*level%state%film
       history%size = min(history%size + 1, 3)
    end subroutine remember
 

@@ -1,12 +1,13 @@
 !> Where a transient stands after a time step: everything that the later steps depend on, so that a
 !> run can be interrupted and taken up again without changing a bit of its result.
 module march_state
+   use film_state, only: film_state_t
    use iteration_report, only: report_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: march_state_t
+   public :: march_state_t, time_part_t
 
    !> The last solutions, from which the next one starts; dimensionless, on the nodes 0:n of the
    !> finest grid.
@@ -32,5 +33,16 @@ module march_state
       real(wp), allocatable :: film(:)
       type(report_t) :: report
    end type march_state_t
+
+   !> A step, or one part of it, with its solution on the nodes 0:n of the finest grid.
+   type :: time_part_t
+      !> dy/dT at its end is weights(1) y + weights(2) y_old + weights(3) y_older.
+      real(wp) :: weights(3) = 0.0_wp
+      !> Its length dT.
+      real(wp) :: length = 0.0_wp
+      !> Psi_1 and Psi_2 at its end (0:n, 2).
+      real(wp), allocatable :: heights(:, :)
+      type(film_state_t) :: state
+   end type time_part_t
 
 end module march_state

@@ -4,10 +4,9 @@
 !> overflows (ln mu reaches 714). Nodes are treated in blocks that stay in cache; each loop calls no
 !> procedure but the laws' own array loops.
 module mobility
+   use flow_law, only: block_size => slip_block, largest_exponent, slip_t
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_t, fluid_viscosity
-   use rheology, only: block_size => slip_block, evaluate_slip, evaluate_slip_slopes, &
-      largest_exponent, slip_t, thins
    implicit none (type, external)
    private
 
@@ -44,9 +43,9 @@ contains
          call fluid_viscosity(fluid, p(first:last), ln_mu(:m))
          if (present(all_ln_mu)) all_ln_mu(first:last) = ln_mu(:m)
          call fluid_density(fluid, p(first:last), rho(first:last))
-         if (thins(fluid)) then
+         if (allocated(fluid%rheology)) then
             call drive_at_nodes(dx, p, h, first, drive(:m), inverse_film(:m), compensation)
-            call evaluate_slip(fluid, drive(:m), inverse_film(:m), ln_mu(:m), slip)
+            call fluid%rheology%evaluate_slip(drive(:m), inverse_film(:m), ln_mu(:m), .false., slip)
          end if
          e(first:last) = rho(first:last)*h(first:last)**3*slip%factor(:m)*exp(min(slip%growth(:m) &
             - ln_mu(:m), largest_exponent))
@@ -97,9 +96,9 @@ contains
          m = last - first + 1
          call fluid_viscosity(fluid, p(first:last), ln_mu(:m), mu_p(:m))
          call fluid_density(fluid, p(first:last), slopes%rho(first:last), slopes%rho_p(first:last))
-         if (thins(fluid)) then
+         if (allocated(fluid%rheology)) then
             call drive_at_nodes(dx, p, h, first, drive(:m), inverse_film(:m), compensation)
-            call evaluate_slip_slopes(fluid, drive(:m), inverse_film(:m), ln_mu(:m), slip)
+            call fluid%rheology%evaluate_slip(drive(:m), inverse_film(:m), ln_mu(:m), .true., slip)
          end if
          associate (e => slopes%e(first:last), rho => slopes%rho(first:last), film => h(first:last))
             e = rho*film**3*slip%factor(:m)*exp(min(slip%growth(:m) - ln_mu(:m), largest_exponent))

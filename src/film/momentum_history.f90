@@ -1,6 +1,6 @@
 !> Where the march of the full momentum equations stands: everything that its later steps and its
 !> result depend on, so that a run can be interrupted and taken up again without changing a bit; and
-!> what its last films foretell of the next.
+!> what its last films predict of the next.
 module momentum_history
    use film_state, only: film_state_t
    use kinds, only: wp
@@ -10,16 +10,18 @@ module momentum_history
 
    public :: excess_t, max_excesses, momentum_history_t, next_count, past_t, weights_of
 
-   !> Films that the next one is foretold from, at most.
+   !> Films that predict the next one, at most.
    integer, parameter :: max_excesses = 3
 
-   !> What the equations need of an old time: H, z1 (0:n), rho H of the layers (layers, 0:n).
+   !> What the equations need of an old time, or make of several: H, z1 (0:n), rho H of the layers
+   !> (layers, 0:n).
    type :: past_t
       real(wp), allocatable :: film(:), lower(:), mass(:, :)
    end type past_t
 
-   !> What a film has above that of the Reynolds equation at the same time: P (layers, 0:n), U
-   !> (layers, n) above that of the thin film with its P and H, V (0:layers, 0:n) and H0.
+   !> P (layers, 0:n), U (layers, n), V (0:layers, 0:n) and H0 of a film, or what they have above
+   !> those of the Reynolds equation at the same time, U above that of the thin film with its P and
+   !> H.
    type :: excess_t
       real(wp), allocatable :: p(:, :), u(:, :), v(:, :)
       real(wp) :: rigid_displacement = 0.0_wp
@@ -28,13 +30,16 @@ module momentum_history
    !> The past of the march, the newest first, and its present film.
    type :: momentum_history_t
       integer :: layers = 0
+      !> The film of the Reynolds equation, and heights Psi_1 and Psi_2 of the walls (0:n, 2).
+      type(film_state_t) :: reynolds
+      real(wp), allocatable :: heights(:, :)
       !> How many of `past` and of `excess` there are.
       integer :: times = 0, films = 0
       type(past_t) :: past(2)
       type(excess_t) :: excess(max_excesses)
       !> Time from each of these films back to the next older one.
       real(wp) :: lengths(max_excesses - 1) = 0.0_wp
-      !> From how many of the films the next one is foretold.
+      !> How many of the films predict the next one.
       integer :: best_count = 0
       !> Largest T_max so far.
       real(wp) :: stress_rise = 0.0_wp
@@ -42,19 +47,17 @@ module momentum_history
       !> took more than three.
       integer :: solutions = 0, steps = 0, most_steps = 0, longer = 0
       integer :: factorisations = 0, linear_iterations = 0
-      !> Set where it is kept. The present film: P, V, H0 and all of U, H (0:n), the heights Psi_1
-      !> and Psi_2 (0:n, 2), half the weight of the new value in d/dT and what the old ones make of
-      !> it, and the film of the Reynolds equation.
+      !> Set where it is kept: the present film, its H (0:n), half the weight of the new value in
+      !> d/dT, and what the old ones make of it.
       type(excess_t) :: flow
-      real(wp), allocatable :: film(:), heights(:, :)
+      real(wp), allocatable :: film(:)
       real(wp) :: half_rate = 0.0_wp
       type(past_t) :: made_of_old
-      type(film_state_t) :: reynolds
    end type momentum_history_t
 
 contains
 
-   !> Weights of the last `count` films in what they foretell at the end of a step of this length.
+   !> Weights of the last `count` films in what they predict at the end of a step of this length.
    pure function weights_of(past, length, count) result(weights)
       type(momentum_history_t), intent(in) :: past
       real(wp), intent(in) :: length
@@ -66,7 +69,7 @@ contains
       if (count > 0) weights = parabola_weights(count, length/last, past%lengths(2)/last)
    end function weights_of
 
-   !> From how many of its films the past would best have foretold the present `excess`, after a
+   !> From how many of its films the past would best have predicted the present `excess`, after a
    !> step of this length: pressures and velocities count alike.
    function next_count(past, excess, length) result(best)
       type(momentum_history_t), intent(in) :: past

@@ -3,9 +3,8 @@ module nested_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use continuation, only: follow_stress, follow_time
    use fas_cycle, only: cycle_from
-   use film_equation, only: take_film
+   use film_equation, only: carried_load, take_film
    use film_state, only: film_state_t
-   use force_balance, only: carried_load
    use hertz, only: line_pressure
    use kinds, only: wp
    use expected_film, only: film_estimate
@@ -180,8 +179,7 @@ contains
                maxval(abs(level%state%film(1:level%n - 1)*(level%state%pressure(2:) &
                - level%state%pressure(:level%n - 2)))))/(2*level%dx) < largest_sigma) exit
             level%state%pressure(1:level%n - 1) = 0.25_wp*(level%state%pressure(:level%n - 2) &
-               + 2*level%state%pressure(1:level%n - 1) &
-               + level%state%pressure(2:))
+               + 2*level%state%pressure(1:level%n - 1) + level%state%pressure(2:))
          end do
       end associate
       call count_work(hierarchy, k, 1)

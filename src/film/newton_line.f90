@@ -5,8 +5,7 @@
 !> elastic diagonal). How the linear system is solved is decided by the `linear_solver_t`: by
 !> LAPACK, or in O(n log n).
 module newton_line
-   use film_equation, only: take_film
-   use force_balance, only: load_defect
+   use film_equation, only: load_defect, take_film
    use inlet_tail, only: close_inlet
    use kinds, only: wp
    use line_level, only: line_level_t
@@ -50,8 +49,7 @@ contains
    !> relative H, or at round-off, after `max_steps`, or before a step where `listener` wants to
    !> stop. `goal`: bound on |r|/lambda that the caller is after. `film_is_exact`: the level's film
    !> is already that of its pressure and of H0.
-   subroutine solve_newton(newton, level, tolerance, max_steps, &
-      listener, goal, film_is_exact)
+   subroutine solve_newton(newton, level, tolerance, max_steps, listener, goal, film_is_exact)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: tolerance
@@ -91,7 +89,7 @@ contains
             - 1)
          newton%linear_iterations = newton%linear_iterations + newton%linear%iterations
          if (newton%is_bent) call bend_step(newton, level)
-         call take_step(newton, level, share)
+         call apply_step(newton, level, share)
          if (share <= 0.0_wp) return
          newton%steps = newton%steps + 1
          if (share < 1.0_wp) then
@@ -170,7 +168,7 @@ contains
 
    !> Takes the step, shortened until no pressure moves too far and no film falls below half;
    !> share = 0 if that fails.
-   subroutine take_step(newton, level, share)
+   subroutine apply_step(newton, level, share)
       type(newton_t), intent(inout) :: newton
       type(line_level_t), intent(inout) :: level
       real(wp), intent(out) :: share
@@ -207,7 +205,7 @@ contains
          newton%last_film_step = maxval(abs(new%film - old%film)/old%film)
          newton%last_step = max(maxval(abs(new%pressure - old%pressure)), abs(share*step(n)))
       end associate
-   end subroutine take_step
+   end subroutine apply_step
 
    !> Largest change of Sigma in a full step: the slip factor grows like exp(|Sigma|), a Newton step
    !> must not run ahead of it.

@@ -96,9 +96,8 @@ contains
       real(wp), intent(in) :: time
       logical :: is_earlier
 
-      is_earlier = self%period > 0.0_wp .and. time >= self%earlier_from &
-         - rounding*self%end_time .and. &
-         time <= self%counts_from + rounding*self%end_time
+      is_earlier = self%period > 0.0_wp .and. time >= self%earlier_from - rounding*self%end_time &
+         .and. time <= self%counts_from + rounding*self%end_time
    end function is_earlier
 
    !> Whether the start is forgotten where the times begin that count; of a given beginning nothing
@@ -123,8 +122,8 @@ contains
       times%end_time = time%end_time
       if (.not. time%is_transient) return
       zone = zone_of(contact)
-      call look_at_surface(contact%surface_1, zone, times)
-      call look_at_surface(contact%surface_2, zone, times)
+      call settle_surface(contact%surface_1, zone, times)
+      call settle_surface(contact%surface_2, zone, times)
       times%needed_end = times%settled_from
       times%arrival = min(arrival_of(contact%surface_1, zone), arrival_of(contact%surface_2, zone))
       if (times%arrival > time%end_time) times%arrival = 0.0_wp
@@ -150,7 +149,7 @@ contains
    end function new_passage_times
 
    !> Whether a surface is artificial at T = 0, and until when; when its waves fill the contact.
-   pure subroutine look_at_surface(surface, zone, times)
+   pure subroutine settle_surface(surface, zone, times)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone
       type(passage_times_t), intent(inout) :: times
@@ -168,7 +167,7 @@ contains
          times%is_artificial = .true.
       end if
       times%settled_from = max(times%settled_from, settled)
-   end subroutine look_at_surface
+   end subroutine settle_surface
 
    !> How much later than from T = 0 on the film is made of a whole wave, where that rises behind a
    !> front or with time.
@@ -235,8 +234,8 @@ contains
       type(zone_t) :: zone
 
       zone = zone_of(contact)
-      call look_at_surface(contact%surface_1, zone, times)
-      call look_at_surface(contact%surface_2, zone, times)
+      call settle_surface(contact%surface_1, zone, times)
+      call settle_surface(contact%surface_2, zone, times)
       call place_on(contact%surface_1)
       call place_on(contact%surface_2)
 
@@ -283,9 +282,8 @@ contains
       else if (times%end_time < times%needed_end*(1 - rounding)) then
          note = 'the surfaces have not filled the contact before T = ' &
             //to_text(times%settled_from, 3)
-         if (times%is_artificial) note = 'the artificial start is in the quantities: it is '// &
-            'forgotten by T = '// &
-            to_text(times%settled_from, 3)
+         if (times%is_artificial) note = 'the artificial start is in the quantities: it is ' &
+            //'forgotten by T = '//to_text(times%settled_from, 3)
          if (times%period > 0.0_wp) note = note//', and a period takes '//to_text(times%period, 3)
          note = note//'; end_time = '//rounded_up(times%needed_end, 3)//' or more is needed'
       else

@@ -131,8 +131,7 @@ contains
    !> that nearly closes would be negative; NaN if a value is not finite. h (nx).
    pure function parabola_minimum(h) result(smallest)
       real(wp), intent(in) :: h(:)
-      real(wp) :: smallest
-      real(wp) :: slope, curvature, vertex
+      real(wp) :: smallest, slope, curvature, vertex
       integer :: i
 
       smallest = node_minimum(h)
@@ -167,8 +166,7 @@ contains
    !> Value at X = 0, linear between the nodes of a rising grid; NaN if the grid does not reach it.
    !> x, h (nx).
    pure function central_value(x, h) result(film)
-      real(wp), intent(in) :: x(:)
-      real(wp), intent(in) :: h(:)
+      real(wp), intent(in) :: x(:), h(:)
       real(wp) :: film
       integer :: i
 
@@ -186,10 +184,8 @@ contains
    !> Value at X = 0 by the cubic through the two nodes of a uniform grid on either side, linear
    !> where there are not four; NaN if the grid does not reach it. x, h (nx).
    pure function central_by_cubic(x, h) result(film)
-      real(wp), intent(in) :: x(:)
-      real(wp), intent(in) :: h(:)
-      real(wp) :: film
-      real(wp) :: t, weights(4)
+      real(wp), intent(in) :: x(:), h(:)
+      real(wp) :: film, t, weights(4)
       integer :: i
 
       film = central_value(x, h)
@@ -203,8 +199,7 @@ contains
 
    !> X of the last node with P > 0; NaN if there is none or a value is not finite. x, p (nx).
    pure function exit_position(x, p) result(position)
-      real(wp), intent(in) :: x(:)
-      real(wp), intent(in) :: p(:)
+      real(wp), intent(in) :: x(:), p(:)
       real(wp) :: position
       integer :: i
 
@@ -219,10 +214,8 @@ contains
    !> the line through the last two where that has no zero ahead, at most two spacings behind the
    !> last node. NaN if there are not three such nodes in a row. x, p (nx).
    pure function exit_between_nodes(x, p) result(position)
-      real(wp), intent(in) :: x(:)
-      real(wp), intent(in) :: p(:)
-      real(wp) :: position
-      real(wp) :: root(3), slope, curvature, discriminant, ahead
+      real(wp), intent(in) :: x(:), p(:)
+      real(wp) :: position, root(3), slope, curvature, discriminant, ahead
       integer :: i
 
       position = not_known()

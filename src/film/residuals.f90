@@ -1,7 +1,6 @@
 !> The residuals that decide on convergence.
 module residuals
-   use film_equation, only: elastic_film, evaluate_deflection
-   use force_balance, only: carried_load, load_defect
+   use film_equation, only: carried_load, elastic_film, evaluate_deflection, load_defect
    use inlet_tail, only: tail_of
    use kinds, only: wp
    use line_level, only: contact_load, line_level_t
@@ -36,24 +35,24 @@ contains
 
       is_at_hand = .false.
       if (present(film_is_exact)) is_at_hand = film_is_exact
-      level%work = level%state%film
+      level%work%nodes = level%state%film
       if (.not. is_at_hand) then
          call evaluate_deflection(level)
-         level%work = elastic_film(level)
+         level%work%nodes = elastic_film(level)
       end if
       residual%load = abs(load_defect(level))
-      residual%film_is_open = all(level%work > 0.0_wp)
+      residual%film_is_open = all(level%work%nodes > 0.0_wp)
       if (.not. residual%film_is_open) return
-      level%state%film = level%work
+      level%state%film = level%work%nodes
       call evaluate_reynolds(level)
       if (level%has_tail) then
          call tail_of(level, tail_pressure, tail_load)
          residual%load = abs(contact_load - tail_load - carried_load(level))
       end if
-      level%work = (level%operator - level%rhs_reynolds)/level%lambda
-      level%work(0) = 0.0_wp
-      level%work(level%n) = 0.0_wp
-      residual%reynolds = maxval(merge(abs(level%work), max(level%work, 0.0_wp), &
+      level%work%nodes = (level%operator - level%rhs_reynolds)/level%lambda
+      level%work%nodes(0) = 0.0_wp
+      level%work%nodes(level%n) = 0.0_wp
+      residual%reynolds = maxval(merge(abs(level%work%nodes), max(level%work%nodes, 0.0_wp), &
          level%state%pressure > 0.0_wp))
       residual%floor = round_off(level)
    end subroutine measure_residual
@@ -66,9 +65,10 @@ contains
       real(wp) :: floor
 
       if (allocated(level%state%compensation)) then
-         floor = 1.0e-15_wp*(maxval(level%state%film) + maxval(abs(level%deflection)))/level%dx
+         floor = 1.0e-15_wp*(maxval(level%state%film) + maxval(abs(level%elastic%deflection))) &
+            /level%dx
       else
-         floor = 4.0e-16_wp*(maxval(level%face_mobility*max(level%state%pressure(1:), &
+         floor = 4.0e-16_wp*(maxval(level%oil%face_mobility*max(level%state%pressure(1:), &
             level%state%pressure(:level%n - 1))) &
             /(level%lambda*level%dx**2) + maxval(level%state%film)*level%inverse_time_step)
       end if

@@ -31,7 +31,7 @@ contains
       call evaluate_slopes(level, jacobian)
       call apply_reynolds(level)
       call differentiate_flux(level, jacobian, 1, right_p, right_h)
-      associate (jp => jacobian%by_pressure, jh => jacobian%by_film, kernel => level%kernel)
+      associate (jp => jacobian%by_pressure, jh => jacobian%by_film, kernel => level%elastic%kernel)
          do i = 1, n - 1
             left_p = right_p
             left_h = right_h
@@ -50,9 +50,9 @@ contains
                i)*kernel(0) - jh(1, i)*kernel(1)
          end do
          if (has_close_exit(level)) then
-            i = level%exit_node
-            jp(0, i) = jp(0, i) - level%exit_conductance
-            jacobian%diagonal(i) = jacobian%diagonal(i) - level%exit_conductance
+            i = level%posed%exit_node
+            jp(0, i) = jp(0, i) - level%posed%exit_conductance
+            jacobian%diagonal(i) = jacobian%diagonal(i) - level%posed%exit_conductance
          end if
       end associate
    end subroutine evaluate_jacobian
@@ -69,23 +69,19 @@ contains
                   jacobian%faces%by_p_right(level%n), jacobian%faces%by_h_left(level%n), &
                   jacobian%faces%by_h_right(level%n))
             end if
-            call fluid_face_slopes(level%fluid, level%dx, level%state%pressure, &
-               level%state%film, &
-               jacobian%faces, slopes%rho, slopes%rho_p, &
-               level%state%compensation)
-            level%face_mobility = jacobian%faces%e
+            call fluid_face_slopes(level%fluid, level%dx, level%state%pressure, level%state%film, &
+               jacobian%faces, slopes%rho, slopes%rho_p, level%state%compensation)
+            level%oil%face_mobility = jacobian%faces%e
             ! Newton's method bends steps by the mobility of the nodes
             if (.not. thins(level%fluid)) call fluid_mobility_slopes(level%fluid, level%dx, &
-               level%state%pressure, &
-               level%state%film, slopes)
+               level%state%pressure, level%state%film, slopes)
          else
             call fluid_mobility_slopes(level%fluid, level%dx, level%state%pressure, &
-               level%state%film, &
-               slopes, level%state%compensation)
-            level%mobility = slopes%e
-            level%face_mobility = 0.5_wp*(slopes%e(:level%n - 1) + slopes%e(1:))
+               level%state%film, slopes, level%state%compensation)
+            level%oil%mobility = slopes%e
+            level%oil%face_mobility = 0.5_wp*(slopes%e(:level%n - 1) + slopes%e(1:))
          end if
-         level%density = slopes%rho
+         level%oil%density = slopes%rho
       end associate
    end subroutine evaluate_slopes
 
@@ -99,7 +95,7 @@ contains
       real(wp) :: slope, conductance, left, right
 
       slope = (level%state%pressure(i) - level%state%pressure(i - 1))/level%dx**2
-      conductance = level%face_mobility(i)/level%dx**2
+      conductance = level%oil%face_mobility(i)/level%dx**2
       if (level%is_kappa) then
          associate (faces => jacobian%faces)
             flux_p = [0.0_wp, faces%by_p_left(i)*slope - conductance, &
@@ -129,8 +125,7 @@ contains
       real(wp) :: factor, curvature, share
 
       associate (p => level%state%pressure(i - 2:i), h => level%state%film(i - 2:i), &
-         rho => level%density(i - 2:i), &
-         alpha => level%fluid%alpha_bar)
+         rho => level%oil%density(i - 2:i), alpha => level%fluid%alpha_bar)
          factor = level%lambda/(3*level%dx)
          curvature = alpha*dot_product(second, p)
          share = third_order_share(curvature)

@@ -23,8 +23,7 @@ module reynolds_line
    private
 
    public :: apply_reynolds, evaluate_coefficients, evaluate_reynolds, mass_flux, &
-      reynolds_diagonals, &
-      third_order_share, third_order_slope, wedge_weights
+      reynolds_diagonals, third_order_share, third_order_slope, wedge_weights
 
    !> Curvature c at which half of the third order is left in the flux of the kappa scheme.
    real(wp), parameter :: strong_curvature = 1.0_wp
@@ -39,14 +38,12 @@ contains
 
       if (level%is_kappa) then
          call fluid_face_mobility(level%fluid, level%dx, level%state%pressure, level%state%film, &
-            level%face_mobility, level%density, &
-            level%state%compensation, level%ln_mu)
+            level%oil%face_mobility, level%oil%density, level%state%compensation, level%oil%ln_mu)
       else
          call fluid_mobility(level%fluid, level%dx, level%state%pressure, level%state%film, &
-            level%mobility, &
-            level%density, &
-            level%state%compensation, level%ln_mu)
-         level%face_mobility = 0.5_wp*(level%mobility(:level%n - 1) + level%mobility(1:))
+            level%oil%mobility, level%oil%density, level%state%compensation, level%oil%ln_mu)
+         level%oil%face_mobility = 0.5_wp*(level%oil%mobility(:level%n - 1) &
+            + level%oil%mobility(1:))
       end if
    end subroutine evaluate_coefficients
 
@@ -100,8 +97,8 @@ contains
       n = level%n
       diffusion = 1.0_wp/level%dx**2
       squeeze = level%lambda*level%inverse_time_step
-      associate (p => level%state%pressure, h => level%state%film, e => level%face_mobility, &
-         rho => level%density, flow => level%operator)
+      associate (p => level%state%pressure, h => level%state%film, e => level%oil%face_mobility, &
+         rho => level%oil%density, flow => level%operator)
          flow(0) = 0.0_wp
          flow(n) = 0.0_wp
          w = level%lambda/level%dx*wedge_weights(1)
@@ -114,8 +111,8 @@ contains
                   - squeeze*rho(i)*h(i)
          end do
          if (has_close_exit(level)) then
-            i = level%exit_node
-            flow(i) = flow(i) - level%exit_conductance*(p(i) - level%start_pressure(i))
+            i = level%posed%exit_node
+            flow(i) = flow(i) - level%posed%exit_conductance*(p(i) - level%posed%start_pressure(i))
          end if
       end associate
       if (level%is_kappa) call add_third_order(level)
@@ -129,7 +126,7 @@ contains
       integer :: i, n
 
       n = level%n
-      associate (more => level%work)
+      associate (more => level%work%nodes)
          more(0) = 0.0_wp
          do concurrent (i=1:n - 1)
             more(i) = third_order_flux(level, i)
@@ -145,7 +142,7 @@ contains
       integer, intent(in) :: i
       real(wp) :: flux
 
-      associate (p => level%state%pressure, h => level%state%film, rho => level%density)
+      associate (p => level%state%pressure, h => level%state%film, rho => level%oil%density)
          flux = third_order_share(level%fluid%alpha_bar*(p(i - 1) - 2*p(i) + p(i + 1)))/3 &
             *(rho(i + 1)*h(i + 1) - 2*rho(i)*h(i) + rho(i - 1)*h(i - 1))
       end associate
@@ -155,13 +152,12 @@ contains
    !> scheme has it, with the present coefficients.
    pure function mass_flux(level) result(flux)
       type(line_level_t), intent(in) :: level
-      real(wp) :: flux(level%n)
-      real(wp) :: conductance
+      real(wp) :: flux(level%n), conductance
       integer :: i
 
       conductance = 1/(level%lambda*level%dx)
-      associate (p => level%state%pressure, h => level%state%film, rho => level%density, &
-         e => level%face_mobility)
+      associate (p => level%state%pressure, h => level%state%film, rho => level%oil%density, &
+         e => level%oil%face_mobility)
          flux(1) = 0.5_wp*(rho(0)*h(0) + rho(1)*h(1)) - conductance*e(1)*(p(1) - p(0))
          do concurrent (i=2:level%n)
             flux(i) = 1.5_wp*rho(i - 1)*h(i - 1) - 0.5_wp*rho(i - 2)*h(i - 2) &
@@ -182,10 +178,10 @@ contains
       integer :: i
 
       diffusion = 1.0_wp/level%dx**2
-      associate (c => level%state%compensation, e => level%face_mobility, flow => level%operator)
+      associate (c => level%state%compensation, e => level%oil%face_mobility, &
+         flow => level%operator)
          do concurrent (i=1:level%n - 1)
-            flow(i) = flow(i) + diffusion*(e(i + 1)*(c(i + 1) - c(i)) &
-               - e(i)*(c(i) - c(i - 1)))
+            flow(i) = flow(i) + diffusion*(e(i + 1)*(c(i + 1) - c(i)) - e(i)*(c(i) - c(i - 1)))
          end do
       end associate
    end subroutine add_flow_of_compensation
@@ -201,15 +197,16 @@ contains
 
       diffusion = 0.5_wp/level%dx**2
       convection = level%lambda*(1.5_wp/level%dx + level%inverse_time_step)
-      associate (e => level%mobility, b => level%film_diagonal, diagonal => level%diagonal)
+      associate (e => level%oil%mobility, b => level%work%film_diagonal, &
+         diagonal => level%work%diagonal)
          do concurrent (i=1:level%n - 1)
-            b(i) = -convection*level%density(i)
+            b(i) = -convection*level%oil%density(i)
             diagonal(i) = -diffusion*(e(i - 1) + 2*e(i) + e(i + 1)) - b(i)*kernel_diagonal
          end do
-         b(1) = -level%lambda*level%density(1)*(1.0_wp/level%dx + level%inverse_time_step)
+         b(1) = -level%lambda*level%oil%density(1)*(1.0_wp/level%dx + level%inverse_time_step)
          diagonal(1) = -diffusion*(e(0) + 2*e(1) + e(2)) - b(1)*kernel_diagonal
-         if (has_close_exit(level)) diagonal(level%exit_node) = diagonal(level%exit_node) &
-            - level%exit_conductance
+         if (has_close_exit(level)) diagonal(level%posed%exit_node) = &
+            diagonal(level%posed%exit_node) - level%posed%exit_conductance
       end associate
    end subroutine reynolds_diagonals
 

@@ -115,19 +115,20 @@ contains
 
       is_ready = self%n == level%n
       if (is_ready) return
-      call fit_exponentials(pi*level%kernel/level%dx - level%elasticity*log(level%dx), fit, error)
+      call fit_exponentials(pi*level%elastic%kernel/level%dx - level%elastic%elasticity &
+         *log(level%dx), fit, error)
       is_ready = .not. allocated(error)
       if (.not. is_ready) return
       call new_semiseparable(self%factors, level%n - 1, fit%ratio)
       self%n = level%n
       associate (rows => self%rows)
          rows%ratio = fit%ratio
-         rows%constant = -level%dx/pi*(fit%constant + level%elasticity*log(level%dx))
+         rows%constant = -level%dx/pi*(fit%constant + level%elastic%elasticity*log(level%dx))
          do o = -2, 1
             rows%left(:, o) = level%dx/pi*fit%weight*fit%ratio**o
             rows%right(:, o) = level%dx/pi*fit%weight*fit%ratio**(-o)
             do d = -2, 2
-               rows%slots(o, d) = -level%kernel(abs(d - o)) - rows%constant
+               rows%slots(o, d) = -level%elastic%kernel(abs(d - o)) - rows%constant
                if (d < 0) rows%slots(o, d) = rows%slots(o, d) - dot_product(rows%left(:, o), &
                   fit%ratio**(-d))
                if (d > 0) rows%slots(o, d) = rows%slots(o, d) - dot_product(rows%right(:, o), &
@@ -166,9 +167,8 @@ contains
                      0) + jh(4)*right(l, 1)
                end do
                do d = -2, 2
-                  slots(d) = jacobian%by_pressure(d, i) + jh(1)*rows%slots(-2, &
-                     d) + jh(2)*rows%slots(-1, d) &
-                     + jh(3)*rows%slots(0, d) + jh(4)*rows%slots(1, d)
+                  slots(d) = jacobian%by_pressure(d, i) + jh(1)*rows%slots(-2, d) &
+                     + jh(2)*rows%slots(-1, d) + jh(3)*rows%slots(0, d) + jh(4)*rows%slots(1, d)
                end do
             end associate
             lower(q + 1, i) = slots(-1)
@@ -212,8 +212,7 @@ contains
 
       n = self%level%n
       self%p(1:n - 1) = x(1:n - 1)
-      call self%level%convolution%apply(self%p, self%h)
-      self%level%products = self%level%products + 1
+      call self%level%elastic%apply(self%p, self%h)
       self%h = x(n) - self%h
       associate (p => self%p, h => self%h, jp => self%jacobian%by_pressure, &
          jh => self%jacobian%by_film)

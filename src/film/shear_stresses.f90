@@ -1,17 +1,19 @@
-!> Shear stress in the film of a line contact, on both walls and between them.
+!> Shear stress in the film of a line contact, on both walls and between them, and the velocity
+!> of the oil across it.
 !>
 !> Across the film the stress is linear, tau = tau_m + (z - h/2) dp/dx with z from surface 1 to
 !> surface 2, (2.6): tau_m is the mean, which the law of flow gives from u2 - u1, and the walls have
 !> tau_m -+ (h/2) dp/dx. The film pulls surface 1 with tau in +x and surface 2 with -tau. In units
 !> of p_h b/R.
 module shear_stresses
+   use flow_law, only: block_size => slip_block
    use kinds, only: wp
    use lubricant, only: fluid_t, fluid_viscosity
-   use rheology, only: block_size => slip_block, evaluate_stress
+   use rheology, only: evaluate_stress, flow_shapes, largest_exponent, ln_slip
    implicit none (type, external)
    private
 
-   public :: evaluate_nodes, film_stresses, stress_block_t
+   public :: evaluate_nodes, film_stresses, stress_block_t, velocity_profile
 
    !> Up to `block_size` nodes: H dP/dX and mean stress.
    type :: stress_block_t
@@ -41,8 +43,7 @@ contains
       do first = 1, size(x), block_size
          last = min(first + block_size - 1, size(x))
          m = last - first + 1
-         call evaluate_nodes(fluid, lambda*slide_to_roll/12, x(2) - x(1), p, h, &
-            ln_mu, first, block)
+         call evaluate_nodes(fluid, lambda*slide_to_roll/12, x(2) - x(1), p, h, ln_mu, first, block)
          stresses(first:last, 1) = block%stress(:m) - 0.5_wp*block%drive(:m)
          stresses(first:last, 2) = block%stress(:m)
          stresses(first:last, 3) = block%stress(:m) + 0.5_wp*block%drive(:m)
@@ -63,8 +64,7 @@ contains
       real(wp), intent(in), contiguous :: p(:), h(:), ln_mu(:)
       integer, intent(in) :: first
       type(stress_block_t), intent(inout) :: block
-      real(wp) :: inverse_film(block_size)
-      real(wp) :: factor
+      real(wp) :: inverse_film(block_size), factor
       integer :: i, last, m
 
       last = min(first + block_size - 1, size(p))
@@ -79,5 +79,36 @@ contains
       call evaluate_stress(fluid, couette, block%drive(:m), inverse_film(:m), ln_mu(first:last), &
          block%stress(:m))
    end subroutine evaluate_nodes
+
+   !> u/(u1 + u2) at zeta = z/h = 0, 1/layers ... 1 from surface 1 to surface 2, (layers + 1, nx),
+   !> on the nodes `x` of a uniform grid, from pressure `p` >= 0 and film `h` > 0, each (nx).
+   !>
+   !> Closed form of module eyring. Its mean across the film is the flow of the Reynolds equation at
+   !> the node, with the slope of P by the central difference, of the first interval at the first
+   !> node, and 0 at the last. Where the film cavitates there is the straight line of shear alone.
+   pure function velocity_profile(fluid, lambda, slide_to_roll, x, p, h, layers) result(u)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: lambda, slide_to_roll
+      real(wp), intent(in), contiguous :: x(:), p(:), h(:)
+      integer, intent(in) :: layers
+      real(wp) :: u(layers + 1, size(x))
+      real(wp), dimension(layers + 1) :: y, sliding, driven
+      real(wp) :: drive(size(x)), ln_mu(size(x)), flow
+      integer :: i, n
+
+      n = size(x)
+      drive(1) = h(1)*(p(2) - p(1))/(x(2) - x(1))
+      drive(2:n - 1) = h(2:n - 1)*(p(3:) - p(:n - 2))/(x(3:) - x(:n - 2))
+      drive(n) = 0.0_wp
+      where (p(2:) <= 0.0_wp) drive(2:) = 0.0_wp
+      call fluid_viscosity(fluid, p, ln_mu)
+      y = [(real(2*i - layers, wp)/layers, i=0, layers)]
+      do i = 1, n
+         call flow_shapes(fluid, drive(i), y, sliding, driven)
+         flow = h(i)*drive(i)/(2*lambda)*exp(min(ln_slip(fluid, drive(i), h(i), ln_mu(i)) &
+            - ln_mu(i), largest_exponent))
+         u(:, i) = 0.5_wp + 0.25_wp*slide_to_roll*sliding - flow*driven
+      end do
+   end function velocity_profile
 
 end module shear_stresses

@@ -1,15 +1,18 @@
 !> Smoothers of the line contact: Block-Jacobi as in the thesis, and two that need fewer sweeps.
 !>
-!> Each does ONE sweep from the operator, coefficients and deflection evaluated just before it, and
-!> keeps P >= 0. A smoother knows one level only; the film equation, the force balance and the cycle
-!> are elsewhere.
+!> Each does ONE sweep on one level from the operator, coefficients and deflection evaluated just
+!> before it, and keeps P >= 0.
 module smoothers
+   use film_equation, only: evaluate_deflection, relax_load, update_film
    use kinds, only: wp
+   use line_hierarchy, only: count_work, line_hierarchy_t, smoother_block_jacobi, &
+      smoother_gauss_seidel, smoother_hybrid, smoother_line
    use line_level, only: has_close_exit, largest_pressure, line_level_t, thinnest_film
+   use reynolds_line, only: evaluate_reynolds, reynolds_diagonals
    implicit none (type, external)
    private
 
-   public :: block_jacobi_sweep, gauss_seidel_sweep, line_sweep
+   public :: block_jacobi_sweep, gauss_seidel_sweep, line_sweep, smooth, sweep_under_load
 
    !> The exit moves by the smoother, and holds the largest residual of a time step: Gauss-Seidel
    !> passes over the nodes round it after each sweep, upstream and downstream of the last node with
@@ -20,6 +23,66 @@ module smoothers
    real(wp), parameter :: largest_step = 0.3_wp
 
 contains
+
+   !> `coarse_sweeps` sweeps on level k with the force balance relaxed after each (thesis, section
+   !> 2.7).
+   subroutine sweep_under_load(hierarchy, k)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      integer, intent(in) :: k
+      integer :: i
+
+      do i = 1, hierarchy%relaxation%coarse_sweeps
+         call smooth(hierarchy, k, 1, is_last_leg=.true.)
+         call relax_load(hierarchy%levels(k), hierarchy%relaxation%load_relaxation)
+      end do
+   end subroutine sweep_under_load
+
+   !> `sweeps` of the chosen smoother on level k. The hybrid sweeps by line before and downstream
+   !> after the correction.
+   subroutine smooth(hierarchy, k, sweeps, is_last_leg)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      integer, intent(in) :: k, sweeps
+      logical, intent(in) :: is_last_leg
+      integer :: i, smoother
+
+      smoother = hierarchy%relaxation%smoother
+      if (smoother == smoother_hybrid) smoother = merge(smoother_gauss_seidel, smoother_line, &
+         is_last_leg)
+      do i = 1, sweeps
+         call sweep(hierarchy, k, smoother)
+      end do
+      if (smoother == smoother_line) call update_film(hierarchy%levels(k))
+      call count_work(hierarchy, k, sweeps)
+   end subroutine smooth
+
+   !> One sweep of one smoother, from coefficients evaluated at the present state.
+   subroutine sweep(hierarchy, k, smoother)
+      type(line_hierarchy_t), intent(inout) :: hierarchy
+      integer, intent(in) :: k, smoother
+      real(wp) :: kernel_diagonal
+
+      associate (level => hierarchy%levels(k), choice => hierarchy%relaxation)
+         if (maxval(level%state%pressure) >= largest_pressure) return
+         kernel_diagonal = min(level%elastic%kernel(0), -choice%kernel_bound*level%dx)
+         if (choice%film_is_recomputed) then
+            call update_film(level)
+         else
+            call evaluate_deflection(level)
+         end if
+         call evaluate_reynolds(level)
+         call reynolds_diagonals(level, kernel_diagonal)
+         select case (smoother)
+         case (smoother_block_jacobi)
+            call block_jacobi_sweep(level, kernel_diagonal, choice%relaxation)
+         case (smoother_gauss_seidel)
+            call gauss_seidel_sweep(level, kernel_diagonal, choice%relaxation)
+         case (smoother_line)
+            call line_sweep(level, choice%relaxation)
+         case default
+            error stop 'sweep: a smoother without its case'
+         end select
+      end associate
+   end subroutine sweep
 
    !> Block-Jacobi (2.70)-(2.73): at every node the 2x2 system for the changes of P and H, from old
    !> values. `kernel_diagonal` is c = K_0/pi; both changes are under-relaxed. A node that reaches
@@ -34,14 +97,13 @@ contains
       associate (p => level%state%pressure, h => level%state%film, &
          h0 => level%state%rigid_displacement)
          do i = 0, n, n
-            film_residual = level%rhs_film(i) - (h(i) - h0 + level%deflection(i))
+            film_residual = level%rhs_film(i) - (h(i) - h0 + level%elastic%deflection(i))
             h(i) = max(h(i) + relaxation*film_residual, 0.5_wp*h(i), thinnest_film)
          end do
          do i = 1, n - 1
-            film_residual = level%rhs_film(i) - (h(i) - h0 + level%deflection(i))
+            film_residual = level%rhs_film(i) - (h(i) - h0 + level%elastic%deflection(i))
             full_change = relaxation*(level%rhs_reynolds(i) - level%operator(i) &
-               - level%film_diagonal(i)*film_residual) &
-               /level%diagonal(i)
+               - level%work%film_diagonal(i)*film_residual)/level%work%diagonal(i)
             change = min(max(full_change, -p(i)), largest_pressure)
             p(i) = min(p(i) + change, largest_pressure)
             h(i) = max(h(i) + relaxation*film_residual - kernel_diagonal*change, 0.5_wp*h(i), &
@@ -51,7 +113,7 @@ contains
    end subroutine block_jacobi_sweep
 
    !> Gauss-Seidel downstream: the same 2x2 system with the new P and H upstream; the integral is
-   !> frozen, only the own share K_0/pi of a change enters H at once. The nodes round the exit are
+   !> frozen, only the diagonal K_0/pi of a change enters H at once. The nodes round the exit are
    !> passed a few times more.
    pure subroutine gauss_seidel_sweep(level, kernel_diagonal, relaxation)
       type(line_level_t), intent(inout) :: level
@@ -74,12 +136,12 @@ contains
       real(wp) :: diffusion, wedge, squeeze, upstream, downstream, flow, change
       integer :: i, exit_node
 
-      exit_node = merge(level%exit_node, 0, has_close_exit(level))
+      exit_node = merge(level%posed%exit_node, 0, has_close_exit(level))
       diffusion = 0.5_wp/level%dx**2
       wedge = 0.5_wp*level%lambda/level%dx
       squeeze = level%lambda*level%inverse_time_step
-      associate (p => level%state%pressure, h => level%state%film, e => level%mobility, &
-         rho => level%density)
+      associate (p => level%state%pressure, h => level%state%film, e => level%oil%mobility, &
+         rho => level%oil%density)
          do i = range(1), range(2)
             upstream = diffusion*(e(i - 1) + e(i))
             downstream = diffusion*(e(i) + e(i + 1))
@@ -90,10 +152,10 @@ contains
             end if
             flow = downstream*(p(i + 1) - p(i)) - upstream*(p(i) - p(i - 1)) - flow &
                - squeeze*rho(i)*h(i)
-            if (i == exit_node) flow = flow - level%exit_conductance*(p(i) &
-               - level%start_pressure(i))
-            change = min(max(relaxation*(level%rhs_reynolds(i) - flow)/level%diagonal(i), -p(i)), &
-               largest_pressure)
+            if (i == exit_node) flow = flow - level%posed%exit_conductance*(p(i) &
+               - level%posed%start_pressure(i))
+            change = min(max(relaxation*(level%rhs_reynolds(i) - flow)/level%work%diagonal(i), &
+               -p(i)), largest_pressure)
             p(i) = min(p(i) + change, largest_pressure)
             h(i) = max(h(i) - kernel_diagonal*change, 0.5_wp*h(i), thinnest_film)
          end do
@@ -112,14 +174,14 @@ contains
 
       n = level%n
       diffusion = 0.5_wp/level%dx**2
-      associate (p => level%state%pressure, e => level%mobility, upper => level%work, &
-         x => level%correction)
+      associate (p => level%state%pressure, e => level%oil%mobility, upper => level%work%nodes, &
+         x => level%work%correction)
          upper(0) = 0.0_wp
          x(0) = 0.0_wp
          x(n) = 0.0_wp
          do i = 1, n - 1
             upstream = diffusion*(e(i - 1) + e(i))
-            pivot = 1.0_wp/(level%diagonal(i) - upstream*upper(i - 1))
+            pivot = 1.0_wp/(level%work%diagonal(i) - upstream*upper(i - 1))
             upper(i) = diffusion*(e(i) + e(i + 1))*pivot
             x(i) = (level%rhs_reynolds(i) - level%operator(i) - upstream*x(i - 1))*pivot
          end do

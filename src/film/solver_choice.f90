@@ -106,9 +106,9 @@ contains
    !> All have the limits of the first.
    !>
    !> Where the viscosity is high enough for squeeze and wedge to outweigh the diffusion, the
-   !> equation of a step is H(P) = given: a sweep with the own share K_0 of the kernel only changes
+   !> equation of a step is H(P) = given: a sweep with the diagonal K_0 of the kernel only changes
    !> long waves of P by up to n/10 times too much, and the cycle diverges unless the coarse grids
-   !> get the better of that. So stated smoothers go on with a larger own share, at least 3 dX/pi,
+   !> get the better of that. So stated smoothers go on with a larger diagonal, at least 3 dX/pi,
    !> less relaxation and more sweeps.
    pure function time_step_attempts(contact, settings) result(attempts)
       type(line_contact_t), intent(in) :: contact
@@ -135,9 +135,8 @@ contains
       if (size(attempts) == 1 .and. attempts(1)%method == method_fas &
          .and. settings%relaxation <= 0.0_wp) then
          base = attempts(1)
-         attempts = [base, with_sweeps(base, 0.4_wp, 3, 3.0_wp), &
-            with_sweeps(base, 0.2_wp, 5, 3.0_wp), with_sweeps(base, 0.1_wp, 8, 3.0_wp), &
-            with_sweeps(base, 0.05_wp, 12, 3.0_wp)]
+         attempts = [base, with_sweeps(base, 0.4_wp, 3, 3.0_wp), with_sweeps(base, 0.2_wp, 5, &
+            3.0_wp), with_sweeps(base, 0.1_wp, 8, 3.0_wp), with_sweeps(base, 0.05_wp, 12, 3.0_wp)]
       end if
       attempts%max_cycles = min(attempts(1)%max_cycles, default_step_cycles)
       attempts%patience = attempts(1)%patience

@@ -69,7 +69,7 @@ module solver_settings
       !> 'auto', 'block_jacobi', 'gauss_seidel', 'line' or 'hybrid'.
       character(len=word_length) :: smoother = 'auto'
       !> Space discretisation (module reynolds_line): 'upwind2', that of the thesis, or 'kappa',
-      !> which needs a Newton method; 'auto': upwind2, but kappa where pilot runs choose the
+      !> which needs a Newton method; 'auto': upwind2, but kappa where coarse runs choose the
       !> resolution of a transient.
       character(len=word_length) :: space_scheme = 'auto'
       !> Relative error of h_min for which the grid of a steady contact is chosen; zero: the grid is
@@ -127,8 +127,7 @@ contains
       type(solver_settings_t), intent(in) :: settings
       integer :: most
 
-      most = min(max_refined_intervals, max_intervals_of(settings%method), &
-         settings%max_intervals)
+      most = min(max_refined_intervals, max_intervals_of(settings%method), settings%max_intervals)
    end function max_chosen
 
 end module solver_settings

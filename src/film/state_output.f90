@@ -44,7 +44,7 @@ contains
       if (allocated(state%limits)) deallocate (state%limits)
       if (allocated(state%shear_stress_mean)) deallocate (state%shear_stress_mean)
       if (allocated(state%shear_stress_1)) deallocate (state%shear_stress_1, state%shear_stress_2)
-      if (all(state%film_thickness > 0.0_wp) .and. level%density(0) > 0.0_wp) then
+      if (all(state%film_thickness > 0.0_wp) .and. level%oil%density(0) > 0.0_wp) then
          allocate (state%friction, state%shear_stress_mean(size(state%x)))
          if (present(has_stresses)) then
             if (has_stresses) allocate (drive(size(state%x)))

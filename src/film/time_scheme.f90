@@ -46,8 +46,7 @@ contains
          weights = [1.0_wp + ahead, -ahead, 0.0_wp]
       case default
          weights = [(1.0_wp + ahead)*(1.0_wp + ahead + back)/(1.0_wp + back), &
-            -ahead*(1.0_wp + ahead + back)/back, &
-            ahead*(1.0_wp + ahead)/(back*(1.0_wp + back))]
+            -ahead*(1.0_wp + ahead + back)/back, ahead*(1.0_wp + ahead)/(back*(1.0_wp + back))]
       end select
    end function parabola_weights
 

@@ -52,8 +52,7 @@ contains
       real(wp) :: steps
 
       steps = huge(1.0_wp)
-      if (.not. time%is_transient .or. shortest_passage(contact) >= max_steps &
-         *time%time_step) return
+      if (.not. time%is_transient .or. shortest_passage(contact) >= max_steps*time%time_step) return
       if (time%time_step > 0.0_wp) steps = shortest_passage(contact)/time%time_step
    end function steps_in_wave
 
@@ -69,10 +68,9 @@ contains
       steps = steps_in_wave(contact, time)
       words = ''
       if (nodes < wanted_nodes) words = 'the finest wave of the surfaces has '//to_text(nodes, 3) &
-         //' nodes, '// &
-         to_text(wanted_nodes)//' are needed: '// &
-         to_text(intervals_at_least(real(wanted_nodes, wp)/nodes*contact%domain%intervals)) &
-            //' intervals'
+         //' nodes, '//to_text(wanted_nodes)//' are needed: ' &
+         //to_text(intervals_at_least(real(wanted_nodes, wp)/nodes*contact%domain%intervals)) &
+         //' intervals'
       if (steps < wanted_steps) call add_sentence(words, 'the finest moving wave passes in ' &
          //to_text(steps, 3)//' time steps, '//to_text(wanted_steps)// &
          ' are needed: time_step = '//rounded_down(shortest_passage(contact)/wanted_steps, 2))
@@ -133,8 +131,7 @@ contains
    !> The least number of intervals that a grid may have, from `wanted` on.
    pure function intervals_at_least(wanted) result(intervals)
       real(wp), intent(in) :: wanted
-      integer :: intervals
-      integer :: scale
+      integer :: intervals, scale
 
       scale = 2
       do while (families(size(families))*real(scale, wp) < wanted .and. scale < 2**27)

@@ -16,12 +16,12 @@ module case_input
    use key_range, only: is_in_range
    use kinds, only: wp
    use line_profiles, only: make_surface
-   use lubricant, only: density_constant, density_laws, lubricant_t, rheologies, &
+   use lubricant, only: density_constant, density_laws, lubricant_t, &
       viscosity_constant, viscosity_laws, viscosity_roelands
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
    use number_text, only: read_real
    use namelist_text, only: namelist_text_t, split_namelist
-   use scaling, only: new_moes_scaling, new_scaling
+   use scaling, only: new_moes_scaling, new_scaling, rheologies, rheology_newtonian
    use set_entries, only: set_entry_t, tell_apart
    use text, only: to_text
    use roelands_relation, only: complete_roelands
@@ -182,9 +182,11 @@ contains
          oil%pressure_viscosity = values%real_value('lubricant', 'pressure_viscosity')
          oil%roelands_p0 = values%real_value('lubricant', 'roelands_p0')
          oil%roelands_z = values%real_value('lubricant', 'roelands_z')
-         oil%eyring_stress = values%real_value('lubricant', 'eyring_stress')
          oil%rheology = findloc(rheologies == values%word_value('lubricant', 'rheology'), &
             .true., 1) - 1   ! -1: a word without a law, which stops where the law is needed
+         oil%stress_scale = 0.0_wp
+         if (oil%rheology /= rheology_newtonian) oil%stress_scale = values%real_value('lubricant', &
+            trim(values%word_value('lubricant', 'rheology'))//'_stress')
          oil%density_law = findloc(density_laws == values%word_value('lubricant', 'density_law'), &
             .true., 1) - 1
          oil%viscosity_law = findloc(viscosity_laws == values%word_value('lubricant', &

@@ -59,8 +59,7 @@ contains
    !> the right side (n) by x. `pivots` (n) is work space. Fails (internal_error) if the matrix is
    !> singular.
    subroutine solve_dense(matrix, right_side, pivots, error)
-      real(wp), contiguous, intent(inout) :: matrix(:, :)
-      real(wp), contiguous, intent(inout) :: right_side(:)
+      real(wp), contiguous, intent(inout) :: matrix(:, :), right_side(:)
       integer, contiguous, intent(inout) :: pivots(:)
       type(error_t), allocatable, intent(out) :: error
       integer :: n, info

@@ -15,8 +15,7 @@ contains
    !> `most`; 0: none.
    pure elemental function even_nodes(least, most) result(nodes)
       real(wp), intent(in) :: least, most
-      integer :: nodes
-      integer :: i, unit
+      integer :: nodes, i, unit
 
       nodes = 0
       unit = first_unit

@@ -49,13 +49,11 @@ contains
    pure function sample_points(n) result(points)
       integer, intent(in) :: n
       integer, allocatable :: points(:)
-      integer :: candidates(dense_points + sparse_points + 1)
-      integer :: count, j
+      integer :: candidates(dense_points + sparse_points + 1), count, j
 
       candidates(:dense_points) = [(j, j=0, dense_points - 1)]
-      candidates(dense_points + 1:) = [(nint(dense_points*(real(n, wp)/dense_points)**(real(j, &
-         wp)/sparse_points)), &
-                                        j=0, sparse_points)]
+      candidates(dense_points + 1:) = [(nint(dense_points*(real(n, wp)/dense_points)**(real(j, wp) &
+         /sparse_points)), j=0, sparse_points)]
       count = 1
       do j = 2, size(candidates)
          if (candidates(j) <= candidates(count) .or. candidates(j) > n) cycle
@@ -93,8 +91,7 @@ contains
       ! an OpenBLAS without threads of its own may not be called by two threads at a time
       !$omp critical (lapack)
       call dgelsy(size(points), q + 1, 1, matrix, size(points), values, size(values), pivots, &
-         rank_tolerance, rank, &
-         work, size(work), info)
+         rank_tolerance, rank, work, size(work), info)
       !$omp end critical (lapack)
       if (info /= 0) then
          call fail(error, internal_error, 'dgelsy: info = '//to_text(info))

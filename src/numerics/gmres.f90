@@ -90,8 +90,7 @@ contains
          if (size(gmres%basis, 1) == n) return
          deallocate (gmres%basis, gmres%directions)
       end if
-      allocate (gmres%basis(n, gmres%max_iterations + 1), &
-         gmres%directions(n, gmres%max_iterations))
+      allocate (gmres%basis(n, gmres%max_iterations + 1), gmres%directions(n, gmres%max_iterations))
    end subroutine allocate_basis
 
    !> Modified Gram-Schmidt: the last vector against all before it; `column` takes the products and

@@ -115,8 +115,7 @@ contains
    !> one. Storage doubles when full.
    pure subroutine add(self, residual, load_error)
       class(report_t), intent(inout) :: self
-      real(wp), intent(in) :: residual
-      real(wp), intent(in) :: load_error
+      real(wp), intent(in) :: residual, load_error
 
       if (.not. allocated(self%residuals)) allocate (self%residuals(32), self%load_errors(32))
       if (self%history_size == size(self%residuals)) then
@@ -152,8 +151,7 @@ contains
    !> Takes over `residuals` and `load_errors` [-], one each a cycle; `cycles` becomes their number.
    pure subroutine restore(self, residuals, load_errors)
       class(report_t), intent(inout) :: self
-      real(wp), intent(in) :: residuals(:)
-      real(wp), intent(in) :: load_errors(:)
+      real(wp), intent(in) :: residuals(:), load_errors(:)
       integer :: i
 
       self%history_size = 0

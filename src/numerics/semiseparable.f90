@@ -56,8 +56,7 @@ contains
       real(wp), intent(out) :: smallest_pivot
 
       call eliminate(matrix%n, matrix%ratio, matrix%lower, matrix%upper, matrix%diagonal, &
-         matrix%carry, matrix%inverse_pivot, &
-         smallest_pivot)
+         matrix%carry, matrix%inverse_pivot, smallest_pivot)
    end subroutine factor_semiseparable
 
    !> The sweep, on plain arrays, which the compiler knows to be apart; `upper` becomes the rows of

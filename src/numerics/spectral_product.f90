@@ -114,8 +114,7 @@ contains
    !> single node).
    pure function padded_size(n) result(m)
       integer, intent(in) :: n
-      integer :: m
-      integer :: rest
+      integer :: m, rest
 
       m = max(2*n - 1, 1)
       do

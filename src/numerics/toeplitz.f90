@@ -103,8 +103,7 @@ contains
    !> Memory of FFTW's for (0:n-1), where its transforms are fastest; not associated: there is none.
    function new_complex(n) result(values)
       integer, intent(in) :: n
-      complex(c_double_complex), pointer, contiguous :: values(:)
-      complex(c_double_complex), pointer, contiguous :: from_one(:)
+      complex(c_double_complex), pointer, contiguous :: values(:), from_one(:)
 
       call c_f_pointer(fftw_alloc_complex(int(n, c_size_t)), from_one, [n])
       nullify (values)

@@ -13,7 +13,7 @@ module velocity_section
 
 contains
 
-   !> Writes /velocity; `u` (layers + 1, nx) as module film_velocity makes it.
+   !> Writes /velocity; `u` (layers + 1, nx) as module shear_stresses computes it.
    subroutine write_velocity(file, u, scaling)
       class(hdf5_file_t), intent(inout) :: file
       real(wp), intent(in), contiguous :: u(:, :)

@@ -1,16 +1,26 @@
-!> Slip factor S of the Reynolds-Eyring equation, as ln S with its derivatives, and the mean shear
-!> stress of the film.
+!> Eyring's law: slip factor S of the Reynolds-Eyring equation, as ln S with its derivatives, and
+!> the mean shear stress of the film.
 !>
 !> Effective viscosity mu/S: S >= 1, and S -> 1 (Newtonian) for an infinite Eyring stress. S itself
-!> overflows at
-!> |Sigma| = 722.5, hence the logarithm.
+!> overflows at |Sigma| = 722.5, hence the logarithm.
 module eyring
+   use flow_law, only: flow_law_t, slip_block, slip_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
    public :: flow_shapes, slip_factor, slip_factors, slip_values, ln_slip_factor, &
-      ln_slip_factors, mean_stresses
+      ln_slip_factors, mean_stresses, pressure_derivative_of_stress
+
+   !> The law in the scales of a contact; tau_0 is `sigma_scale` and B `ln_b_scale`.
+   type, extends(flow_law_t), public :: eyring_t
+   contains
+      procedure :: evaluate_slip
+      procedure :: ln_slip
+      procedure :: evaluate_stress
+      procedure :: stress_rise
+      procedure :: flow_shapes => shapes_of_drive
+   end type eyring_t
 
    !> A value of ln B that stands for B = 0 (equal surface speeds): far below any ln B that can
    !> change S [-].
@@ -37,30 +47,23 @@ module eyring
    real(wp), parameter, public :: series_limit = 1.0_wp
 
    !> Series of sinh(x)/x = sum s_m x^(2m), s_m = 1/(2m + 1)!, m = 0 ... 8.
-   real(wp), parameter, public :: s(0:8) = [ &
-                          1.0_wp, 1.0_wp/6.0_wp, 1.0_wp/120.0_wp, 1.0_wp/5040.0_wp, &
-                             1.0_wp/362880.0_wp, &
-                          1.0_wp/39916800.0_wp, 1.0_wp/6227020800.0_wp, 1.0_wp/1307674368000.0_wp, &
-                          1.0_wp/355687428096000.0_wp]
+   real(wp), parameter, public :: s(0:8) = [1.0_wp, 1.0_wp/6.0_wp, 1.0_wp/120.0_wp, &
+      1.0_wp/5040.0_wp, 1.0_wp/362880.0_wp, 1.0_wp/39916800.0_wp, 1.0_wp/6227020800.0_wp, &
+      1.0_wp/1307674368000.0_wp, 1.0_wp/355687428096000.0_wp]
 
    !> Coefficients of the derivative by x, divided by x: 2 m s_m, m = 1 ... 8, and a zero.
    real(wp), parameter, public :: ds(0:8) = 2.0_wp*[s(1), 2.0_wp*s(2), 3.0_wp*s(3), 4.0_wp*s(4), &
-      5.0_wp*s(5), 6.0_wp*s(6), &
-                                            7.0_wp*s(7), 8.0_wp*s(8), 0.0_wp]
+      5.0_wp*s(5), 6.0_wp*s(6), 7.0_wp*s(7), 8.0_wp*s(8), 0.0_wp]
 
    !> Taylor coefficients of 3 (x cosh x - sinh x)/x^3 = sum c_m x^(2m), c_m = 6 (m + 1)/(2m + 3)!,
    !> m = 0 ... 8.
-   real(wp), parameter :: c(0:8) = [ &
-                          1.0_wp, 1.0_wp/10.0_wp, 1.0_wp/280.0_wp, 1.0_wp/15120.0_wp, &
-                             1.0_wp/1330560.0_wp, &
-                          1.0_wp/172972800.0_wp, 1.0_wp/31135104000.0_wp, &
-                             1.0_wp/7410154752000.0_wp, &
-                          1.0_wp/2252687044608000.0_wp]
+   real(wp), parameter :: c(0:8) = [1.0_wp, 1.0_wp/10.0_wp, 1.0_wp/280.0_wp, 1.0_wp/15120.0_wp, &
+      1.0_wp/1330560.0_wp, 1.0_wp/172972800.0_wp, 1.0_wp/31135104000.0_wp, &
+      1.0_wp/7410154752000.0_wp, 1.0_wp/2252687044608000.0_wp]
 
    !> Coefficients of its derivative by x, divided by x: 2 m c_m, m = 1 ... 8, and a zero.
    real(wp), parameter :: dc(0:8) = 2.0_wp*[c(1), 2.0_wp*c(2), 3.0_wp*c(3), 4.0_wp*c(4), &
-      5.0_wp*c(5), 6.0_wp*c(6), &
-                                            7.0_wp*c(7), 8.0_wp*c(8), 0.0_wp]
+      5.0_wp*c(5), 6.0_wp*c(6), 7.0_wp*c(7), 8.0_wp*c(8), 0.0_wp]
 
    !> What the derivatives need again of a block: exp(-2|Sigma|), shear and ratio without their
    !> powers of |Sigma|, and t^2.
@@ -69,6 +72,89 @@ module eyring
    end type parts_t
 
 contains
+
+   !> S, with the derivatives where they are wanted.
+   pure subroutine evaluate_slip(self, drive, inverse_film, ln_mu, has_slopes, slip)
+      class(eyring_t), intent(in) :: self
+      real(wp), intent(in), contiguous :: drive(:), inverse_film(:), ln_mu(:)
+      logical, intent(in) :: has_slopes
+      type(slip_t), intent(inout) :: slip
+      real(wp), dimension(slip_block) :: sigma, ln_b, by_sigma
+      integer :: m
+
+      m = size(drive)
+      sigma(:m) = self%sigma_scale*drive
+      ln_b(:m) = self%ln_b_scale + ln_mu
+      if (.not. has_slopes) then
+         call slip_values(sigma(:m), ln_b(:m), inverse_film, slip%growth(:m), slip%factor(:m))
+         return
+      end if
+      call slip_factors(sigma(:m), ln_b(:m), inverse_film, slip%growth(:m), slip%factor(:m), &
+         by_sigma(:m), slip%by_ln_mu(:m))
+      slip%by_drive(:m) = by_sigma(:m)*self%sigma_scale
+      slip%by_ln_film(:m) = by_sigma(:m)*sigma(:m) - slip%by_ln_mu(:m)
+   end subroutine evaluate_slip
+
+   !> ln S at one place, and its derivative by the drive.
+   pure elemental subroutine ln_slip(self, drive, film, ln_mu, ln_s, by_drive)
+      class(eyring_t), intent(in) :: self
+      real(wp), intent(in) :: drive, film, ln_mu
+      real(wp), intent(out) :: ln_s, by_drive
+      real(wp) :: by_ln_b
+
+      call slip_factor(self%sigma_scale*drive, self%ln_b_scale + ln_mu - log(film), ln_s, &
+         by_drive, by_ln_b)
+      by_drive = by_drive*self%sigma_scale
+   end subroutine ln_slip
+
+   !> Mean shear stress, in units of tau_0 = 0.5/sigma_scale [p_h b/R]; 0 where `couette` is 0, NaN
+   !> where it is not known.
+   pure subroutine evaluate_stress(self, couette, drive, inverse_film, ln_mu, stress)
+      class(eyring_t), intent(in) :: self
+      real(wp), intent(in) :: couette
+      real(wp), intent(in), contiguous :: drive(:), inverse_film(:), ln_mu(:)
+      real(wp), intent(out), contiguous :: stress(:)
+      real(wp) :: unit
+
+      call mean_stresses(self%sigma_scale*drive, self%ln_b_scale + ln_mu, inverse_film, stress)
+      unit = couette
+      if (abs(couette) > 0.0_wp) unit = sign(0.5_wp/self%sigma_scale, couette)
+      stress = unit*stress
+   end subroutine evaluate_stress
+
+   !> d tau/dp of the sliding.
+   pure elemental function stress_rise(self, newtonian, slope) result(rise)
+      class(eyring_t), intent(in) :: self
+      real(wp), intent(in) :: newtonian, slope
+      real(wp) :: rise
+
+      rise = pressure_derivative_of_stress(newtonian, 0.5_wp/self%sigma_scale, slope)
+   end function stress_rise
+
+   !> d tau/dp [-] of the flow between two walls at a given shear rate: what the derivation of
+   !> Reynolds' equation takes for small. It is d tau/d ln mu times `slope` = d ln mu/dp [1/Pa].
+   !>
+   !> `newtonian` stress mu |u2 - u1|/h [Pa] >= 0. With Eyring's tau = tau_0 asinh B, B =
+   !> mu |u2 - u1|/(tau_0 h), it is tau_0 B/sqrt(1 + B^2) d ln mu/dp; `eyring` tau_0 [Pa] > 0, or
+   !> <= 0 for an oil that does not thin, where it is the Newtonian stress times the slope. S. Bair,
+   !> M. Khonsari and W. O. Winer, Tribol. Int. 31, 1998, 573.
+   pure elemental function pressure_derivative_of_stress(newtonian, eyring, &
+      slope) result(derivative)
+      real(wp), intent(in) :: newtonian, eyring, slope
+      real(wp) :: derivative
+
+      derivative = newtonian*slope
+      if (eyring > 0.0_wp) derivative = eyring*slope*(newtonian/hypot(newtonian, eyring))
+   end function pressure_derivative_of_stress
+
+   !> `flow_shapes` with the drive H dP/dX.
+   pure elemental subroutine shapes_of_drive(self, drive, y, sliding, driven)
+      class(eyring_t), intent(in) :: self
+      real(wp), intent(in) :: drive, y
+      real(wp), intent(out) :: sliding, driven
+
+      call flow_shapes(self%sigma_scale*drive, y, sliding, driven)
+   end subroutine shapes_of_drive
 
    !> ln S with its derivatives by Sigma and by ln B.
    !>
@@ -198,9 +284,8 @@ contains
          inverse = 1.0_wp/max(x, series_limit)
          dln_shear = (is_small*small*polynomial(dc, y) &
             + is_large*((1.0_wp - parts%decay(i)) - 3.0_wp*inverse*parts%curve(i)))/parts%curve(i)
-         dln_ratio = is_large*inverse &
-            - (is_small*small*polynomial(ds, y) + is_large*(1.0_wp + parts%decay(i))) &
-               *parts%inverse_sinh(i)
+         dln_ratio = is_large*inverse - (is_small*small*polynomial(ds, y) &
+            + is_large*(1.0_wp + parts%decay(i)))*parts%inverse_sinh(i)
          slope(i) = sign(1.0_wp, sigma(i))*(dln_shear + weight(i)*dln_ratio)
       end do
    end subroutine block_slopes

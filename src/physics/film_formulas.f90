@@ -86,8 +86,7 @@ contains
    pure function known_bias(i, fluid) result(bias)
       integer, intent(in) :: i
       type(fluid_t), intent(in) :: fluid
-      real(wp) :: bias(2)
-      real(wp) :: rho(1), slope(1)
+      real(wp) :: bias(2), rho(1), slope(1)
       integer :: laws
 
       laws = merge(1, 2, fluid%density_law == density_constant)

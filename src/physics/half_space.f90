@@ -24,8 +24,7 @@ contains
    !> (d + dX/2)(ln|d + dX/2| - 1) - (d - dX/2)(ln|d - dX/2| - 1), d = X_i - X_j.
    pure function line_kernel(n) result(kappa)
       integer, intent(in) :: n
-      real(wp) :: kappa(0:n)
-      real(wp) :: above, below, y
+      real(wp) :: kappa(0:n), above, below, y
       integer :: j
 
       do j = 0, min(n, series_start - 1)

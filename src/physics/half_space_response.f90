@@ -64,8 +64,7 @@ contains
    pure function element_response(nx, ny, length_x, length_y) result(response)
       integer, intent(in) :: nx, ny
       real(wp), intent(in) :: length_x, length_y
-      real(wp) :: response(0:nx/2, 0:ny - 1)
-      real(wp) :: part_x(-images:images, 0:nx/2), part_y(-images:images)
+      real(wp) :: response(0:nx/2, 0:ny - 1), part_x(-images:images, 0:nx/2), part_y(-images:images)
       integer :: i, images_y, j, k, l
 
       images_y = merge(images, 0, ny > 1)
@@ -78,10 +77,9 @@ contains
          if (ny == 1) part_y = 1.0_wp
          do i = 0, nx/2
             do l = -images_y, images_y
-               response(i, j) = response(i, &
-                  j) + sum(part_x(:, i)*part_y(l)/(tiny(1.0_wp) + 2.0_wp*pi &
-                  *[(hypot((real(i, wp) + k*nx)/length_x, (real(j, wp) + l*ny)/length_y), &
-                     k=-images, images)]))
+               response(i, j) = response(i, j) + sum(part_x(:, i)*part_y(l) &
+                  /(tiny(1.0_wp) + 2.0_wp*pi*[(hypot((real(i, wp) + k*nx)/length_x, &
+                  (real(j, wp) + l*ny)/length_y), k=-images, images)]))
             end do
          end do
          if (j > 0) response(:, ny - j) = response(:, j)
@@ -129,23 +127,20 @@ contains
    !> Integral of 1/(2 pi r) over the rectangle `dx` x `dy` centred at the distance (`x`, `y`) >= 0.
    pure elemental function rectangle(x, y, dx, dy) result(integral)
       real(wp), intent(in) :: x, y, dx, dy
-      real(wp) :: integral
-      real(wp) :: c2, s2, r2
+      real(wp) :: integral, c2, s2, r2
 
       r2 = x*x + y*y
       if (r2 <= (series_start*max(dx, dy))**2) then
-         integral = corner(x + dx/2, y + dy/2) - corner(x - dx/2, y + dy/2) - corner(x + dx/2, &
-            y - dy/2) &
-                    + corner(x - dx/2, y - dy/2)
+         integral = corner(x + dx/2, y + dy/2) - corner(x - dx/2, y + dy/2) &
+            - corner(x + dx/2, y - dy/2) + corner(x - dx/2, y - dy/2)
       else
          ! Taylor series of 1/r about the centre, averaged over the rectangle.
          c2 = x*x/r2
          s2 = y*y/r2
          integral = dx*dy/sqrt(r2)*(1.0_wp + (dx*dx*(3.0_wp*c2 - 1.0_wp) &
-            + dy*dy*(3.0_wp*s2 - 1.0_wp))/(24.0_wp*r2) &
-            + (dx**4*(105.0_wp*c2*c2 - 90.0_wp*c2 + 9.0_wp) + dy**4*(105.0_wp*s2*s2 - 90.0_wp*s2 &
-               + 9.0_wp))/(1920.0_wp*r2*r2) &
-            + dx*dx*dy*dy*(105.0_wp*c2*s2 - 12.0_wp)/(576.0_wp*r2*r2))
+            + dy*dy*(3.0_wp*s2 - 1.0_wp))/(24.0_wp*r2) + (dx**4 &
+            *(105.0_wp*c2*c2 - 90.0_wp*c2 + 9.0_wp) + dy**4*(105.0_wp*s2*s2 - 90.0_wp*s2 &
+            + 9.0_wp))/(1920.0_wp*r2*r2) + dx*dx*dy*dy*(105.0_wp*c2*s2 - 12.0_wp)/(576.0_wp*r2*r2))
       end if
       integral = integral/(2.0_wp*pi)
    end function rectangle

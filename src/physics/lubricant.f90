@@ -1,26 +1,34 @@
-!> The lubricant in SI, and the same in dimensionless form with its laws evaluated on arrays of
-!> nodes.
+!> The lubricant in SI, and the same in dimensionless form, with its laws of viscosity and density
+!> on arrays of nodes.
+!>
+!> Viscosities are ln(mu/mu_0), because mu itself passes 1e300 within the valid range of alpha p.
+!> Laws take pressure, 1/alpha, P0 and C1 in one and the same unit: SI, or all divided by the Hertz
+!> pressure.
 module lubricant
-   use density, only: dowson_higginson_densities
+   use flow_law, only: flow_law_t
    use kinds, only: wp
-   use viscosity, only: barus_viscosities, roelands_viscosities
    implicit none (type, external)
    private
 
-   public :: fluid_viscosity, fluid_density
+   public :: barus_viscosities, dowson_higginson_densities, fluid_density, fluid_viscosity, &
+      roelands_viscosities
 
-   !> Viscosity laws: mu = mu_0; Barus; Roelands (module viscosity).
+   !> Viscosity laws: mu = mu_0; Barus; Roelands.
    integer, parameter, public :: viscosity_constant = 0, viscosity_barus = 1, viscosity_roelands = 2
-   !> Density laws: rho = rho_0; Dowson and Higginson (module density).
+   !> Density laws: rho = rho_0; Dowson and Higginson.
    integer, parameter, public :: density_constant = 0, density_dowson_higginson = 1
-   !> Rheology laws: mu whatever the shear; Eyring (module eyring).
-   integer, parameter, public :: rheology_newtonian = 0, rheology_eyring = 1
+
+   !> Pressure constant C1 [Pa] of (2.28), (2.63); D. Dowson and G. R. Higginson,
+   !> Elasto-hydrodynamic lubrication, 1966.
+   real(wp), parameter, public :: dowson_higginson_c1 = 5.9e8_wp
+   !> Density ratio C2 [-] of (2.28), (2.63) to which the law tends at infinite pressure; same
+   !> source.
+   real(wp), parameter :: dowson_higginson_c2 = 1.34_wp
 
    !> Their names in the input, by number.
    character(len=16), parameter, public :: viscosity_laws(0:2) = [character(len=16) :: &
       'constant', 'barus', 'roelands'], density_laws(0:1) = [character(len=16) :: &
-      'constant', 'dowson_higginson'], rheologies(0:1) = [character(len=16) :: &
-      'newtonian', 'eyring']
+      'constant', 'dowson_higginson']
 
    !> The lubricant as the user describes it.
    type, public :: lubricant_t
@@ -36,10 +44,10 @@ module lubricant
       real(wp) :: roelands_z
       !> One of `density_constant`, `density_dowson_higginson`.
       integer :: density_law
-      !> One of `rheology_newtonian`, `rheology_eyring`.
+      !> One of the constants of module scaling.
       integer :: rheology
-      !> tau_0 [Pa] > 0; Eyring.
-      real(wp) :: eyring_stress
+      !> tau_0 [Pa] > 0 of a law that thins.
+      real(wp) :: stress_scale
    end type lubricant_t
 
    !> The lubricant as the dimensionless equations see it; made by `scaled_fluid` of module scaling.
@@ -54,13 +62,8 @@ module lubricant
       real(wp) :: z
       !> C1/p_h [-] > 0; Dowson and Higginson.
       real(wp) :: c1
-      !> As in `lubricant_t`; what follows from it is in module rheology.
-      integer :: rheology
-      !> Sigma = sigma_scale H dP/dX: b p_h/(2 R tau_0) [-], from (2.12) and (2.51).
-      real(wp) :: sigma_scale
-      !> ln B = ln_b_scale + ln(mu/mu_0) - ln H: ln( mu_0 |u2 - u1| R/(tau_0 b^2) ) [-], from (2.14)
-      !> and (2.51).
-      real(wp) :: ln_b_scale
+      !> How shear thins it (module rheology); not allocated: it does not.
+      class(flow_law_t), allocatable :: rheology
    end type fluid_t
 
 contains
@@ -102,5 +105,93 @@ contains
          error stop 'fluid_density: a law without its case'
       end select
    end subroutine fluid_density
+
+   !> Barus' law on arrays (n):  ln(mu/mu_0) = alpha p; C. Barus, Am. J. Sci. 45, 1893, 87; the
+   !> limit z = 1 of (2.26).
+   !>
+   !> `p` >= 0; `alpha` >= 0; realistic below about 0.3 GPa. Results as in `roelands_viscosities`.
+   pure subroutine barus_viscosities(p, alpha, ln_mu, dln_mu)
+      real(wp), intent(in), contiguous :: p(:)
+      real(wp), intent(in) :: alpha
+      real(wp), intent(out), contiguous :: ln_mu(:)
+      real(wp), intent(out), contiguous, optional :: dln_mu(:)
+
+      ln_mu = alpha*p
+      if (present(dln_mu)) dln_mu = alpha
+   end subroutine barus_viscosities
+
+   !> Roelands' law (2.26), (2.61) on arrays (n), in one loop that the compiler vectorises:
+   !> ln(mu/mu_0) = (alpha P0/z) [ (1 + p/P0)^z - 1 ].
+   !>
+   !> `p` >= 0; `alpha` >= 0; `p0` > 0; `z` > 0 (0.4 ... 0.8 for oils; z = 1 is Barus).
+   !> `ln_mu` = ln(mu/mu_0) [-]; `dln_mu`, where it is asked for, its derivative by p [1/unit of p].
+   pure subroutine roelands_viscosities(p, alpha, p0, z, ln_mu, dln_mu)
+      real(wp), intent(in), contiguous :: p(:)
+      real(wp), intent(in) :: alpha, p0, z
+      real(wp), intent(out), contiguous :: ln_mu(:)
+      real(wp), intent(out), contiguous, optional :: dln_mu(:)
+      real(wp) :: unused
+      integer :: i
+
+      if (present(dln_mu)) then
+         do i = 1, size(p)
+            call roelands(p(i), alpha, p0, z, ln_mu(i), dln_mu(i))
+         end do
+      else
+         do i = 1, size(p)
+            call roelands(p(i), alpha, p0, z, ln_mu(i), unused)
+         end do
+      end if
+   end subroutine roelands_viscosities
+
+   !> The law at one pressure; private, so that position-independent code inlines it in the loops
+   !> too.
+   pure elemental subroutine roelands(p, alpha, p0, z, ln_mu, dln_mu)
+      real(wp), intent(in) :: p, alpha, p0, z
+      real(wp), intent(out) :: ln_mu, dln_mu
+      real(wp) :: ratio, power
+
+      ratio = 1.0_wp + p/p0
+      power = exp(z*log(ratio))
+      ln_mu = (alpha*p0/z)*(power - 1.0_wp)
+      dln_mu = alpha*power/ratio
+   end subroutine roelands
+
+   !> Dowson and Higginson's law (2.28), (2.63) on arrays (n), in one loop that the compiler
+   !> vectorises:  rho/rho_0 = (C1 + C2 p)/(C1 + p).
+   !>
+   !> `p` >= 0 and `c1` > 0 in one and the same unit (SI, or both divided by the Hertz pressure).
+   !> `rho` = rho/rho_0 [-], between 1 and C2; `drho`, where it is asked for, its derivative by p
+   !> [1/unit of p].
+   pure subroutine dowson_higginson_densities(p, c1, rho, drho)
+      real(wp), intent(in), contiguous :: p(:)
+      real(wp), intent(in) :: c1
+      real(wp), intent(out), contiguous :: rho(:)
+      real(wp), intent(out), contiguous, optional :: drho(:)
+      real(wp) :: unused
+      integer :: i
+
+      if (present(drho)) then
+         do i = 1, size(p)
+            call dowson_higginson(p(i), c1, rho(i), drho(i))
+         end do
+      else
+         do i = 1, size(p)
+            call dowson_higginson(p(i), c1, rho(i), unused)
+         end do
+      end if
+   end subroutine dowson_higginson_densities
+
+   !> The law at one pressure; private, so that position-independent code inlines it in the loops
+   !> too.
+   pure elemental subroutine dowson_higginson(p, c1, rho, drho)
+      real(wp), intent(in) :: p, c1
+      real(wp), intent(out) :: rho, drho
+      real(wp) :: fraction
+
+      fraction = 1.0_wp/(c1 + p)
+      rho = (c1 + dowson_higginson_c2*p)*fraction
+      drho = (dowson_higginson_c2 - 1.0_wp)*(c1*fraction)*fraction
+   end subroutine dowson_higginson
 
 end module lubricant

@@ -8,7 +8,7 @@ module model_limits
    private
 
    public :: film_reynolds_number, film_temperatures, flash_temperatures, inlet_heating_loss, &
-      pressure_derivative_of_stress, shortest_length, side_flow_loss
+      shortest_length, side_flow_loss
 
    !> Cells over which the heat of a contact is averaged at most: enough for 1 % of its largest
    !> temperature.
@@ -91,22 +91,6 @@ contains
 
       length = -log(loss)*width/end_decay
    end function shortest_length
-
-   !> d tau/dp [-] of the flow between two walls at a given shear rate: what the derivation of
-   !> Reynolds' equation takes for small. It is d tau/d ln mu times `slope` = d ln mu/dp [1/Pa].
-   !>
-   !> `newtonian` stress mu |u2 - u1|/h [Pa] >= 0. With Eyring's tau = tau_0 asinh B, B =
-   !> mu |u2 - u1|/(tau_0 h), it is tau_0 B/sqrt(1 + B^2) d ln mu/dp; `eyring` tau_0 [Pa] > 0, or
-   !> <= 0 for an oil that does not thin, where it is the Newtonian stress times the slope. S. Bair,
-   !> M. Khonsari and W. O. Winer, Tribol. Int. 31, 1998, 573.
-   pure elemental function pressure_derivative_of_stress(newtonian, eyring, &
-      slope) result(derivative)
-      real(wp), intent(in) :: newtonian, eyring, slope
-      real(wp) :: derivative
-
-      derivative = newtonian*slope
-      if (eyring > 0.0_wp) derivative = eyring*slope*(newtonian/hypot(newtonian, eyring))
-   end function pressure_derivative_of_stress
 
    !> Reynolds number rho u h/mu_0 [-] of the flow through a contact, u = `speed` the mean of the
    !> surfaces [m/s], h = `film` [m] at its centre, all at ambient `density` [kg/m^3] and

@@ -2,12 +2,12 @@
 !> where SI and dimensionless meet.
 module scaling
    use bodies, only: bodies_t
-   use density, only: dowson_higginson_c1
-   use eyring, only: ln_b_of_no_sliding
+   use eyring, only: eyring_t, ln_b_of_no_sliding
+   use flow_law, only: flow_law_t
    use hertz, only: line_half_width, line_peak_pressure
    use kinds, only: wp
-   use lubricant, only: density_constant, density_dowson_higginson, fluid_t, lubricant_t, &
-      rheology_eyring, rheology_newtonian, viscosity_constant, viscosity_roelands
+   use lubricant, only: density_constant, density_dowson_higginson, dowson_higginson_c1, fluid_t, &
+      lubricant_t, viscosity_constant, viscosity_roelands
    use missing_value, only: not_known
    use moes, only: moes_m_sum_from_mean, moes_m_sum_from_lambda, moes_m_mean_from_sum, &
       lambda_from_moes_sum, alpha_bar_from_moes, moes_l_from_alpha_bar
@@ -15,6 +15,11 @@ module scaling
    private
 
    public :: film_slope, inertia_number, new_scaling, new_moes_scaling, scaled_fluid
+
+   !> Laws: mu whatever the shear; Eyring (module eyring). Their names in the input, by number.
+   integer, parameter, public :: rheology_newtonian = 0, rheology_eyring = 1
+   character(len=16), parameter, public :: rheologies(0:1) = [character(len=16) :: 'newtonian', &
+      'eyring']
 
    !> Scales of (2.51, 2.52) and dimensionless groups of (2.53 - 2.56). Where `is_dimensional` is
    !> false (input by Moes' numbers) only lambda, alpha_bar, moes_m and moes_l mean anything, and
@@ -121,7 +126,7 @@ contains
       slope = scaling%half_width/scaling%reduced_radius
    end function film_slope
 
-   !> rho_0 u_s^2/p_h [-], the inertia of an oil of ambient `density` [kg/m3] beside its pressure.
+   !> rho_0 u_s^2/p_h [-], the inertia of an oil of ambient `density` [kg/m3] over its pressure.
    !> Dimensional scaling only.
    pure function inertia_number(scaling, density) result(number)
       type(scaling_t), intent(in) :: scaling
@@ -141,7 +146,7 @@ contains
       type(lubricant_t), intent(in) :: lubricant
       type(bodies_t), intent(in) :: bodies
       type(fluid_t) :: fluid
-      real(wp) :: sliding
+      real(wp) :: ln_b_scale, sliding
 
       fluid%viscosity_law = lubricant%viscosity_law
       if (scaling%alpha_bar <= 0.0_wp) fluid%viscosity_law = viscosity_constant
@@ -157,17 +162,29 @@ contains
       fluid%c1 = 1.0_wp
       if (fluid%density_law == density_dowson_higginson) fluid%c1 = dowson_higginson_c1 &
          /scaling%hertz_pressure
-      fluid%rheology = rheology_newtonian
-      if (scaling%is_dimensional) fluid%rheology = lubricant%rheology
-      fluid%sigma_scale = 0.0_wp
-      fluid%ln_b_scale = ln_b_of_no_sliding
-      if (fluid%rheology == rheology_eyring) then
-         fluid%sigma_scale = scaling%half_width*scaling%hertz_pressure &
-                             /(2.0_wp*scaling%reduced_radius*lubricant%eyring_stress)
-         sliding = scaling%viscosity*abs(bodies%speed_2 - bodies%speed_1)/(lubricant%eyring_stress &
-            *scaling%film)
-         if (sliding > 0.0_wp) fluid%ln_b_scale = log(sliding)
-      end if
+      if (lubricant%rheology == rheology_newtonian .or. .not. scaling%is_dimensional) return
+      ln_b_scale = ln_b_of_no_sliding
+      sliding = scaling%viscosity*abs(bodies%speed_2 - bodies%speed_1)/(lubricant%stress_scale &
+         *scaling%film)
+      if (sliding > 0.0_wp) ln_b_scale = log(sliding)
+      call new_flow_law(lubricant%rheology, scaling%half_width*scaling%hertz_pressure &
+         /(2.0_wp*scaling%reduced_radius*lubricant%stress_scale), ln_b_scale, fluid%rheology)
    end function scaled_fluid
+
+   !> The law of a rheology that thins, in the scales of `flow_law_t`.
+   pure subroutine new_flow_law(rheology, sigma_scale, ln_b_scale, law)
+      integer, intent(in) :: rheology
+      real(wp), intent(in) :: sigma_scale, ln_b_scale
+      class(flow_law_t), allocatable, intent(inout) :: law
+
+      select case (rheology)
+      case (rheology_eyring)
+         allocate (eyring_t :: law)
+      case default
+         error stop 'new_flow_law: a law without its case'
+      end select
+      law%sigma_scale = sigma_scale
+      law%ln_b_scale = ln_b_scale
+   end subroutine new_flow_law
 
 end module scaling

@@ -21,7 +21,6 @@
 module thinned_film
    use kinds, only: wp
    use lubricant, only: fluid_t, fluid_viscosity
-   use rheology, only: ln_slip, thins
    implicit none (type, external)
    private
 
@@ -40,11 +39,10 @@ contains
    pure function thinned_central_film(fluid, lambda, newtonian) result(film)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, newtonian
-      real(wp) :: film
-      real(wp) :: resistance
+      real(wp) :: film, resistance
 
       film = newtonian
-      if (.not. thins(fluid)) return
+      if (.not. allocated(fluid%rheology)) return
       resistance = inlet_film(fluid, lambda, .true.)**(-power) - inlet_film(fluid, lambda, &
          .false.)**(-power)
       film = (newtonian**(-power) + max(resistance, 0.0_wp))**(-1/power)
@@ -56,8 +54,7 @@ contains
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda
       logical, intent(in) :: is_thinning
-      real(wp) :: film
-      real(wp) :: lower, upper, middle
+      real(wp) :: film, lower, upper, middle
       integer :: i
 
       lower = thinnest
@@ -78,15 +75,15 @@ contains
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, ln_film
       logical, intent(in) :: is_thinning
-      real(wp) :: excess
-      real(wp) :: ln_slope, pressure, ln_mu(1)
+      real(wp) :: excess, by_drive, ln_slope, ln_s, pressure, ln_mu(1)
 
       ln_slope = min(-ln_film/3, -ln_film)
       pressure = pressure_share*exp(min(ln_film/3, -ln_film/2))
       call fluid_viscosity(fluid, [pressure], ln_mu)
       excess = 2*ln_film + ln_slope - ln_mu(1) - log(flow_share*lambda)
-      if (is_thinning) excess = excess + ln_slip(fluid, exp(ln_film + ln_slope), exp(ln_film), &
-         ln_mu(1))
+      if (.not. is_thinning) return
+      call fluid%rheology%ln_slip(exp(ln_film + ln_slope), exp(ln_film), ln_mu(1), ln_s, by_drive)
+      excess = excess + ln_s
    end function excess_flow
 
 end module thinned_film

@@ -6,8 +6,7 @@ module film_fields
    use kinds, only: wp
    use momentum_problem, only: film_flow_t, momentum_problem_t
    use momentum_rows, only: momentum_terms_t
-   use shear_law, only: shear_viscosity
-   use thin_film_flow, only: shear_differences
+   use thin_film_flow, only: shear_differences, shear_viscosity
    implicit none (type, external)
    private
 
@@ -18,8 +17,7 @@ module film_fields
       !> zeta of the layers (layers): 0 at surface 1, 1 at surface 2.
       real(wp), allocatable :: zeta(:)
       !> u and w over u_s, P = p/p_h, tau_xz/p_h, viscosity under shear over mu_0.
-      real(wp), allocatable :: u(:, :), w(:, :), pressure(:, :), shear_stress(:, :), &
-         viscosity(:, :)
+      real(wp), allocatable :: u(:, :), w(:, :), pressure(:, :), shear_stress(:, :), viscosity(:, :)
       !> Pressure and film of the Reynolds equation on the same nodes (nx).
       real(wp), allocatable :: reynolds_pressure(:), reynolds_film(:)
       !> Relative differences of h_min, h_central and p_max from the Reynolds equation; largest
@@ -72,8 +70,7 @@ contains
       integer :: i, left, right
 
       delta = sqrt(problem%delta2)
-      associate (m => problem%layers, n => problem%n, s => terms%stresses, &
-         w => terms%kinematics%w)
+      associate (m => problem%layers, n => problem%n, s => terms%stresses, w => terms%kinematics%w)
          fields%zeta = layer_centres(m)
          fields%pressure = flow%p
          allocate (fields%u(m, n + 1), fields%w(m, n + 1), fields%shear_stress(m, n + 1), &

@@ -5,7 +5,7 @@ module film_geometry
    implicit none (type, external)
    private
 
-   public :: differentiate_geometry, film_geometry_t, layer_centres, layer_edges, take_geometry
+   public :: differentiate_geometry, film_geometry_t, layer_centres, layer_edges, evaluate_geometry
 
    !> Of nodes (0:n) and faces (1:n): film, slopes dz1/dX and dH/dX, speeds of the walls along x;
    !> half the changes with time, 1/2 dz1/dT and 1/2 dH/dT, of the nodes.
@@ -37,25 +37,24 @@ contains
 
    !> Geometry of a film (0:n). A smooth wall moves along itself, with u_i cos(theta) along x, and
    !> carries its roughness along.
-   pure subroutine take_geometry(problem, film, geometry)
+   pure subroutine evaluate_geometry(problem, film, geometry)
       type(momentum_problem_t), intent(in) :: problem
       real(wp), intent(in) :: film(0:)
       type(film_geometry_t), intent(inout) :: geometry
       real(wp) :: lower(0:problem%n)
 
       lower = problem%lower_share*film + problem%lower_shape
-      call take_slopes(problem%dx, film, lower, geometry)
+      call evaluate_slopes(problem%dx, film, lower, geometry)
       associate (slopes => wall_slopes(problem, geometry))
-         geometry%wall_speed = reshape([ &
-            problem%speed(1)/sqrt(1 + problem%delta2*slopes(:, 1)**2), &
+         geometry%wall_speed = reshape([problem%speed(1)/sqrt(1 + problem%delta2*slopes(:, 1)**2), &
             problem%speed(2)/sqrt(1 + problem%delta2*slopes(:, 2)**2)], [problem%n, 2])
       end associate
       geometry%lower_rate(:) = problem%half_rate*lower
       geometry%film_rate(:) = problem%half_rate*film
       if (.not. problem%half_rate > 0.0_wp) return
-      geometry%lower_rate = geometry%lower_rate - problem%past_lower
-      geometry%film_rate = geometry%film_rate - problem%past_film
-   end subroutine take_geometry
+      geometry%lower_rate = geometry%lower_rate - problem%old%lower
+      geometry%film_rate = geometry%film_rate - problem%old%film
+   end subroutine evaluate_geometry
 
    !> Slopes of the smooth walls at the faces (n, 2).
    pure function wall_slopes(problem, geometry) result(slopes)
@@ -75,36 +74,34 @@ contains
       real(wp), intent(in) :: film(0:)
       type(film_geometry_t), intent(inout) :: change
 
-      call take_slopes(problem%dx, film, problem%lower_share*film, change)
+      call evaluate_slopes(problem%dx, film, problem%lower_share*film, change)
       associate (d2 => problem%delta2, slopes => wall_slopes(problem, geometry), &
          d_one => change%face_lower_slope, &
          d_two => change%face_lower_slope + change%face_film_slope)
-         change%wall_speed = reshape([ &
-            -problem%speed(1)*d2*slopes(:, 1)*d_one/sqrt(1 + d2*slopes(:, 1)**2)**3, &
-            -problem%speed(2)*d2*slopes(:, 2)*d_two/sqrt(1 + d2*slopes(:, 2)**2)**3], &
-            [problem%n, 2])
+         change%wall_speed = reshape([-problem%speed(1)*d2*slopes(:, 1)*d_one &
+            /sqrt(1 + d2*slopes(:, 1)**2)**3, -problem%speed(2)*d2*slopes(:, 2)*d_two &
+            /sqrt(1 + d2*slopes(:, 2)**2)**3], [problem%n, 2])
       end associate
       change%film_rate(:) = problem%half_rate*film
       change%lower_rate(:) = problem%lower_share*change%film_rate
    end subroutine differentiate_geometry
 
    !> Films and slopes, at the ends of the domain those of the first and the last face.
-   pure subroutine take_slopes(dx, film, lower, geometry)
+   pure subroutine evaluate_slopes(dx, film, lower, geometry)
       real(wp), intent(in) :: dx, film(0:), lower(0:)
       type(film_geometry_t), intent(inout) :: geometry
       integer :: n
 
       n = ubound(film, 1)
-      if (.not. allocated(geometry%film)) allocate (geometry%film(0:n), &
-         geometry%lower_slope(0:n), geometry%film_slope(0:n), geometry%lower_rate(0:n), &
-         geometry%film_rate(0:n))
+      if (.not. allocated(geometry%film)) allocate (geometry%film(0:n), geometry%lower_slope(0:n), &
+         geometry%film_slope(0:n), geometry%lower_rate(0:n), geometry%film_rate(0:n))
       geometry%film(:) = film
       geometry%face_film = 0.5_wp*(film(:n - 1) + film(1:))
       geometry%face_lower_slope = (lower(1:) - lower(:n - 1))/dx
       geometry%face_film_slope = (film(1:) - film(:n - 1))/dx
       geometry%lower_slope(:) = node_slopes(geometry%face_lower_slope)
       geometry%film_slope(:) = node_slopes(geometry%face_film_slope)
-   end subroutine take_slopes
+   end subroutine evaluate_slopes
 
    !> Slopes at the nodes (n + 1) from those at the faces (n): central.
    pure function node_slopes(faces) result(nodes)

@@ -28,10 +28,9 @@ contains
       inertia = 0.0_wp
       if (f == 1 .or. f == problem%n) return
       associate (m => problem%layers, u => flow%u, v => flow%v, shear => kinematics%shear)
-         inertia = 0.5_wp*(rho(:, f - 1) + rho(:, f))*(geometry%face_film(f)*u(:, f) &
-            *(u(:, f + 1) - u(:, f - 1))/(2*problem%dx) &
-            + 0.25_wp*(v(:m - 1, f - 1) + v(1:, f - 1) + v(:m - 1, f) + v(1:, f)) &
-            *0.5_wp*(shear(:m - 1, f) + shear(1:, f)))
+         inertia = 0.5_wp*(rho(:, f - 1) + rho(:, f))*(geometry%face_film(f)*u(:, f)*(u(:, f + 1) &
+            - u(:, f - 1))/(2*problem%dx) + 0.25_wp*(v(:m - 1, f - 1) + v(1:, f - 1) + v(:m - 1, &
+            f) + v(1:, f))*0.5_wp*(shear(:m - 1, f) + shear(1:, f)))
       end associate
    end function inertia_along
 

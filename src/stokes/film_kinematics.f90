@@ -16,7 +16,7 @@ module film_kinematics
    implicit none (type, external)
    private
 
-   public :: differentiate_kinematics, film_kinematics_t, new_kinematics, take_kinematics
+   public :: differentiate_kinematics, film_kinematics_t, new_kinematics, evaluate_kinematics
 
    !> Third of the trace, which the stresses of a compressible oil lack: tau_xx = eta (2 u_x - 2/3
    !> D).
@@ -51,7 +51,7 @@ contains
 
    !> From velocities `u` (m, n), fluxes `v` (0:m, 0:n) and what the differences of U lack of the
    !> shear (0:m, n).
-   pure subroutine take_kinematics(problem, geometry, u, v, lacking, kinematics)
+   pure subroutine evaluate_kinematics(problem, geometry, u, v, lacking, kinematics)
       type(momentum_problem_t), intent(in) :: problem
       type(film_geometry_t), intent(in) :: geometry
       real(wp), intent(in) :: u(:, :), v(0:, 0:), lacking(0:, :)
@@ -94,7 +94,7 @@ contains
          k%rest2(:, 0) = k%rest2(:, 1)
          k%rest2(:, n) = k%rest2(:, n - 1)
       end associate
-   end subroutine take_kinematics
+   end subroutine evaluate_kinematics
 
    !> Their change with changes of geometry, velocities, fluxes and lacking shear.
    ! allow(too-many-arguments)  values with their changes
@@ -132,27 +132,22 @@ contains
             d_q = (d_g%face_lower_slope(f) + edges*d_g%face_film_slope(f) &
                - q*d_g%face_film(f))/g%face_film(f)
             change%rate(:, f) = (change%shear(:, f) - k%shear(:, f)*(d_g%face_film(f) &
-               /g%face_film(f)))/g%face_film(f) &
-               + problem%delta2*((change%w(:, f) - change%w(:, f - 1))/dx &
-               - 0.5_wp*q*(change%w_slope(:, f - 1) + change%w_slope(:, f)) &
-               - 0.5_wp*d_q*(k%w_slope(:, f - 1) + k%w_slope(:, f)))
+               /g%face_film(f)))/g%face_film(f) + problem%delta2*((change%w(:, f) - change%w(:, f &
+               - 1))/dx - 0.5_wp*q*(change%w_slope(:, f - 1) + change%w_slope(:, f)) - 0.5_wp*d_q &
+               *(k%w_slope(:, f - 1) + k%w_slope(:, f)))
          end do
          do i = 1, n - 1
             q(1:) = (g%lower_slope(i) + centres*g%film_slope(i))/g%film(i)
-            d_q(1:) = (d_g%lower_slope(i) + centres*d_g%film_slope(i) - q(1:)*d_g%film(i)) &
-               /g%film(i)
-            change%stretching(:, i) = (d_u(:, i + 1) - d_u(:, i))/dx &
-               - q(1:)*corner_means(change%shear(:, i:i + 1)) &
-               - d_q(1:)*corner_means(k%shear(:, i:i + 1))
-            change%dilatation(:, i) = ((g%face_film(i + 1)*d_u(:, i + 1) &
-               - g%face_film(i)*d_u(:, i) + d_g%face_film(i + 1)*u(:, i + 1) &
-               - d_g%face_film(i)*u(:, i))/dx + (d_v(1:, i) - d_v(:m - 1, i))/dz &
-               + d_g%film_rate(i) - k%dilatation(:, i)*d_g%film(i))/g%film(i)
+            d_q(1:) = (d_g%lower_slope(i) + centres*d_g%film_slope(i) - q(1:)*d_g%film(i))/g%film(i)
+            change%stretching(:, i) = (d_u(:, i + 1) - d_u(:, i))/dx - q(1:) &
+               *corner_means(change%shear(:, i:i + 1)) - d_q(1:)*corner_means(k%shear(:, i:i + 1))
+            change%dilatation(:, i) = ((g%face_film(i + 1)*d_u(:, i + 1) - g%face_film(i)*d_u(:, &
+               i) + d_g%face_film(i + 1)*u(:, i + 1) - d_g%face_film(i)*u(:, i))/dx + (d_v(1:, i) &
+               - d_v(:m - 1, i))/dz + d_g%film_rate(i) - k%dilatation(:, i)*d_g%film(i))/g%film(i)
             change%mean_rate(:, i) = corner_means(change%rate(:, i:i + 1))
             associate (x => 2*k%stretching(:, i) - trace_share*k%dilatation(:, i), &
-               y => trace_share*k%dilatation(:, i), &
-               d_x => 2*change%stretching(:, i) - trace_share*change%dilatation(:, i), &
-               d_y => trace_share*change%dilatation(:, i))
+               y => trace_share*k%dilatation(:, i), d_x => 2*change%stretching(:, i) &
+               - trace_share*change%dilatation(:, i), d_y => trace_share*change%dilatation(:, i))
                change%rest2(:, i) = problem%delta2*(x*d_x + (x - y)*(d_x - d_y) + y*d_y)
             end associate
          end do

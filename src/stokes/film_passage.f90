@@ -1,4 +1,4 @@
-!> What the full momentum equations change over a transient, time by time, beside the Reynolds
+!> What the full momentum equations change over a transient, time by time, against the Reynolds
 !> equation on the same grid.
 module film_passage
    use kinds, only: wp
@@ -71,9 +71,8 @@ contains
       self%last = step
       self%time(step) = state%time
       associate (full => follower%state)
-         self%series(:, step) = [extremes(full%pressure, full%film), &
-            extremes(state%pressure, state%film_thickness), &
-            maxval(abs(full%pressure - state%pressure)), &
+         self%series(:, step) = [extremes(full%pressure, full%film), extremes(state%pressure, &
+            state%film_thickness), maxval(abs(full%pressure - state%pressure)), &
             maxval(abs(full%film - state%film_thickness)), follower%pressure_variation]
          if (mod(step, self%stride) /= 0) return
          self%pressure(:, step/self%stride) = full%pressure

@@ -3,20 +3,20 @@
 !>     tau_xz = eta g_xz (corners),  tau_xx = eta (2 u_x - 2/3 D),  tau_zz = eta (2 w_z - 2/3 D)
 !>
 !> (centres), w_z = D - u_x, in the unit mu_0 u_s/h_ref; in tau_xx and tau_zz it is multiplied by
-!> delta = h_ref/b. eta by module shear_law at g^2 = g_xz^2 + rest^2. The ln mu of a corner is the
-!> mean of its four layers, as that of a face in the kappa scheme.
+!> delta = h_ref/b. eta by module thin_film_flow at g^2 = g_xz^2 + rest^2. The ln mu of a corner is
+!> the mean of its four layers, as that of a face in the kappa scheme.
 module film_stresses
    use film_geometry, only: film_geometry_t
    use film_kinematics, only: film_kinematics_t, trace_share
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_viscosity
    use momentum_problem, only: momentum_problem_t
-   use shear_law, only: shear_viscosity
+   use thin_film_flow, only: shear_viscosity
    implicit none (type, external)
    private
 
    public :: change_of_stresses, corner_values, film_stresses_t, new_stresses, stress_change_t, &
-      take_stresses
+      evaluate_stresses
 
    !> Viscosity and density, stresses, and what their changes need.
    type :: film_stresses_t
@@ -53,7 +53,7 @@ contains
    end subroutine new_stresses
 
    !> From pressures (m, 0:n) and kinematics.
-   pure subroutine take_stresses(problem, geometry, p, kinematics, stresses)
+   pure subroutine evaluate_stresses(problem, geometry, p, kinematics, stresses)
       type(momentum_problem_t), intent(in) :: problem
       type(film_geometry_t), intent(in) :: geometry
       real(wp), intent(in), contiguous :: p(:, 0:)
@@ -83,13 +83,12 @@ contains
             call shear_viscosity(scale, s%ln_mu(:, i), k%mean_rate(:, i)**2 + k%rest2(:, i), &
                s%eta(:, i), s%eta_by_ln_mu(:, i), s%eta_by_shear2(:, i))
             s%xx(:, i) = s%eta(:, i)*(2*k%stretching(:, i) - trace_share*k%dilatation(:, i))
-            s%zz(:, i) = s%eta(:, i)*((2 - trace_share)*k%dilatation(:, i) &
-               - 2*k%stretching(:, i))
+            s%zz(:, i) = s%eta(:, i)*((2 - trace_share)*k%dilatation(:, i) - 2*k%stretching(:, i))
             s%hxx(:, i) = geometry%film(i)*s%xx(:, i)
          end do
          call end_stresses(s%hxx, s%xx, geometry%film)
       end associate
-   end subroutine take_stresses
+   end subroutine evaluate_stresses
 
    !> H tau_xx does not change along the first and the last interval.
    pure subroutine end_stresses(hxx, xx, film)
@@ -134,9 +133,8 @@ contains
                *(2*k%mean_rate(:, i)*d_k%mean_rate(:, i) + d_k%rest2(:, i))
             change%xx(:, i) = d_eta*(2*k%stretching(:, i) - trace_share*k%dilatation(:, i)) &
                + s%eta(:, i)*(2*d_k%stretching(:, i) - trace_share*d_k%dilatation(:, i))
-            change%zz(:, i) = d_eta*((2 - trace_share)*k%dilatation(:, i) &
-               - 2*k%stretching(:, i)) + s%eta(:, i)*((2 - trace_share)*d_k%dilatation(:, i) &
-               - 2*d_k%stretching(:, i))
+            change%zz(:, i) = d_eta*((2 - trace_share)*k%dilatation(:, i) - 2*k%stretching(:, i)) &
+               + s%eta(:, i)*((2 - trace_share)*d_k%dilatation(:, i) - 2*d_k%stretching(:, i))
             change%hxx(:, i) = geometry%film(i)*change%xx(:, i) + d_film(i)*s%xx(:, i)
          end do
          call end_stresses(change%hxx, change%xx, geometry%film)
@@ -150,8 +148,7 @@ contains
    pure function corner_values(layers, is_linear) result(corners)
       real(wp), intent(in) :: layers(:, :)
       logical, intent(in) :: is_linear
-      real(wp) :: corners(0:size(layers, 1))
-      real(wp) :: face(size(layers, 1))
+      real(wp) :: corners(0:size(layers, 1)), face(size(layers, 1))
       integer :: m
 
       m = size(layers, 1)

@@ -1,5 +1,5 @@
-!> The time steps of a line contact by the full momentum equations of the film, beside those of the
-!> Reynolds equation: the same steps, grid and surfaces, with its own history of H and rho H.
+!> The time steps of a line contact by the full momentum equations of the film, after those of
+!> the Reynolds equation: the same steps, grid and surfaces, another history of H and rho H.
 !>
 !> It starts from the smooth steady film of the full equations, which the surfaces then enter as
 !> they enter that of the Reynolds equation. Every step begins with its last solution and what the
@@ -13,14 +13,14 @@ module momentum_march
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t
    use line_state, only: line_state_t
-   use momentum_continuation, only: missing_reason, solve_by_continuation
+   use momentum_solver, only: missing_reason, solve_by_continuation
    use momentum_history, only: excess_t, max_excesses, momentum_history_t, next_count, weights_of
    use momentum_newton, only: momentum_newton_t, solve_momentum_contact, start_flow
    use momentum_problem, only: film_flow_t, mean_pressure, momentum_problem_t
    use momentum_rows, only: evaluate_rows, momentum_rows_t
-   use momentum_setup, only: pose_momentum, set_walls, take_level, walls_t
+   use momentum_setup, only: pose_momentum, set_walls, pose_level, walls_t
    use listener, only: follower_t
-   use time_part, only: time_part_t
+   use march_state, only: time_part_t
    implicit none (type, external)
    private
 
@@ -32,19 +32,17 @@ module momentum_march
    !> Newton steps from a first approximation by the past, at most.
    integer, parameter :: direct_steps = 5
 
-   !> Where the march stands. The pressure of its `state` is the mean across the film.
+   !> Where the march stands. The pressure of its `state` is the mean across the film. Not to be
+   !> copied once it has begun: its level owns FFT plans.
    type, extends(follower_t) :: momentum_march_t
       type(walls_t) :: walls
       integer :: layers = 0
       !> Its past, and what it has cost.
       type(momentum_history_t) :: history
       type(line_level_t), private :: level
-      !> Heights Psi_1 and Psi_2 of the present walls (0:n, 2).
-      real(wp), allocatable, private :: heights(:, :)
       type(momentum_problem_t), private :: problem
       type(film_flow_t), private :: flow
       type(momentum_newton_t), private :: newton
-      type(film_state_t), private :: reynolds
    contains
       !> The smooth steady film, which the surfaces enter.
       procedure :: begin
@@ -92,18 +90,18 @@ contains
       smooth = state
       smooth%roughness_1 = 0.0_wp
       smooth%roughness_2 = 0.0_wp
-      call take_level(contact, smooth, self%level, error)
+      call pose_level(contact, smooth, self%level, error)
       if (allocated(error)) then
          reason = error%message
          return
       end if
-      self%reynolds = self%level%state
+      self%history%reynolds = self%level%state
       heights = 0.0_wp
       call pose_momentum(self%problem, contact, self%walls, self%level, self%layers, heights)
       call start_flow(self%problem, self%level, self%flow, self%newton%terms)
       associate (n => self%level%n, m => self%layers)
-         allocate (self%problem%past_film(0:n), self%problem%past_lower(0:n), &
-            self%problem%past_mass(m, 0:n), source=0.0_wp)
+         allocate (self%problem%old%film(0:n), self%problem%old%lower(0:n), &
+            self%problem%old%mass(m, 0:n), source=0.0_wp)
       end associate
    end subroutine pose
 
@@ -116,17 +114,11 @@ contains
       history%layers = self%layers
       history%factorisations = self%newton%factorisations
       history%linear_iterations = self%newton%linear_iterations
-      history%flow%p = self%flow%p
-      history%flow%u = self%flow%u
-      history%flow%v = self%flow%v
+      history%flow = self%flow%excess_t
       history%flow%rigid_displacement = self%level%state%rigid_displacement
       history%film = self%flow%film
-      history%heights = self%heights
       history%half_rate = self%problem%half_rate
-      history%made_of_old%film = self%problem%past_film
-      history%made_of_old%lower = self%problem%past_lower
-      history%made_of_old%mass = self%problem%past_mass
-      history%reynolds = self%reynolds
+      history%made_of_old = self%problem%old
    end function kept
 
    !> Goes on from there, `state` that of the Reynolds equation at that time. Error: no memory.
@@ -144,17 +136,11 @@ contains
       self%newton%factorisations = history%factorisations
       self%newton%linear_iterations = history%linear_iterations
       self%newton%largest_rest = step_tolerance
-      self%reynolds = history%reynolds
-      self%heights = history%heights
       associate (problem => self%problem, level => self%level, flow => self%flow)
          problem%half_rate = history%half_rate
-         problem%past_film(:) = history%made_of_old%film
-         problem%past_lower(:) = history%made_of_old%lower
-         problem%past_mass(:, :) = history%made_of_old%mass
+         problem%old = history%made_of_old
          call set_walls(problem, self%walls, level, history%heights)
-         flow%p(:, :) = history%flow%p
-         flow%u(:, :) = history%flow%u
-         flow%v(:, :) = history%flow%v
+         flow%excess_t = history%flow
          flow%film(:) = history%film
          level%state%pressure(:) = mean_pressure(flow)
          level%state%film(:) = history%film
@@ -175,28 +161,28 @@ contains
          old => self%history%past(1))
          level%inverse_time_step = part%weights(1)
          problem%half_rate = 0.5_wp*part%weights(1)
-         problem%past_film(:) = -0.5_wp*part%weights(2)*old%film
-         problem%past_lower(:) = -0.5_wp*part%weights(2)*old%lower
-         problem%past_mass(:, :) = -0.5_wp*part%weights(2)*old%mass
+         problem%old%film(:) = -0.5_wp*part%weights(2)*old%film
+         problem%old%lower(:) = -0.5_wp*part%weights(2)*old%lower
+         problem%old%mass(:, :) = -0.5_wp*part%weights(2)*old%mass
          if (self%history%times > 1) then
-            problem%past_film = problem%past_film - 0.5_wp*part%weights(3)*older%film
-            problem%past_lower = problem%past_lower - 0.5_wp*part%weights(3)*older%lower
-            problem%past_mass = problem%past_mass - 0.5_wp*part%weights(3)*older%mass
+            problem%old%film = problem%old%film - 0.5_wp*part%weights(3)*older%film
+            problem%old%lower = problem%old%lower - 0.5_wp*part%weights(3)*older%lower
+            problem%old%mass = problem%old%mass - 0.5_wp*part%weights(3)*older%mass
          end if
-         self%reynolds = part%state
+         self%history%reynolds = part%state
          ! what a tail in front of the inlet carries stays with it
          level%rhs_load = level%dx*sum(part%state%pressure)
          problem%held_pressure(0) = part%state%pressure(0)
       end associate
       self%newton%most_further_steps = 1
       count = min(self%history%best_count, self%history%films)
-      call foretell(self, part%length, count)
+      call predict(self, part%length, count)
       call move_walls(self, part%heights)
       steps = 0
       if (count > 0) then
          call solve_directly(self, steps)
          if (.not. self%newton%is_converged) then
-            call foretell(self, part%length, 0)
+            call predict(self, part%length, 0)
             call move_walls(self, part%heights)
          end if
       end if
@@ -206,8 +192,8 @@ contains
    end subroutine advance
 
    !> First approximation at the end of a step of this length: the film of the Reynolds equation and
-   !> what the last `count` films foretell to be above it. U waits for the new film.
-   subroutine foretell(self, length, count)
+   !> what the last `count` films predict to be above it. U waits for the new film.
+   subroutine predict(self, length, count)
       class(momentum_march_t), intent(inout) :: self
       real(wp), intent(in) :: length
       integer, intent(in) :: count
@@ -217,10 +203,10 @@ contains
       associate (problem => self%problem, level => self%level, flow => self%flow, &
          past => self%history)
          weights = weights_of(past, length, count)
-         flow%p(:, :) = spread(self%reynolds%pressure, 1, self%layers)
+         flow%p(:, :) = spread(self%history%reynolds%pressure, 1, self%layers)
          flow%u(:, :) = 0.0_wp
          flow%v(:, :) = 0.0_wp
-         level%state%rigid_displacement = self%reynolds%rigid_displacement
+         level%state%rigid_displacement = self%history%reynolds%rigid_displacement
          do k = 1, count
             associate (excess => past%excess(k))
                flow%p = flow%p + weights(k)*excess%p
@@ -231,11 +217,11 @@ contains
             end associate
          end do
          do i = 0, level%n
-            problem%is_held(i) = self%reynolds%pressure(i) <= 0.0_wp .or. i == 0
+            problem%is_held(i) = self%history%reynolds%pressure(i) <= 0.0_wp .or. i == 0
             if (problem%is_held(i)) flow%p(:, i) = problem%held_pressure(i)
          end do
       end associate
-   end subroutine foretell
+   end subroutine predict
 
    !> The walls take these heights, the film follows, and the velocities, of which `flow` holds what
    !> they are above those of the thin film.
@@ -245,7 +231,7 @@ contains
       type(momentum_rows_t) :: rows
 
       call set_walls(self%problem, self%walls, self%level, heights)
-      self%heights = heights
+      self%history%heights = heights
       associate (level => self%level, flow => self%flow, terms => self%newton%terms)
          level%rhs_film(:) = 0.5_wp*level%x**2 - sum(heights, 2)
          level%state%pressure(:) = mean_pressure(flow)
@@ -272,7 +258,7 @@ contains
       self%history%stress_rise = max(self%history%stress_rise, rise)
       self%newton%is_converged = .false.
       if (rise < 1.0_wp) call solve_by_continuation(self%newton, self%problem, self%level, &
-         self%flow, self%reynolds, tolerance)
+         self%flow, self%history%reynolds, tolerance)
       if (.not. self%newton%is_converged) reason = missing_reason(self%newton, rise)
    end subroutine solve
 
@@ -315,11 +301,11 @@ contains
       integer :: k
 
       associate (past => self%history, flow => self%flow)
-         excess%p = flow%p - spread(self%reynolds%pressure, 1, self%layers)
+         excess%p = flow%p - spread(self%history%reynolds%pressure, 1, self%layers)
          excess%u = flow%u - self%newton%terms%reynolds%u
          excess%v = flow%v
          excess%rigid_displacement = self%level%state%rigid_displacement &
-            - self%reynolds%rigid_displacement
+            - self%history%reynolds%rigid_displacement
          past%best_count = 1
          if (present(length)) past%best_count = next_count(past, excess, length)
          past%past(2) = past%past(1)
@@ -327,7 +313,7 @@ contains
          past%past(1)%film = flow%film
          past%past(1)%lower = self%problem%lower_share*flow%film + self%problem%lower_shape
          past%past(1)%mass = self%newton%terms%stresses%rho*spread(flow%film, 1, self%layers)
-         ! that of T = 0 foretells nothing but the first: the surfaces have entered it
+         ! that of T = 0 predicts nothing but the first: the surfaces have entered it
          if (past%films > 0 .and. past%lengths(1) > 0.0_wp) then
             do k = max_excesses, 2, -1
                past%excess(k) = past%excess(k - 1)
@@ -358,8 +344,8 @@ contains
       type(film_fields_t) :: fields
 
       call take_fields(self%problem, self%flow, self%newton%terms, fields)
-      fields%reynolds_pressure = self%reynolds%pressure
-      fields%reynolds_film = self%reynolds%film
+      fields%reynolds_pressure = self%history%reynolds%pressure
+      fields%reynolds_film = self%history%reynolds%film
       fields%stress_rise = self%history%stress_rise
       fields%steps = self%history%steps
       fields%factorisations = self%newton%factorisations

@@ -6,8 +6,7 @@
 !> pressure. Cavitation: columns whose mean pressure would become negative hold P = 0.
 module momentum_newton
    use errors, only: error_t
-   use film_equation, only: take_film
-   use force_balance, only: load_defect
+   use film_equation, only: load_defect, take_film
    use gmres, only: gmres_t, solve_gmres
    use kinds, only: wp
    use line_level, only: line_level_t
@@ -46,12 +45,12 @@ module momentum_newton
    type :: momentum_newton_t
       logical :: is_converged = .false.
       integer :: steps = 0, factorisations = 0, linear_iterations = 0
-      !> Share of delta^2 that module momentum_continuation has come to.
+      !> Share of delta^2 that module momentum_solver has come to.
       real(wp) :: reached = 0.0_wp
       !> The factors are kept while this many more steps with them are expected to do. (To factor
       !> costs as much as six steps.)
       integer :: most_further_steps = 5
-      !> A solution also counts as found where what is left after a full step is foretold to be
+      !> A solution also counts as found where what is left after a full step is predicted to be
       !> below this: all further steps, as if each left as much of the one before as the last did.
       real(wp) :: largest_rest = 0.0_wp
       !> Largest change of P, U and H0 in the last full step.
@@ -144,7 +143,7 @@ contains
          step%u = -plain%u - step%u
          step%v = -plain%v - step%v
          step%p = -plain%p - step%p
-         call take_step(newton, problem, level, flow, step, x(level%n), share)
+         call apply_step(newton, problem, level, flow, step, x(level%n), share)
          if (share <= 0.0_wp) return
          newton%steps = newton%steps + 1
          if (.not. is_new) newton%rate = newton%last_step/previous
@@ -234,12 +233,11 @@ contains
 
    !> Takes the step, shortened until no pressure, velocity or film changes too much; share = 0 if
    !> that fails. `film_shift`: that of H0.
-   subroutine take_step(newton, problem, level, flow, step, film_shift, share)
+   subroutine apply_step(newton, problem, level, flow, step, film_shift, share)
       type(momentum_newton_t), intent(inout) :: newton
       type(momentum_problem_t), intent(in) :: problem
       type(line_level_t), intent(inout) :: level
-      type(film_flow_t), intent(inout) :: flow
-      type(film_flow_t), intent(inout) :: step
+      type(film_flow_t), intent(inout) :: flow, step
       real(wp), intent(in) :: film_shift
       real(wp), intent(out) :: share
       type(film_flow_t) :: old
@@ -287,6 +285,6 @@ contains
       flow%u = flow%u + newton%terms%reynolds%u
       newton%last_step = max(maxval(abs(flow%p - old%p)), maxval(abs(flow%u - old%u)), &
          abs(share*film_shift))
-   end subroutine take_step
+   end subroutine apply_step
 
 end module momentum_newton

@@ -11,6 +11,7 @@
 module momentum_problem
    use kinds, only: wp
    use lubricant, only: fluid_t
+   use momentum_history, only: excess_t, past_t
    implicit none (type, external)
    private
 
@@ -46,10 +47,10 @@ module momentum_problem
       !> Slopes at the faces (n, 2) of the roughness that the walls carry along, upwards; not
       !> allocated: smooth walls.
       real(wp), allocatable :: wave_slope(:, :)
-      !> 1/2 dy/dT = half_rate y - past: half the weight of the new value, and what the old ones of
+      !> 1/2 dy/dT = half_rate y - old: half the weight of the new value, and what the old ones of
       !> H, z1 and of rho H in the layers (layers, 0:n) make of it. half_rate = 0: steady.
       real(wp) :: half_rate = 0.0_wp
-      real(wp), allocatable :: past_film(:), past_lower(:), past_mass(:, :)
+      type(past_t) :: old
       !> Columns whose pressure is given (both ends, and where the oil is cavitated), and which.
       logical, allocatable :: is_held(:)
       real(wp), allocatable :: held_pressure(:)
@@ -60,9 +61,10 @@ module momentum_problem
       real(wp), allocatable :: loading_shares(:)
    end type momentum_problem_t
 
-   !> Unknowns U (layers, n), V (0:layers, 0:n), P (layers, 0:n), and the film H (0:n).
-   type :: film_flow_t
-      real(wp), allocatable :: u(:, :), v(:, :), p(:, :), film(:)
+   !> Unknowns U (layers, n), V (0:layers, 0:n), P (layers, 0:n), and the film H (0:n); H0 is that
+   !> of the level.
+   type, extends(excess_t) :: film_flow_t
+      real(wp), allocatable :: film(:)
       !> Shares of the layers in the mean of P (layers).
       real(wp), allocatable, private :: shares(:)
    end type film_flow_t

@@ -11,12 +11,12 @@
 !> is that of the next node.
 module momentum_rows
    use film_geometry, only: differentiate_geometry, film_geometry_t, layer_centres, layer_edges, &
-      take_geometry
+      evaluate_geometry
    use film_inertia, only: inertia_across, inertia_along
    use film_kinematics, only: differentiate_kinematics, film_kinematics_t, new_kinematics, &
-      take_kinematics
+      evaluate_kinematics
    use film_stresses, only: change_of_stresses, corner_values, film_stresses_t, new_stresses, &
-      stress_change_t, take_stresses
+      stress_change_t, evaluate_stresses
    use kinds, only: wp
    use momentum_problem, only: film_flow_t, inlet_parallel, inlet_thin, mean_pressure, &
       momentum_problem_t
@@ -55,11 +55,11 @@ contains
 
       m = problem%layers
       call new_storage(problem, terms, rows)
-      call take_geometry(problem, flow%film, terms%geometry)
+      call evaluate_geometry(problem, flow%film, terms%geometry)
       call evaluate_reynolds_part(problem, terms%geometry, mean_pressure(flow), terms%reynolds)
-      call take_kinematics(problem, terms%geometry, flow%u, flow%v, terms%reynolds%shear, &
+      call evaluate_kinematics(problem, terms%geometry, flow%u, flow%v, terms%reynolds%shear, &
          terms%kinematics)
-      call take_stresses(problem, terms%geometry, flow%p, terms%kinematics, terms%stresses)
+      call evaluate_stresses(problem, terms%geometry, flow%p, terms%kinematics, terms%stresses)
       associate (g => terms%geometry, s => terms%stresses, kappa => problem%kappa, &
          dx => problem%dx, d2 => problem%delta2)
          do f = 1, problem%n
@@ -155,7 +155,7 @@ contains
 
       do i = 1, problem%n - 1
          squeeze(:, i) = problem%half_rate*terms%stresses%rho(:, i)*flow%film(i) &
-            - problem%past_mass(:, i)
+            - problem%old%mass(:, i)
       end do
    end function squeeze
 
@@ -192,8 +192,7 @@ contains
       type(momentum_problem_t), intent(in) :: problem
       type(film_flow_t), intent(in) :: flow
       type(momentum_terms_t), intent(in) :: terms
-      real(wp) :: mass(0:problem%n)
-      real(wp) :: flux(problem%n)
+      real(wp) :: mass(0:problem%n), flux(problem%n)
 
       flux = mass_flux(problem, flow, terms)
       mass = 0.0_wp
@@ -215,8 +214,7 @@ contains
          rows%z(:, i) = v(1:problem%layers - 1, i)
       end do
       rows%z(:, 0) = v(1:problem%layers - 1, 0)
-      if (problem%inlet /= inlet_parallel) rows%z(:, 0) = rows%z(:, 0) &
-         - v(1:problem%layers - 1, 1)
+      if (problem%inlet /= inlet_parallel) rows%z(:, 0) = rows%z(:, 0) - v(1:problem%layers - 1, 1)
    end subroutine hold_columns
 
    !> Change of the rows with a change of the flow. `d_mean` (0:n) is that of the mean pressure as
@@ -314,9 +312,8 @@ contains
       associate (rho => terms%stresses%rho, rho_p => terms%stresses%rho_p, h => flow%film, &
          d_p => change%p, d_h => change%film)
          do f = 1, problem%n
-            flux(:, f) = rolling*(rho_p(:, f - 1)*d_p(:, f - 1)*h(f - 1) &
-               + rho(:, f - 1)*d_h(f - 1) + wedge(f)) &
-               + sqrt(rho(:, f - 1)*h(f - 1)*rho(:, f)*h(f))*(change%u(:, f) &
+            flux(:, f) = rolling*(rho_p(:, f - 1)*d_p(:, f - 1)*h(f - 1) + rho(:, f - 1)*d_h(f &
+               - 1) + wedge(f)) + sqrt(rho(:, f - 1)*h(f - 1)*rho(:, f)*h(f))*(change%u(:, f) &
                + 0.5_wp*(flow%u(:, f) - rolling)*(rho_p(:, f - 1)*d_p(:, f - 1)/rho(:, f - 1) &
                + rho_p(:, f)*d_p(:, f)/rho(:, f) + d_h(f - 1)/h(f - 1) + d_h(f)/h(f)))
          end do

@@ -1,17 +1,19 @@
 !> The momentum equations of the film of a line contact, posed on a level of its solution.
 module momentum_setup
    use errors, only: error_t
+   use eyring, only: eyring_t
    use features, only: surface_height
    use film_equation, only: take_film
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t, new_level, set_plain_problem
    use line_state, only: line_state_t
+   use lubricant, only: fluid_t
    use momentum_problem, only: momentum_problem_t
    implicit none (type, external)
    private
 
-   public :: pose_momentum, set_walls, take_level, walls_t
+   public :: pose_momentum, set_walls, pose_level, walls_t
 
    !> What a contact in dimensionless form does not know: delta = b/R, the share R/R1 of surface 1,
    !> the lower one, in the curvature, and rho_0 u_s^2/p_h (0: without inertia).
@@ -24,7 +26,7 @@ module momentum_setup
 contains
 
    !> The level of a state: its pressure, film and H0, and the load that its pressure carries.
-   subroutine take_level(contact, state, level, error)
+   subroutine pose_level(contact, state, level, error)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
       type(line_level_t), intent(inout) :: level
@@ -40,7 +42,7 @@ contains
       ! what a tail in front of the inlet carries stays with it
       level%rhs_load = level%dx*sum(state%pressure)
       call take_film(level)
-   end subroutine take_level
+   end subroutine pose_level
 
    !> The problem on `layers` layers for the steady contact posed on `level`, whose pressure is the
    !> first approximation: it says which columns are cavitated.
@@ -66,22 +68,37 @@ contains
       problem%inertia = walls%inertia
       problem%speed = 0.5_wp*[contact%surface_1%speed, contact%surface_2%speed]
       problem%fluid = level%fluid
-      ! Sigma = sigma_scale H dP/dX is the wall stress over tau_0
-      problem%shear_scale = level%fluid%sigma_scale*level%lambda/3
+      problem%shear_scale = eyring_scale(level%fluid, level%lambda)
       problem%lower_share = -0.5_wp
       allocate (problem%lower_shape(0:level%n), problem%wave_slope(level%n, 2))
       if (present(heights)) then
          call set_walls(problem, walls, level, heights)
       else
-         call set_walls(problem, walls, level, reshape([ &
-            surface_height(contact%surface_1, level%x, 0.0_wp), &
-            surface_height(contact%surface_2, level%x, 0.0_wp)], [level%n + 1, 2]))
+         call set_walls(problem, walls, level, reshape([surface_height(contact%surface_1, level%x, &
+            0.0_wp), surface_height(contact%surface_2, level%x, 0.0_wp)], [level%n + 1, 2]))
       end if
       allocate (problem%held_pressure(0:level%n), source=0.0_wp)
       allocate (problem%is_held(0:level%n), source=level%state%pressure <= 0.0_wp)
       problem%is_held([0, level%n]) = .true.
       problem%held_pressure(0) = level%state%pressure(0)
    end subroutine pose_momentum
+
+   !> mu_0 u_s/(tau_0 h_ref) of Eyring's law, the only one that the momentum equations know; 0 of a
+   !> Newtonian oil.
+   pure function eyring_scale(fluid, lambda) result(scale)
+      type(fluid_t), intent(in) :: fluid
+      real(wp), intent(in) :: lambda
+      real(wp) :: scale
+
+      scale = 0.0_wp
+      if (.not. allocated(fluid%rheology)) return
+      select type (law => fluid%rheology)
+      type is (eyring_t)
+         scale = law%sigma_scale*lambda/3   ! Sigma is the wall stress over tau_0
+      class default
+         error stop 'momentum equations: a law without its case'
+      end select
+   end function eyring_scale
 
    !> The walls with `heights` Psi_1 at all nodes, then Psi_2.
    pure subroutine set_walls(problem, walls, level, heights)

@@ -1,6 +1,11 @@
-!> From a solution of the Reynolds equation to one of the full momentum equations on the same grid.
+!> From a solution of the Reynolds equation to one of the full momentum equations on the same grid,
+!> by Newton's method or, where that fails from there, by continuation.
+!>
+!> delta^2, the square of the slope scale, grows from 0, where the solution is that of the Reynolds
+!> equation, to its value; each solution is the first approximation of the next.
 module momentum_solver
    use errors, only: error_t
+   use film_equation, only: take_film
    use film_fields, only: film_fields_t, stress_rise, take_fields
    use film_state, only: film_state_t
    use iteration_report, only: phase_steady, report_t
@@ -9,21 +14,26 @@ module momentum_solver
    use line_level, only: line_level_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of
-   use momentum_continuation, only: missing_reason, solve_by_continuation
-   use momentum_newton, only: momentum_newton_t, start_flow
+   use momentum_newton, only: momentum_newton_t, solve_momentum_contact, start_flow
    use momentum_problem, only: film_flow_t, momentum_problem_t
-   use momentum_setup, only: pose_momentum, take_level, walls_t
+   use momentum_setup, only: pose_momentum, pose_level, walls_t
    use quantities, only: h_central, h_min, p_max
    use limit_search, only: film_limits
    use state_output, only: fill_properties
+   use text, only: to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: solve_film_momentum
+   public :: missing_reason, solve_by_continuation, solve_film_momentum
 
    !> Bound on the last step.
    real(wp), parameter :: tolerance = 1.0e-9_wp
+
+   !> Newton steps at most, of the direct way and of one part of the way by continuation.
+   integer, parameter :: direct_steps = 10, part_steps = 12
+   !> First and smallest growth of delta^2 in a part, of its value.
+   real(wp), parameter :: first_part = 0.25_wp, smallest_part = 1.0e-2_wp
 
 contains
 
@@ -47,7 +57,7 @@ contains
       real(wp) :: start
 
       start = wall_seconds()
-      call take_level(contact, state, level, error)
+      call pose_level(contact, state, level, error)
       if (allocated(error)) return
       call pose_momentum(problem, contact, walls, level, layers)
       call start_flow(problem, level, flow, newton%terms)
@@ -63,7 +73,7 @@ contains
       fields%linear_iterations = newton%linear_iterations
       if (newton%is_converged) then
          call take_fields(problem, flow, newton%terms, fields)
-         call take_state(contact, level, state, fields)
+         call copy_state(contact, level, state, fields)
       else
          report%reason = missing_reason(newton, fields%stress_rise)
       end if
@@ -73,7 +83,7 @@ contains
    end subroutine solve_film_momentum
 
    !> Takes pressure, film and H0 over into `state`, and the differences from what it was.
-   pure subroutine take_state(contact, level, state, fields)
+   pure subroutine copy_state(contact, level, state, fields)
       type(line_contact_t), intent(in) :: contact
       type(line_level_t), intent(in) :: level
       type(line_state_t), intent(inout) :: state
@@ -103,6 +113,75 @@ contains
          relative = after%of(quantity)%value/before%of(quantity)%value - 1
       end function relative
 
-   end subroutine take_state
+   end subroutine copy_state
+
+   !> Solves from `flow`, whose mean pressure is that of the level, to a step below `tolerance`;
+   !> else from `reynolds`, the solution of the Reynolds equation. `newton%reached`: the largest
+   !> share of delta^2 for which there is a solution, 1 with that of the problem. `newton` counts
+   !> all steps.
+   subroutine solve_by_continuation(newton, problem, level, flow, reynolds, tolerance)
+      type(momentum_newton_t), intent(inout) :: newton
+      type(momentum_problem_t), intent(inout) :: problem
+      type(line_level_t), intent(inout) :: level
+      type(film_flow_t), intent(inout) :: flow
+      type(film_state_t), intent(in) :: reynolds
+      real(wp), intent(in) :: tolerance
+      type(film_state_t) :: state
+      type(film_flow_t) :: last
+      logical, allocatable :: is_held(:)
+      real(wp) :: full, part
+      integer :: steps
+
+      newton%reached = 0.0_wp
+      call solve_momentum_contact(newton, problem, level, flow, tolerance, direct_steps)
+      if (newton%is_converged) newton%reached = 1.0_wp
+      if (newton%is_converged) return
+      steps = newton%steps
+      full = problem%delta2
+      part = first_part
+      level%state = reynolds
+      call take_film(level)
+      problem%is_held = reynolds%pressure <= 0.0_wp
+      problem%is_held([0, problem%n]) = .true.
+      call start_flow(problem, level, flow, newton%terms)
+      do while (newton%reached < 1.0_wp .and. part >= smallest_part)
+         state = level%state
+         last = flow
+         is_held = problem%is_held
+         part = min(part, 1.0_wp - newton%reached)
+         problem%delta2 = (newton%reached + part)*full
+         call solve_momentum_contact(newton, problem, level, flow, tolerance, part_steps)
+         steps = steps + newton%steps
+         if (newton%is_converged) then
+            newton%reached = newton%reached + part
+         else
+            part = 0.5_wp*part
+            level%state = state
+            flow = last
+            problem%is_held = is_held
+         end if
+      end do
+      problem%delta2 = full
+      newton%steps = steps
+   end subroutine solve_by_continuation
+
+   !> Why there is no solution: none is looked for, with `stress_rise`, T_max, at 1 or above, or how
+   !> far the continuation came.
+   pure function missing_reason(newton, stress_rise) result(reason)
+      type(momentum_newton_t), intent(in) :: newton
+      real(wp), intent(in) :: stress_rise
+      character(:), allocatable :: reason
+
+      if (stress_rise < 1.0_wp) then
+         reason = 'no solution of the full momentum equations found in '//to_text(newton%steps) &
+            //' Newton steps: with slopes growing from those of a thin film '//'it is lost at ' &
+            //to_text(100*sqrt(newton%reached), 2)//' % of b/R (T_max '//to_text(stress_rise, 2) &
+            //'); more intervals or layers may keep it'
+      else
+         reason = 'no solution of the full momentum equations: shear stress rises with '// &
+            'pressure by '//to_text(stress_rise, 2)//' (T_max); where that comes to 1 the '// &
+            'equations change their type, and none is looked for'
+      end if
+   end function missing_reason
 
 end module momentum_solver

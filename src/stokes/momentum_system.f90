@@ -52,10 +52,7 @@ contains
       p = 0.0_wp
       p(1:level%n - 1) = x(:level%n - 1)
       change = 0.0_wp
-      if (level%elasticity > 0.0_wp) then
-         call level%convolution%apply(p, change)
-         level%products = level%products + 1
-      end if
+      if (level%elastic%elasticity > 0.0_wp) call level%elastic%apply(p, change)
       change = x(level%n) - change
    end subroutine film_change
 

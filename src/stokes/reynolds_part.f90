@@ -41,9 +41,8 @@ contains
       integer :: f
 
       associate (m => problem%layers, n => problem%n, film => geometry%film)
-         if (.not. allocated(part%u)) allocate (part%u(m, n), part%shear(0:m, n), &
-            part%u_by(m, 4, n), part%shear_by(0:m, 4, n), part%wedge(n), part%rho(0:n), &
-            part%rho_p(0:n))
+         if (.not. allocated(part%u)) allocate (part%u(m, n), part%shear(0:m, n), part%u_by(m, 4, &
+            n), part%shear_by(0:m, 4, n), part%wedge(n), part%rho(0:n), part%rho_p(0:n))
          allocate (mobility%e(n), mobility%by_p_left(n), mobility%by_p_right(n), &
             mobility%by_h_left(n), mobility%by_h_right(n))
          call fluid_viscosity(problem%fluid, pressure, ln_mu, ln_mu_p)
@@ -56,7 +55,7 @@ contains
             face%slope = (pressure(f) - pressure(f - 1))/problem%dx
             face%film = geometry%face_film(f)
             call reynolds_excess(f, excess, excess_by)
-            call take_profile(face, problem%dx, ln_mu_p(f - 1:f), excess, excess_by, &
+            call evaluate_profile(face, problem%dx, ln_mu_p(f - 1:f), excess, excess_by, &
                part%u(:, f), part%u_by(:, :, f), part%shear(:, f), part%shear_by(:, :, f))
          end do
       end associate
@@ -87,7 +86,7 @@ contains
    !> Velocities and lacking shear at one face whose mean of U is by `excess` above that of the
    !> walls.
    ! allow(too-many-arguments)  values with their derivatives
-   pure subroutine take_profile(face, dx, ln_mu_p, excess, excess_by, u, u_by, shear, shear_by)
+   pure subroutine evaluate_profile(face, dx, ln_mu_p, excess, excess_by, u, u_by, shear, shear_by)
       type(face_flow_t), intent(in) :: face
       real(wp), intent(in) :: dx, ln_mu_p(2), excess, excess_by(4)
       real(wp), intent(out) :: u(:), u_by(:, :), shear(0:), shear_by(0:, :)
@@ -110,7 +109,7 @@ contains
       end do
       u = u + parabola*(excess + 0.5_wp*sum(face%speed) - sum(u)/m)
       shear = shear - shear_differences(u, face%speed)
-   end subroutine take_profile
+   end subroutine evaluate_profile
 
    !> Flux rho H of the wedge at the faces by module reynolds_line, less that of the node upstream.
    pure subroutine evaluate_wedge(problem, pressure, film, part)
@@ -133,8 +132,7 @@ contains
       type(momentum_problem_t), intent(in) :: problem
       type(reynolds_part_t), intent(in) :: part
       real(wp), intent(in) :: pressure(0:), film(0:), d_pressure(0:), d_film(0:)
-      real(wp) :: change(problem%n)
-      real(wp) :: mass(0:problem%n), d_mass(0:problem%n), curvature
+      real(wp) :: change(problem%n), mass(0:problem%n), d_mass(0:problem%n), curvature
       integer :: f
 
       mass = part%rho*film

@@ -11,7 +11,7 @@ module thin_film_flow
    implicit none (type, external)
    private
 
-   public :: face_flow_t, layer_flow, shear_differences
+   public :: face_flow_t, layer_flow, shear_differences, shear_viscosity
 
    !> Directions in which a profile is differentiated: ln mu, dP/dX, ln H.
    integer, parameter :: by_ln_mu = 1, by_slope = 2, by_ln_film = 3, directions = 3
@@ -27,6 +27,8 @@ module thin_film_flow
    real(wp), parameter :: largest_drive = 300.0_wp
    !> Below this |S| S/sinh S is taken from its series.
    real(wp), parameter :: series_limit = 1.0e-2_wp
+   !> Below this B^2 asinh(B)/B is taken from its series, exact to 1e-16 there.
+   real(wp), parameter :: smallest_square = 1.0e-3_wp
    !> A layer next to a wall in d U/dzeta at the wall: (7 U_1 - U_2 - 6 U_wall)/(2 dzeta), exact for
    !> means over layers of a parabola.
    real(wp), parameter :: wall_share(3) = [-3.0_wp, 3.5_wp, -0.5_wp]
@@ -127,5 +129,27 @@ contains
       shear(1:m - 1) = m*(u(2:) - u(:m - 1))
       shear(m) = -m*dot_product(wall_share, [walls(2), u(m), u(m - 1)])
    end function shear_differences
+
+   !> eta/mu_0 from ln(mu/mu_0) and g^2, with its derivatives by both. asinh(sqrt w)/sqrt w is
+   !> smooth in w = B^2, also at rest.
+   pure elemental subroutine shear_viscosity(scale, ln_mu, shear2, eta, by_ln_mu, by_shear2)
+      real(wp), intent(in) :: scale, ln_mu, shear2
+      real(wp), intent(out) :: eta, by_ln_mu, by_shear2
+      real(wp) :: mu, w, ratio, slope, root
+
+      mu = exp(ln_mu)
+      w = (scale*mu)**2*shear2
+      if (w < smallest_square) then
+         ratio = 1 - w*(1.0_wp/6 - w*(3.0_wp/40 - w*(5.0_wp/112 - w*35.0_wp/1152)))
+         slope = -1.0_wp/6 + w*(3.0_wp/20 - w*(15.0_wp/112 - w*35.0_wp/288))
+      else
+         root = sqrt(w)
+         ratio = asinh(root)/root
+         slope = 0.5_wp*(1/sqrt(1 + w) - ratio)/w
+      end if
+      eta = mu*ratio
+      by_ln_mu = mu*(ratio + 2*w*slope)
+      by_shear2 = mu*slope*(scale*mu)**2
+   end subroutine shear_viscosity
 
 end module thin_film_flow

@@ -61,8 +61,7 @@ contains
 
       do j = 1, size(y)
          z((j - 1)*size(x) + 1:j*size(x)) = -(nearest_image(x, lengths(1), is_periodic)**2 &
-                                              + nearest_image(y(j), lengths(2), is_periodic)**2) &
-                                                 /(2.0_wp*radius)
+            + nearest_image(y(j), lengths(2), is_periodic)**2)/(2.0_wp*radius)
       end do
    end function parabola_heights
 

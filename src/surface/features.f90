@@ -112,8 +112,7 @@ contains
    !> Without a branch, so that the loop is vectorised.
    pure elemental function ridge(amplitude, waves) result(height)
       real(wp), intent(in) :: amplitude, waves
-      real(wp) :: height
-      real(wp) :: is_near, s
+      real(wp) :: height, is_near, s
 
       is_near = 0.5_wp + sign(0.5_wp, ridge_reach - waves**2)
       s = is_near*waves

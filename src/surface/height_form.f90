@@ -158,8 +158,7 @@ contains
    !> The mean squares of the six terms.
    pure function norms_of(grid) result(norms)
       integer(int64), intent(in) :: grid(2)
-      real(wp) :: norms(6)
-      real(wp) :: fourth(2), second(2)
+      real(wp) :: norms(6), fourth(2), second(2)
 
       call find_norms(grid(1), second(1), fourth(1))
       call find_norms(grid(2), second(2), fourth(2))
@@ -247,13 +246,11 @@ contains
    pure function rms_height(sums, form) result(rms)
       type(height_sums_t), intent(in) :: sums
       type(form_t), intent(in) :: form
-      real(wp) :: rms
-      real(wp) :: terms(6)
+      real(wp) :: rms, terms(6)
 
       terms = form%terms
       terms(1) = sums%moments(1)/real(sums%nodes, wp)   ! the mean never counts
-      rms = sqrt(max(0.0_wp, sums%squares/real(sums%nodes, wp) - sum(terms**2 &
-         *norms_of(sums%grid))))
+      rms = sqrt(max(0.0_wp, sums%squares/real(sums%nodes, wp) - sum(terms**2*norms_of(sums%grid))))
    end function rms_height
 
    !> Rms slopes [-] in x and y between neighbours at distances `spacing` [m] > 0; 0 across a

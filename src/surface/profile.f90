@@ -49,8 +49,7 @@ contains
    pure function profile_height(profile, x) result(z)
       type(profile_t), intent(in) :: profile
       real(wp), intent(in) :: x(:)
-      real(wp) :: z(size(x))
-      real(wp) :: nodes, s, t, h(4), last
+      real(wp) :: z(size(x)), nodes, s, t, h(4), last
       integer(int64) :: k, n
       integer :: i
 
@@ -177,8 +176,7 @@ contains
    !> 0 up to s = 0, 1 from s = 1 on, between them a rise with continuous slope and curvature.
    pure elemental function smooth_ramp(s) result(share)
       real(wp), intent(in) :: s
-      real(wp) :: share
-      real(wp) :: t
+      real(wp) :: share, t
 
       t = min(max(s, 0.0_wp), 1.0_wp)
       share = t**3*(10.0_wp - t*(15.0_wp - 6.0_wp*t))

@@ -22,8 +22,7 @@ contains
    !> Four words of 32 bits, 0 ... 2^32 - 1, from a `counter` (4) and a `key` (2) of such words.
    pure function philox(counter, key) result(words)
       integer(int64), intent(in) :: counter(4), key(2)
-      integer(int64) :: words(4)
-      integer(int64) :: high(2), low(2), round_key(2)
+      integer(int64) :: words(4), high(2), low(2), round_key(2)
       integer :: i
 
       words = counter

@@ -120,8 +120,7 @@ contains
    pure function height_density(z, edges) result(density)
       real(wp), contiguous, intent(in) :: z(:)
       real(wp), intent(in) :: edges(:)
-      real(wp) :: density(size(edges) - 1)
-      real(wp) :: step(block), width
+      real(wp) :: density(size(edges) - 1), step(block), width
       integer :: first, i, inside(0:size(edges)), n, steps
 
       steps = size(edges) - 1
@@ -149,8 +148,7 @@ contains
    pure function rms_slope(z, dx, dy) result(slope)
       real(wp), contiguous, intent(in) :: z(:, :)
       real(wp), intent(in) :: dx, dy
-      real(wp) :: slope
-      real(wp) :: across, along, in_x(size(z, 1)), in_y(size(z, 1))
+      real(wp) :: slope, across, along, in_x(size(z, 1)), in_y(size(z, 1))
       integer :: i, j, nx, ny
 
       nx = size(z, 1)
@@ -175,8 +173,7 @@ contains
    pure function rms_curvature(z, dx, dy) result(curvature)
       real(wp), contiguous, intent(in) :: z(:, :)
       real(wp), intent(in) :: dx, dy
-      real(wp) :: curvature
-      real(wp) :: second(size(z, 1)), total
+      real(wp) :: curvature, second(size(z, 1)), total
       integer :: i, j, nx, ny
 
       nx = size(z, 1)

@@ -178,8 +178,7 @@ contains
    !> Skewness and kurtosis of `y`.
    pure function moments(y) result(values)
       real(wp), intent(in) :: y(:)
-      real(wp) :: values(2)
-      real(wp) :: mean, square
+      real(wp) :: values(2), mean, square
 
       mean = sum(y)/size(y)
       square = sum((y - mean)**2)/size(y)
