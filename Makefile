@@ -82,7 +82,7 @@ unit-debug: prepare generate ## the unit tests alone, checked build
 lint: ## style of Fortran, Python and shell, types of the Python package, order of the layers, errors that nobody looks at, laws without their case
 	fortitude check --quiet --output-format concise
 	$(PYTHON) tools/check_layers.py
-	$(PYTHON) tools/use_graph.py --most 17
+	$(PYTHON) tools/use_graph.py --most 18
 	$(PYTHON) tools/check_errors.py
 	$(PYTHON) tools/check_cases.py
 	$(PYTHON) tools/check_reads.py

@@ -5,22 +5,22 @@ module line_model
    use decision_section, only: solved_text
    use domain_choice, only: choose_domain, reopen
    use errors, only: error_t
+   use experiment, only: experiment_t, new_experiment
    use iteration_report, only: phase_adequacy, report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: summary_of
-   use measured_adequacy, only: measure_adequacy
+   use measured_adequacy, only: full_cost, measure_adequacy, solved_t
    use model_choice, only: choose_model
    use model_decision, only: take_model
-   use own_passages, only: own_runs_t
-   use passage_pairs, only: scene_t
    use run_observer, only: run_observer_t
+   use text, only: to_text
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
 
-   public :: choose_lean_model, measure_model
+   public :: choose_lean_model, measure_model, tell_full_cost
 
 contains
 
@@ -34,7 +34,7 @@ contains
 
       if (case%model /= 'auto') return
       associate (choice => listener%writer%choice)
-         call choose_model(scene_t(contact, case%solver, case%time), case%accuracy%target, &
+         call choose_model(experiment_t(contact, case%solver, case%time), case%accuracy%target, &
             allocated(case%time%resume_from) .or. size(case%output_settings%film_thresholds) > 0, &
             choice, listener, error)
          if (allocated(error) .or. .not. choice%is_steady) return
@@ -46,6 +46,17 @@ contains
       call set_effective(case, 'time', 'transient', '.false.')
    end subroutine choose_lean_model
 
+   !> Says what a full measurement of a passage costs at most.
+   subroutine tell_full_cost(case, contact, listener)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      type(run_observer_t), intent(inout) :: listener
+
+      if (case%time%is_transient .and. case%output_settings%adequacy == 'full') call &
+         listener%log%say(case%file//": adequacy = 'full' takes up to " &
+         //to_text(full_cost(contact), 2)//' times what the passage takes')
+   end subroutine tell_full_cost
+
    !> Measures what the ingredients of the model change, where that is wanted.
    subroutine measure_model(case, contact, listener, state, report, error)
       type(case_t), intent(in) :: case
@@ -56,14 +67,15 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: start
 
-      if (.not. (case%output_settings%has_adequacy .and. report%converged)) return
+      if (case%output_settings%adequacy == '.false.' .or. .not. report%converged) return
       start = wall_seconds()
       associate (writer => listener%writer)
-         call measure_adequacy(scene_t(contact, case%solver, case%time), state, &
-            own_runs_t(writer%passage%extremes(summary_of(state)), real(report%cycles, wp), &
-            writer%bars), &
-            accuracy_for(case%accuracy%target, writer%quantities_at_end(state, report)), &
-            writer%adequacy, listener, error)
+         writer%adequacy%is_full = case%output_settings%adequacy == 'full'
+         writer%adequacy%accuracy = accuracy_for(case%accuracy%target, &
+            writer%quantities_at_end(state, report))
+         call measure_adequacy(solved_t(new_experiment(contact, case%solver, case%time), &
+            writer%passage%extremes(summary_of(state)), real(report%cycles, wp), writer%bars), &
+            state, writer%adequacy, listener, error)
       end associate
       if (allocated(error)) return
       report%converged = .not. listener%is_stopping

@@ -9,11 +9,13 @@ module outlet_check
    use domain_choice, only: chosen_outlet
    use error_bars, only: error_bars_t, outlet_error
    use errors, only: error_t
+   use experiment, only: experiment_t, new_experiment
    use features, only: rough_surface_t
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use run_observer, only: run_observer_t
+   use solver_settings, only: time_settings_t
    use text, only: to_text
    implicit none (type, external)
    private
@@ -34,27 +36,27 @@ contains
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
-      type(line_contact_t) :: at_rest
+      type(experiment_t) :: at_rest
 
       if (.not. report%converged) return
       bars = listener%writer%bars
       if (case%accuracy%has_error_bars) then
-         at_rest = contact
+         at_rest = new_experiment(contact, case%solver, time_settings_t())
          if (case%time%is_transient) then   ! what passes comes and goes, the inlet stays
-            at_rest%surface_1 = rough_surface_t(speed=contact%surface_1%speed)
-            at_rest%surface_2 = rough_surface_t(speed=contact%surface_2%speed)
+            at_rest%contact%surface_1 = rough_surface_t(speed=contact%surface_1%speed)
+            at_rest%contact%surface_2 = rough_surface_t(speed=contact%surface_2%speed)
          end if
-         call run_farther(bars, at_rest, case%solver, listener, error)
+         call run_farther(bars, at_rest, listener, error)
          if (allocated(error)) return
          ! a target has chosen its grid by the estimate from coarser ones
          if (.not. (case%time%is_transient .or. case%accuracy%target > 0.0_wp)) call &
-            run_other_scheme(bars, contact, case%solver, listener, error)
+            run_other_scheme(bars, at_rest, listener, error)
          if (allocated(error)) return
       end if
       if (report%outlet_pressure > 0.0_wp) then
          bars%is_cut = .true.
          if (case%accuracy%has_error_bars) then
-            call run_longer(bars, contact, case%solver, case%time, listener, error)
+            call run_longer(bars, new_experiment(contact, case%solver, case%time), listener, error)
             if (allocated(error)) return
          end if
          call tell_outlet(case, contact, outlet_error(bars), listener, report)

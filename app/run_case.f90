@@ -10,7 +10,7 @@ module run_case
    use key_row, only: lubricated
    use line_case, only: build_line_contact, scaled_solver
    use line_contact, only: line_contact_t
-   use line_model, only: choose_lean_model, measure_model
+   use line_model, only: choose_lean_model, measure_model, tell_full_cost
    use line_solution, only: solve_line_case
    use line_state, only: line_state_t
    use progress_log, only: new_progress_log, progress_log_t
@@ -97,6 +97,7 @@ contains
       call start_result(case, path, is_resume, listener, error)
       if (.not. allocated(error)) then
          call choose_lean_model(case, contact, listener, error)
+         if (.not. allocated(error)) call tell_full_cost(case, contact, listener)
          if (.not. allocated(error)) call solve_line_case(case, contact, listener, state, &
             report, error)
          if (.not. allocated(error)) call measure_model(case, contact, listener, state, report, &

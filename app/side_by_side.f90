@@ -4,6 +4,7 @@ module side_by_side
    use case_record, only: case_t
    use coarse_runs, only: side_runs_t, make_side_runs, new_side_runs
    use errors, only: error_t
+   use experiment, only: new_experiment
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -64,7 +65,7 @@ contains
          return
       end if
       allocate (side_runs)
-      side_runs = new_side_runs(contact, case%solver, case%time)
+      side_runs = new_side_runs(new_experiment(contact, case%solver, case%time))
       x_outlet = contact%domain%x_outlet
       !$omp parallel num_threads(2) private(is_off)
       ! the first thread alone writes and takes signals

@@ -70,6 +70,7 @@ def test_passage_tells_of_roughness_and_squeeze(solved_case):
 TWO_RIDGES = """&surface_2 shape = 'feature', amplitude = 4e-9, 2e-9, wavelength = 1.5e-4, 1.5e-4, position = -2.5, -3.5 /
 &time transient = .true., end_time = {end}, time_step = {step} /
 """
+FULL = "&output adequacy = 'full' /\n"
 BARE = OFF + "&accuracy error_bars = .false. /\n"
 
 
@@ -83,12 +84,18 @@ def test_single_ridges_and_the_time_step(asperity, tmp_path):
     case = CASE_1.replace("1024", "512")
     step = 5.5 / 512
     both = TWO_RIDGES.format(end=4.0, step=step)
-    write(tmp_path, "both.nml", case + both)
+    write(tmp_path, "both.nml", case + both + FULL)
+    write(tmp_path, "usual.nml", case + both)
     for name, height, place in (("one", "2e-9", "-3.5"), ("two", "4e-9", "-2.5")):
         ridges = both.replace("4e-9, 2e-9", height).replace("1.5e-4, 1.5e-4", "1.5e-4").replace("-2.5, -3.5", place)
         write(tmp_path, f"{name}.nml", case + ridges + BARE)
     write(tmp_path, "slow.nml", case + TWO_RIDGES.format(end=4.0, step=step / 4) + BARE)
-    assert asperity("both.nml", "one.nml", "two.nml", "slow.nml", "--quiet").returncode == 0
+    assert asperity("usual.nml", "one.nml", "two.nml", "slow.nml", "--quiet").returncode == 0
+    assert "adequacy = 'full' takes up to 2.2 times" in asperity("both.nml").stdout
+    with h5py.File(tmp_path / "usual.h5") as file:
+        for name in ("feature_2_1", "feature_2_2"):
+            assert verdict(file[f"adequacy/{name}"]) == "not known"
+            assert "adequacy = 'full'" in file[f"adequacy/{name}"].attrs["not_known"].decode()
     full = films(tmp_path / "both.h5")
     with h5py.File(tmp_path / "both.h5") as file:
         group = file["adequacy"]

@@ -16,7 +16,7 @@ module adequacy
    private
 
    public :: accuracy_for, adequacy_t, compared, influence_t, is_plainly_needed, judge, &
-      new_influence, tell_at_rest, verdict_on
+      new_influence, tell_at_rest
 
    !> A change of the smooth steady contact that is this many times the accuracy, and so large, is
    !> no less than the accuracy in a passage.
@@ -46,6 +46,8 @@ module adequacy
       type(influence_t), allocatable :: time_step
       !> The relative error that counts.
       real(wp) :: accuracy = usual_accuracy
+      !> Of a transient: everything is measured, at any cost.
+      logical :: is_full = .false.
       !> Intervals of the two grids on which changes were measured: at rest, and over a passage; 0:
       !> none were.
       integer :: at_rest(2) = 0, in_time(2) = 0

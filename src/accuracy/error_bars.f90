@@ -65,7 +65,7 @@ contains
       if (bars%forecast%is_known) then
          call apply_forecast(bars%forecast, bars%apart, exit_jitter*dx, summary)
          call allow_for_spike(bars%spike_law, dx, summary)
-      else if (bars%has_half .and. .not. has_unseen_waves(bars)) then
+      else if (bars%grids > 0 .and. .not. has_unseen_waves(bars)) then
          call estimate_grid_errors(bars%coarse_values_t, report%steps > 0, dx, summary)
          call allow_for_spike(bars%spike_law, dx, summary)
       end if
@@ -102,12 +102,13 @@ contains
       error = 0.0_wp
       if (.not. bars%is_cut) return
       error = not_known()
-      if (.not. (bars%has_half .and. bars%has_longer)) return
+      if (bars%grids == 0 .or. .not. bars%has_longer) return
       error = 0.0_wp
       do i = 1, quantity_count
          if (len_trim(quantity_rows(i)%short) == 0) cycle
-         if (exceeds(bars%half%of(i)%value, 0.0_wp)) error = larger(error, cut_error(bars, i) &
-            /bars%half%of(i)%value)
+         associate (half => bars%coarser(1)%of(i)%value)
+            if (exceeds(half, 0.0_wp)) error = larger(error, cut_error(bars, i)/half)
+         end associate
       end do
    end function outlet_error
 
@@ -121,7 +122,7 @@ contains
       error = 0.0_wp
       if (.not. bars%is_cut) return
       error = not_known()
-      if (bars%has_half .and. bars%has_longer) error = safety*abs(bars%half%of(i)%value &
+      if (bars%grids > 0 .and. bars%has_longer) error = safety*abs(bars%coarser(1)%of(i)%value &
          - bars%longer%of(i)%value)
    end function cut_error
 
@@ -146,11 +147,11 @@ contains
          reason = 'the outlet cuts the film off'
       else if (len(lost) > 0) then
          reason = lost
-      else if (bars%has_quarter .or. bars%forecast%is_known) then
+      else if (bars%grids > 1 .or. bars%forecast%is_known) then
          reason = 'a pressure spike that this grid does not resolve may pass the largest '// &
             'pressure on finer grids, or grow '// &
             'without a limit'
-      else if (bars%has_half) then
+      else if (bars%grids == 1) then
          reason = 'only one coarser grid is compared'
       else
          reason = 'no coarser grids are compared'

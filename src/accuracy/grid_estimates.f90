@@ -22,10 +22,10 @@ module grid_estimates
 
    !> What coarse runs gave, and what is known of the order of the scheme.
    type :: coarse_values_t
-      !> Quantities on n/2, n/4 and, of a steady contact whose grid was chosen, n/8 intervals; valid
-      !> where the logical says so.
-      type(line_summary_t) :: half, quarter, eighth
-      logical :: has_half = .false., has_quarter = .false., has_eighth = .false.
+      !> Quantities on n/2, n/4 and, of a steady contact whose grid was chosen, n/8 intervals: on
+      !> this many of these grids.
+      integer :: grids = 0
+      type(line_summary_t) :: coarser(3)
       !> Of a transient with a scheme of first order: quantities with that of second order on its
       !> own grid, known if those on n/2 are.
       type(line_summary_t) :: second_order
@@ -39,17 +39,13 @@ module grid_estimates
 
 contains
 
-   !> The solutions on n/2, n/4 and n/8 intervals, as many as there are.
+   !> Copies the solutions on n/2, n/4 and n/8 intervals, as many as there are.
    pure subroutine take_coarser(values, coarser)
       class(coarse_values_t), intent(inout) :: values
       type(line_summary_t), intent(in) :: coarser(:)
 
-      values%has_half = size(coarser) >= 1
-      values%has_quarter = size(coarser) >= 2
-      values%has_eighth = size(coarser) >= 3
-      if (values%has_half) values%half = coarser(1)
-      if (values%has_quarter) values%quarter = coarser(2)
-      if (values%has_eighth) values%eighth = coarser(3)
+      values%grids = min(size(coarser), size(values%coarser))
+      values%coarser(:values%grids) = coarser(:values%grids)
    end subroutine take_coarser
 
    !> Estimated relative error of h_min of `summary` on its grid; huge without coarse runs.
@@ -94,9 +90,7 @@ contains
 
       levels = new_quantity(i, [not_known(), not_known()], 0.0_wp)
       levels(1) = full
-      if (values%has_half) levels(2) = values%half%of(i)
-      if (values%has_quarter) levels(3) = values%quarter%of(i)
-      if (values%has_eighth) levels(4) = values%eighth%of(i)
+      levels(2:1 + values%grids) = values%coarser(:values%grids)%of(i)
    end function on_levels
 
    !> Grid and time step of row `i` of a transient, from its values between the nodes.
@@ -127,18 +121,19 @@ contains
       logical, intent(in) :: is_transient
       type(line_summary_t), intent(inout) :: summary
       real(wp) :: tops(3), nodes(3)
+      integer :: k
 
       tops = not_known()
       tops(1) = top_of(summary%crests)
       if (is_transient .and. values%is_first_order) tops(1) = top_of(values%second_order%crests)
-      tops(2) = top_of(values%half%crests)
-      if (values%has_quarter) tops(3) = top_of(values%quarter%crests)
+      do k = 1, min(values%grids, 2)
+         tops(1 + k) = top_of(values%coarser(k)%crests)
+      end do
       if (is_transient) then
          call estimate_crest_in_time(values%is_first_order, tops, summary%crests%highest, &
             summary%of(p_max))
       else if (all(ieee_is_finite(tops))) then
-         nodes = [summary%of(p_max)%value, values%half%of(p_max)%value, &
-            values%quarter%of(p_max)%value]
+         nodes = [summary%of(p_max)%value, values%coarser(:2)%of(p_max)%value]
          call estimate_crest(tops, nodes, summary%of(p_max))
       end if
    end subroutine estimate_pressure

@@ -3,13 +3,12 @@
 module lean_solution
    use, intrinsic :: ieee_exceptions, only: ieee_get_halting_mode, ieee_set_halting_mode, &
       ieee_usual
-   use ablations, only: contact_without, has_roughness, ingredient_t, &
-      without_surfaces
+   use ablations, only: contact_without, ingredient_t
    use errors, only: error_t
    use film_equation, only: take_film
    use film_state, only: film_state_t
    use kinds, only: wp
-   use line_contact, only: finest_wave, line_contact_t, move_profiles
+   use line_contact, only: line_contact_t
    use level_summaries, only: level_summary
    use line_hierarchy, only: coarsest_for_film, roughness_at
    use line_level, only: line_level_t, new_level, set_plain_problem
@@ -18,25 +17,19 @@ module lean_solution
    use newton_line, only: solve_newton
    use newton_work, only: newton_t
    use listener, only: listener_t
-   use passage_extremes, only: passage_extremes_t
-   use passage_times, only: new_passage_times
    use pressure_errors, only: doubt_spike
    use reynolds_line, only: evaluate_coefficients
    use semiseparable_jacobian, only: semiseparable_jacobian_t
-   use solver_settings, only: time_settings_t
    implicit none (type, external)
    private
 
-   public :: add_kappa, follow_waves, lean_level_t, pressure_on, solve_from, &
+   public :: add_kappa, lean_level_t, place_film, pose, pressure_on, solve_from, solve_level_of, &
       solve_without
 
    !> Last step of P, H0 and (ten times that) H: what it leaves is about the square of it.
    real(wp), parameter :: lean_tolerance = 1.0e-3_wp
    !> Newton steps at most.
    integer, parameter :: max_newton_steps = 18
-   !> What waves have made of the pressure moves with them to a place that is farther than this
-   !> share of the finest one; to a nearer one it stays: beside a spike not all of it moves.
-   real(wp), parameter :: far_share = 0.2_wp
    !> How much of an ingredient is left where it cannot be left out.
    real(wp), parameter :: largest_rest = 0.75_wp
 
@@ -180,91 +173,6 @@ contains
       call solve_from(lean, contact_without(contact, ingredient, rest), full%level%n, &
          full%level%state, work - lean%work, listener, error)   ! error: the caller looks
    end subroutine solve_without
-
-   !> Extremes over the times of a passage that count, of steady solutions with the surfaces of
-   !> `contact` where they are then, at every time step; each from the one before, the first from
-   !> `start`, the solution of the thesis's scheme for smooth surfaces.
-   !> `is_known` is false if one of them is not found. Nodes times Newton steps are added to `work`.
-   ! allow(too-many-arguments)  what a march has, and its outcome
-   subroutine follow_waves(contact, time, is_kappa, start, summary, is_known, work, listener, &
-      error)
-      type(line_contact_t), intent(in) :: contact
-      type(time_settings_t), intent(in) :: time
-      logical, intent(in) :: is_kappa
-      type(film_state_t), intent(in) :: start
-      type(line_summary_t), intent(out) :: summary
-      logical, intent(out) :: is_known
-      real(wp), intent(inout) :: work
-      class(listener_t), intent(inout) :: listener
-      type(error_t), allocatable, intent(out) :: error
-      type(line_contact_t) :: own
-      type(lean_level_t) :: lean
-      type(passage_extremes_t) :: passage
-      real(wp), allocatable :: smooth(:)
-      real(wp) :: last, now
-      integer :: k, steps
-
-      own = contact
-      passage = passage_extremes_t(new_passage_times(contact, time))
-      steps = nint(time%end_time/time%time_step)
-      do k = 0, steps
-         now = k*time%time_step
-         if (.not. (passage%times%counts(now) .or. k == steps)) cycle
-         call move_profiles(own, now, error)
-         if (allocated(error)) return
-         if (lean%level%n == 0) then
-            call pose(lean, without_surfaces(own), size(start%pressure) - 1, now, error)
-            if (allocated(error)) return
-            lean%level%state%pressure = start%pressure
-            lean%level%is_kappa = is_kappa
-            call place_film(lean%level, minval(start%film))
-            if (is_kappa) call solve_level_of(lean, huge(1.0_wp), listener)
-            smooth = lean%level%state%pressure
-            last = now
-         end if
-         associate (distance => wave_speed(own)*(now - last))
-            if (distance > far_share*finest_wave(own)) call carry_waves(lean%level, smooth, &
-               distance)
-         end associate
-         last = now
-         lean%level%rhs_film = 0.5_wp*lean%level%x**2 - roughness_at(own, lean%level, now)
-         call place_film(lean%level, minval(lean%level%state%film))
-         call solve_level_of(lean, huge(1.0_wp), listener)
-         is_known = lean%is_solved
-         if (.not. is_known) work = work + lean%work
-         if (.not. is_known) return
-         call passage%add(level_summary(lean%level), now, k == steps)
-      end do
-      work = work + lean%work
-      summary = passage%extremes(level_summary(lean%level))
-   end subroutine follow_waves
-
-   !> Speed dX/dT of the only surface that is rough; 0 where both are.
-   pure function wave_speed(contact) result(speed)
-      type(line_contact_t), intent(in) :: contact
-      real(wp) :: speed
-
-      speed = 0.0_wp
-      if (.not. has_roughness(contact%surface_1)) speed = contact%surface_2%speed
-      if (.not. has_roughness(contact%surface_2)) speed = contact%surface_1%speed
-   end function wave_speed
-
-   !> Moves what waves have made of the `smooth` pressure by a `distance`, as they move.
-   pure subroutine carry_waves(level, smooth, distance)
-      type(line_level_t), intent(inout) :: level
-      real(wp), intent(in) :: smooth(0:), distance
-      real(wp) :: change(0:level%n), place, part
-      integer :: i, k
-
-      change = level%state%pressure - smooth
-      do i = 1, level%n - 1
-         place = min(max(i - distance/level%dx, 0.0_wp), real(level%n, wp))
-         k = min(int(place), level%n - 1)
-         part = place - k
-         level%state%pressure(i) = max(0.0_wp, smooth(i) + (1 - part)*change(k) + part*change(k &
-            + 1))
-      end do
-   end subroutine carry_waves
 
    !> Nothing is solved yet, but what it has cost so far stays.
    subroutine start_anew(lean)

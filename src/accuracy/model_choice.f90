@@ -8,13 +8,12 @@
 !> measured, by passages with and without it on two coarse grids.
 module model_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use ablation_runs, only: set_change
    use ablations, only: has_roughness, ingredient_t, ingredients_of, roughness, squeeze
    use adequacy, only: compared, influence_t, new_influence
-   use coarse_passages, only: changes_without, run_passages
    use entry_zone, only: is_moving
    use errors, only: error_t
    use expected_film, only: film_estimate
+   use experiment, only: experiment_t
    use features, only: rough_surface_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles
@@ -22,9 +21,11 @@ module model_choice
       cheap_steady, goes_along, may_matter, model_choice_t, not_measured, start_counts, too_high, &
       wanted
    use listener, only: listener_t
-   use passage_pairs, only: newton_per_step, passage_grids, passages_t, scene_t, schemes, widths
+   use passage_pair, only: coarse_tolerance, max_cycles, measure_change, new_pair, &
+      passage_pair_t, run_pair, sees_all
    use passage_times, only: new_passage_times
    use quantities, only: h_central, h_min, quantity_count
+   use solver_settings, only: solver_settings_t
    use wave_resolution, only: choose_time_step
    implicit none (type, external)
    private
@@ -41,39 +42,48 @@ module model_choice
    !> Cost of measuring over that of the passage on the default grid, and what it may be in any case
    !> (nodes times Newton steps).
    real(wp), parameter :: cost_share = 0.2_wp, least_cost = 2.0e4_wp
+   !> Newton steps of a time step, about.
+   real(wp), parameter :: newton_per_step = 2.5_wp
+   !> The error of a change, as of `set_change`: on the coarser grid with twice the spacing; a share
+   !> of the largest change of a film, for a wave passes the nodes of two coarse grids alike by
+   !> chance; and what iterations leave of both.
+   real(wp), parameter :: widths(4) = [1.5_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
+   !> By which scheme a passage is run, and by which where that finds no solution: what errs least
+   !> on coarse grids, and what is solved most often.
+   character(len=*), parameter :: schemes(2) = [character(len=7) :: 'kappa', 'upwind2']
 
 contains
 
-   !> Decides on every ingredient of an open `scene` for a relative error `target` > 0;
+   !> Decides on every ingredient of an open `experiment` for a relative error `target` > 0;
    !> `needs_passage`: a passage it stays.
-   subroutine choose_model(scene, target, needs_passage, choice, listener, error)
-      type(scene_t), intent(in) :: scene
+   subroutine choose_model(experiment, target, needs_passage, choice, listener, error)
+      type(experiment_t), intent(in) :: experiment
       real(wp), intent(in) :: target
       logical, intent(in) :: needs_passage
       type(model_choice_t), intent(out) :: choice
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
-      type(scene_t) :: whole
+      type(experiment_t) :: whole
       type(ingredient_t), allocatable :: list(:)
       integer :: i
 
-      list = ingredients_of(scene%contact, scene%time%is_transient)
+      list = ingredients_of(experiment%contact, experiment%time%is_transient)
       ! of smooth surfaces it is not measured, but decided on
-      if (scene%time%is_transient .and. .not. any(list%kind == squeeze)) list = [list, &
+      if (experiment%time%is_transient .and. .not. any(list%kind == squeeze)) list = [list, &
          ingredient_t(squeeze, 'squeeze', 'the steady solution')]
       choice%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
       allocate (choice%is_left_out(size(list)), source=.false.)
       allocate (choice%why(size(list)), source=cheap_steady)
-      if (.not. scene%time%is_transient) return
+      if (.not. experiment%time%is_transient) return
       choice%why = wanted
       if (needs_passage) return
       choice%why = cheap_passage
-      whole = scene
+      whole = experiment
       call choose_time_step(whole%contact, whole%time)
       call move_profiles(whole%contact, 0.0_wp, error)
       if (allocated(error)) return
       call listener%on_stage('measuring what the model needs')
-      if (moves(scene%contact%surface_1) .or. moves(scene%contact%surface_2)) then
+      if (moves(experiment%contact%surface_1) .or. moves(experiment%contact%surface_2)) then
          where (list%kind == squeeze) choice%why = cheap_in_motion
          call look_at_roughness(whole, list, target, choice, listener, &
             error)   ! error: the caller looks
@@ -89,19 +99,19 @@ contains
    end subroutine choose_model
 
    !> Whether the quantities of a passage count from when its start is forgotten.
-   pure function counts_late(scene)
-      type(scene_t), intent(in) :: scene
+   pure function counts_late(experiment)
+      type(experiment_t), intent(in) :: experiment
       logical :: counts_late
 
-      associate (times => new_passage_times(scene%contact, scene%time))
+      associate (times => new_passage_times(experiment%contact, experiment%time))
          counts_late = times%counts_from >= times%settled_from .and. times%end_time &
             >= times%needed_end
       end associate
    end function counts_late
 
    !> Leaves out the roughness of a passage, and its motion, if it is low and surely changes little.
-   subroutine look_at_roughness(scene, list, target, choice, listener, error)
-      type(scene_t), intent(in) :: scene
+   subroutine look_at_roughness(experiment, list, target, choice, listener, error)
+      type(experiment_t), intent(in) :: experiment
       type(ingredient_t), intent(in) :: list(:)
       real(wp), intent(in) :: target
       type(model_choice_t), intent(inout) :: choice
@@ -111,8 +121,8 @@ contains
 
       i = findloc(list%kind, roughness, 1)
       choice%why(i) = too_high
-      if (height_of(scene%contact) > highest*target*film_estimate(scene%contact)) return
-      call measure(scene, list(i), choice%rows(i), choice%grids, listener, error)
+      if (height_of(experiment%contact) > highest*target*film_estimate(experiment%contact)) return
+      call measure(experiment, list(i), choice%rows(i), choice%grids, listener, error)
       if (allocated(error)) return
       choice%why(i) = not_measured
       associate (row => choice%rows(i))
@@ -142,36 +152,54 @@ contains
    end function largest_influence
 
    !> The change of all quantities without the roughness, on the two finest grids that the budget
-   !> allows. What a spike may add to both pressures alike does not count.
-   subroutine measure(scene, ingredient, row, grids, listener, error)
-      type(scene_t), intent(in) :: scene
+   !> allows, by the first scheme that finds all solutions. What a spike may add to both pressures
+   !> alike does not count.
+   subroutine measure(experiment, ingredient, row, grids, listener, error)
+      type(experiment_t), intent(in) :: experiment
       type(ingredient_t), intent(in) :: ingredient
       type(influence_t), intent(inout) :: row
       integer, intent(out) :: grids(2)
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
-      type(passages_t) :: passages
-      real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), budget
+      type(passage_pair_t) :: pair
+      type(experiment_t) :: own
       logical :: is_known
-      integer :: k
+      integer :: factor, k
 
-      associate (time => scene%time, n => scene%contact%domain%intervals)
-         budget = max(cost_share*newton_per_step*n*time%end_time/time%time_step, least_cost)
-      end associate
-      grids = passage_grids(scene, 0, budget)   ! smooth surfaces take no second passage
-      if (any(grids == 0)) return
+      grids = 0
+      factor = coarsening(experiment)
+      if (factor == 0) return
+      own = experiment
       do k = 1, size(schemes)
-         call run_passages(scene, grids, schemes(k), passages, listener, error)
+         own%settings = solver_settings_t(method='newton_krylov', tolerance=coarse_tolerance, &
+            max_cycles=max_cycles, explains_failure=.false., space_scheme=schemes(k))
+         pair = new_pair(own, [factor, 2*factor], widths)
+         pair%counts_spikes = .false.
+         grids = pair%runs%contact%domain%intervals
+         call run_pair(pair, listener, error)
          if (allocated(error) .or. listener%is_stopping) return
-         if (.not. passages%is_known) cycle
-         call changes_without(passages, ingredient, changes, doubt, is_known, listener, error)
-         if (allocated(error)) return
-         if (.not. is_known) cycle
-         doubt = 0.0_wp
-         call set_change(row, changes, doubt, widths)
-         return
+         if (.not. pair%is_known) cycle
+         call measure_change(pair, ingredient, row, is_known, listener, error)
+         if (allocated(error) .or. is_known) return
       end do
    end subroutine measure
+
+   !> How many times fewer intervals the finer one of two grids has that fit into the budget: 2, 4
+   !> ...; 0: none that sees all waves.
+   pure function coarsening(experiment) result(factor)
+      type(experiment_t), intent(in) :: experiment
+      integer :: factor
+      real(wp) :: cost
+
+      associate (time => experiment%time, n => experiment%contact%domain%intervals)
+         cost = newton_per_step*n*time%end_time/time%time_step
+         factor = 2
+         do while (1.25_wp*cost/factor**2 > max(cost_share*cost, least_cost))
+            factor = 2*factor
+         end do
+         if (.not. sees_all(experiment, n/(2*factor))) factor = 0
+      end associate
+   end function coarsening
 
    !> The largest height of both surfaces together [b^2/R], as far as it is at hand.
    pure function height_of(contact) result(height)

@@ -14,11 +14,11 @@
 !> How often the target is met and at what cost is measured by `make accuracy-time`; what else was
 !> tried is in docs/decisions.md.
 module resolution_choice
-   use coarse_runs, only: run_for_comparison
    use domain_choice, only: inlet_error
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t, fail, input_error
    use inlet_errors, only: domain_error
+   use experiment, only: experiment_t, new_experiment, outcome_t, run_experiment
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use missing_value, only: not_known
@@ -26,7 +26,6 @@ module resolution_choice
    use pilots, only: add_other_scheme, add_pilot, begun_anew, cheapest_resolution, forecast_at, &
       has_forecast, new_pilots, next_direction, nothing, pilots_t, refined, resolution_t
    use quantities, only: quantity_count
-   use run_collector, only: collector_t
    use solver_settings, only: max_chosen, solver_settings_t, time_settings_t
    use split_errors, only: foretold_values
    use text, only: to_text
@@ -44,20 +43,17 @@ module resolution_choice
 
    !> The search for a resolution.
    type :: search_t
-      !> What the next pilot solves, but for its resolution.
-      type(line_contact_t) :: contact
-      type(solver_settings_t) :: settings
-      type(time_settings_t) :: time
+      !> The next pilot, but for its resolution.
+      type(experiment_t) :: pilot
       !> Whether it may take the other space scheme if it finds no solution.
       logical :: may_change_scheme = .false.
       !> What the next pilot refines.
       integer :: direction = nothing
-      !> What the pilots have found, nodes times steps of the next at most, and whether the last one
-      !> has found a solution, which `collector` holds.
+      !> What the pilots have found, what the last one has, and nodes times steps of the next at
+      !> most.
       type(pilots_t) :: pilots
+      type(outcome_t) :: last
       real(wp) :: work_limit = 0.0_wp
-      logical :: has_solution = .false.
-      type(collector_t) :: collector
    end type search_t
 
 contains
@@ -92,21 +88,20 @@ contains
       target = settings%target
       if (contact%domain%inlet_is_chosen) target = target - domain_error(inlet_error(contact))
       search = new_search(contact, settings, time)
-      search%collector%parent => listener
       call settle_tolerance(settings)
       call check_first(search%pilots, settings%method, error)
       if (allocated(error)) return
       do
-         call run_pilot(search, error)
+         call run_pilot(search, listener, error)
          if (allocated(error)) return
-         settings%space_scheme = search%settings%space_scheme
+         settings%space_scheme = search%pilot%settings%space_scheme
          if (listener%is_stopping) return
-         if (.not. search%has_solution .and. is_finest(search%pilots)) exit
+         if (.not. search%last%is_known .and. is_finest(search%pilots)) exit
          call learn(search)
          is_last = is_finest(search%pilots) .or. is_dear(search)
          chosen = cheapest_resolution(search%pilots, target)
          if (chosen%intervals > 0 .or. is_last) then
-            call look_beside(search, error)
+            call run_other_scheme(search, listener, error)
             if (allocated(error)) return
             chosen = cheapest_resolution(search%pilots, target)
          end if
@@ -129,14 +124,12 @@ contains
       type(search_t) :: search
       type(solver_settings_t) :: settled
 
-      search%contact = contact
-      search%time = time
-      search%settings = settings
+      search%pilot = new_experiment(contact, settings, time)
       search%may_change_scheme = settings%space_scheme == 'auto' .and. allows_kappa(settings)
-      if (search%may_change_scheme) search%settings%space_scheme = 'kappa'
+      if (search%may_change_scheme) search%pilot%settings%space_scheme = 'kappa'
       settled = settings
       call settle_tolerance(settled)
-      if (settings%tolerance <= 0.0_wp) search%settings%tolerance = looser*settled%tolerance
+      if (settings%tolerance <= 0.0_wp) search%pilot%settings%tolerance = looser*settled%tolerance
       search%pilots = new_pilots(contact, time, max_chosen(settings))
       associate (first => search%pilots%last)
          search%work_limit = max_work*first%intervals*first%steps
@@ -165,47 +158,41 @@ contains
 
    !> Runs the next pilot; without a solution again with the thesis's scheme, if that is open. If
    !> that finds one, all goes on with it, anew from here.
-   subroutine run_pilot(search, error)
+   subroutine run_pilot(search, listener, error)
       type(search_t), intent(inout) :: search
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(resolution_t) :: resolution
 
       resolution = refined(search%pilots%last, search%direction)
-      search%contact%domain%intervals = resolution%intervals
-      search%time%time_step = search%time%end_time/resolution%steps
-      call run(search, error)
-      if (allocated(error)) return
-      if (search%has_solution .or. .not. search%may_change_scheme &
-         .or. search%collector%parent%is_stopping) return
-      search%settings%space_scheme = 'upwind2'
-      call run(search, error)
-      if (allocated(error)) return
-      if (search%has_solution) then
-         search%may_change_scheme = .false.
-         search%pilots = begun_anew(search%pilots, resolution)
-         search%direction = nothing
-      else
-         search%settings%space_scheme = 'kappa'
-      end if
+      associate (pilot => search%pilot)
+         pilot%contact%domain%intervals = resolution%intervals
+         pilot%time%time_step = pilot%time%end_time/resolution%steps
+         call run_experiment(pilot, listener, search%last, error)
+         if (allocated(error)) return
+         if (search%last%is_known .or. .not. search%may_change_scheme &
+            .or. listener%is_stopping) return
+         pilot%settings%space_scheme = 'upwind2'
+         call run_experiment(pilot, listener, search%last, error)
+         if (allocated(error)) return
+         if (search%last%is_known) then
+            search%may_change_scheme = .false.
+            search%pilots = begun_anew(search%pilots, resolution)
+            search%direction = nothing
+         else
+            pilot%settings%space_scheme = 'kappa'
+         end if
+      end associate
    end subroutine run_pilot
-
-   !> One run.
-   subroutine run(search, error)
-      type(search_t), intent(inout) :: search
-      type(error_t), allocatable, intent(out) :: error
-
-      call run_for_comparison(search%contact, search%settings, search%time, search%collector, &
-         search%has_solution, error)   ! error: the caller looks
-   end subroutine run
 
    !> What the last pilot has found tells where to go next; one without a solution, to begin anew
    !> twice as fine.
    pure subroutine learn(search)
       type(search_t), intent(inout) :: search
 
-      if (search%has_solution) then
-         call add_pilot(search%pilots, search%direction, &
-            foretold_values(search%collector%summary), search%collector%films)
+      if (search%last%is_known) then
+         call add_pilot(search%pilots, search%direction, foretold_values(search%last%summary), &
+            search%last%films)
       else
          associate (last => search%pilots%last)
             search%pilots = begun_anew(search%pilots, &
@@ -217,22 +204,24 @@ contains
 
    !> Runs the last pilot, which took the kappa scheme, with the thesis's scheme, if that is not
    !> known on its grid yet: whether the kappa scheme only seems to change nothing any more.
-   subroutine look_beside(search, error)
+   subroutine run_other_scheme(search, listener, error)
       type(search_t), intent(inout) :: search
+      class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
-      type(search_t) :: beside
+      type(experiment_t) :: other
+      type(outcome_t) :: outcome
       real(wp) :: values(quantity_count)
 
-      if (search%settings%space_scheme /= 'kappa' .or. search%pilots%is_beside_known) return
-      if (.not. has_forecast(search%pilots) .or. search%collector%parent%is_stopping) return
-      beside = search
-      beside%settings%space_scheme = 'upwind2'
-      call run(beside, error)
+      if (search%pilot%settings%space_scheme /= 'kappa' .or. search%pilots%is_beside_known) return
+      if (.not. has_forecast(search%pilots) .or. listener%is_stopping) return
+      other = search%pilot
+      other%settings%space_scheme = 'upwind2'
+      call run_experiment(other, listener, outcome, error)
       if (allocated(error)) return
       values = not_known()
-      if (beside%has_solution) values = foretold_values(beside%collector%summary)
+      if (outcome%is_known) values = foretold_values(outcome%summary)
       call add_other_scheme(search%pilots, values)
-   end subroutine look_beside
+   end subroutine run_other_scheme
 
    !> Whether there may be no pilot of twice as many intervals.
    pure function is_finest(pilots)

@@ -78,6 +78,8 @@ module split_errors
       logical :: is_known = .false.
       !> Values with twice the spacing, and with a time step that is `step_ratio` times as large.
       real(wp) :: coarse(quantity_count) = 0.0_wp, slow(quantity_count) = 0.0_wp
+      !> Quantities with twice the spacing.
+      type(line_summary_t) :: half
       real(wp) :: step_ratio = 2.0_wp
       !> Order in time: the least one that pilots may show.
       real(wp) :: time_order = 1.5_wp

@@ -166,9 +166,7 @@ contains
       type(line_summary_t) :: summary
 
       call choose_intervals(contact)
-      bars%has_half = .false.
-      bars%has_quarter = .false.
-      bars%has_eighth = .false.
+      bars%grids = 0
       do
          call new_hierarchy(hierarchy, contact, goal%settings%levels, error)
          if (allocated(error)) return
@@ -182,12 +180,7 @@ contains
                    is_reached(goal, bars, level)) return
                summary = level_summary(level)
             end associate
-            bars%has_eighth = bars%has_quarter
-            if (bars%has_quarter) bars%eighth = bars%quarter
-            bars%has_quarter = bars%has_half
-            if (bars%has_half) bars%quarter = bars%half
-            bars%has_half = .true.
-            bars%half = summary
+            call take_coarser(bars, [summary, bars%coarser(:bars%grids)])
          end if
          contact%domain%intervals = 2*contact%domain%intervals
       end do

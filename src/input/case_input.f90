@@ -277,7 +277,7 @@ contains
          output%fields = fields%words
          output%checkpoint_interval = values%real_value('output', 'checkpoint_interval')
          output%film_thresholds = thresholds%reals
-         output%has_adequacy = values%logical_value('output', 'adequacy')
+         output%adequacy = values%word_value('output', 'adequacy')
          output%has_si = values%logical_value('output', 'si_copies')
          output%velocity_layers = values%integer_value('output', 'velocity_layers')
       end associate

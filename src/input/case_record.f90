@@ -45,8 +45,8 @@ module case_record
       real(wp) :: checkpoint_interval
       !> Films for the statistics [m]; none: no statistics.
       real(wp), allocatable :: film_thresholds(:)
-      !> What each ingredient of the model changes is measured.
-      logical :: has_adequacy
+      !> What each ingredient of the model changes is measured: '.true.', '.false.' or 'full'.
+      character(len=word_length) :: adequacy
       !> Fields and series are stored in SI too.
       logical :: has_si
       !> Layers of the velocity across the film; 0: it is not stored.

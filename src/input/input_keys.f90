@@ -428,8 +428,8 @@ module input_keys
          'films for /statistics: how often and on how much of the contact the film is thinner', &
          range='> 0, <= 1', used=in_time//', '//in_metres, typical=typical_film), &
       key_row_t('output', 'adequacy', logical_kind, '', '.true.', &
-         'measures what each ingredient of the model changes, for /adequacy: at most a tenth '// &
-            'of the cost, or 20 ms', problems=every), &
+         'measures the effect of each ingredient, for /adequacy: at most a tenth of the cost; '// &
+            'full: everything', words='full', problems=every), &
       key_row_t('output', 'si_copies', logical_kind, '', '.true.', &
          'stores the fields and series that are dimensionless in SI too, in /si'), &
       key_row_t('output', 'xdmf', logical_kind, '', '.false.', &

@@ -48,7 +48,7 @@ module key_row
       character(len=120) :: meaning
       !> Range as a comma-separated list of comparisons, each of which must hold.
       character(len=56) :: range = ''
-      !> Words that are built, separated by blanks.
+      !> Words that are built, separated by blanks; of a logical those that it may have beside it.
       character(len=96) :: words = ''
       !> Words that are known but not built yet, separated by blanks.
       character(len=40) :: later_words = ''
@@ -73,6 +73,7 @@ contains
       character(:), allocatable :: expected
 
       expected = trim(expectations(row%kind))
+      if (row%kind == logical_kind .and. row%words /= '') expected = expected // ' or'
       if (row%words /= '') expected = trim(adjustl(expected // ' ' // word_list(row%words)))
       if (row%range /= '') expected = expected // ' ' // trim(row%range)
       if (row%unit /= '') expected = expected // ' [' // trim(row%unit) // ']'

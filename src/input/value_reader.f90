@@ -257,8 +257,13 @@ contains
          slot%integer = 0
          if (good) slot%integer = int(number)
       case (logical_kind)
-         call read_logical(piece, slot%logical, good)
-         slot%words(place) = merge('.true. ', '.false.', slot%logical)
+         if (has_word(row%words, to_lower(trim(piece%text)))) then
+            slot%logical = .true.
+            slot%words(place) = to_lower(trim(piece%text))
+         else
+            call read_logical(piece, slot%logical, good)
+            slot%words(place) = merge('.true. ', '.false.', slot%logical)
+         end if
       case (word_kind, words_kind)
          call store_word(entry, row, piece, slot%words(place), findings)
       case default   ! text_kind

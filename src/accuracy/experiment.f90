@@ -1,0 +1,153 @@
+!> One run of a variant of a lubricated contact: on another grid or domain, with another time step,
+!> scheme or model. Error bars, a wanted accuracy and adequacy compare such runs.
+module experiment
+   use ehl_line_solver, only: solve_ehl_line
+   use errors, only: error_t
+   use iteration_report, only: report_t
+   use kinds, only: wp
+   use line_contact, only: line_contact_t
+   use line_state, only: line_state_t
+   use line_summary, only: line_summary_t, summary_of
+   use listener, only: listener_t, relay_t
+   use march_state, only: march_state_t
+   use passage_extremes, only: passage_extremes_t
+   use passage_times, only: new_passage_times
+   use quantities, only: h_min
+   use solver_settings, only: solver_settings_t, time_settings_t
+   implicit none (type, external)
+   private
+
+   public :: coarser, experiment_t, new_experiment, outcome_t, run_experiment
+
+   !> No run that another one is compared with has fewer intervals.
+   integer, parameter, public :: min_intervals = 32
+
+   !> A contact whose domain is complete, how it is solved, and its time step.
+   type :: experiment_t
+      type(line_contact_t) :: contact
+      type(solver_settings_t) :: settings
+      type(time_settings_t) :: time
+   end type experiment_t
+
+   !> What a run has found.
+   type :: outcome_t
+      !> There is a solution.
+      logical :: is_known = .false.
+      !> Its quantities, of a passage their extremes; of a steady contact those on n/2, n/4 ...
+      !> intervals, which it has passed.
+      type(line_summary_t) :: summary
+      type(line_summary_t), allocatable :: coarser(:)
+      !> Smallest film at each time step (0:steps); huge at times that do not count.
+      real(wp), allocatable :: films(:)
+      !> Nodes times Newton steps.
+      real(wp) :: work = 0.0_wp
+   end type outcome_t
+
+   !> Collects the extremes over the time steps that count.
+   type, extends(relay_t) :: collector_t
+      type(passage_extremes_t) :: passage
+      real(wp), allocatable :: films(:)
+   contains
+      procedure :: on_step => collect_step
+      procedure :: on_stage => forward_coarse_run
+   end type collector_t
+
+contains
+
+   !> The case itself on its complete domain, without what only an answer needs.
+   pure function new_experiment(contact, settings, time) result(self)
+      type(line_contact_t), intent(in) :: contact
+      type(solver_settings_t), intent(in) :: settings
+      type(time_settings_t), intent(in) :: time
+      type(experiment_t) :: self
+
+      self = experiment_t(contact, settings, time)
+      if (allocated(self%time%resume_from)) deallocate (self%time%resume_from)
+      associate (own => self%settings)
+         own%levels = 0
+         own%explains_failure = .false.
+         own%film_floor = 0.0_wp
+         own%target = 0.0_wp
+         own%wants_coarse_runs = .true.
+         ! if Newton fails on a coarser grid, so do the fallbacks: skip them
+         if (own%method == 'auto' .and. own%smoother == 'auto') own%method = 'newton_krylov'
+         if (.not. time%is_transient) own%method = 'newton_krylov'
+      end associate
+   end function new_experiment
+
+   !> The same on `factor` times fewer intervals with a time step as much larger; 0 intervals: there
+   !> are fewer than `min_intervals`.
+   pure function coarser(self, factor)
+      type(experiment_t), intent(in) :: self
+      integer, intent(in) :: factor
+      type(experiment_t) :: coarser
+
+      coarser = self
+      associate (intervals => coarser%contact%domain%intervals, time => coarser%time)
+         intervals = intervals/factor
+         if (intervals < min_intervals) intervals = 0
+         time%time_step = factor*time%time_step
+      end associate
+   end function coarser
+
+   !> Runs the experiment, unless it has no intervals; `state` is its last one. Error: memory or a
+   !> library failed.
+   subroutine run_experiment(self, listener, outcome, error, state)
+      type(experiment_t), intent(in) :: self
+      class(listener_t), intent(inout), target :: listener
+      type(outcome_t), intent(out) :: outcome
+      type(error_t), allocatable, intent(out) :: error
+      type(line_state_t), intent(out), optional :: state
+      type(collector_t) :: collector
+      type(line_contact_t) :: contact
+      type(line_state_t) :: last
+      type(report_t) :: report
+
+      if (self%contact%domain%intervals == 0) return
+      contact = self%contact
+      contact%domain%may_lengthen = .false.
+      collector%parent => listener
+      collector%passage = passage_extremes_t(new_passage_times(contact, self%time))
+      call solve_ehl_line(contact, self%settings, self%time, collector, last, report, error)
+      if (allocated(error)) return
+      outcome%is_known = report%converged
+      outcome%work = report%cycles*real(contact%domain%intervals, wp)
+      if (.not. outcome%is_known) return
+      outcome%summary = collector%passage%extremes(summary_of(last))
+      call move_alloc(collector%coarser, outcome%coarser)
+      call move_alloc(collector%films, outcome%films)
+      if (present(state)) state = last
+   end subroutine run_experiment
+
+   !> Says that it is not the run itself.
+   recursive subroutine forward_coarse_run(self, words, cycle, residuals)
+      class(collector_t), intent(inout) :: self
+      character(*), intent(in) :: words
+      integer, intent(in), optional :: cycle
+      real(wp), intent(in), optional :: residuals(2)
+
+      call self%relay_t%on_stage('coarse run, '//words, cycle, residuals)
+   end subroutine forward_coarse_run
+
+   !> Adds the quantities of one time step.
+   subroutine collect_step(self, step, steps, state, history, report)
+      class(collector_t), intent(inout) :: self
+      integer, intent(in) :: step
+      integer, intent(in) :: steps
+      type(line_state_t), intent(in) :: state
+      type(march_state_t), intent(in) :: history
+      type(report_t), intent(in) :: report
+      type(line_summary_t) :: summary
+
+      associate (unused_history => history, unused_report => report)
+      end associate
+      if (step == 0) then
+         if (allocated(self%films)) deallocate (self%films)
+         allocate (self%films(0:steps), source=huge(1.0_wp))
+      end if
+      summary = summary_of(state)
+      if (self%passage%times%counts(state%time)) self%films(step) = summary%of(h_min)%value
+      call self%passage%add(summary, state%time, step == steps)
+   end subroutine collect_step
+
+end module experiment

@@ -1,0 +1,319 @@
+!> A passage on two grids, and what it is there without one of its ingredients.
+module passage_pair
+   use ablation_runs, only: change_between, doubt_between, set_change
+   use ablations, only: contact_without, has_roughness, ingredient_t, roughness, squeeze, &
+      without_surfaces
+   use adequacy, only: influence_t
+   use errors, only: error_t
+   use experiment, only: coarser, experiment_t, min_intervals, outcome_t, run_experiment
+   use film_state, only: film_state_t
+   use kinds, only: wp
+   use lean_solution, only: lean_level_t, place_film, pose, pressure_on, solve_level_of
+   use level_summaries, only: level_summary
+   use line_contact, only: finest_wave, line_contact_t, move_profiles
+   use line_hierarchy, only: coarsest_for_film, roughness_at
+   use line_level, only: line_level_t
+   use line_state, only: line_state_t
+   use line_summary, only: line_summary_t
+   use listener, only: listener_t
+   use passage_extremes, only: passage_extremes_t
+   use passage_times, only: new_passage_times
+   use pressure_errors, only: doubt_spike
+   use quantities, only: quantity_count
+   use solver_settings, only: solver_settings_t, time_settings_t
+   use wave_resolution, only: steps_in_wave
+   implicit none (type, external)
+   private
+
+   public :: limit_places, measure_change, new_pair, passage_pair_t, run_pair, sees_all, &
+      solve_smooth
+
+   !> Cycles of a steady solution, and the Newton steps that lead to it, coarser grids counted.
+   integer, parameter, public :: max_cycles = 40
+   real(wp), parameter, public :: steps_to_start = 12.0_wp
+   !> Bound on the residuals of time steps.
+   real(wp), parameter, public :: coarse_tolerance = 1.0e-4_wp
+   !> Newton steps from one place of the waves to the next, and the times at which waves are solved
+   !> while the finest one passes its own length, at least.
+   real(wp), parameter :: steps_to_next = 5.0_wp, least_places = 3.0_wp
+   !> What waves have made of the pressure moves with them to a place that is farther than this
+   !> share of the finest one; to a nearer one it stays: beside a spike not all of it moves.
+   real(wp), parameter :: far_share = 0.2_wp
+   !> Nodes of the coarser grid in the finest wave, at least.
+   real(wp), parameter :: least_nodes = 4.0_wp
+
+   !> A passage on the finer and the coarser grid.
+   type :: passage_pair_t
+      type(experiment_t) :: runs(2)
+      !> Its extremes, with everything.
+      type(line_summary_t) :: full(2)
+      logical :: is_known = .false.
+      !> The smooth steady contact on each grid; pressures are not allocated where it is not solved.
+      type(film_state_t) :: smooth(2)
+      !> The error of a change, as of `set_change`; whether what spikes may add is part of it.
+      real(wp) :: widths(4) = 0.0_wp
+      logical :: counts_spikes = .true.
+      !> What has been spent, in nodes times Newton steps.
+      real(wp) :: work = 0.0_wp
+   end type passage_pair_t
+
+contains
+
+   !> The passage of `experiment` on `factors` times fewer intervals, not run yet.
+   pure function new_pair(experiment, factors, widths) result(pair)
+      type(experiment_t), intent(in) :: experiment
+      integer, intent(in) :: factors(2)
+      real(wp), intent(in) :: widths(4)
+      type(passage_pair_t) :: pair
+
+      pair%runs = [coarser(experiment, factors(1)), coarser(experiment, factors(2))]
+      pair%runs%time%scheme = 'bdf2'
+      pair%widths = widths
+   end function new_pair
+
+   !> Runs the passage with everything on both grids.
+   subroutine run_pair(pair, listener, error)
+      type(passage_pair_t), intent(inout) :: pair
+      class(listener_t), intent(inout), target :: listener
+      type(error_t), allocatable, intent(out) :: error
+      type(outcome_t) :: outcome
+      integer :: g
+
+      do g = 1, 2
+         call run_experiment(pair%runs(g), listener, outcome, error)
+         if (allocated(error)) return
+         pair%work = pair%work + outcome%work
+         pair%full(g) = outcome%summary
+         pair%is_known = outcome%is_known
+         if (.not. pair%is_known) return
+      end do
+   end subroutine run_pair
+
+   !> Whether this many intervals carry the film and have nodes in every wave.
+   pure function sees_all(experiment, intervals)
+      type(experiment_t), intent(in) :: experiment
+      integer, intent(in) :: intervals
+      logical :: sees_all
+
+      ! divided: without waves the finest one is the largest number
+      associate (domain => experiment%contact%domain)
+         sees_all = intervals >= coarsest_for_film(experiment%contact, min_intervals) &
+            .and. finest_wave(experiment%contact) >= least_nodes*(domain%x_outlet &
+            - domain%x_inlet)/max(intervals, 1)
+      end associate
+   end function sees_all
+
+   !> The change of a passage without an ingredient and its error, if both grids have a solution
+   !> without it (`is_known`).
+   subroutine measure_change(pair, ingredient, row, is_known, listener, error)
+      type(passage_pair_t), intent(inout) :: pair
+      type(ingredient_t), intent(in) :: ingredient
+      type(influence_t), intent(inout) :: row
+      logical, intent(out) :: is_known
+      class(listener_t), intent(inout), target :: listener
+      type(error_t), allocatable, intent(out) :: error
+      type(line_summary_t) :: lean, full
+      real(wp), dimension(quantity_count, 2) :: changes, doubt
+      integer :: g
+
+      do g = 1, 2
+         call run_without(pair, g, ingredient, lean, is_known, listener, error)
+         if (allocated(error) .or. .not. is_known) return
+         changes(:, g) = change_between(lean, pair%full(g))
+         if (g == 2) exit
+         full = pair%full(1)
+         call add_doubt(pair%runs(1), full)
+         call add_doubt(pair%runs(1), lean)
+         doubt = doubt_between(lean, full)
+         call start_from_finer(pair%smooth, pair%runs%contact%domain%intervals)
+      end do
+      if (.not. pair%counts_spikes) doubt = 0.0_wp
+      row%is_at_rest = .false.
+      row%left_out = 1.0_wp
+      call set_change(row, changes, doubt, pair%widths)
+   end subroutine measure_change
+
+   !> Adds what a spike may add to the largest pressure of a passage.
+   pure subroutine add_doubt(experiment, summary)
+      type(experiment_t), intent(in) :: experiment
+      type(line_summary_t), intent(inout) :: summary
+
+      associate (contact => experiment%contact, domain => experiment%contact%domain)
+         call doubt_spike(contact%fluid, contact%lambda, (domain%x_outlet - domain%x_inlet) &
+            /domain%intervals, summary)
+      end associate
+   end subroutine add_doubt
+
+   !> Where only the finer one of two grids has its smooth contact, the other one starts from its
+   !> nodes.
+   pure subroutine start_from_finer(smooth, intervals)
+      type(film_state_t), intent(inout) :: smooth(2)
+      integer, intent(in) :: intervals(2)
+
+      if (.not. allocated(smooth(1)%pressure) .or. allocated(smooth(2)%pressure)) return
+      associate (stride => intervals(1)/intervals(2))
+         smooth(2)%pressure = smooth(1)%pressure(::stride)
+         smooth(2)%film = smooth(1)%film(::stride)
+      end associate
+   end subroutine start_from_finer
+
+   !> The extremes on grid `g` without an ingredient: of another passage, or of steady solutions.
+   subroutine run_without(pair, g, ingredient, summary, is_known, listener, error)
+      type(passage_pair_t), intent(inout) :: pair
+      integer, intent(in) :: g
+      type(ingredient_t), intent(in) :: ingredient
+      type(line_summary_t), intent(out) :: summary
+      logical, intent(out) :: is_known
+      class(listener_t), intent(inout), target :: listener
+      type(error_t), allocatable, intent(out) :: error
+      type(experiment_t) :: lean
+      type(outcome_t) :: outcome
+      type(line_state_t) :: state
+
+      lean = pair%runs(g)
+      lean%contact = contact_without(lean%contact, ingredient, 0.0_wp)
+      is_known = lean%contact%domain%intervals >= coarsest_for_film(lean%contact, min_intervals)
+      if (.not. is_known) return
+      select case (ingredient%kind)
+      case (roughness, squeeze)
+         associate (smooth => pair%smooth(g))
+            if (.not. allocated(smooth%pressure)) then
+               call solve_smooth(lean, listener, outcome, state, error)
+               if (allocated(error)) return
+               is_known = outcome%is_known
+               if (.not. is_known) return
+               pair%work = pair%work + steps_to_start*lean%contact%domain%intervals
+               smooth = pressure_on(state, size(state%x) - 1)
+            end if
+            ! smooth surfaces: at all times the same
+            if (ingredient%kind == roughness) lean%time%time_step = lean%time%end_time
+            call follow_waves(lean, smooth, outcome, listener, error)   ! error: the caller looks
+         end associate
+      case default   ! all others
+         call run_experiment(lean, listener, outcome, error)   ! error: the caller looks
+      end select
+      pair%work = pair%work + outcome%work
+      is_known = outcome%is_known
+      summary = outcome%summary
+   end subroutine run_without
+
+   !> The smooth steady contact of an experiment, and its `state`.
+   subroutine solve_smooth(experiment, listener, outcome, state, error)
+      type(experiment_t), intent(in) :: experiment
+      class(listener_t), intent(inout), target :: listener
+      type(outcome_t), intent(out) :: outcome
+      type(line_state_t), intent(out) :: state
+      type(error_t), allocatable, intent(out) :: error
+
+      call run_experiment(experiment_t(without_surfaces(experiment%contact), &
+         solver_settings_t(method='newton_krylov', max_cycles=max_cycles, &
+         explains_failure=.false.), time_settings_t()), listener, outcome, error, &
+         state)   ! error: the caller looks
+   end subroutine solve_smooth
+
+   !> Extremes over the times of a passage that count, of steady solutions with the surfaces of an
+   !> `experiment` where they are then, at every time step; each from the one before, the first from
+   !> `start`, the solution of the thesis's scheme for smooth surfaces.
+   subroutine follow_waves(experiment, start, outcome, listener, error)
+      type(experiment_t), intent(in) :: experiment
+      type(film_state_t), intent(in) :: start
+      type(outcome_t), intent(out) :: outcome
+      class(listener_t), intent(inout) :: listener
+      type(error_t), allocatable, intent(out) :: error
+      type(line_contact_t) :: own
+      type(lean_level_t) :: lean
+      type(passage_extremes_t) :: passage
+      real(wp), allocatable :: smooth(:)
+      real(wp) :: last, now
+      integer :: k, steps
+
+      own = experiment%contact
+      passage = passage_extremes_t(new_passage_times(own, experiment%time))
+      steps = nint(experiment%time%end_time/experiment%time%time_step)
+      do k = 0, steps
+         now = k*experiment%time%time_step
+         if (.not. (passage%times%counts(now) .or. k == steps)) cycle
+         call move_profiles(own, now, error)
+         if (allocated(error)) return
+         if (lean%level%n == 0) then
+            call pose(lean, without_surfaces(own), size(start%pressure) - 1, now, error)
+            if (allocated(error)) return
+            lean%level%state%pressure = start%pressure
+            lean%level%is_kappa = experiment%settings%space_scheme == 'kappa'
+            call place_film(lean%level, minval(start%film))
+            if (lean%level%is_kappa) call solve_level_of(lean, huge(1.0_wp), listener)
+            smooth = lean%level%state%pressure
+            last = now
+         end if
+         associate (distance => wave_speed(own)*(now - last))
+            if (distance > far_share*finest_wave(own)) call carry_waves(lean%level, smooth, &
+               distance)
+         end associate
+         last = now
+         lean%level%rhs_film = 0.5_wp*lean%level%x**2 - roughness_at(own, lean%level, now)
+         call place_film(lean%level, minval(lean%level%state%film))
+         call solve_level_of(lean, huge(1.0_wp), listener)
+         outcome%is_known = lean%is_solved
+         outcome%work = lean%work
+         if (.not. outcome%is_known) return
+         call passage%add(level_summary(lean%level), now, k == steps)
+      end do
+      outcome%summary = passage%extremes(level_summary(lean%level))
+   end subroutine follow_waves
+
+   !> Speed dX/dT of the only surface that is rough; 0 where both are.
+   pure function wave_speed(contact) result(speed)
+      type(line_contact_t), intent(in) :: contact
+      real(wp) :: speed
+
+      speed = 0.0_wp
+      if (.not. has_roughness(contact%surface_1)) speed = contact%surface_2%speed
+      if (.not. has_roughness(contact%surface_2)) speed = contact%surface_1%speed
+   end function wave_speed
+
+   !> Moves what waves have made of the `smooth` pressure by a `distance`, as they move.
+   pure subroutine carry_waves(level, smooth, distance)
+      type(line_level_t), intent(inout) :: level
+      real(wp), intent(in) :: smooth(0:), distance
+      real(wp) :: change(0:level%n), place, part
+      integer :: i, k
+
+      change = level%state%pressure - smooth
+      do i = 1, level%n - 1
+         place = min(max(i - distance/level%dx, 0.0_wp), real(level%n, wp))
+         k = min(int(place), level%n - 1)
+         part = place - k
+         level%state%pressure(i) = max(0.0_wp, smooth(i) + (1 - part)*change(k) + part*change(k &
+            + 1))
+      end do
+   end subroutine carry_waves
+
+   !> Limits the times at which the waves of a pair are solved, the same on both grids, to what the
+   !> `budget` allows (nodes times Newton steps): no more than time steps. `is_enough`: at least
+   !> `least_places` times while the finest wave passes its own length. One period is enough where
+   !> all repeats itself.
+   pure subroutine limit_places(pair, budget, is_enough)
+      type(passage_pair_t), intent(inout) :: pair
+      real(wp), intent(in) :: budget
+      logical, intent(out) :: is_enough
+      real(wp) :: from, share, start
+      integer :: steps
+
+      associate (run => pair%runs(1), grids => pair%runs%contact%domain%intervals, &
+         times => new_passage_times(pair%runs(1)%contact, pair%runs(1)%time))
+         from = times%counts_from
+         if (times%period > 0.0_wp) from = max(from, run%time%end_time - times%period)
+         ! only times that count are solved
+         share = max(1 - from/run%time%end_time, epsilon(1.0_wp))
+         start = 0.0_wp
+         if (.not. allocated(pair%smooth(1)%pressure)) start = steps_to_start*grids(1)
+         steps = int(max(1.0_wp, min((budget - start)/(steps_to_next*share*sum(grids)), &
+            run%time%end_time/run%time%time_step)))
+         pair%runs%time%time_step = run%time%end_time/steps
+         pair%runs%time%statistics_from = from
+         is_enough = steps_in_wave(run%contact, pair%runs(1)%time) >= least_places &
+            .and. start + steps_to_next*share*steps*sum(grids) <= budget
+      end associate
+   end subroutine limit_places
+
+end module passage_pair
