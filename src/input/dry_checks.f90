@@ -78,8 +78,7 @@ contains
 
       pressure = maxval(dry%loads%mean_pressure)
       if (dry%grid%ny == 1) then
-         half_width = line_half_width(pressure*dry%lengths(1), dry%radius, &
-            dry%reduced_modulus)
+         half_width = line_half_width(pressure*dry%lengths(1), dry%radius, dry%reduced_modulus)
       else
          half_width = point_radius(pressure*dry%lengths(1)*dry%lengths(2), dry%radius, &
             dry%reduced_modulus)

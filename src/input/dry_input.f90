@@ -1,7 +1,7 @@
 !> From the checked values of a namelist to a dry contact.
 module dry_input
    use, intrinsic :: iso_fortran_env, only: int64
-   use body_values, only: modulus_of, radius_of
+   use body_input, only: modulus_of, radius_of
    use dry_case, only: dry_case_t
    use dry_checks, only: check_parabola, check_waves
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness

@@ -44,19 +44,18 @@ module line_profiles
 
 contains
 
-   !> The surface `group`, which moves at `speed` [m/s]: its features, its entry and, for shape
-   !> 'file' or 'synthetic', its profile. Findings: the file; the synthesis.
-   subroutine make_surface(values, group, speed, case, surface)
+   !> The surface `group` of a `case`: its features, its entry and, for shape 'file' or 'synthetic',
+   !> its profile. Findings: the file; the synthesis.
+   subroutine make_surface(values, group, case)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
-      real(wp), intent(in) :: speed
       type(case_t), intent(inout) :: case
-      type(rough_surface_t), intent(out) :: surface
+      type(rough_surface_t) :: surface
       character(:), allocatable :: shape
       logical :: is_profile
 
       surface%features = features_of(values, group)
-      surface%speed = speed
+      surface%speed = merge(case%bodies%speed_1, case%bodies%speed_2, group == 'surface_1')
       shape = trim(values%word_value(group, 'shape'))
       is_profile = shape == 'file' .or. shape == 'synthetic'
       if (case%time%is_transient) then
@@ -65,16 +64,22 @@ contains
          if (shape /= 'smooth') call set_effective(case, group, 'entry_length', &
             surface%entry_length)
       end if
-      if (.not. is_profile) return
-      allocate (surface%profile)
-      if (shape == 'file') then
-         call fill_from_file(values, group, case, surface%profile)
-      else
-         call fill_synthetic(values, group, case, speed, surface%profile)
+      if (is_profile) then
+         allocate (surface%profile)
+         if (shape == 'file') then
+            call fill_from_file(values, group, case, surface%profile)
+         else
+            call fill_synthetic(values, group, case, surface%speed, surface%profile)
+         end if
+         surface%profile%end_length = max(surface%entry_length, usual_entry)
+         surface%profile%is_placed = values%is_given(group, 'position')
+         surface%profile%start = values%real_value(group, 'position', surface%profile%start)
       end if
-      surface%profile%end_length = max(surface%entry_length, usual_entry)
-      surface%profile%is_placed = values%is_given(group, 'position')
-      surface%profile%start = values%real_value(group, 'position', surface%profile%start)
+      if (group == 'surface_1') then
+         case%surface_1 = surface
+      else
+         case%surface_2 = surface
+      end if
    end subroutine make_surface
 
    !> Heights of the file, which are read as they are needed; with harmonics they are periodic and
