@@ -23,21 +23,24 @@ contains
       type(line_contact_t), intent(in) :: contact
       type(report_t), intent(in) :: report
 
-      call set_effective(case, 'domain', 'x_inlet', contact%domain%x_inlet)
-      call set_effective(case, 'domain', 'inlet', trim(contact%domain%inlet))
-      call set_effective(case, 'domain', 'x_outlet', contact%domain%x_outlet)
-      call set_effective(case, 'domain', 'intervals', contact%domain%intervals)
-      if (case%time%is_transient) call set_effective(case, 'time', 'time_step', case%time%time_step)
-      call set_effective(case, 'solver', 'space_scheme', trim(merge('kappa  ', 'upwind2', &
+      associate (domain => contact%domain)
+         call set_effective(case, 'domain', 'x_inlet', [domain%x_inlet])
+         call set_effective(case, 'domain', 'inlet', text=trim(domain%inlet))
+         call set_effective(case, 'domain', 'x_outlet', [domain%x_outlet])
+         call set_effective(case, 'domain', 'intervals', integer=domain%intervals)
+      end associate
+      if (case%time%is_transient) call set_effective(case, 'time', 'time_step', &
+         [case%time%time_step])
+      call set_effective(case, 'solver', 'space_scheme', text=trim(merge('kappa  ', 'upwind2', &
          case%solver%space_scheme == 'kappa')))
-      call set_effective(case, 'solver', 'levels', report%levels)
-      call set_effective(case, 'solver', 'tolerance', report%tolerance)
-      call set_effective(case, 'solver', 'max_cycles', report%max_cycles)
-      call set_effective(case, 'solver', 'pre_sweeps', report%pre_sweeps)
-      call set_effective(case, 'solver', 'post_sweeps', report%post_sweeps)
-      call set_effective(case, 'solver', 'coarse_sweeps', report%coarse_sweeps)
-      call set_effective(case, 'solver', 'relaxation', report%relaxation)
-      call set_effective(case, 'solver', 'load_relaxation', report%load_relaxation)
+      call set_effective(case, 'solver', 'levels', integer=report%levels)
+      call set_effective(case, 'solver', 'tolerance', [report%tolerance])
+      call set_effective(case, 'solver', 'max_cycles', integer=report%max_cycles)
+      call set_effective(case, 'solver', 'pre_sweeps', integer=report%pre_sweeps)
+      call set_effective(case, 'solver', 'post_sweeps', integer=report%post_sweeps)
+      call set_effective(case, 'solver', 'coarse_sweeps', integer=report%coarse_sweeps)
+      call set_effective(case, 'solver', 'relaxation', [report%relaxation])
+      call set_effective(case, 'solver', 'load_relaxation', [report%load_relaxation])
    end subroutine fill_chosen
 
    !> Grid, domain, time step and method of a `case` with model = 'auto' on the `contact` as it was
@@ -83,7 +86,7 @@ contains
       type(passage_times_t), intent(in) :: times
 
       if (case%time%is_transient) call set_effective(case, 'time', 'statistics_from', &
-         times%counts_from)
+         [times%counts_from])
       call fill_positions(case, 'surface_1', contact%surface_1, has_free_profile(case%surface_1))
       call fill_positions(case, 'surface_2', contact%surface_2, has_free_profile(case%surface_2))
    end subroutine fill_passage
@@ -98,7 +101,7 @@ contains
       if (size(surface%features) > 0) call set_effective(case, group, 'position', &
          surface%features%position)
       if (has_placed_profile .and. allocated(surface%profile)) call set_effective(case, group, &
-         'position', surface%profile%start + 0.5_wp*profile_length(surface%profile))
+         'position', [surface%profile%start + 0.5_wp*profile_length(surface%profile)])
    end subroutine fill_positions
 
    !> Whether a surface has a profile whose place is left to the program.

@@ -46,14 +46,14 @@ contains
       function fault_of(intervals) result(fault)
          integer, intent(in) :: intervals
          character(:), allocatable :: fault
-         type(line_contact_t) :: own
+         type(line_contact_t) :: trial
          type(time_settings_t) :: time
          real(wp) :: steps
 
-         own = contact
-         own%domain%intervals = intervals
+         trial = contact
+         trial%domain%intervals = intervals
          time = case%time
-         call choose_time_step(own, time)
+         call choose_time_step(trial, time)
          steps = 0.0_wp
          if (time%is_transient) steps = time%end_time/time%time_step
          fault = memory_fault('a grid', lubricated_memory(intervals, steps, &

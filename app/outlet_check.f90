@@ -1,9 +1,8 @@
-!> What a result is compared with once it is known: what a tail in front of the inlet leaves out or
-!> an inlet without one starves, what the thesis's scheme finds; whether the outlet cuts the film
-!> off, by how much that changes the quantities, and a note on it.
+!> Runs with which a result is compared: a farther inlet, the thesis's scheme, and a farther outlet
+!> where the outlet cuts the film off; a note on the outlet.
 module outlet_check
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use case_notes, only: tell
+   use case_notes, only: add_note
    use case_record, only: case_t
    use coarse_runs, only: run_farther, run_longer, run_other_scheme
    use domain_choice, only: chosen_outlet
@@ -40,7 +39,7 @@ contains
       bars = listener%writer%bars
       if (case%accuracy%has_error_bars) then
          at_rest = contact
-         if (case%time%is_transient) then   ! what passes comes and goes, the inlet stays
+         if (case%time%is_transient) then   ! roughness passes, the inlet stays
             at_rest%surface_1 = rough_surface_t(speed=contact%surface_1%speed)
             at_rest%surface_2 = rough_surface_t(speed=contact%surface_2%speed)
          end if
@@ -57,14 +56,14 @@ contains
             call run_longer(bars, contact, case%solver, case%time, listener, error)
             if (allocated(error)) return
          end if
-         call tell_outlet(case, contact, outlet_error(bars), listener, report)
+         call note_outlet(case, contact, outlet_error(bars), listener, report)
       end if
       listener%writer%bars = bars
    end subroutine check_ends
 
    !> Adds a note to the report that the outlet cuts the film off, unless that is known to change
    !> the quantities only a little; `change`: by how much, NaN if it is not known.
-   subroutine tell_outlet(case, contact, change, listener, report)
+   subroutine note_outlet(case, contact, change, listener, report)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: change
@@ -74,8 +73,8 @@ contains
       if (ieee_is_finite(change)) then
          if (change <= telling_change) return
       end if
-      call tell(case, listener, outlet_note(contact, change), report%note)
-   end subroutine tell_outlet
+      call add_note(case, listener, outlet_note(contact, change), report%note)
+   end subroutine note_outlet
 
    !> What is wrong with the outlet and how to mend it; `change`: of the quantities, NaN if unknown.
    pure function outlet_note(contact, change) result(note)

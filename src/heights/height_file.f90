@@ -7,8 +7,7 @@ module height_file
    use hdf5_input, only: is_hdf5
    use hdf5_part, only: place_words
    use height_form, only: new_sums
-   use height_limits, only: first_fault, height_fault, range_fault
-   use height_range, only: height_range_t
+   use height_limits, only: first_fault, height_fault, height_range_t, range_fault
    use height_source, only: height_source_t
    use height_table, only: conversion, height_table_t, open_table
    use measured_heights, only: height_request_t, heights_t
@@ -51,10 +50,10 @@ contains
       if (grid(2) > 1) call prefer_large_pages(source%nodes)
       heights%grid = int(grid)
       heights%file = request%file
-      call look_through(source, source%nodes, grid, heights, error)   ! error: handed up
+      call check_source(source, source%nodes, grid, heights, error)   ! error: handed up
    end subroutine read_heights
 
-   !> Opens the profile in a file, of any length, and looks through it once; `heights` has its
+   !> Opens the profile in a file, of any length, and reads it once; `heights` has its
    !> heights if they fit into one block: then they need not be read again. Errors (input_error): as
    !> in `open_source`; gaps.
    subroutine open_heights(request, source, heights, error)
@@ -67,13 +66,13 @@ contains
       call open_source(request, .false., source, grid, heights%spacing, error)
       if (allocated(error)) return
       heights%file = request%file
-      call look_through(source, block_nodes, grid, heights, error)
+      call check_source(source, block_nodes, grid, heights, error)
       if (.not. allocated(error) .and. source%nodes > block_nodes) deallocate (heights%z)
    end subroutine open_heights
 
    !> Reads all heights of `source`, `block` of them at a time, for checksum and sums; `heights%z`
    !> are the last ones. Errors (input_error): they are not those of a surface.
-   subroutine look_through(source, block, grid, heights, error)
+   subroutine check_source(source, block, grid, heights, error)
       class(height_source_t), intent(in) :: source
       integer(int64), intent(in) :: block, grid(2)
       type(heights_t), intent(inout) :: heights
@@ -105,7 +104,7 @@ contains
       if (fault == '') fault = range_fault(heights%sums%lowest, heights%sums%highest)
       if (bad > 0) fault = 'node '//to_text(bad)//': '//fault//place_words(bad, grid)
       if (fault /= '') call fail(error, input_error, heights%file//': '//fault)
-   end subroutine look_through
+   end subroutine check_source
 
    !> Opens a file with an area (`is_area`) or a profile of `grid` nodes (ny = 1), `spacing` [m]
    !> apart (0: it does not say). Errors (input_error): those of tables and of HDF5; fewer than two

@@ -7,14 +7,13 @@ module height_table
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
    use findings, only: quoted
-   use height_limits, only: height_fault, is_height, is_position, position_fault
-   use height_range, only: height_range_t
+   use height_limits, only: height_fault, height_range_t, is_height, is_position, position_fault, &
+      position_range_t
    use height_source, only: height_source_t
    use kinds, only: wp
    use length_units, only: find_unit, settle_unit, silence_fault, unit_among
    use measured_heights, only: height_request_t
    use number_text, only: read_real
-   use position_range, only: position_range_t
    use text, only: counted, to_text
    use text_file, only: encoding_fault, open_lines, text_lines_t
    implicit none (type, external)

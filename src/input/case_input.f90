@@ -8,18 +8,17 @@ module case_input
    use findings, only: findings_t
    use input_keys, only: find_key, key_rows
    use input_values, only: input_values_t, value_t
-   use key_range, only: is_in_range
-   use key_row, only: lubricated
+   use key_row, only: is_in_range, lubricated
+   use key_rules, only: find_unusual, unusual_t
+   use line_case, only: check_waves
    use line_profiles, only: make_surface
    use lubricant_input, only: complete_alpha, fill_lubricant
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
    use namelist_text, only: namelist_text_t, split_namelist
    use scaling, only: new_moes_scaling, new_scaling
-   use set_entries, only: set_entry_t, tell_apart
+   use set_entries, only: set_entry_t, mark_entries
    use text, only: to_text
-   use unusual_values, only: find_unusual, unusual_t
    use value_reader, only: read_values
-   use wave_validation, only: check_waves
    implicit none (type, external)
    private
 
@@ -46,7 +45,7 @@ contains
       case%note = ''
       call split_namelist(content, pieces, values%findings)
       if (pieces%group_count > 0) then
-         if (present(entries)) call tell_apart(entries, pieces, values%findings)
+         if (present(entries)) call mark_entries(entries, pieces, values%findings)
          call read_values(pieces, values)
          is_alone = .false.
          if (values%problem == lubricated) then

@@ -1,13 +1,11 @@
 !> The heights of a dry case from its two surfaces, on its first grid and on finer ones.
 module dry_surfaces
-   use, intrinsic :: iso_fortran_env, only: int64
    use analytic_heights, only: feature_heights, node_positions, parabola_heights
    use dry_case, only: dry_case_t
    use errors, only: error_t, fail, input_error
-   use file_heights, only: check_heights, filter_heights, find_trend, is_filtered
+   use file_heights, only: level_surface
    use fourier_resampling, only: resample_heights
    use height_file, only: read_heights
-   use height_form, only: take_off
    use input_values, only: value_t
    use kinds, only: wp
    use signals, only: begin_activity
@@ -76,12 +74,11 @@ contains
       if (allocated(error)) call dry%values%refuse(surfaces(i), 'file', error%message)
    end subroutine load_file
 
-   !> Reads the files of both surfaces, once the lengths of the domain are known, and takes off
-   !> their tilt, form and the waves beyond the cut-offs. Findings: as of
-   !> `load_file`; heights that cannot be.
+   !> Reads the files of both surfaces, once the lengths of the domain are known, and subtracts
+   !> tilt, form and the waves beyond the cut-offs. Findings: as of `load_file`; heights that cannot
+   !> be.
    subroutine prepare_files(dry)
       type(dry_case_t), intent(inout) :: dry
-      real(wp) :: spacing(2)
       integer :: i
 
       do i = 1, size(surfaces)
@@ -89,14 +86,9 @@ contains
          call load_file(dry, i)
          if (dry%values%findings%count > 0) return
          associate (file => dry%files(i))
-            spacing = file%spacing
-            where (spacing <= 0.0_wp) spacing = dry%lengths/file%grid
-            call find_trend(dry%values, surfaces(i), file, spacing, dry%is_periodic, &
-               dry%trends(i), dry%note)
-            call take_off(dry%trends(i)%form, 0_int64, file%z)
-            if (is_filtered(dry%values, surfaces(i))) call filter_heights(dry%values, surfaces(i), &
-               dry%is_periodic, spacing, file)
-            call check_heights(dry%values, surfaces(i), file, spacing, dry%note)
+            where (file%spacing <= 0.0_wp) file%spacing = dry%lengths/file%grid
+            call level_surface(dry%values, surfaces(i), dry%is_periodic, file, dry%trends(i), &
+               dry%note)
          end associate
       end do
    end subroutine prepare_files
