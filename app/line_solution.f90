@@ -3,7 +3,7 @@ module line_solution
    use breakdown_text, only: breakdown_sentence
    use case_notes, only: note_unusual, add_note, note_coarse_waves, note_missed_target
    use case_record, only: case_t
-   use chosen_values, only: fill_chosen, fill_numbers, fill_passage
+   use chosen_values, only: fill_chosen, fill_numbers
    use coarse_runs, only: side_runs_t
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
@@ -85,9 +85,8 @@ contains
       if (allocated(error)) return
       call check_forecast(case, contact, listener, state, report, seconds, &
          error)   ! error: the caller looks
-      call fill_chosen(case, contact, report)
+      call fill_chosen(case, contact, report, listener%writer%passage%times)
       call fill_numbers(case, contact, report, listener%writer%choice)
-      call fill_passage(case, contact, listener%writer%passage%times)
       call complete_report(listener, seconds, report)
    end subroutine solve_line_case
 

@@ -8,10 +8,6 @@ module read_cases
    use errors, only: error_t, fail, input_error
    use file_path, only: file_fault
    use findings, only: findings_t
-   use grid_check, only: check_grid
-   use key_row, only: lubricated
-   use line_case, only: build_line_contact
-   use line_contact, only: line_contact_t
    use output_names, only: output_findings
    use progress_log, only: new_progress_log, progress_log_t
    use set_entries, only: put_entries
@@ -92,7 +88,6 @@ contains
       character(:), allocatable, intent(out) :: found
       character(:), allocatable :: content
       type(findings_t) :: findings
-      type(line_contact_t) :: contact
       type(error_t), allocatable :: error
 
       found = ''
@@ -107,13 +102,7 @@ contains
       end if
       call put_entries(content, command%entries)
       call read_case(content, file, case, findings, command%entries)
-      if (findings%count > 0) then
-         found = findings%report(file)
-      else if (case%problem == lubricated) then
-         call build_line_contact(case, contact)
-         call check_grid(case, contact, error)
-         if (allocated(error)) found = error%message
-      end if
+      if (findings%count > 0) found = findings%report(file)
    end subroutine read_one
 
    !> Reports the files that are left out. Error: standard output is lost.

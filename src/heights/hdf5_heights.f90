@@ -229,7 +229,7 @@ contains
       end if
       path = scale
       if (path /= '') then
-         if (has_unit(reader, path, '')) return
+         if (has_unit(reader, path)) return
       end if
       path = dataset(:index(dataset, '/', back=.true.))//position_names(i)
       if (path /= dataset .and. reader%has(path)) then
@@ -239,14 +239,14 @@ contains
       if (units(1) /= '') path = scale
    end function path_of_positions
 
-   !> Whether something says the unit of a dataset: its attributes, or `wanted`, that of a key.
-   logical function has_unit(reader, dataset, wanted)
+   !> Whether the attributes of a dataset say its unit.
+   logical function has_unit(reader, dataset)
       type(hdf5_input_t), intent(inout) :: reader
-      character(*), intent(in) :: dataset, wanted
+      character(*), intent(in) :: dataset
       real(wp) :: scale
 
       scale = reader%number_of(dataset, 'si_scale', no_spacing)
-      has_unit = wanted /= '' .or. unit_in(reader, dataset, '') /= ''
+      has_unit = unit_in(reader, dataset, '') /= ''
       if (ieee_is_finite(scale)) has_unit = has_unit .or. scale > no_spacing
    end function has_unit
 

@@ -19,20 +19,22 @@ module height_file
    implicit none (type, external)
    private
 
-   public :: open_heights, read_heights
+   public :: read_heights
 
    !> Heights that are read and checked together.
    integer(int64), parameter :: block_nodes = 65536_int64
 
 contains
 
-   !> Reads all heights of a file, those of an area if `is_area`, else of a profile. Errors
-   !> (input_error): as in `open_source`; gaps.
-   subroutine read_heights(request, is_area, heights, error)
+   !> Reads all heights of a file, those of an area if `is_area`, else of a profile. If their source
+   !> is `kept` they may be any number, and `heights` holds them only if they fit into one block.
+   !> Errors (input_error): as in `open_source`; gaps.
+   subroutine read_heights(request, is_area, heights, error, kept)
       type(height_request_t), intent(in) :: request
       logical, intent(in) :: is_area
       type(heights_t), intent(out) :: heights
       type(error_t), allocatable, intent(out) :: error
+      class(height_source_t), allocatable, intent(out), optional :: kept
       class(height_source_t), allocatable :: source
       character(:), allocatable :: fault
       real(wp), parameter :: of_node = 100.0_wp   ! memory [bytes]
@@ -40,6 +42,14 @@ contains
 
       call open_source(request, is_area, source, grid, heights%spacing, error)
       if (allocated(error)) return
+      heights%file = request%file
+      if (present(kept)) then
+         call check_source(source, block_nodes, grid, heights, error)
+         if (allocated(error)) return
+         if (source%nodes > block_nodes) deallocate (heights%z)
+         call move_alloc(source, kept)
+         return
+      end if
       fault = memory_fault('a surface', of_node*source%nodes)
       if (source%nodes > huge(heights%grid)) fault = 'found '//to_text(source%nodes) &
          //' nodes, expected at most '//to_text(huge(heights%grid))
@@ -49,26 +59,8 @@ contains
       end if
       if (grid(2) > 1) call prefer_large_pages(source%nodes)
       heights%grid = int(grid)
-      heights%file = request%file
       call check_source(source, source%nodes, grid, heights, error)   ! error: handed up
    end subroutine read_heights
-
-   !> Opens the profile in a file, of any length, and reads it once; `heights` has its
-   !> heights if they fit into one block: then they need not be read again. Errors (input_error): as
-   !> in `open_source`; gaps.
-   subroutine open_heights(request, source, heights, error)
-      type(height_request_t), intent(in) :: request
-      class(height_source_t), allocatable, intent(out) :: source
-      type(heights_t), intent(out) :: heights
-      type(error_t), allocatable, intent(out) :: error
-      integer(int64) :: grid(2)
-
-      call open_source(request, .false., source, grid, heights%spacing, error)
-      if (allocated(error)) return
-      heights%file = request%file
-      call check_source(source, block_nodes, grid, heights, error)
-      if (.not. allocated(error) .and. source%nodes > block_nodes) deallocate (heights%z)
-   end subroutine open_heights
 
    !> Reads all heights of `source`, `block` of them at a time, for checksum and sums; `heights%z`
    !> are the last ones. Errors (input_error): they are not those of a surface.

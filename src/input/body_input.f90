@@ -3,7 +3,7 @@
 module body_input
    use bodies, only: bodies_t, reduced_modulus, reduced_radius
    use dry_scaling, only: contact_modulus
-   use hertz, only: line_load_from_pressure
+   use hertz, only: line_load_from_pressure, point_load_from_pressure
    use input_keys, only: find_key, key_rows
    use input_values, only: input_values_t
    use key_row, only: lubricated
@@ -13,7 +13,7 @@ module body_input
    implicit none (type, external)
    private
 
-   public :: check_bodies, check_load, derive_speeds, fill_bodies, modulus_of, radius_of
+   public :: check_bodies, check_load, derive_speeds, fill_bodies, find_load, modulus_of, radius_of
 
    !> Curvature of the gap between two bodies, 1/R [1/m]: the reverse of the range of
    !> reduced_radius.
@@ -213,11 +213,10 @@ contains
       if (given == 0) call values%refuse('load', trim(keys(1)), 'found nothing, expected '//choice)
    end subroutine check_load
 
-   !> The bodies of a lubricated contact and its load w [N/m]; with &moes they are unknown (zero).
-   subroutine fill_bodies(values, bodies, load_per_length)
+   !> The bodies of a lubricated contact; with &moes they are unknown (zero).
+   subroutine fill_bodies(values, bodies)
       type(input_values_t), intent(in) :: values
       type(bodies_t), intent(out) :: bodies
-      real(wp), intent(out) :: load_per_length
 
       bodies%reduced_radius = radius_of(values)
       bodies%reduced_modulus = modulus_of(values)
@@ -228,10 +227,26 @@ contains
       else if (values%is_given('bodies', 'radius_1')) then
          bodies%curvature_share = bodies%reduced_radius/values%real_value('bodies', 'radius_1')
       end if
-      load_per_length = values%real_value('load', 'load_per_length')
-      if (values%is_given('load', 'hertz_pressure')) load_per_length = line_load_from_pressure( &
-         values%real_value('load', 'hertz_pressure'), bodies%reduced_radius, bodies%reduced_modulus)
    end subroutine fill_bodies
+
+   !> The load of a line [N/m] or an area [N] of reduced `radius` [m] and `modulus` [Pa], given by
+   !> the `key` of &load; 0 if there is none.
+   subroutine find_load(values, radius, modulus, key, load)
+      type(input_values_t), intent(in) :: values
+      real(wp), intent(in) :: radius, modulus
+      character(:), allocatable, intent(out) :: key
+      real(wp), intent(out) :: load
+
+      key = trim(merge('load           ', 'load_per_length', values%problem == 'dry_area'))
+      if (values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
+      load = values%real_value('load', key)
+      if (key /= 'hertz_pressure') return
+      if (values%problem == 'dry_area') then
+         load = point_load_from_pressure(load, radius, modulus)
+      else
+         load = line_load_from_pressure(load, radius, modulus)
+      end if
+   end subroutine find_load
 
    !> R [m], given or that of both bodies; 0 if there is none.
    function radius_of(values) result(radius)

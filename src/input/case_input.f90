@@ -1,6 +1,6 @@
 !> From the text of a namelist to a case: reading, checking, filling the record.
 module case_input
-   use body_input, only: derive_speeds, fill_bodies
+   use body_input, only: derive_speeds, fill_bodies, find_load
    use case_effective, only: list_dry, list_effective
    use case_record, only: case_t
    use case_validation, only: validate
@@ -10,7 +10,7 @@ module case_input
    use input_values, only: input_values_t, value_t
    use key_row, only: is_in_range, lubricated
    use key_rules, only: find_unusual, unusual_t
-   use line_case, only: check_waves
+   use line_case, only: check_resolution
    use line_profiles, only: make_surface
    use lubricant_input, only: complete_alpha, fill_lubricant
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
@@ -93,6 +93,7 @@ contains
    subroutine fill_line_case(values, case)
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(inout) :: case
+      character(:), allocatable :: key
 
       case%has_moes = values%has_group('moes')
       case%moes_m = values%real_value('moes', 'moes_m')
@@ -101,7 +102,9 @@ contains
          case%moes_m = moes_m_mean_from_sum(case%moes_m)
          case%moes_l = moes_l_mean_from_sum(case%moes_l)
       end if
-      call fill_bodies(values, case%bodies, case%load_per_length)
+      call fill_bodies(values, case%bodies)
+      call find_load(values, case%bodies%reduced_radius, case%bodies%reduced_modulus, key, &
+         case%load_per_length)
       call fill_lubricant(values, case%lubricant, case%materials)
       call fill_numerics(values, case)
       if (case%has_moes) then
@@ -109,12 +112,12 @@ contains
       else
          call new_scaling(case%scaling, case%bodies, case%lubricant, case%load_per_length)
       end if
-      call check_regime(values, case)
+      call check_regime(values, key, case)
       if (values%findings%count > 0) return
       call list_effective(values, case)
       call make_surface(values, 'surface_1', case)
       call make_surface(values, 'surface_2', case)
-      if (values%findings%count == 0) call check_waves(values, case)
+      if (values%findings%count == 0) call check_resolution(values, case)
    end subroutine fill_line_case
 
    !> &domain, &time, &solver, &film, &output and &accuracy; 0 where the program chooses.
@@ -175,16 +178,14 @@ contains
       case%accuracy%has_error_bars = values%logical_value('accuracy', 'error_bars')
    end subroutine fill_numerics
 
-   !> A finding is a load for which the contact is wider than the radius, where neither Hertz nor
-   !> the half-space holds; a contact outside the range of &moes is one too.
-   subroutine check_regime(values, case)
+   !> Findings: a load, given by `key`, whose contact is wider than the radius, where neither Hertz
+   !> nor the half-space holds; a contact outside the range of &moes.
+   subroutine check_regime(values, key, case)
       type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: key
       type(case_t), intent(in) :: case
-      character(:), allocatable :: key
 
       if (case%has_moes) return
-      key = 'load_per_length'
-      if (values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
       associate (scales => case%scaling, m => key_rows(find_key('moes', 'moes_m')), &
          l => key_rows(find_key('moes', 'moes_l')))
          if (scales%half_width >= case%bodies%reduced_radius) then

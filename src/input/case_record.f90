@@ -64,7 +64,7 @@ module case_record
       character(:), allocatable :: title
       !> 'ehl_line', 'dry_line' or 'dry_area'.
       character(len=word_length) :: problem = ''
-      !> 'full'.
+      !> 'full' or 'auto'.
       character(len=word_length) :: model
       !> 'reynolds', or 'stokes': the full momentum equations too, on `layers` across the film.
       character(len=word_length) :: equations = 'reynolds'

@@ -2,8 +2,9 @@
 !> one to begin with; whether it resolves the waves of the surfaces.
 module dry_grids
    use dry_case, only: dry_case_t
-   use dry_surfaces, only: load_file, same_length
+   use dry_surfaces, only: same_length
    use even_grids, only: even_nodes
+   use file_heights, only: read_surface
    use input_values, only: input_values_t, value_t
    use kinds, only: wp
    use surface_keys, only: has_shape, surfaces
@@ -45,7 +46,7 @@ contains
       nodes = [1, 1]
       dry%lengths = 0.0_wp
       first = findloc(has_shape(dry%values, surfaces, 'file'), .true., dim=1)
-      if (first > 0) call load_file(dry, first)
+      if (first > 0) call read_surface(dry%values, surfaces(first), dry%folder, dry%files(first))
       if (dry%values%findings%count > 0) return
       associate (file => dry%files(max(first, 1)))
          do i = 1, directions

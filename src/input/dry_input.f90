@@ -1,7 +1,7 @@
 !> From the checked values of a namelist to a dry contact.
 module dry_input
    use, intrinsic :: iso_fortran_env, only: int64
-   use body_input, only: modulus_of, radius_of
+   use body_input, only: find_load, modulus_of, radius_of
    use constants, only: pi
    use domain_border, only: recommended_room
    use dry_case, only: dry_case_t
@@ -9,8 +9,7 @@ module dry_input
    use dry_grids, only: check_waves, find_grid
    use dry_surfaces, only: make_heights, prepare_files
    use measured_heights, only: heights_t
-   use hertz, only: line_half_width, line_load_from_pressure, point_load_from_pressure, &
-      point_radius
+   use hertz, only: line_half_width, point_radius
    use input_values, only: value_t
    use dry_settings, only: method_conjugate_gradient, method_steepest_descent
    use kinds, only: wp
@@ -104,14 +103,7 @@ contains
          pressures = dry%values%slot('load', key)
          dry%loads%mean_pressure = pressures%reals
       else
-         key = trim(merge('load_per_length', 'load           ', dry%grid%ny == 1))
-         if (dry%values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
-         load = dry%values%real_value('load', key)
-         if (key == 'hertz_pressure' .and. dry%grid%ny == 1) then
-            load = line_load_from_pressure(load, dry%radius, dry%reduced_modulus)
-         else if (key == 'hertz_pressure') then
-            load = point_load_from_pressure(load, dry%radius, dry%reduced_modulus)
-         end if
+         call find_load(dry%values, dry%radius, dry%reduced_modulus, key, load)
          dry%loads%mean_pressure = [load/area]
       end if
       if (maxval(dry%loads%mean_pressure) > dry%loads%hardness) call dry%values%refuse('load', &
@@ -193,7 +185,7 @@ contains
    !> yields is wider still).
    subroutine check_room(dry)
       type(dry_case_t), intent(inout) :: dry
-      real(wp) :: growth, length, needed, width
+      real(wp) :: growth, length, load, needed, width
       character(:), allocatable :: key
       logical :: is_line
 
@@ -203,7 +195,12 @@ contains
       if (allocated(dry%loads%separation)) then
          width = 2.0_wp*sqrt(max(0.0_wp, maxval(dry%loads%separation))*dry%radius)
       else
-         width = 2.0_wp*half_width(dry)
+         load = maxval(dry%loads%mean_pressure)*dry%lengths(1)
+         if (is_line) then
+            width = 2.0_wp*line_half_width(load, dry%radius, dry%reduced_modulus)
+         else
+            width = 2.0_wp*point_radius(load*dry%lengths(2), dry%radius, dry%reduced_modulus)
+         end if
          ! A mean pressure loads a longer domain more.
          if (dry%values%is_given('load', 'mean_pressure')) growth = merge(1.0_wp/2.0_wp, &
             2.0_wp/3.0_wp, is_line)
@@ -216,21 +213,6 @@ contains
          // ' m, which ends inside the contact of ' // to_text(width, 3) &
          // ' m (Hertz), expected about ' // to_text(needed, 2) // ' m')
    end subroutine check_room
-
-   !> Half-width or radius [m] of the contact of Hertz under the largest load.
-   pure function half_width(dry)
-      type(dry_case_t), intent(in) :: dry
-      real(wp) :: half_width
-      real(wp) :: pressure
-
-      pressure = maxval(dry%loads%mean_pressure)
-      if (dry%grid%ny == 1) then
-         half_width = line_half_width(pressure*dry%lengths(1), dry%radius, dry%reduced_modulus)
-      else
-         half_width = point_radius(pressure*dry%lengths(1)*dry%lengths(2), dry%radius, &
-            dry%reduced_modulus)
-      end if
-   end function half_width
 
    !> By how much the images of a periodic parabola raise its largest pressure. Near the contact
    !> they bend the surface like a larger curvature 1/R + (P/(pi E')) sum 1/d^3, d the distances of

@@ -1,21 +1,22 @@
-!> What is done with the heights of a file before they become a surface, in oil and dry: tilt, form
-!> and the waves beyond the cut-offs are subtracted, and they must be those of a surface at all.
-!> Wrong units are found here.
+!> The heights of a file on their way to a surface, in oil and dry: they are read; tilt, form and
+!> the waves beyond the cut-offs are subtracted; they must be those of a surface at all. Wrong units
+!> are found here.
 module file_heights
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t
    use gauss_filter, only: least_nodes, smooth_heights
+   use height_file, only: read_heights
    use height_form, only: closes, curvature_of, extent_of, form_of, new_sums, rms_height, &
       rms_slope, subtract_form, tilt_of, trend_t
    use height_source, only: height_source_t
    use input_values, only: input_values_t
    use kinds, only: wp
-   use measured_heights, only: heights_t, put_level
+   use measured_heights, only: height_request_t, heights_t, put_level
    use text, only: add_sentence, to_text
    implicit none (type, external)
    private
 
-   public :: hold_heights, is_filtered, level_surface, units_hint
+   public :: hold_heights, is_filtered, level_surface, read_surface, units_hint
 
    !> Heights of a source that can be held together.
    integer(int64), parameter :: max_held = 4194304_int64
@@ -24,12 +25,33 @@ module file_heights
    !> Length of a profile or area above which a note is given [m].
    real(wp), parameter :: long = 1.0_wp
    !> Height of a tilt over its length, or of a form, over the rms height that is left, above which
-   !> it is told.
-   real(wp), parameter :: told = 0.01_wp
+   !> a note gives it.
+   real(wp), parameter :: noted = 0.01_wp
    !> What a message about heights that cannot be says.
    character(*), parameter :: units_hint = ' (are the units right: x_unit, z_unit?)'
 
 contains
+
+   !> Reads the heights of the file of the surface `group`, a path relative to `folder` (with its
+   !> slash), all of them unless their source is `kept`. Finding: the file.
+   subroutine read_surface(values, group, folder, heights, kept)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group, folder
+      type(heights_t), intent(out) :: heights
+      class(height_source_t), allocatable, intent(out), optional :: kept
+      type(height_request_t) :: request
+      type(error_t), allocatable :: error
+
+      request%file = trim(values%text_value(group, 'file'))
+      if (index(request%file, '/') /= 1) request%file = folder//request%file
+      request%positions = trim(values%text_value(group, 'positions'))
+      request%dataset = trim(values%text_value(group, 'dataset'))
+      request%units(1) = trim(values%word_value(group, 'x_unit'))
+      request%units(2) = trim(values%word_value(group, 'z_unit'))
+      where (request%units == 'auto' .or. request%units == '?') request%units = ''
+      call read_heights(request, values%problem == 'dry_area', heights, error, kept)
+      if (allocated(error)) call values%refuse(group, 'file', error%message)
+   end subroutine read_surface
 
    !> Subtracts tilt, form and the waves beyond the cut-offs of the surface `group` from its
    !> `heights`, which will be repeated if `is_periodic`, and from their `source`, if there is one:
@@ -154,13 +176,13 @@ contains
       extent = extent_of(trend)
       tilt = tilt_of(trend)
       curvature = curvature_of(trend)
-      if (any(abs(tilt)*extent > told*rms)) then
+      if (any(abs(tilt)*extent > noted*rms)) then
          words = 'tilt '//to_text(abs(tilt(1)), 3)//', '//to_text(abs(tilt(1))*extent(1), 3) &
             //' m over '//to_text(extent(1), 3)//' m'
          if (extent(2) > 0.0_wp) words = words//' in x, '//to_text(abs(tilt(2)), 3)//', ' &
             //to_text(abs(tilt(2))*extent(2), 3)//' m over '//to_text(extent(2), 3)//' m in y'
       end if
-      if (any(abs(curvature)*extent**2/8.0_wp > told*rms)) then
+      if (any(abs(curvature)*extent**2/8.0_wp > noted*rms)) then
          if (words /= '') words = words//' and '
          words = words//'curvature '//to_text(curvature(1), 3)//' 1/m, ' &
             //to_text(abs(curvature(1))*extent(1)**2/8.0_wp, 3)//' m high'

@@ -114,17 +114,18 @@ contains
    !> The page docs/input.md.
    pure function keys_markdown() result(text)
       character(:), allocatable :: text
+      character(:), allocatable :: heading
       integer :: group, i
 
       text = '# Input: the namelist' // nl // nl &
          // '<!-- Made from the key table by `asperity --keys-markdown > docs/input.md`: ' &
-         // 'change src/input/input_keys.f90. -->' // nl &
-         // nl // introduction
+         // 'change src/input/input_keys.f90. -->' // nl // nl // introduction
       do group = 1, size(group_rows)
+         heading = trim(group_rows(group)%meaning)
+         heading(1:1) = achar(iachar(heading(1:1)) - 32)   ! a capital letter
          text = text // nl // '## &' // trim(group_rows(group)%group) // nl // nl &
-            // capital(trim(group_rows(group)%meaning)) &
-            // '.' // nl // nl // '| key | type | unit | default | range or words | meaning |' &
-               // nl &
+            // heading // '.' // nl // nl &
+            // '| key | type | unit | default | range or words | meaning |' // nl &
             // '|---|---|---|---|---|---|' // nl
          do i = 1, size(key_rows)
             if (key_rows(i)%group == group_rows(group)%group) text = &
@@ -146,15 +147,6 @@ contains
          // ' | ' // trim(row%default) // ' | ' &
          // range // ' | ' // trim(row%meaning) // conditions_text(row) // ' |' // nl
    end function markdown_entry
-
-   !> `string` with a capital first letter.
-   pure function capital(string) result(text)
-      character(*), intent(in) :: string
-      character(:), allocatable :: text
-
-      text = string
-      if (text(1:1) >= 'a' .and. text(1:1) <= 'z') text(1:1) = achar(iachar(text(1:1)) - 32)
-   end function capital
 
    !> The template of a `problem`.
    pure function template_text(problem) result(template)

@@ -63,8 +63,8 @@ module key_row
       !> Problems that use the key, separated by blanks. A key may have a row for each of several
       !> problems.
       character(len=32) :: problems = lubricated
-      !> Magnitudes that contacts have, "LOWEST to LARGEST" in the unit of the key: others are told,
-      !> as most often slips of a unit; empty: all of the range.
+      !> Magnitudes that contacts have, "LOWEST to LARGEST" in the unit of the key: others are
+      !> reported, as most often slips of a unit; empty: all of the range.
       character(len=20) :: typical = ''
       !> Value in the template, behind '! ' as a comment, and in that of dry problems if it differs;
       !> empty: the default; '!': the default as a comment.
@@ -89,20 +89,21 @@ contains
       character(*), intent(in) :: words
       character(:), allocatable :: list
 
-      list = "'" // joined(split_words(words), "', '", last="' or '") // "'"
+      list = "'" // joined(split_words(words, ' '), "', '", last="' or '") // "'"
    end function word_list
 
-   !> Blank-separated `words` one by one.
-   pure function split_words(words) result(each)
+   !> The parts of `words` between `mark` and `mark`, without blanks before them.
+   pure function split_words(words, mark) result(each)
       character(*), intent(in) :: words
+      character(len=1), intent(in) :: mark
       character(len=len(words)), allocatable :: each(:)
       integer :: first, last
 
       allocate (each(0))
       first = 1
       do while (first <= len_trim(words))
-         last = first + index(words(first:) // ' ', ' ') - 2
-         each = [character(len=len(words)) :: each, words(first:last)]
+         last = first + index(words(first:) // mark, mark) - 2
+         each = [character(len=len(words)) :: each, adjustl(words(first:last))]
          first = last + 2
       end do
    end function split_words

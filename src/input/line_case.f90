@@ -1,7 +1,8 @@
 !> From a case in SI to the dimensionless contact that the solver knows, and whether its grid and
-!> time step hold ridges, dents and sinusoids. (The finest waves of measured and synthetic profiles
-!> may be noise: they get a note only.)
+!> time step resolve ridges, dents and sinusoids and fit into memory. (The finest waves of measured
+!> and synthetic profiles may be noise: they get a note only.)
 module line_case
+   use case_memory, only: lubricated_memory
    use case_record, only: case_t
    use domain_choice, only: choose_domain
    use features, only: rough_surface_t
@@ -12,14 +13,16 @@ module line_case
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use passage_times, only: place_features
    use scaling, only: scaled_fluid
-   use solver_settings, only: solver_settings_t, time_settings_t
+   use solver_settings, only: max_intervals_of, max_refined_intervals, solver_settings_t, &
+      time_settings_t
    use surface_scaling, only: scaled_surface
+   use system_limits, only: memory_fault, of_blas
    use text, only: to_text
    use wave_resolution, only: choose_time_step, intervals_at_least, min_in_a_wave
    implicit none (type, external)
    private
 
-   public :: build_line_contact, check_waves, scaled_solver
+   public :: build_line_contact, check_resolution, scaled_solver
 
 contains
 
@@ -57,22 +60,67 @@ contains
       if (case%scaling%is_dimensional) settings%film_floor = case%film_floor/case%scaling%film
    end function scaled_solver
 
-   !> Findings about both surfaces of a `case` whose grid is not chosen for an accuracy.
-   subroutine check_waves(values, case)
+   !> Findings: grid or time step, given or chosen, are too coarse for the surfaces, or the grid is
+   !> too fine. Determines how far it may be refined.
+   subroutine check_resolution(values, case)
       type(input_values_t), intent(inout) :: values
-      type(case_t), intent(in) :: case
+      type(case_t), intent(inout) :: case
       type(line_contact_t) :: contact
       type(time_settings_t) :: time
 
-      if (case%has_moes .or. case%accuracy%target > 0.0_wp) return
       call build_line_contact(case, contact)
+      if (.not. (case%has_moes .or. case%accuracy%target > 0.0_wp)) then
+         time = case%time
+         call choose_time_step(contact, time)
+         call check_wave(values, 'surface_1', contact%surface_1, contact, &
+            case%scaling%half_width, time%time_step)
+         call check_wave(values, 'surface_2', contact%surface_2, contact, &
+            case%scaling%half_width, time%time_step)
+      end if
+      if (values%findings%count == 0) call check_grid(values, case, contact)
+   end subroutine check_resolution
+
+   !> Finding, without a line: the grid that the program chooses is too fine for the method, or for
+   !> the memory. Determines for how many intervals there is memory.
+   subroutine check_grid(values, case, contact)
+      type(input_values_t), intent(inout) :: values
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(in) :: contact
+      character(:), allocatable :: fault
+
+      associate (intervals => contact%domain%intervals, method => case%solver%method, &
+         most => case%solver%max_intervals)
+         fault = memory_fault_on(case, contact, intervals)
+         if (intervals > max_intervals_of(method)) fault = 'found '//to_text(intervals) &
+            //' intervals, which the program chooses, expected at most ' &
+            //to_text(max_intervals_of(method))//" with method = '"//trim(method)//"'"
+         if (fault /= '') call values%findings%add(0, 'domain', 'intervals', fault)
+         most = max_refined_intervals
+         do while (most > intervals .and. memory_fault_on(case, contact, most) /= '')
+            most = most/2
+         end do
+      end associate
+   end subroutine check_grid
+
+   !> What is wrong with the memory that a grid of so many `intervals` needs.
+   function memory_fault_on(case, contact, intervals) result(fault)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: intervals
+      character(:), allocatable :: fault
+      type(line_contact_t) :: trial
+      type(time_settings_t) :: time
+      real(wp) :: steps
+
+      trial = contact
+      trial%domain%intervals = intervals
       time = case%time
-      call choose_time_step(contact, time)
-      call check_wave(values, 'surface_1', contact%surface_1, contact, case%scaling%half_width, &
-         time%time_step)
-      call check_wave(values, 'surface_2', contact%surface_2, contact, case%scaling%half_width, &
-         time%time_step)
-   end subroutine check_waves
+      call choose_time_step(trial, time)
+      steps = 0.0_wp
+      if (time%is_transient) steps = time%end_time/time%time_step
+      fault = memory_fault('a grid', lubricated_memory(intervals, steps, &
+         case%solver%method == 'newton_dense', case%layers), of_blas)
+   end function memory_fault_on
 
    !> Finds a wave that falls between the nodes of the grid (lengths over `half_width` [m]), or
    !> passes within two of the given time steps.

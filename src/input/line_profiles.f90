@@ -7,15 +7,14 @@ module line_profiles
    use checksum, only: checksum_t
    use errors, only: error_t
    use features, only: rough_surface_t
-   use file_heights, only: hold_heights, is_filtered, level_surface, units_hint
-   use height_file, only: open_heights
+   use file_heights, only: hold_heights, is_filtered, level_surface, read_surface, units_hint
    use height_form, only: form_t, rms_height, trend_t
    use measured_heights, only: heights_t
    use input_values, only: input_values_t
    use kinds, only: wp
    use moes, only: central_film, moes_l_sum_from_mean, moes_m_sum_from_mean
    use profile, only: profile_length, profile_t
-   use surface_keys, only: features_of, read_synthesis, request_of
+   use surface_keys, only: features_of, read_synthesis
    use synthetic_pieces, only: new_synthetic_pieces, synthetic_pieces_t
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: add_sentence, to_text
@@ -86,16 +85,11 @@ contains
       character(*), intent(in) :: group
       type(case_t), intent(inout) :: case
       type(profile_t), intent(inout) :: profile
-      type(error_t), allocatable :: error
       type(heights_t) :: heights
       type(trend_t) :: trend
 
-      call open_heights(request_of(values, group, path_from_namelist(case, '')), profile%source, &
-         heights, error)
-      if (allocated(error)) then
-         call values%refuse(group, 'file', error%message)
-         return
-      end if
+      call read_surface(values, group, path_from_namelist(case, ''), heights, profile%source)
+      if (.not. allocated(profile%source)) return
       profile%spacing = heights%spacing(1)
       if (profile%spacing > 0.0_wp) then
          call level_surface(values, group, values%is_given(group, 'harmonics'), heights, trend, &

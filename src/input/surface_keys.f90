@@ -1,17 +1,16 @@
-!> &surface_1 and &surface_2: features, file and synthesis that their keys describe; arrays that
-!> belong together, and motion that needs a transient.
+!> &surface_1 and &surface_2: features and synthesis that their keys describe; arrays that belong
+!> together, and motion that needs a transient.
 module surface_keys
    use features, only: feature_ridge, feature_sinusoid, feature_t
    use input_values, only: input_values_t, value_t
    use key_row, only: lubricated
    use kinds, only: wp
-   use measured_heights, only: height_request_t
    use synthetic_surface, only: synthesis_t
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: check_surface, features_of, has_shape, read_synthesis, request_of
+   public :: check_surface, features_of, has_shape, read_synthesis
 
    !> The groups of both surfaces.
    character(len=9), parameter, public :: surfaces(2) = ['surface_1', 'surface_2']
@@ -50,21 +49,6 @@ contains
             size(position%reals)))
       end do
    end function features_of
-
-   !> What the keys say of the file of the surface `group`, in `folder` or with its own.
-   pure function request_of(values, group, folder) result(request)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group, folder
-      type(height_request_t) :: request
-
-      request%file = trim(values%text_value(group, 'file'))
-      if (index(request%file, '/') /= 1) request%file = folder//request%file
-      request%positions = trim(values%text_value(group, 'positions'))
-      request%dataset = trim(values%text_value(group, 'dataset'))
-      request%units(1) = trim(values%word_value(group, 'x_unit'))
-      request%units(2) = trim(values%word_value(group, 'z_unit'))
-      where (request%units == 'auto' .or. request%units == '?') request%units = ''
-   end function request_of
 
    !> The heights that the surface `group` wants; `longest` and `shortest` are its longest and
    !> shortest wave [m] where it does not give them, and the roll-off is at the longest then.

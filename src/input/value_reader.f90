@@ -303,7 +303,7 @@ contains
          hint = "; '" // trim(renamed_words(i)%new) // "' is its new name"
          return
       end do
-      hint = nearest_known(word, split_words(row%words))
+      hint = nearest_known(word, split_words(row%words, ' '))
       if (hint /= '') hint = "; did you mean '" // hint // "'?"
    end function nearest_word
 
