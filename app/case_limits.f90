@@ -33,7 +33,7 @@ contains
       of%materials = case%materials
       of%contact = contact
       of%summary = listener%writer%quantities_at_end(state, report)
-      ! the rule tells the share of the starved film
+      ! the rule gives the change over the film that is starved
       of%film_loss = report%inlet_error/(1 + report%inlet_error)
       if (listener%writer%bars%inlet%is_known) of%film_loss = film_loss(listener%writer%bars%inlet)
       of%has_momentum = case%equations == 'stokes'

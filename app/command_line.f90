@@ -3,9 +3,9 @@ module command_line
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
    use key_row, only: every, has_word
-   use nearest_name, only: nearest_known
    use number_text, only: read_integer
    use set_entries, only: new_set_entry, set_entry_t
+   use value_hints, only: nearest_known
    implicit none (type, external)
    private
 

@@ -1,6 +1,6 @@
 !> The full momentum equations of the film, after the Reynolds equation of the same case.
 module film_momentum
-   use case_notes, only: tell
+   use case_notes, only: add_note
    use case_record, only: case_t
    use errors, only: error_t
    use film_fields, only: compare_passage
@@ -66,7 +66,7 @@ contains
             type is (momentum_march_t)
                writer%momentum = march%fields()
                call compare_passage(writer%film_passage, writer%momentum)
-               call tell(case, listener, march_sentence(march)//'; ' &
+               call add_note(case, listener, march_sentence(march)//'; ' &
                   //difference_sentence(writer%momentum), report%note)
             end select
             report%peak_memory = peak_memory()
@@ -79,7 +79,7 @@ contains
          if (allocated(error)) return
          report%peak_memory = peak_memory()
          if (report%converged) then
-            call tell(case, listener, difference_sentence(writer%momentum), report%note)
+            call add_note(case, listener, difference_sentence(writer%momentum), report%note)
          else
             deallocate (writer%momentum, writer%reynolds)
          end if

@@ -43,7 +43,7 @@ contains
          call choose_domain(contact, case%accuracy%target)
          call listener%log%say(case%file//': solves '//solved_text(choice))
       end associate
-      call set_effective(case, 'time', 'transient', '.false.')
+      call set_effective(case, 'time', 'transient', text='.false.')
    end subroutine choose_lean_model
 
    !> Says what a full measurement of a passage costs at most.

@@ -1,9 +1,9 @@
 !> The solution of a lubricated case with the coarse runs that tell its errors.
 module line_solution
    use breakdown_text, only: breakdown_sentence
-   use case_notes, only: note_unusual, tell, tell_coarse_waves, tell_missed_target
+   use case_notes, only: note_unusual, add_note, note_coarse_waves, note_missed_target
    use case_record, only: case_t
-   use chosen_values, only: fill_chosen, fill_numbers, fill_passage
+   use chosen_values, only: fill_chosen, fill_numbers
    use coarse_runs, only: side_runs_t
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
@@ -17,7 +17,7 @@ module line_solution
    use passage_times, only: new_passage_times, passage_note
    use resolution_choice, only: choose_resolution, settle_tolerance
    use run_observer, only: run_observer_t
-   use side_by_side, only: solve_beside
+   use side_by_side, only: solve_with_coarse_runs
    use wall_clock, only: wall_seconds
    use wave_resolution, only: choose_time_step, nodes_in_wave, steps_in_wave
    implicit none (type, external)
@@ -61,14 +61,14 @@ contains
          case%solver%space_scheme)
       listener%writer%bars%left_out = listener%writer%choice%influence
       call note_unusual(case, note)
-      call tell(case, listener, case%note, note)
-      call tell_coarse_waves(case, contact, listener, note)
-      call tell_missed_target(case, contact, listener, note)
-      call tell(case, listener, passage_note(contact, listener%writer%passage%times), note)
+      call add_note(case, listener, case%note, note)
+      call note_coarse_waves(case, contact, listener, note)
+      call note_missed_target(case, contact, listener, note)
+      call add_note(case, listener, passage_note(contact, listener%writer%passage%times), note)
       listener%intervals = contact%domain%intervals
       listener%time_step = case%time%time_step
       listener%space_scheme = case%solver%space_scheme
-      call solve_beside(contact, case, side_runs, listener, state, report, error)
+      call solve_with_coarse_runs(contact, case, side_runs, listener, state, report, error)
       if (allocated(error)) return
       report%nodes_per_wave = nodes_in_wave(contact)
       report%steps_per_wave = steps_in_wave(contact, case%time)
@@ -85,9 +85,8 @@ contains
       if (allocated(error)) return
       call check_forecast(case, contact, listener, state, report, seconds, &
          error)   ! error: the caller looks
-      call fill_chosen(case, contact, report)
+      call fill_chosen(case, contact, report, listener%writer%passage%times)
       call fill_numbers(case, contact, report, listener%writer%choice)
-      call fill_passage(case, contact, listener%writer%passage%times)
       call complete_report(listener, seconds, report)
    end subroutine solve_line_case
 

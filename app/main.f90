@@ -8,10 +8,9 @@ program asperity
    use command_line, only: command_t, help_text, read_command_line
    use errors, only: error_t, output_error
    use file_path, only: make_folder
-   use input_manual, only: keys_markdown, keys_text
-   use input_template, only: template_text
+   use input_manual, only: keys_markdown, keys_text, template_text
    use progress_log, only: new_progress_log, progress_log_t
-   use read_cases, only: read_all_cases, refused_t, status_bad_input, tell_good, tell_refused
+   use read_cases, only: read_all_cases, refused_t, status_bad_input, report_good, report_refused
    use result_table, only: print_results
    use run_case, only: run_one_case
    use signals, only: is_interrupted, listen_to_signals, stop_listening, take_last_words, &
@@ -80,10 +79,10 @@ contains
       if (.not. command%is_quiet) call watch_silence(is_terminal(standard_error))
       call read_all_cases(command, cases, refused, error)
       if (allocated(error)) return
-      call tell_refused(refused, command, status, error)
+      call report_refused(refused, command, status, error)
       if (allocated(error)) return
       if (command%action == 'check') then
-         call tell_good(cases, error)
+         call report_good(cases, error)
       else
          call make_folder(command%output_dir)
          call run_cases(cases, command, status, error)

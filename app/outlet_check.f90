@@ -1,9 +1,8 @@
-!> What a result is compared with once it is known: what a tail in front of the inlet leaves out or
-!> an inlet without one starves, what the thesis's scheme finds; whether the outlet cuts the film
-!> off, by how much that changes the quantities, and a note on it.
+!> Runs with which a result is compared: a farther inlet, the thesis's scheme, and a farther outlet
+!> where the outlet cuts the film off; a note on the outlet.
 module outlet_check
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use case_notes, only: tell
+   use case_notes, only: add_note
    use case_record, only: case_t
    use coarse_runs, only: run_farther, run_longer, run_other_scheme
    use domain_choice, only: chosen_outlet
@@ -23,12 +22,13 @@ module outlet_check
    public :: check_ends
 
    !> Relative change of the quantities by the outlet above which a note is given.
-   real(wp), parameter :: telling_change = 1.0e-3_wp
+   real(wp), parameter :: largest_change = 1.0e-3_wp
 
 contains
 
-   !> Both ends of the domain of the solved `contact`, for the error bars of the result. Error:
-   !> memory or a library failed.
+   !> Both ends of the domain of the solved `contact`, for its error bars. A note where
+   !> the outlet cuts the film off, unless that is known to change the quantities only a little.
+   !> Error: memory or a library failed.
    subroutine check_ends(case, contact, listener, report, error)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
@@ -37,12 +37,14 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
       type(experiment_t) :: at_rest
+      real(wp) :: change
+      logical :: is_small
 
       if (.not. report%converged) return
       bars = listener%writer%bars
       if (case%accuracy%has_error_bars) then
          at_rest = new_experiment(contact, case%solver, time_settings_t())
-         if (case%time%is_transient) then   ! what passes comes and goes, the inlet stays
+         if (case%time%is_transient) then   ! roughness passes, the inlet stays
             at_rest%contact%surface_1 = rough_surface_t(speed=contact%surface_1%speed)
             at_rest%contact%surface_2 = rough_surface_t(speed=contact%surface_2%speed)
          end if
@@ -59,27 +61,16 @@ contains
             call run_longer(bars, new_experiment(contact, case%solver, case%time), listener, error)
             if (allocated(error)) return
          end if
-         call tell_outlet(case, contact, outlet_error(bars), listener, report)
+         change = outlet_error(bars)
+         is_small = ieee_is_finite(change)
+         if (is_small) is_small = change <= largest_change
+         if (.not. is_small) call add_note(case, listener, outlet_note(contact, change), &
+            report%note)
       end if
       listener%writer%bars = bars
    end subroutine check_ends
 
-   !> Adds a note to the report that the outlet cuts the film off, unless that is known to change
-   !> the quantities only a little; `change`: by how much, NaN if it is not known.
-   subroutine tell_outlet(case, contact, change, listener, report)
-      type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: change
-      type(run_observer_t), intent(inout) :: listener
-      type(report_t), intent(inout) :: report
-
-      if (ieee_is_finite(change)) then
-         if (change <= telling_change) return
-      end if
-      call tell(case, listener, outlet_note(contact, change), report%note)
-   end subroutine tell_outlet
-
-   !> What is wrong with the outlet and how to mend it; `change`: of the quantities, NaN if unknown.
+   !> What is wrong with the outlet and how to cure it; `change`: of the quantities, NaN if unknown.
    pure function outlet_note(contact, change) result(note)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: change

@@ -1,17 +1,13 @@
-!> Reads and checks all cases of a call before any of them runs, and says what was found.
+!> Reads and checks all cases of a call before any of them runs, and reports the findings.
 module read_cases
    use case_input, only: read_case
-   use case_notes, only: unusual_lines
+   use case_notes, only: unusual_text
    use case_outcome, only: case_outcome_t, count_outcome
    use case_record, only: case_t
    use command_line, only: command_t
    use errors, only: error_t, fail, input_error
    use file_path, only: file_fault
    use findings, only: findings_t
-   use grid_check, only: check_grid
-   use key_row, only: lubricated
-   use line_case, only: build_line_contact
-   use line_contact, only: line_contact_t
    use output_names, only: output_findings
    use progress_log, only: new_progress_log, progress_log_t
    use set_entries, only: put_entries
@@ -21,7 +17,7 @@ module read_cases
    implicit none (type, external)
    private
 
-   public :: read_all_cases, refused_t, tell_good, tell_refused
+   public :: read_all_cases, refused_t, report_good, report_refused
 
    !> Exit status of bad input, usage or file.
    integer, parameter, public :: status_bad_input = 1
@@ -92,7 +88,6 @@ contains
       character(:), allocatable, intent(out) :: found
       character(:), allocatable :: content
       type(findings_t) :: findings
-      type(line_contact_t) :: contact
       type(error_t), allocatable :: error
 
       found = ''
@@ -107,17 +102,11 @@ contains
       end if
       call put_entries(content, command%entries)
       call read_case(content, file, case, findings, command%entries)
-      if (findings%count > 0) then
-         found = findings%report(file)
-      else if (case%problem == lubricated) then
-         call build_line_contact(case, contact)
-         call check_grid(case, contact, error)
-         if (allocated(error)) found = error%message
-      end if
+      if (findings%count > 0) found = findings%report(file)
    end subroutine read_one
 
-   !> Says what is wrong with the files that are left out. Error: standard output is lost.
-   subroutine tell_refused(refused, command, status, error)
+   !> Reports the files that are left out. Error: standard output is lost.
+   subroutine report_refused(refused, command, status, error)
       type(refused_t), intent(in) :: refused(:)
       type(command_t), intent(in) :: command
       integer, intent(inout) :: status
@@ -134,21 +123,24 @@ contains
          call count_outcome(refused(i)%file, outcome, command%has_outcomes, status, error)
          if (allocated(error)) return
       end do
-   end subroutine tell_refused
+   end subroutine report_refused
 
-   !> Says of good cases what --check says, and which of their values are unusual. Error: standard
-   !> output is lost.
-   subroutine tell_good(cases, error)
+   !> Reports good cases, with their unusual values, for --check. Error: standard output is lost.
+   subroutine report_good(cases, error)
       type(case_t), intent(in) :: cases(:)
       type(error_t), allocatable, intent(out) :: error
-      integer :: i
+      character(:), allocatable :: lines
+      integer :: i, k
 
       do i = 1, size(cases)
-         call write_text(cases(i)%file // ': no findings' // new_line('a') &
-            // unusual_lines(cases(i)), error)
+         lines = cases(i)%file//': no findings'//new_line('a')
+         do k = 1, size(cases(i)%unusual)
+            lines = lines//unusual_text(cases(i), k)//new_line('a')
+         end do
+         call write_text(lines, error)
          if (allocated(error)) return
       end do
       call print_text('', error)   ! error: handed up
-   end subroutine tell_good
+   end subroutine report_good
 
 end module read_cases

@@ -1,6 +1,6 @@
 !> One case from its record to its result file and its exit status.
 module run_case
-   use case_notes, only: tell_unusual
+   use case_notes, only: log_unusual
    use case_outcome, only: case_outcome_t, give_up, status_converged, status_not_converged
    use case_record, only: case_t, result_path
    use command_line, only: command_t
@@ -59,7 +59,7 @@ contains
          end if
          return
       end if
-      call tell_unusual(case, log)
+      call log_unusual(case, log)
       if (case%problem == lubricated) then
          call run_lubricated_case(case, path, command%is_resume, command%threads, log, outcome)
       else

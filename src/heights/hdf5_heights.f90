@@ -9,12 +9,12 @@ module hdf5_heights
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
    use hdf5_part, only: read_part
    use hdf5_source, only: hdf5_source_t, number_class
-   use height_limits, only: is_position, position_fault, scale_fault, spacing_fault
+   use height_limits, only: is_position, position_fault, position_range_t, scale_fault, &
+      spacing_fault
    use height_source, only: height_source_t
    use kinds, only: wp
    use length_units, only: same_unit, settle_unit, silence_fault, units_per_metre
    use measured_heights, only: height_request_t
-   use position_range, only: position_range_t
    use text, only: to_text
    implicit none (type, external)
    private
@@ -33,15 +33,19 @@ module hdf5_heights
    !> Most nodes.
    real(wp), parameter :: max_nodes = 1.0e18_wp
 
+   !> Metres in one unit of a dataset, as si_scale/per_metre, and whether nothing says them.
+   type :: scale_t
+      real(wp) :: si_scale = 1.0_wp, per_metre = 1.0_wp
+      logical :: is_silent = .false.
+   end type scale_t
+
    !> A dataset (nx) or, as h5py sees it, (ny, nx); x runs fastest. The file is open only while it
    !> is read.
    type, extends(height_source_t) :: hdf5_heights_t
       character(:), allocatable, private :: file, dataset
-      !> nx, ny; and metres in one unit of the dataset.
+      !> nx, ny.
       integer(int64) :: grid(2) = 0_int64
-      real(wp), private :: si_scale = 1.0_wp
-      !> Units of the dataset in a metre, beside si_scale = 1.
-      real(wp), private :: per_metre = 1.0_wp
+      type(scale_t), private :: scale
       !> Whether the positions along x and y fall.
       logical, private :: falls(2) = .false.
    contains
@@ -76,9 +80,9 @@ contains
       if (exists) then
          call reader%open(values, source%dataset)
          if (.not. allocated(reader%failure)) then
-            call look_at_dataset(reader, source, values, request%units, spacing)
+            call read_attributes(reader, source, values, request%units, spacing)
             call values%close()
-            call look_for_positions(reader, source, values%extents, request%units, spacing)
+            call find_positions(reader, source, values%extents, request%units, spacing)
          end if
       end if
       call reader%close(error)
@@ -105,7 +109,7 @@ contains
 
    !> Spacing and scale of an open dataset. Failures: it holds no numbers or does not store them;
    !> attributes that are no single numbers or of no use.
-   subroutine look_at_dataset(reader, source, values, units, spacing)
+   subroutine read_attributes(reader, source, values, units, spacing)
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(inout) :: source
       type(hdf5_source_t), intent(in) :: values
@@ -134,46 +138,46 @@ contains
             spacing(i - 1) = stated
          end if
       end do
-      call find_scale(reader, source%dataset, units(2), 'z_unit', source%si_scale, &
-         source%per_metre)
-   end subroutine look_at_dataset
+      call find_scale(reader, source%dataset, units(2), 'z_unit', source%scale)
+   end subroutine read_attributes
 
-   !> Metres in one unit of `dataset`, as `si_scale/per_metre`: from its attribute si_scale, its
-   !> units or `wanted`, the unit of the `key`. Failures: two of them contradict each other.
-   subroutine find_scale(reader, dataset, wanted, key, si_scale, per_metre)
+   !> The scale of `dataset`: from its attribute si_scale, its units or `wanted`, the unit of the
+   !> `key`. Failures: two of them contradict each other.
+   subroutine find_scale(reader, dataset, wanted, key, scale)
       type(hdf5_input_t), intent(inout) :: reader
       character(*), intent(in) :: dataset, wanted, key
-      real(wp), intent(out) :: si_scale, per_metre
+      type(scale_t), intent(out) :: scale
       character(:), allocatable :: fault, unit, word
-      real(wp) :: stated
+      real(wp) :: given, stated
 
-      per_metre = 1.0_wp
-      si_scale = reader%number_of(dataset, 'si_scale', no_spacing)
+      given = reader%number_of(dataset, 'si_scale', no_spacing)
       unit = unit_in(reader, dataset, '')
-      if (ieee_is_finite(si_scale)) then
-         if (si_scale <= no_spacing) then
-            call settle_unit(unit, wanted, 'the attributes of '//dataset, key, per_metre, fault)
+      if (ieee_is_finite(given)) then
+         if (given <= no_spacing) then
+            scale%is_silent = unit//wanted == ''
+            call settle_unit(unit, wanted, 'the attributes of '//dataset, key, scale%per_metre, &
+               fault)
             call reader%refuse(dataset, fault)
-            si_scale = 1.0_wp
             return
          end if
       end if
-      call reader%refuse('si_scale', scale_fault(si_scale))
+      call reader%refuse('si_scale', scale_fault(given))
       if (allocated(reader%failure)) return
+      scale%si_scale = given
       if (wanted /= '') unit = wanted
       call units_per_metre(unit, stated, word)
       if (word == '') return
       fault = ''
       if (wanted /= '') fault = ' of the key '//key
-      if (abs(abs(si_scale)*stated - 1.0_wp) > same_unit) call &
-         reader%refuse(dataset, 'found si_scale = '//to_text(si_scale, 4)// &
-         ' [m] beside the unit '//word//fault//', expected the same of both')
+      if (abs(abs(given)*stated - 1.0_wp) > same_unit) call reader%refuse(dataset, &
+         'found si_scale = '//to_text(given, 4)//' [m] beside the unit '//word//fault// &
+         ', expected the same of both')
    end subroutine find_scale
 
    !> Spacings of the dimensions that have none yet, from dimension scales or the datasets x and y
    !> beside the heights, if they hold a number for each node. Failures: the positions are uneven or
    !> no positions; only they or only the heights have a unit.
-   subroutine look_for_positions(reader, source, extents, units, spacing)
+   subroutine find_positions(reader, source, extents, units, spacing)
       type(hdf5_input_t), intent(inout) :: reader
       type(hdf5_heights_t), intent(inout) :: source
       integer(hsize_t), intent(in) :: extents(:)
@@ -181,6 +185,7 @@ contains
       real(wp), intent(inout) :: spacing(2)
       type(hdf5_source_t) :: values
       type(position_range_t) :: range
+      type(scale_t) :: scale
       character(:), allocatable :: path
       logical :: is_one
       integer :: i
@@ -199,13 +204,14 @@ contains
          end if
          call values%close()
          if (.not. is_one) cycle
-         call read_positions(reader, path, extents(i), units(1), range)
-         call refuse_silence(reader, source, path, units)
+         call read_positions(reader, path, extents(i), units(1), scale, range)
+         call reader%refuse(path, silence_fault([scale%is_silent, source%scale%is_silent], &
+            [scale%per_metre, source%scale%per_metre]/[scale%si_scale, source%scale%si_scale]))
          if (allocated(reader%failure)) return
          spacing(i) = range%distance()
          source%falls(i) = range%falls
       end do
-   end subroutine look_for_positions
+   end subroutine find_positions
 
    !> Path of the dataset with the positions along dimension `i` of the heights in `dataset`: the
    !> dimension scale attached to it, if its attributes say a unit, since other scales may count
@@ -223,7 +229,7 @@ contains
       end if
       path = scale
       if (path /= '') then
-         if (has_unit(reader, path, '')) return
+         if (has_unit(reader, path)) return
       end if
       path = dataset(:index(dataset, '/', back=.true.))//position_names(i)
       if (path /= dataset .and. reader%has(path)) then
@@ -233,37 +239,38 @@ contains
       if (units(1) /= '') path = scale
    end function path_of_positions
 
-   !> Whether something says the unit of a dataset: its attributes, or `wanted`, that of a key.
-   logical function has_unit(reader, dataset, wanted)
+   !> Whether the attributes of a dataset say its unit.
+   logical function has_unit(reader, dataset)
       type(hdf5_input_t), intent(inout) :: reader
-      character(*), intent(in) :: dataset, wanted
+      character(*), intent(in) :: dataset
       real(wp) :: scale
 
       scale = reader%number_of(dataset, 'si_scale', no_spacing)
-      has_unit = wanted /= '' .or. unit_in(reader, dataset, '') /= ''
+      has_unit = unit_in(reader, dataset, '') /= ''
       if (ieee_is_finite(scale)) has_unit = has_unit .or. scale > no_spacing
    end function has_unit
 
-   !> Reads `count` positions [m] in blocks. Failures: one of them cannot be one, or they are
-   !> uneven.
-   subroutine read_positions(reader, path, count, wanted, range)
+   !> Reads `count` positions, of the `scale`, in blocks. Failures: one of them cannot be one; they
+   !> are uneven.
+   subroutine read_positions(reader, path, count, wanted, scale, range)
       type(hdf5_input_t), intent(inout) :: reader
       character(*), intent(in) :: path, wanted
       integer(hsize_t), intent(in) :: count
+      type(scale_t), intent(out) :: scale
       type(position_range_t), intent(out) :: range
       real(wp), allocatable :: x(:)
-      real(wp) :: per_metre, si_scale
+      character(:), allocatable :: fault
       integer(int64) :: first
       integer :: bad, i
 
-      call find_scale(reader, path, wanted, 'x_unit', si_scale, per_metre)
+      call find_scale(reader, path, wanted, 'x_unit', scale)
       do first = 0, count - 1, block_nodes
          allocate (x(min(block_nodes, count - first)))
          call read_part(reader, path, [first, 0_int64], [size(x, kind=hsize_t), 1_hsize_t], x)
          if (allocated(reader%failure)) return
          bad = findloc(is_position(x), .false., dim=1)
          if (bad == 0) then
-            x = x*si_scale/per_metre
+            x = x*scale%si_scale/scale%per_metre
             bad = findloc(is_position(x), .false., dim=1)
          end if
          if (bad > 0) then
@@ -276,29 +283,10 @@ contains
          end do
          deallocate (x)
       end do
-      if (range%mark_of_fault() > 0) then
-         call reader%refuse(path, 'node '//to_text(range%mark_of_fault())//': '// &
-            range%fault(must_rise=.false.))
-      else
-         call reader%refuse(path, range%fault(must_rise=.false.))
-      end if
+      fault = range%fault(must_rise=.false.)
+      if (range%mark_of_fault() > 0) fault = 'node '//to_text(range%mark_of_fault())//': '//fault
+      call reader%refuse(path, fault)
    end subroutine read_positions
-
-   !> Refuses a unit that is said of positions or heights only, and is not the metre.
-   subroutine refuse_silence(reader, source, path, units)
-      type(hdf5_input_t), intent(inout) :: reader
-      type(hdf5_heights_t), intent(in) :: source
-      character(*), intent(in) :: path
-      character(*), intent(in) :: units(2)
-      real(wp) :: per_metre(2), si_scale(2)
-      logical :: is_silent(2)
-
-      is_silent = [.not. has_unit(reader, path, units(1)), &
-         .not. has_unit(reader, source%dataset, units(2))]
-      call find_scale(reader, path, units(1), 'x_unit', si_scale(1), per_metre(1))
-      call find_scale(reader, source%dataset, units(2), 'z_unit', si_scale(2), per_metre(2))
-      call reader%refuse(path, silence_fault(is_silent, per_metre/si_scale))
-   end subroutine refuse_silence
 
    !> The unit that an attribute of a dataset says: `units` or `unit`, behind `front`.
    function unit_in(reader, dataset, front) result(unit)
@@ -329,8 +317,9 @@ contains
       if (self%grid(2) > 1) extents = self%grid
       call read_part(reader, self%dataset, [offset, 0_int64], extents, z)
       if (.not. allocated(reader%failure)) then
-         if (any(abs([self%si_scale, self%per_metre] - 1.0_wp) > 0.0_wp)) z = z*self%si_scale &
-            /self%per_metre
+         associate (scale => [self%scale%si_scale, self%scale%per_metre])
+            if (any(abs(scale - 1.0_wp) > 0.0_wp)) z = z*scale(1)/scale(2)
+         end associate
          if (any(self%falls)) call turn(int(extents), self%falls, z)
       end if
       call reader%close(error)   ! error: handed up

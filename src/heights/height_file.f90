@@ -7,8 +7,7 @@ module height_file
    use hdf5_input, only: is_hdf5
    use hdf5_part, only: place_words
    use height_form, only: new_sums
-   use height_limits, only: first_fault, height_fault, range_fault
-   use height_range, only: height_range_t
+   use height_limits, only: first_fault, height_fault, height_range_t, range_fault
    use height_source, only: height_source_t
    use height_table, only: conversion, height_table_t, open_table
    use measured_heights, only: height_request_t, heights_t
@@ -20,20 +19,22 @@ module height_file
    implicit none (type, external)
    private
 
-   public :: open_heights, read_heights
+   public :: read_heights
 
    !> Heights that are read and checked together.
    integer(int64), parameter :: block_nodes = 65536_int64
 
 contains
 
-   !> Reads all heights of a file, those of an area if `is_area`, else of a profile. Errors
-   !> (input_error): as in `open_source`; gaps.
-   subroutine read_heights(request, is_area, heights, error)
+   !> Reads all heights of a file, those of an area if `is_area`, else of a profile. If their source
+   !> is `kept` they may be any number, and `heights` holds them only if they fit into one block.
+   !> Errors (input_error): as in `open_source`; gaps.
+   subroutine read_heights(request, is_area, heights, error, kept)
       type(height_request_t), intent(in) :: request
       logical, intent(in) :: is_area
       type(heights_t), intent(out) :: heights
       type(error_t), allocatable, intent(out) :: error
+      class(height_source_t), allocatable, intent(out), optional :: kept
       class(height_source_t), allocatable :: source
       character(:), allocatable :: fault
       real(wp), parameter :: of_node = 100.0_wp   ! memory [bytes]
@@ -41,6 +42,14 @@ contains
 
       call open_source(request, is_area, source, grid, heights%spacing, error)
       if (allocated(error)) return
+      heights%file = request%file
+      if (present(kept)) then
+         call check_source(source, block_nodes, grid, heights, error)
+         if (allocated(error)) return
+         if (source%nodes > block_nodes) deallocate (heights%z)
+         call move_alloc(source, kept)
+         return
+      end if
       fault = memory_fault('a surface', of_node*source%nodes)
       if (source%nodes > huge(heights%grid)) fault = 'found '//to_text(source%nodes) &
          //' nodes, expected at most '//to_text(huge(heights%grid))
@@ -50,30 +59,12 @@ contains
       end if
       if (grid(2) > 1) call prefer_large_pages(source%nodes)
       heights%grid = int(grid)
-      heights%file = request%file
-      call look_through(source, source%nodes, grid, heights, error)   ! error: handed up
+      call check_source(source, source%nodes, grid, heights, error)   ! error: handed up
    end subroutine read_heights
-
-   !> Opens the profile in a file, of any length, and looks through it once; `heights` has its
-   !> heights if they fit into one block: then they need not be read again. Errors (input_error): as
-   !> in `open_source`; gaps.
-   subroutine open_heights(request, source, heights, error)
-      type(height_request_t), intent(in) :: request
-      class(height_source_t), allocatable, intent(out) :: source
-      type(heights_t), intent(out) :: heights
-      type(error_t), allocatable, intent(out) :: error
-      integer(int64) :: grid(2)
-
-      call open_source(request, .false., source, grid, heights%spacing, error)
-      if (allocated(error)) return
-      heights%file = request%file
-      call look_through(source, block_nodes, grid, heights, error)
-      if (.not. allocated(error) .and. source%nodes > block_nodes) deallocate (heights%z)
-   end subroutine open_heights
 
    !> Reads all heights of `source`, `block` of them at a time, for checksum and sums; `heights%z`
    !> are the last ones. Errors (input_error): they are not those of a surface.
-   subroutine look_through(source, block, grid, heights, error)
+   subroutine check_source(source, block, grid, heights, error)
       class(height_source_t), intent(in) :: source
       integer(int64), intent(in) :: block, grid(2)
       type(heights_t), intent(inout) :: heights
@@ -105,7 +96,7 @@ contains
       if (fault == '') fault = range_fault(heights%sums%lowest, heights%sums%highest)
       if (bad > 0) fault = 'node '//to_text(bad)//': '//fault//place_words(bad, grid)
       if (fault /= '') call fail(error, input_error, heights%file//': '//fault)
-   end subroutine look_through
+   end subroutine check_source
 
    !> Opens a file with an area (`is_area`) or a profile of `grid` nodes (ny = 1), `spacing` [m]
    !> apart (0: it does not say). Errors (input_error): those of tables and of HDF5; fewer than two

@@ -1,17 +1,18 @@
-!> Which heights, positions and spacings a file of heights may have, and what is wrong with others
-!> in words.
+!> Which heights, positions and spacings a file of heights may have, one by one and together, and
+!> what is wrong with others in words.
 !>
 !> The limits lie far beyond measured surfaces. Within them squares and quotients of heights and
 !> spacings stay finite.
 module height_limits
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+   use, intrinsic :: iso_fortran_env, only: int64
    use kinds, only: wp
-   use text, only: to_text
+   use text, only: counted, to_text
    implicit none (type, external)
    private
 
-   public :: first_fault, height_fault, is_height, is_position, position_fault, range_fault, &
-      scale_fault, spacing_fault
+   public :: first_fault, height_fault, height_range_t, is_height, is_position, position_fault, &
+      position_range_t, range_fault, scale_fault, spacing_fault
 
    !> Largest height and position [m].
    real(wp), parameter :: largest_height = 1.0e3_wp, largest_position = 1.0e9_wp
@@ -21,6 +22,36 @@ module height_limits
    real(wp), parameter :: least_spacing = 1.0e-15_wp, largest_spacing = 1.0e6_wp
    !> Metres in the unit of a dataset.
    real(wp), parameter :: least_scale = 1.0e-30_wp, largest_scale = 1.0e30_wp
+
+   !> A value that lies farther from the next one than this many times the range of all others is
+   !> likely the mark of a missing point.
+   real(wp), parameter :: far = 10.0_wp
+
+   !> The lowest height and the next above it, and the same of the heights with the other sign; and
+   !> the marks of the first of them.
+   type :: height_range_t
+      real(wp), private :: lowest(2) = huge(1.0_wp), next(2) = huge(1.0_wp)
+      integer(int64), private :: marks(2) = 0_int64
+   contains
+      procedure :: add => add_heights, find_fault => find_height_fault
+   end type height_range_t
+
+   !> Largest error of a position, in spacings, that still counts as uniform.
+   real(wp), parameter :: max_uneven = 1.0e-3_wp
+
+   !> The spacings that the positions so far allow, each within `max_uneven` of its place.
+   type :: position_range_t
+      !> How many positions there were.
+      integer(int64) :: count = 0_int64
+      !> They fall.
+      logical :: falls = .false.
+      real(wp), private :: first = 0.0_wp, last = 0.0_wp
+      real(wp), private :: low = 0.0_wp, high = huge(1.0_wp)
+      !> Marks of the positions that set the bounds.
+      integer(int64), private :: low_mark = 0_int64, high_mark = 0_int64
+   contains
+      procedure :: add => add_position, fault, mark_of_fault, distance
+   end type position_range_t
 
 contains
 
@@ -130,5 +161,122 @@ contains
       if (.not. (ieee_is_finite(value) .or. ieee_is_nan(value))) shown = trim(merge('-Infinity', &
          'Infinity ', value < 0.0_wp))
    end function shown
+
+   !> Adds the next heights; `mark` says where the first one stands, and the others count on.
+   pure subroutine add_heights(self, z, mark)
+      class(height_range_t), intent(inout) :: self
+      real(wp), intent(in) :: z(:)
+      integer(int64), intent(in) :: mark
+      real(wp) :: value
+      integer :: i, k
+
+      do i = 1, size(z)
+         do k = 1, 2
+            value = merge(z(i), -z(i), k == 1)
+            if (value < self%lowest(k)) then
+               self%next(k) = self%lowest(k)
+               self%lowest(k) = value
+               self%marks(k) = mark + i - 1
+            else if (value > self%lowest(k)) then
+               self%next(k) = min(self%next(k), value)
+            end if
+         end do
+      end do
+   end subroutine add_heights
+
+   !> "found ..., expected ..." where two or more heights cannot be those of a surface, or do not
+   !> differ though they `must_vary`, else empty; and the mark of the height that cannot be one.
+   pure subroutine find_height_fault(self, must_vary, fault, mark)
+      class(height_range_t), intent(in) :: self
+      logical, intent(in) :: must_vary
+      character(:), allocatable, intent(out) :: fault
+      integer(int64), intent(inout) :: mark
+      real(wp) :: others
+      integer :: k
+
+      fault = ''
+      if (.not. self%next(1) < huge(1.0_wp)) then
+         if (must_vary) fault = 'found heights that are all '//to_text(self%lowest(1))// &
+            ', expected those of a surface'
+         return
+      end if
+      do k = 1, 2
+         others = -(self%lowest(3 - k) + self%next(k))
+         if (others <= 0.0_wp .or. self%next(k) - self%lowest(k) <= far*others) cycle
+         mark = self%marks(k)
+         fault = 'found '//to_text(merge(self%lowest(k), -self%lowest(k), k == 1))// &
+            ', far from all other heights and likely the mark of a missing point, expected '// &
+            'heights without gaps'
+      end do
+   end subroutine find_height_fault
+
+   !> Adds the next position [m]; `mark` says where it stands.
+   pure subroutine add_position(self, x, mark)
+      class(position_range_t), intent(inout) :: self
+      real(wp), intent(in) :: x
+      integer(int64), intent(in) :: mark
+      real(wp) :: distance, high, low
+
+      if (self%count == 0) self%first = x
+      if (self%count == 1) self%falls = x < self%first
+      self%last = x
+      self%count = self%count + 1
+      if (self%count == 1) return
+      distance = merge(self%first - x, x - self%first, self%falls)
+      low = distance/(self%count - 1 + max_uneven)
+      high = distance/(self%count - 1 - max_uneven)
+      if (low > self%low) then
+         self%low = low
+         self%low_mark = mark
+      end if
+      if (high < self%high) then
+         self%high = high
+         self%high_mark = mark
+      end if
+   end subroutine add_position
+
+   !> Distance of neighbouring positions [m], of two or more; positive if they rise or fall.
+   pure function distance(self)
+      class(position_range_t), intent(in) :: self
+      real(wp) :: distance
+
+      distance = (self%last - self%first)/(self%count - 1)
+      if (self%falls) distance = -distance
+   end function distance
+
+   !> "found ..., expected ..." where the positions are not those of a uniform grid, or fall though
+   !> they `must_rise`; else empty.
+   pure function fault(self, must_rise)
+      class(position_range_t), intent(in) :: self
+      logical, intent(in) :: must_rise
+      character(:), allocatable :: fault
+
+      if (self%count < 2) then
+         fault = 'found '//counted(int(self%count), 'row')//' of numbers, expected at least 2'
+      else if (self%falls .and. must_rise) then
+         fault = 'found falling positions, expected rising ones'
+      else if (.not. self%distance() > 0.0_wp) then
+         fault = 'found positions that neither rise nor fall, expected those of a uniform grid'
+      else if (self%mark_of_fault() > 0) then
+         fault = 'found uneven positions, expected a uniform grid'
+      else
+         fault = spacing_fault(self%distance())
+      end if
+   end function fault
+
+   !> Mark of the position that does not fit the others; 0: all do.
+   pure function mark_of_fault(self) result(mark)
+      class(position_range_t), intent(in) :: self
+      integer(int64) :: mark
+
+      mark = 0_int64
+      if (self%count < 2) return
+      if (.not. self%distance() > 0.0_wp) return
+      if (self%distance() < self%low) then
+         mark = self%low_mark
+      else if (self%distance() > self%high) then
+         mark = self%high_mark
+      end if
+   end function mark_of_fault
 
 end module height_limits

@@ -7,14 +7,13 @@ module height_table
    use, intrinsic :: iso_fortran_env, only: int64
    use errors, only: error_t, fail, input_error
    use findings, only: quoted
-   use height_limits, only: height_fault, is_height, is_position, position_fault
-   use height_range, only: height_range_t
+   use height_limits, only: height_fault, height_range_t, is_height, is_position, position_fault, &
+      position_range_t
    use height_source, only: height_source_t
    use kinds, only: wp
    use length_units, only: find_unit, settle_unit, silence_fault, unit_among
    use measured_heights, only: height_request_t
    use number_text, only: read_real
-   use position_range, only: position_range_t
    use text, only: counted, to_text
    use text_file, only: encoding_fault, open_lines, text_lines_t
    implicit none (type, external)
@@ -70,12 +69,14 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: fault, stated, unit
       logical :: is_there
+      integer :: place
 
       unit = ''
       do
          call lines%next(is_there, error)
          if (allocated(error)) return
-         fault = text_fault(lines%line(:lines%length))
+         call encoding_fault(lines%line(:lines%length), fault, place)
+         if (place > 0) fault = 'found '//fault//', expected a table in UTF-8, or HDF5'
          if (.not. is_there) fault = 'found no rows, expected positions and heights in two columns'
          if (fault /= '' .or. is_row(lines)) exit
          stated = unit_among(lines%line(:lines%length))
@@ -84,16 +85,6 @@ contains
       if (fault == '') call find_columns(table, lines, unit, request, fault)
       if (fault /= '') call refuse(lines, lines%number, 1, fault, error)
    end subroutine read_head
-
-   !> "found ..., expected ..." where a line is no text in UTF-8; else empty.
-   pure function text_fault(line) result(fault)
-      character(*), intent(in) :: line
-      character(:), allocatable :: fault
-      integer :: place
-
-      call encoding_fault(line, fault, place)
-      if (place > 0) fault = 'found '//fault//', expected a table in UTF-8, or HDF5'
-   end function text_fault
 
    !> Separator, columns and units, from the present line, the first that is no comment: names, or
    !> numbers, which are read again. `unit` is one in a comment. `fault`: "found ..., expected ..."
@@ -197,7 +188,7 @@ contains
          quoted(wanted)//' in the names '//shown(row)//', expected one'
    end subroutine find_name
 
-   !> Reads all rows, notes where they are and looks at their positions and heights.
+   !> Reads all rows, notes where they are and checks their positions and heights.
    subroutine read_rows(table, lines, spacing, error)
       type(height_table_t), intent(inout) :: table
       type(text_lines_t), intent(inout) :: lines

@@ -9,35 +9,26 @@ module length_units
 
    public :: find_unit, known_units, settle_unit, silence_fault, unit_among, units_per_metre
 
-   !> A unit: one of its spellings, its word, its size.
+   !> A unit: its word in keys and messages, its size, and its spellings in ASCII and lower case, a
+   !> micro sign as u.
    type :: unit_t
-      character(len=10) :: spelling
-      !> The word for it in keys and messages.
       character(len=8) :: word
       real(wp) :: per_metre
+      character(len=40) :: spellings
    end type unit_t
 
    !> Relative difference of two units that are the same.
    real(wp), parameter, public :: same_unit = 1.0e-6_wp
    real(wp), parameter :: inches = 1.0_wp/0.0254_wp
-   !> In ASCII and lower case, a micro sign as u.
-   type(unit_t), parameter :: units(*) = [ &
-      unit_t('m', 'm', 1.0_wp), unit_t('metre', 'm', 1.0_wp), unit_t('meter', 'm', 1.0_wp), &
-      unit_t('cm', 'cm', 1.0e2_wp), unit_t('centimetre', 'cm', 1.0e2_wp), &
-      unit_t('centimeter', 'cm', 1.0e2_wp), &
-      unit_t('mm', 'mm', 1.0e3_wp), unit_t('millimetre', 'mm', 1.0e3_wp), &
-      unit_t('millimeter', 'mm', 1.0e3_wp), &
-      unit_t('um', 'um', 1.0e6_wp), unit_t('micron', 'um', 1.0e6_wp), &
-      unit_t('micrometre', 'um', 1.0e6_wp), unit_t('micrometer', 'um', 1.0e6_wp), &
-      unit_t('nm', 'nm', 1.0e9_wp), unit_t('nanometre', 'nm', 1.0e9_wp), &
-      unit_t('nanometer', 'nm', 1.0e9_wp), &
-      unit_t('angstrom', 'angstrom', 1.0e10_wp), &
-      unit_t('pm', 'pm', 1.0e12_wp), unit_t('picometre', 'pm', 1.0e12_wp), &
-      unit_t('picometer', 'pm', 1.0e12_wp), &
-      unit_t('inch', 'in', inches), unit_t('in', 'in', inches), &
-      unit_t('mil', 'mil', 1.0e3_wp*inches), unit_t('thou', 'mil', 1.0e3_wp*inches), &
-      unit_t('uin', 'uin', 1.0e6_wp*inches), unit_t('uinch', 'uin', 1.0e6_wp*inches), &
-      unit_t('microinch', 'uin', 1.0e6_wp*inches)]
+   type(unit_t), parameter :: units(*) = [unit_t('m', 1.0_wp, ' m metre meter'), &
+      unit_t('cm', 1.0e2_wp, ' cm centimetre centimeter'), &
+      unit_t('mm', 1.0e3_wp, ' mm millimetre millimeter'), &
+      unit_t('um', 1.0e6_wp, ' um micron micrometre micrometer'), &
+      unit_t('nm', 1.0e9_wp, ' nm nanometre nanometer'), &
+      unit_t('angstrom', 1.0e10_wp, ' angstrom'), &
+      unit_t('pm', 1.0e12_wp, ' pm picometre picometer'), unit_t('in', inches, ' in inch'), &
+      unit_t('mil', 1.0e3_wp*inches, ' mil thou'), &
+      unit_t('uin', 1.0e6_wp*inches, ' uin uinch microinch')]
    !> The words, for the key table and messages.
    character(*), parameter :: known_units = 'm cm mm um nm angstrom pm in mil uin'
    !> Behind an underscore, a blank, a hyphen or a point these are no units, but parts of names.
@@ -68,8 +59,9 @@ contains
          plain(:len(plain) - 1)
       per_metre = 0.0_wp
       word = ''
+      if (plain == '' .or. index(plain, ' ') > 0) return
       do i = 1, size(units)
-         if (units(i)%spelling /= plain .or. plain == '') cycle
+         if (index(units(i)%spellings, ' '//plain//' ') == 0) cycle
          per_metre = units(i)%per_metre
          word = trim(units(i)%word)
       end do

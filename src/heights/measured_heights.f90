@@ -1,11 +1,14 @@
-!> Measured heights that were read from a file.
+!> Measured heights that were read from a file, and a source of heights without their form.
 module measured_heights
-   use height_form, only: height_sums_t
+   use, intrinsic :: iso_fortran_env, only: int64
+   use errors, only: error_t
+   use height_form, only: form_t, height_sums_t, subtract_form
+   use height_source, only: height_source_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: height_request_t, heights_t
+   public :: height_request_t, heights_t, level_heights_t, put_level
 
    !> What the keys of a surface say of its file.
    type :: height_request_t
@@ -31,5 +34,40 @@ module measured_heights
       !> Their sums, for slopes and form.
       type(height_sums_t) :: sums
    end type heights_t
+
+   !> A source, and the form that is taken off what it gives.
+   type, extends(height_source_t) :: level_heights_t
+      class(height_source_t), allocatable, private :: source
+      type(form_t), private :: form
+   contains
+      procedure :: get
+   end type level_heights_t
+
+contains
+
+   !> Puts the heights of `source` without `form` in its place.
+   subroutine put_level(source, form)
+      class(height_source_t), allocatable, intent(inout) :: source
+      type(form_t), intent(in) :: form
+      type(level_heights_t), allocatable :: level
+
+      allocate (level)
+      level%nodes = source%nodes
+      level%form = form
+      call move_alloc(source, level%source)
+      call move_alloc(level, source)
+   end subroutine put_level
+
+   !> Heights from number `first` on. Error: that of the source.
+   subroutine get(self, first, z, error)
+      class(level_heights_t), intent(in) :: self
+      integer(int64), intent(in) :: first
+      real(wp), intent(out) :: z(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      call self%source%get(first, z, error)
+      if (allocated(error)) return
+      call subtract_form(self%form, first, z)
+   end subroutine get
 
 end module measured_heights

@@ -36,7 +36,7 @@ contains
             if (slot%has_value) then
                call list_value(case, row, slot)
             else
-               call set_effective(case, trim(row%group), trim(row%key), 'chosen by the program')
+               call set_effective(case, row%group, row%key, text='chosen by the program')
             end if
          end associate
       end do
@@ -51,35 +51,35 @@ contains
 
       select case (row%kind)
       case (real_kind, reals_kind)
-         call set_effective(case, trim(row%group), trim(row%key), slot%reals)
+         call set_effective(case, row%group, row%key, slot%reals)
       case (integer_kind)
-         call set_effective(case, trim(row%group), trim(row%key), slot%integer)
+         call set_effective(case, row%group, row%key, integer=slot%integer)
       case (text_kind)
-         call set_effective(case, trim(row%group), trim(row%key), slot%text)
+         call set_effective(case, row%group, row%key, text=slot%text)
       case default   ! words and logicals
-         call set_effective(case, trim(row%group), trim(row%key), joined(slot%words, ', '))
+         call set_effective(case, row%group, row%key, text=joined(slot%words, ', '))
       end select
    end subroutine list_value
 
-   !> What follows from the given values: reduced bodies, load, parameters of the viscosity law.
+   !> What follows from the given values: reduced bodies, load, parameters of Roelands' law.
    subroutine list_derived(case)
       type(case_t), intent(inout) :: case
 
       if (.not. case%has_moes) then
-         call set_effective(case, 'bodies', 'reduced_radius', case%bodies%reduced_radius)
-         call set_effective(case, 'bodies', 'reduced_modulus', case%bodies%reduced_modulus)
-         call set_effective(case, 'load', 'load_per_length', case%load_per_length)
+         call set_effective(case, 'bodies', 'reduced_radius', [case%bodies%reduced_radius])
+         call set_effective(case, 'bodies', 'reduced_modulus', [case%bodies%reduced_modulus])
+         call set_effective(case, 'load', 'load_per_length', [case%load_per_length])
       end if
       associate (oil => case%lubricant)
          if (oil%viscosity_law == viscosity_constant) call set_effective(case, 'lubricant', &
-            'viscosity_law', 'constant')
+            'viscosity_law', text='constant')
          if (oil%density_law == density_constant) call set_effective(case, 'lubricant', &
-            'density_law', 'constant')
+            'density_law', text='constant')
          if (oil%pressure_viscosity > 0.0_wp) call set_effective(case, 'lubricant', &
-            'pressure_viscosity', oil%pressure_viscosity)
+            'pressure_viscosity', [oil%pressure_viscosity])
          if (oil%viscosity_law /= viscosity_roelands) return
-         call set_effective(case, 'lubricant', 'roelands_p0', oil%roelands_p0)
-         call set_effective(case, 'lubricant', 'roelands_z', oil%roelands_z)
+         call set_effective(case, 'lubricant', 'roelands_p0', [oil%roelands_p0])
+         call set_effective(case, 'lubricant', 'roelands_z', [oil%roelands_z])
       end associate
    end subroutine list_derived
 
@@ -88,18 +88,18 @@ contains
       type(case_t), intent(inout) :: case
 
       associate (dry => case%dry)
-         call set_effective(case, 'bodies', 'reduced_modulus', dry%reduced_modulus)
-         call set_effective(case, 'domain', 'periodic', trim(merge('.true. ', '.false.', &
-            dry%is_periodic)))
-         if (.not. dry%is_periodic) call set_effective(case, 'domain', 'kernel', 'element')
+         call set_effective(case, 'bodies', 'reduced_modulus', [dry%reduced_modulus])
+         call set_effective(case, 'domain', 'periodic', text=trim(merge('.true. ', &
+            '.false.', dry%is_periodic)))
+         if (.not. dry%is_periodic) call set_effective(case, 'domain', 'kernel', text='element')
          if (dry%grid%ny == 1) then
-            call set_effective(case, 'domain', 'length', dry%lengths(1))
-            call set_effective(case, 'domain', 'intervals', dry%grid%nx)
+            call set_effective(case, 'domain', 'length', [dry%lengths(1)])
+            call set_effective(case, 'domain', 'intervals', integer=dry%grid%nx)
          else
-            call set_effective(case, 'domain', 'length_x', dry%lengths(1))
-            call set_effective(case, 'domain', 'length_y', dry%lengths(2))
-            call set_effective(case, 'domain', 'intervals_x', dry%grid%nx)
-            call set_effective(case, 'domain', 'intervals_y', dry%grid%ny)
+            call set_effective(case, 'domain', 'length_x', [dry%lengths(1)])
+            call set_effective(case, 'domain', 'length_y', [dry%lengths(2)])
+            call set_effective(case, 'domain', 'intervals_x', integer=dry%grid%nx)
+            call set_effective(case, 'domain', 'intervals_y', integer=dry%grid%ny)
          end if
       end associate
       call list_trend(case, 'surface_1', case%dry%trends(1))
@@ -117,14 +117,14 @@ contains
 
       if (trend%word == '') return
       directions = merge(2, 1, trend%form%grid(2) > 1)
-      call set_effective(case, group, 'detrend', trim(trend%word))
+      call set_effective(case, group, 'detrend', text=trim(trend%word))
       if (trend%word == 'none') return
-      call set_effective(case, group, 'heights_mean', trend%form%terms(1), 'm')
+      call set_effective(case, group, 'heights_mean', trend%form%terms(:1), unit='m')
       if (trend%word == 'mean') return
       associate (curvatures => curvature_of(trend), tilts => tilt_of(trend))
-         call set_effective(case, group, 'heights_tilt', tilts(:directions), '-')
+         call set_effective(case, group, 'heights_tilt', tilts(:directions), unit='-')
          if (trend%word == 'line') return
-         call set_effective(case, group, 'heights_curvature', curvatures(:directions), '1/m')
+         call set_effective(case, group, 'heights_curvature', curvatures(:directions), unit='1/m')
       end associate
    end subroutine list_trend
 
@@ -139,9 +139,9 @@ contains
          call read_synthesis(dry%values, group, maxval(dry%lengths), &
             2.0_wp*dry%lengths(1)/dry%first_nodes(1), wanted)
       end associate
-      call set_effective(case, group, 'wavelength_long', wanted%wavelength_long)
-      call set_effective(case, group, 'wavelength_rolloff', wanted%wavelength_rolloff)
-      call set_effective(case, group, 'wavelength_short', wanted%wavelength_short)
+      call set_effective(case, group, 'wavelength_long', [wanted%wavelength_long])
+      call set_effective(case, group, 'wavelength_rolloff', [wanted%wavelength_rolloff])
+      call set_effective(case, group, 'wavelength_short', [wanted%wavelength_short])
    end subroutine list_waves
 
 end module case_effective

@@ -1,34 +1,24 @@
 !> From the text of a namelist to a case: reading, checking, filling the record.
 module case_input
-   use body_values, only: has_plane, modulus_of, radius_of
+   use body_input, only: derive_speeds, fill_bodies, find_load
    use case_effective, only: list_dry, list_effective
    use case_record, only: case_t
    use case_validation, only: validate
-   use derived_values, only: alone, derive_values
    use dry_input, only: fill_dry_case
-   use errors, only: error_t
-   use features, only: rough_surface_t
    use findings, only: findings_t
-   use hertz, only: line_load_from_pressure
    use input_keys, only: find_key, key_rows
    use input_values, only: input_values_t, value_t
-   use key_row, only: lubricated
-   use key_range, only: is_in_range
-   use kinds, only: wp
+   use key_row, only: is_in_range, lubricated
+   use key_rules, only: find_unusual, unusual_t
+   use line_case, only: check_resolution
    use line_profiles, only: make_surface
-   use lubricant, only: density_constant, density_laws, lubricant_t, &
-      viscosity_constant, viscosity_laws, viscosity_roelands
+   use lubricant_input, only: complete_alpha, fill_lubricant
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
-   use number_text, only: read_real
    use namelist_text, only: namelist_text_t, split_namelist
-   use scaling, only: new_moes_scaling, new_scaling, rheologies, rheology_newtonian
-   use set_entries, only: set_entry_t, tell_apart
+   use scaling, only: new_moes_scaling, new_scaling
+   use set_entries, only: set_entry_t, mark_entries
    use text, only: to_text
-   use roelands_relation, only: complete_roelands
-   use unusual_values, only: find_unusual, unusual_t
-   use validity, only: materials_t
    use value_reader, only: read_values
-   use wave_validation, only: check_waves
    implicit none (type, external)
    private
 
@@ -48,39 +38,33 @@ contains
       type(set_entry_t), intent(in), optional :: entries(:)
       type(namelist_text_t) :: pieces
       type(input_values_t) :: values
-      logical :: is_alpha_alone
+      logical :: is_alone
 
       case%file = file
       case%namelist = content
       case%note = ''
       call split_namelist(content, pieces, values%findings)
       if (pieces%group_count > 0) then
-         if (present(entries)) call tell_apart(entries, pieces, values%findings)
+         if (present(entries)) call mark_entries(entries, pieces, values%findings)
          call read_values(pieces, values)
-         is_alpha_alone = alone(values)
-         call derive_values(values)
+         is_alone = .false.
+         if (values%problem == lubricated) then
+            call derive_speeds(values)
+            call complete_alpha(values, is_alone)
+         end if
          call validate(values)
          if (values%findings%count == 0) call fill_case(values, case)
          case%unusual = find_unusual(values)
-         if (is_alpha_alone) case%unusual = [case%unusual, assumed_p0(values, case%lubricant)]
+         if (is_alone) case%unusual = [case%unusual, unusual_t(values%line_of('lubricant', &
+            'pressure_viscosity'), '&lubricant pressure_viscosity is given alone: Roelands '// &
+            'with P0 = '//to_text(case%lubricant%roelands_p0, 3)//' Pa, z = ' &
+            //to_text(case%lubricant%roelands_z, 4), '')]
       else if (values%findings%count == 0) then
          call values%findings%add(1, '', '', 'found no group, expected &case ... / and others; '// &
             'see asperity --template ehl_line')
       end if
       findings = values%findings
    end subroutine read_case
-
-   !> What is said of an oil with alpha alone.
-   function assumed_p0(values, oil) result(told)
-      type(input_values_t), intent(in) :: values
-      type(lubricant_t), intent(in) :: oil
-      type(unusual_t) :: told
-
-      told%line = values%line_of('lubricant', 'pressure_viscosity')
-      told%words = '&lubricant pressure_viscosity is given alone: Roelands with P0 = '// &
-         to_text(oil%roelands_p0, 3)//' Pa, z = '//to_text(oil%roelands_z, 4)
-      told%question = ''
-   end function assumed_p0
 
    !> The case that values without findings describe. Findings: what does not go together in it.
    subroutine fill_case(values, case)
@@ -109,124 +93,32 @@ contains
    subroutine fill_line_case(values, case)
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(inout) :: case
-      type(rough_surface_t) :: surface_1, surface_2
+      character(:), allocatable :: key
 
       case%has_moes = values%has_group('moes')
-      call fill_bodies(values, case)
-      call fill_lubricant(values, case)
-      call fill_materials(values, case%materials)
-      call fill_numerics(values, case)
-      if (case%has_moes) then
-         call new_moes_scaling(case%scaling, case%moes_m, case%moes_l, case%lubricant)
-      else
-         call new_scaling(case%scaling, case%bodies, case%lubricant, case%load_per_length)
-      end if
-      call check_regime(values, case)
-      if (values%findings%count > 0) return
-      call list_effective(values, case)
-      call make_surface(values, 'surface_1', case%bodies%speed_1, case, surface_1)
-      call make_surface(values, 'surface_2', case%bodies%speed_2, case, surface_2)
-      case%surface_1 = surface_1
-      case%surface_2 = surface_2
-      if (values%findings%count == 0) call check_waves(values, case)
-   end subroutine fill_line_case
-
-   !> &bodies and &load, or &moes.
-   subroutine fill_bodies(values, case)
-      type(input_values_t), intent(in) :: values
-      type(case_t), intent(inout) :: case
-
       case%moes_m = values%real_value('moes', 'moes_m')
       case%moes_l = values%real_value('moes', 'moes_l')
       if (values%word_value('moes', 'velocity') == 'sum') then
          case%moes_m = moes_m_mean_from_sum(case%moes_m)
          case%moes_l = moes_l_mean_from_sum(case%moes_l)
       end if
-      case%bodies%reduced_radius = radius_of(values)
-      if (values%is_given('bodies', 'radius_2') .and. has_plane(values)) then
-         case%bodies%curvature_share = 0.0_wp
-      else if (values%is_given('bodies', 'radius_1')) then
-         case%bodies%curvature_share = case%bodies%reduced_radius/values%real_value('bodies', &
-            'radius_1')
+      call fill_bodies(values, case%bodies)
+      call find_load(values, case%bodies%reduced_radius, case%bodies%reduced_modulus, key, &
+         case%load_per_length)
+      call fill_lubricant(values, case%lubricant, case%materials)
+      call fill_numerics(values, case)
+      if (case%has_moes) then
+         call new_moes_scaling(case%scaling, case%moes_m, case%moes_l, case%lubricant)
+      else
+         call new_scaling(case%scaling, case%bodies, case%lubricant, case%load_per_length)
       end if
-      case%bodies%reduced_modulus = modulus_of(values)
-      case%bodies%speed_1 = values%real_value('bodies', 'speed_1')
-      case%bodies%speed_2 = values%real_value('bodies', 'speed_2')
-      case%load_per_length = values%real_value('load', 'load_per_length')
-      if (values%is_given('load', 'hertz_pressure')) case%load_per_length = &
-         line_load_from_pressure(values%real_value('load', 'hertz_pressure'), &
-         case%bodies%reduced_radius, case%bodies%reduced_modulus)
-   end subroutine fill_bodies
-
-   !> What only the limits of the model need, of &bodies and &lubricant.
-   subroutine fill_materials(values, materials)
-      type(input_values_t), intent(in) :: values
-      type(materials_t), intent(out) :: materials
-
-      materials%hardness = values%real_value('bodies', 'hardness')
-      materials%length = values%real_value('bodies', 'contact_length')
-      materials%effusivity = values%real_value('bodies', 'thermal_effusivity')
-      materials%density = values%real_value('lubricant', 'density')
-      materials%conductivity = values%real_value('lubricant', 'thermal_conductivity')
-      materials%thermal_viscosity = values%real_value('lubricant', 'thermal_viscosity')
-   end subroutine fill_materials
-
-   !> &lubricant; parameters that a law does not use are 0.
-   subroutine fill_lubricant(values, case)
-      type(input_values_t), intent(in) :: values
-      type(case_t), intent(inout) :: case
-      type(error_t), allocatable :: error
-
-      associate (oil => case%lubricant)
-         oil%viscosity = values%real_value('lubricant', 'viscosity')
-         oil%pressure_viscosity = values%real_value('lubricant', 'pressure_viscosity')
-         oil%roelands_p0 = values%real_value('lubricant', 'roelands_p0')
-         oil%roelands_z = values%real_value('lubricant', 'roelands_z')
-         oil%rheology = findloc(rheologies == values%word_value('lubricant', 'rheology'), &
-            .true., 1) - 1   ! -1: a word without a law, which stops where the law is needed
-         oil%stress_scale = 0.0_wp
-         if (oil%rheology /= rheology_newtonian) oil%stress_scale = values%real_value('lubricant', &
-            trim(values%word_value('lubricant', 'rheology'))//'_stress')
-         oil%density_law = findloc(density_laws == values%word_value('lubricant', 'density_law'), &
-            .true., 1) - 1
-         oil%viscosity_law = findloc(viscosity_laws == values%word_value('lubricant', &
-            'viscosity_law'), .true., 1) - 1
-         if (case%has_moes) then
-            call fill_moes_lubricant(case%moes_l, oil)
-         else if (oil%viscosity_law == viscosity_roelands) then
-            call complete_roelands(oil%viscosity, oil%pressure_viscosity, oil%roelands_p0, &
-               oil%roelands_z, error)
-         end if
-      end associate
-   end subroutine fill_lubricant
-
-   !> With &moes: L = 0 is constant viscosity and density; else what the laws need and is not given
-   !> gets a usual value.
-   subroutine fill_moes_lubricant(moes_l, oil)
-      real(wp), intent(in) :: moes_l
-      type(lubricant_t), intent(inout) :: oil
-
-      if (moes_l <= 0.0_wp) then
-         oil%viscosity_law = viscosity_constant
-         oil%density_law = density_constant
-         return
-      end if
-      if (oil%viscosity_law /= viscosity_roelands .and. oil%density_law == density_constant) return
-      if (oil%pressure_viscosity <= 0.0_wp) oil%pressure_viscosity = &
-         moes_default('pressure_viscosity')
-      if (oil%viscosity_law /= viscosity_roelands) return
-      if (oil%roelands_p0 <= 0.0_wp) oil%roelands_p0 = moes_default('roelands_p0')
-      if (oil%roelands_z <= 0.0_wp) oil%roelands_z = moes_default('roelands_z')
-   end subroutine fill_moes_lubricant
-
-   !> The value of a key of &lubricant with &moes where none is given.
-   function moes_default(key) result(value)
-      character(*), intent(in) :: key
-      real(wp) :: value
-      logical :: good
-
-      call read_real(trim(key_rows(find_key('lubricant', key))%moes_default), value, good)
-   end function moes_default
+      call check_regime(values, key, case)
+      if (values%findings%count > 0) return
+      call list_effective(values, case)
+      call make_surface(values, 'surface_1', case)
+      call make_surface(values, 'surface_2', case)
+      if (values%findings%count == 0) call check_resolution(values, case)
+   end subroutine fill_line_case
 
    !> &domain, &time, &solver, &film, &output and &accuracy; 0 where the program chooses.
    subroutine fill_numerics(values, case)
@@ -286,16 +178,14 @@ contains
       case%accuracy%has_error_bars = values%logical_value('accuracy', 'error_bars')
    end subroutine fill_numerics
 
-   !> A finding is a load for which the contact is wider than the radius, where neither Hertz nor
-   !> the half-space holds; a contact outside the range of &moes is one too.
-   subroutine check_regime(values, case)
+   !> Findings: a load, given by `key`, whose contact is wider than the radius, where neither Hertz
+   !> nor the half-space holds; a contact outside the range of &moes.
+   subroutine check_regime(values, key, case)
       type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: key
       type(case_t), intent(in) :: case
-      character(:), allocatable :: key
 
       if (case%has_moes) return
-      key = 'load_per_length'
-      if (values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
       associate (scales => case%scaling, m => key_rows(find_key('moes', 'moes_m')), &
          l => key_rows(find_key('moes', 'moes_l')))
          if (scales%half_width >= case%bodies%reduced_radius) then

@@ -4,17 +4,17 @@ module case_record
    use dry_case, only: dry_case_t
    use features, only: rough_surface_t
    use input_keys, only: find_key, key_rows
+   use key_rules, only: unusual_t
    use kinds, only: wp
    use lubricant, only: lubricant_t
    use scaling, only: scaling_t
    use solver_settings, only: domain_t, time_settings_t, solver_settings_t, word_length
    use text, only: to_text
-   use unusual_values, only: unusual_t
    use validity, only: materials_t
    implicit none (type, external)
    private
 
-   public :: accuracy_t, beside_namelist, case_identity, case_t, effective_t, effective_text, &
+   public :: accuracy_t, path_from_namelist, case_identity, case_t, effective_t, effective_text, &
       output_settings_t, result_path, set_effective
 
    !> A value that is used, given or default, for /input/effective/<group>/<key> of the result: as
@@ -28,12 +28,6 @@ module case_record
       integer, allocatable :: integer
       character(:), allocatable :: text
    end type effective_t
-
-   !> Sets or adds a value in the list of effective values, for instance one that the program has
-   !> chosen.
-   interface set_effective
-      procedure :: set_real, set_reals, set_integer, set_text
-   end interface set_effective
 
    !> What is stored of a transient.
    type :: output_settings_t
@@ -70,14 +64,14 @@ module case_record
       character(:), allocatable :: title
       !> 'ehl_line', 'dry_line' or 'dry_area'.
       character(len=word_length) :: problem = ''
-      !> 'full'.
+      !> 'full' or 'auto'.
       character(len=word_length) :: model
       !> 'reynolds', or 'stokes': the full momentum equations too, on `layers` across the film.
       character(len=word_length) :: equations = 'reynolds'
       integer :: layers = 0
       !> With the inertia of the oil.
       logical :: has_inertia = .false.
-      !> NAME.xdmf is wanted beside the result.
+      !> NAME.xdmf is written next to the result.
       logical :: has_xdmf = .false.
       !> Result file as given, empty if not; see `result_path`.
       character(:), allocatable :: output
@@ -85,7 +79,7 @@ module case_record
       character(:), allocatable :: file
       !> Its text, byte for byte.
       character(:), allocatable :: namelist
-      !> True if given by Moes' numbers: then bodies, load and ambient viscosity are unknown (zero).
+      !> True if given by Moes' numbers: then bodies, load and mu_0 are unknown (zero).
       logical :: has_moes
       !> M and L [-], mean velocity.
       real(wp) :: moes_m, moes_l
@@ -131,7 +125,7 @@ contains
 
       if (len(case%output) > 0) then
          path = case%output
-         if (output_dir == '') path = beside_namelist(case, path)
+         if (output_dir == '') path = path_from_namelist(case, path)
       else
          path = case%file(index(case%file, '/', back=.true.) + 1:)
          point = index(path, '.', back=.true.)
@@ -142,14 +136,14 @@ contains
    end function result_path
 
    !> A path that a namelist gives, relative to the folder of the namelist.
-   pure function beside_namelist(case, name) result(path)
+   pure function path_from_namelist(case, name) result(path)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: name
       character(:), allocatable :: path
 
       path = name
       if (index(path, '/') /= 1) path = case%file(:index(case%file, '/', back=.true.)) // path
-   end function beside_namelist
+   end function path_from_namelist
 
    !> The values that decide about the result of a case, one a line. Before anything is chosen by
    !> the program.
@@ -189,71 +183,32 @@ contains
       end if
    end function effective_text
 
-   !> One real number; `unit` as of `set_reals`.
-   pure subroutine set_real(case, group, key, value, unit)
+   !> Sets or adds a value in the list of effective values, for instance one that the program has
+   !> chosen: `reals` (at least one), `integer` or `text`. Its unit is that of the key table; `unit`
+   !> is that of a value which is no key.
+   pure subroutine set_effective(case, group, key, reals, integer, text, unit)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: group, key
-      real(wp), intent(in) :: value
-      character(*), intent(in), optional :: unit
-
-      call set_reals(case, group, key, [value], unit)
-   end subroutine set_real
-
-   !> Real numbers, at least one. Their unit is that of the key table; `unit` is that of a value
-   !> which is no key.
-   pure subroutine set_reals(case, group, key, values, unit)
-      type(case_t), intent(inout) :: case
-      character(*), intent(in) :: group, key
-      real(wp), intent(in) :: values(:)
-      character(*), intent(in), optional :: unit
-      integer :: place
-
-      call make_place(case, group, key, place)
-      case%effective(place)%reals = values
-      if (present(unit)) case%effective(place)%unit = unit
-   end subroutine set_reals
-
-   !> An integer.
-   pure subroutine set_integer(case, group, key, value)
-      type(case_t), intent(inout) :: case
-      character(*), intent(in) :: group, key
-      integer, intent(in) :: value
-      integer :: place
-
-      call make_place(case, group, key, place)
-      case%effective(place)%integer = value
-   end subroutine set_integer
-
-   !> A word, a text or several words.
-   pure subroutine set_text(case, group, key, value)
-      type(case_t), intent(inout) :: case
-      character(*), intent(in) :: group, key, value
-      integer :: place
-
-      call make_place(case, group, key, place)
-      case%effective(place)%text = value
-   end subroutine set_text
-
-   !> The `place` of a key in the list, a new one if it has none, without a value.
-   pure subroutine make_place(case, group, key, place)
-      type(case_t), intent(inout) :: case
-      character(*), intent(in) :: group, key
-      integer, intent(out) :: place
-      type(effective_t) :: entry
-      integer :: row
+      real(wp), intent(in), optional :: reals(:)
+      integer, intent(in), optional :: integer
+      character(*), intent(in), optional :: text, unit
+      integer :: place, row
 
       if (.not. allocated(case%effective)) allocate (case%effective(0))
-      entry%group = group
-      entry%key = key
-      entry%unit = ''
-      row = find_key(group, key, case%problem)
-      if (row > 0) entry%unit = key_rows(row)%unit
       do place = 1, size(case%effective)
          if (case%effective(place)%group == group .and. case%effective(place)%key == key) exit
       end do
       if (place > size(case%effective)) call make_room(case%effective)
-      case%effective(place) = entry
-   end subroutine make_place
+      case%effective(place) = effective_t(group, key, '')
+      associate (entry => case%effective(place))
+         row = find_key(group, key, case%problem)
+         if (row > 0) entry%unit = key_rows(row)%unit
+         if (present(unit)) entry%unit = unit
+         if (present(reals)) entry%reals = reals
+         if (present(integer)) entry%integer = integer
+         if (present(text)) entry%text = text
+      end associate
+   end subroutine set_effective
 
    !> One more entry; the values of the others are moved, not copied.
    pure subroutine make_room(entries)

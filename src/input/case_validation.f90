@@ -3,19 +3,18 @@
 !>
 !> Each check adds its findings and goes on, so that one report has them all.
 module case_validation
-   use body_values, only: check_radii
+   use body_input, only: check_bodies, check_load
    use case_memory, only: lubricated_memory
-   use dry_validation, only: check_dry
    use input_keys, only: find_key, group_rows, key_rows
    use input_values, only: input_values_t, value_t
    use key_row, only: expected_value, has_word, lubricated
    use key_rules, only: check_rules
    use kinds, only: wp
-   use lubricant_validation, only: check_lubricant
+   use lubricant_input, only: check_lubricant
    use solver_settings, only: max_intervals_of
-   use surface_validation, only: check_surface
+   use surface_keys, only: check_surface
    use system_limits, only: memory_fault, of_blas
-   use text, only: joined, to_text
+   use text, only: to_text
    implicit none (type, external)
    private
 
@@ -41,22 +40,13 @@ contains
       call check_case(values)
       call check_accuracy(values)
       call check_fields(values)
-      if (values%problem /= lubricated) then
-         if (is_read) call check_dry(values)
-         return
-      end if
-      if (values%has_group('bodies')) then
-         if (.not. values%logical_value('bodies', 'plane')) call check_ways(values, &
-            'reduced_radius', [character(len=20) :: 'radius_1', 'radius_2'])
-         call check_ways(values, 'reduced_modulus', [character(len=20) :: 'youngs_modulus_1', &
-            'youngs_modulus_2', 'poisson_ratio_1', 'poisson_ratio_2'])
-         call check_speeds(values)
-         call check_radii(values)
-      end if
+      if (values%problem /= lubricated .and. .not. is_read) return
+      call check_bodies(values)
       if (values%has_group('load')) call check_load(values)
       call check_lubricant(values)
       call check_surface(values, 'surface_1', 'speed_1')
       call check_surface(values, 'surface_2', 'speed_2')
+      if (values%problem /= lubricated) return
       if (values%logical_value('time', 'transient')) call check_time(values)
       call check_solver(values)
    end subroutine validate
@@ -101,66 +91,6 @@ contains
             // ', expected the name of a file')
       end if
    end subroutine check_case
-
-   !> A reduced value of &bodies, or all of the values it follows from. Findings: both, none, some.
-   subroutine check_ways(values, reduced, parts)
-      type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: reduced
-      character(*), intent(in) :: parts(:)
-      logical :: given(size(parts))
-      integer :: i
-      character(:), allocatable :: list
-
-      given = [(values%is_given('bodies', trim(parts(i))), i=1, size(parts))]
-      list = joined(parts, ', ', last=' and ')
-      if (values%is_given('bodies', reduced)) then
-         if (any(given)) call values%refuse('bodies', reduced, 'found together with ' &
-            // trim(parts(findloc(given, .true., dim=1))) // ', expected either ' // reduced &
-            // ' or ' // list)
-      else if (.not. any(given)) then
-         call values%refuse('bodies', trim(parts(1)), 'found nothing, expected ' // list &
-            // ', or ' // reduced // ' [' // trim(key_rows(find_key('bodies', reduced))%unit) &
-               // ']')
-      else
-         do i = 1, size(parts)
-            if (.not. given(i)) call values%refuse_missing('bodies', trim(parts(i)))
-         end do
-      end if
-   end subroutine check_ways
-
-   !> Findings: a speed that is missing; speeds that draw no oil into the contact.
-   subroutine check_speeds(values)
-      type(input_values_t), intent(inout) :: values
-      character(len=7), parameter :: speeds(2) = ['speed_1', 'speed_2']
-      real(wp) :: speed_sum
-      integer :: i
-
-      if (.not. values%is_given('bodies', 'entrainment_speed')) then
-         do i = 1, size(speeds)
-            if (.not. values%is_given('bodies', speeds(i))) call values%refuse_missing('bodies', &
-               speeds(i), '(or entrainment_speed for both)')
-         end do
-      end if
-      if (.not. (values%has_value('bodies', 'speed_1') &
-         .and. values%has_value('bodies', 'speed_2'))) return
-      speed_sum = values%real_value('bodies', 'speed_1') + values%real_value('bodies', 'speed_2')
-      if (speed_sum <= 0.0_wp) call values%refuse('bodies', 'speed_1', &
-         'found speed_1 + speed_2 = ' // to_text(speed_sum) // ', expected a sum > 0 [m/s]: no '// &
-         'oil is drawn in')
-   end subroutine check_speeds
-
-   !> Finds no load, or two.
-   subroutine check_load(values)
-      type(input_values_t), intent(inout) :: values
-
-      if (values%is_given('load', 'load_per_length')) then
-         if (values%is_given('load', 'hertz_pressure')) call values%refuse('load', &
-            'hertz_pressure', 'found together with load_per_length, expected one of the two')
-      else if (.not. values%is_given('load', 'hertz_pressure')) then
-         call values%refuse('load', 'load_per_length', &
-            'found nothing, expected load_per_length [N/m] or hertz_pressure [Pa]')
-      end if
-   end subroutine check_load
 
    !> Findings about a transient: a time step longer than the whole, quantities that count from a
    !> time after its end, too many steps, an inlet for steady cases. A step that the program chooses

@@ -1,21 +1,26 @@
 !> The grid of a dry case from &domain, from the file of a surface or, for a wanted accuracy, the
-!> one to begin with.
+!> one to begin with; whether it resolves the waves of the surfaces.
 module dry_grids
    use dry_case, only: dry_case_t
-   use dry_checks, only: min_nodes, finest_wave
-   use dry_surfaces, only: load_file, same_length
+   use dry_surfaces, only: same_length
    use even_grids, only: even_nodes
+   use file_heights, only: read_surface
+   use input_values, only: input_values_t, value_t
    use kinds, only: wp
    use surface_keys, only: has_shape, surfaces
-   use text, only: to_text
+   use text, only: add_sentence, to_text
    implicit none (type, external)
    private
 
-   public :: find_grid
+   public :: check_waves, find_grid
 
    !> Nodes in the shorter direction of the first grid for a wanted accuracy, of a line and of an
    !> area, and the most.
    integer, parameter :: first_nodes(2) = [64, 32], max_in_direction = 2**30
+   !> Nodes in the finest wave below which the program says so; fewer than the second show another
+   !> wave.
+   real(wp), parameter :: min_nodes = 8.0_wp
+   real(wp), parameter :: least_nodes = 2.0_wp
    !> Share of a node that rounding may take.
    real(wp), parameter :: rounding = 1.0e-6_wp
 
@@ -41,7 +46,7 @@ contains
       nodes = [1, 1]
       dry%lengths = 0.0_wp
       first = findloc(has_shape(dry%values, surfaces, 'file'), .true., dim=1)
-      if (first > 0) call load_file(dry, first)
+      if (first > 0) call read_surface(dry%values, surfaces(first), dry%folder, dry%files(first))
       if (dry%values%findings%count > 0) return
       associate (file => dry%files(max(first, 1)))
          do i = 1, directions
@@ -129,5 +134,44 @@ contains
          end if
       end associate
    end subroutine choose_first_grid
+
+   !> Finds waves of a surface with fewer than two nodes. A note where they have few.
+   subroutine check_waves(dry)
+      type(dry_case_t), intent(inout) :: dry
+      real(wp) :: spacing, wave, finest
+      character(:), allocatable :: key
+      integer :: i
+
+      finest = huge(1.0_wp)
+      do i = 1, size(surfaces)
+         key = 'wavelength'
+         spacing = dry%lengths(1)/dry%grid%nx
+         wave = finest_wave(dry%values, surfaces(i))
+         if (has_shape(dry%values, surfaces(i), 'synthetic')) then
+            key = 'wavelength_short'
+            if (dry%grid%ny > 1) spacing = max(spacing, dry%lengths(2)/dry%grid%ny)
+            if (.not. dry%values%is_given(surfaces(i), key)) wave = least_nodes*spacing
+         end if
+         if (wave < (least_nodes - rounding)*spacing) call dry%values%refuse(surfaces(i), key, &
+            'found ' // to_text(wave) // ' m, expected at least two nodes a wave, ' &
+            // to_text(2.0_wp*spacing, 3) // ' m, or more intervals')
+         if (wave < huge(1.0_wp)) finest = min(finest, wave/spacing)
+      end do
+      if (finest < min_nodes - rounding .and. dry%values%findings%count == 0) call add_sentence( &
+         dry%note, 'the finest waves of the surface have ' // to_text(finest, 2) // ' nodes, of ' &
+         // to_text(nint(min_nodes)) // ' that are needed for its contact area')
+   end subroutine check_waves
+
+   !> The shortest wave that the keys of a surface give [m]; huge: none.
+   pure elemental function finest_wave(values, group) result(wave)
+      type(input_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      real(wp) :: wave
+      type(value_t) :: slot
+
+      slot = values%slot(group, trim(merge('wavelength_short', 'wavelength      ', &
+         has_shape(values, group, 'synthetic'))))
+      wave = minval(slot%reals)
+   end function finest_wave
 
 end module dry_grids

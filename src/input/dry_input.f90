@@ -1,21 +1,22 @@
 !> From the checked values of a namelist to a dry contact.
 module dry_input
    use, intrinsic :: iso_fortran_env, only: int64
-   use body_values, only: modulus_of, radius_of
+   use body_input, only: find_load, modulus_of, radius_of
+   use constants, only: pi
+   use domain_border, only: recommended_room
    use dry_case, only: dry_case_t
-   use dry_checks, only: check_parabola, check_waves
    use dry_problem, only: kernel_band_limited, kernel_element, kernel_open, no_hardness
-   use dry_grids, only: find_grid
+   use dry_grids, only: check_waves, find_grid
    use dry_surfaces, only: make_heights, prepare_files
    use measured_heights, only: heights_t
-   use hertz, only: line_load_from_pressure, point_load_from_pressure
+   use hertz, only: line_half_width, point_radius
    use input_values, only: value_t
    use dry_settings, only: method_conjugate_gradient, method_steepest_descent
    use kinds, only: wp
    use large_pages, only: prefer_large_pages
    use surface_keys, only: has_shape, surfaces
    use system_limits, only: memory_fault
-   use text, only: to_text
+   use text, only: add_sentence, to_text
    implicit none (type, external)
    private
 
@@ -24,6 +25,8 @@ module dry_input
    !> Most nodes of an area: the padded transforms of an open one count four times as many in 32
    !> bits.
    integer, parameter :: max_nodes = 536870911
+   !> Images of a parabola on either side that are summed.
+   integer, parameter :: images = 60
 
 contains
 
@@ -100,14 +103,7 @@ contains
          pressures = dry%values%slot('load', key)
          dry%loads%mean_pressure = pressures%reals
       else
-         key = trim(merge('load_per_length', 'load           ', dry%grid%ny == 1))
-         if (dry%values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
-         load = dry%values%real_value('load', key)
-         if (key == 'hertz_pressure' .and. dry%grid%ny == 1) then
-            load = line_load_from_pressure(load, dry%radius, dry%reduced_modulus)
-         else if (key == 'hertz_pressure') then
-            load = point_load_from_pressure(load, dry%radius, dry%reduced_modulus)
-         end if
+         call find_load(dry%values, dry%radius, dry%reduced_modulus, key, load)
          dry%loads%mean_pressure = [load/area]
       end if
       if (maxval(dry%loads%mean_pressure) > dry%loads%hardness) call dry%values%refuse('load', &
@@ -167,5 +163,86 @@ contains
          dry%settings%max_cycles = values%integer_value('solver', 'max_cycles')
       end associate
    end subroutine fill_solver
+
+   !> Findings about a parabola: there are two; the open domain ends inside its contact. On a
+   !> periodic domain a note: what the images do.
+   subroutine check_parabola(dry)
+      type(dry_case_t), intent(inout) :: dry
+      logical :: is_one(2)
+
+      is_one = has_shape(dry%values, surfaces, 'parabola')
+      if (all(is_one)) then
+         call dry%values%refuse(surfaces(2), 'shape', 'found a second parabola, expected one: '// &
+            'the reduced radius is that of both bodies')
+      else if (any(is_one) .and. dry%is_periodic) then
+         call add_sentence(dry%note, note_on_images(dry))
+      else if (any(is_one) .and. any(has_shape(dry%values, surfaces, 'smooth'))) then
+         call check_room(dry)
+      end if
+   end subroutine check_parabola
+
+   !> Finds an open domain that is shorter than the contact of Hertz under the largest load (what
+   !> yields is wider still).
+   subroutine check_room(dry)
+      type(dry_case_t), intent(inout) :: dry
+      real(wp) :: growth, length, load, needed, width
+      character(:), allocatable :: key
+      logical :: is_line
+
+      is_line = dry%grid%ny == 1
+      length = merge(dry%lengths(1), minval(dry%lengths), is_line)
+      growth = 0.0_wp
+      if (allocated(dry%loads%separation)) then
+         width = 2.0_wp*sqrt(max(0.0_wp, maxval(dry%loads%separation))*dry%radius)
+      else
+         load = maxval(dry%loads%mean_pressure)*dry%lengths(1)
+         if (is_line) then
+            width = 2.0_wp*line_half_width(load, dry%radius, dry%reduced_modulus)
+         else
+            width = 2.0_wp*point_radius(load*dry%lengths(2), dry%radius, dry%reduced_modulus)
+         end if
+         ! A mean pressure loads a longer domain more.
+         if (dry%values%is_given('load', 'mean_pressure')) growth = merge(1.0_wp/2.0_wp, &
+            2.0_wp/3.0_wp, is_line)
+      end if
+      if (width <= length) return
+      needed = length*(recommended_room*width/length)**(1.0_wp/(1.0_wp - growth))
+      key = 'length'
+      if (.not. is_line) key = trim(merge('length_x', 'length_y', dry%lengths(1) <= dry%lengths(2)))
+      call dry%values%refuse('domain', key, 'found ' // to_text(length) &
+         // ' m, which ends inside the contact of ' // to_text(width, 3) &
+         // ' m (Hertz), expected about ' // to_text(needed, 2) // ' m')
+   end subroutine check_room
+
+   !> By how much the images of a periodic parabola raise its largest pressure. Near the contact
+   !> they bend the surface like a larger curvature 1/R + (P/(pi E')) sum 1/d^3, d the distances of
+   !> the images; of a line 1/R + 4 pi w/(3 E' L^2).
+   pure function note_on_images(dry) result(note)
+      type(dry_case_t), intent(in) :: dry
+      character(:), allocatable :: note
+      real(wp) :: bending, load, rise
+      integer :: i, j
+
+      note = 'the parabola is repeated with the period, which changes its contact'
+      if (.not. allocated(dry%loads%mean_pressure)) return
+      load = maxval(dry%loads%mean_pressure)*dry%lengths(1)
+      if (dry%grid%ny == 1) then
+         bending = 4.0_wp*pi*load/(3.0_wp*dry%reduced_modulus*dry%lengths(1)**2)
+         rise = (1.0_wp + dry%radius*bending)**(1.0_wp/2.0_wp) - 1.0_wp
+      else
+         bending = 0.0_wp
+         do j = -images, images
+            do i = -images, images
+               if (i /= 0 .or. j /= 0) bending = bending + hypot(i*dry%lengths(1), &
+                  j*dry%lengths(2))**(-3)
+            end do
+         end do
+         bending = bending*load*dry%lengths(2)/(pi*dry%reduced_modulus)
+         rise = (1.0_wp + dry%radius*bending)**(2.0_wp/3.0_wp) - 1.0_wp
+      end if
+      note = 'the parabola is repeated with the period: its images raise the largest pressure '// &
+         'by about ' // to_text(100.0_wp*rise, 2) // ' % over that of Hertz '// &
+         '(periodic = .false. has none)'
+   end function note_on_images
 
 end module dry_input

@@ -1,23 +1,20 @@
 !> The heights of a dry case from its two surfaces, on its first grid and on finer ones.
 module dry_surfaces
-   use, intrinsic :: iso_fortran_env, only: int64
    use analytic_heights, only: feature_heights, node_positions, parabola_heights
    use dry_case, only: dry_case_t
    use errors, only: error_t, fail, input_error
-   use file_heights, only: check_heights, filter_heights, find_trend, is_filtered
+   use file_heights, only: level_surface, read_surface
    use fourier_resampling, only: resample_heights
-   use height_file, only: read_heights
-   use height_form, only: take_off
    use input_values, only: value_t
    use kinds, only: wp
    use signals, only: begin_activity
-   use surface_keys, only: features_of, has_shape, read_synthesis, request_of, surfaces
+   use surface_keys, only: features_of, has_shape, read_synthesis, surfaces
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: is_refinable, load_file, make_heights, prepare_files, refine_heights, same_length
+   public :: is_refinable, make_heights, prepare_files, refine_heights, same_length
 
    !> Relative difference of two lengths that are the same.
    real(wp), parameter :: same_length = 1.0e-3_wp
@@ -64,39 +61,21 @@ contains
       is_refinable = dry%is_periodic .or. .not. any(has_shape(dry%values, surfaces, 'file'))
    end function is_refinable
 
-   !> Reads the file of surface `i`, unless it is read already. Finding: the file.
-   subroutine load_file(dry, i)
-      type(dry_case_t), intent(inout) :: dry
-      integer, intent(in) :: i
-      type(error_t), allocatable :: error
-
-      if (allocated(dry%files(i)%z)) return
-      call read_heights(request_of(dry%values, surfaces(i), dry%folder), &
-         dry%values%problem == 'dry_area', dry%files(i), error)
-      if (allocated(error)) call dry%values%refuse(surfaces(i), 'file', error%message)
-   end subroutine load_file
-
-   !> Reads the files of both surfaces, once the lengths of the domain are known, and takes off
-   !> their tilt, form and the waves beyond the cut-offs. Findings: as of
-   !> `load_file`; heights that cannot be.
+   !> Reads the files of both surfaces, once the lengths of the domain are known, and subtracts
+   !> tilt, form and the waves beyond the cut-offs. Findings: a file; heights that cannot be.
    subroutine prepare_files(dry)
       type(dry_case_t), intent(inout) :: dry
-      real(wp) :: spacing(2)
       integer :: i
 
       do i = 1, size(surfaces)
          if (.not. has_shape(dry%values, surfaces(i), 'file')) cycle
-         call load_file(dry, i)
+         if (.not. allocated(dry%files(i)%z)) call read_surface(dry%values, surfaces(i), &
+            dry%folder, dry%files(i))
          if (dry%values%findings%count > 0) return
          associate (file => dry%files(i))
-            spacing = file%spacing
-            where (spacing <= 0.0_wp) spacing = dry%lengths/file%grid
-            call find_trend(dry%values, surfaces(i), file, spacing, dry%is_periodic, &
-               dry%trends(i), dry%note)
-            call take_off(dry%trends(i)%form, 0_int64, file%z)
-            if (is_filtered(dry%values, surfaces(i))) call filter_heights(dry%values, surfaces(i), &
-               dry%is_periodic, spacing, file)
-            call check_heights(dry%values, surfaces(i), file, spacing, dry%note)
+            where (file%spacing <= 0.0_wp) file%spacing = dry%lengths/file%grid
+            call level_surface(dry%values, surfaces(i), dry%is_periodic, file, dry%trends(i), &
+               dry%note)
          end associate
       end do
    end subroutine prepare_files

@@ -1,40 +1,117 @@
-!> What is done with the heights of a file before they become a surface, in oil and dry: their tilt
-!> and form are taken off, and they must be those of a surface at all. Wrong units are found here.
+!> The heights of a file on their way to a surface, in oil and dry: they are read; tilt, form and
+!> the waves beyond the cut-offs are subtracted; they must be those of a surface at all. Wrong units
+!> are found here.
 module file_heights
    use, intrinsic :: iso_fortran_env, only: int64
-   use measured_heights, only: heights_t
    use errors, only: error_t
-   use gauss_filter, only: least_nodes, take_mean_line
+   use gauss_filter, only: least_nodes, smooth_heights
+   use height_file, only: read_heights
    use height_form, only: closes, curvature_of, extent_of, form_of, new_sums, rms_height, &
-      rms_slope, tilt_of, trend_t
+      rms_slope, subtract_form, tilt_of, trend_t
+   use height_source, only: height_source_t
    use input_values, only: input_values_t
    use kinds, only: wp
+   use measured_heights, only: height_request_t, heights_t, put_level
    use text, only: add_sentence, to_text
    implicit none (type, external)
    private
 
-   public :: check_heights, filter_heights, find_trend, is_filtered, units_hint
+   public :: hold_heights, is_filtered, level_surface, read_surface, units_hint
 
+   !> Heights of a source that can be held together.
+   integer(int64), parameter :: max_held = 4194304_int64
    !> Rms slope [-] above which a note is given, and above which it is refused.
    real(wp), parameter :: steep = 1.0_wp, steepest = 10.0_wp
    !> Length of a profile or area above which a note is given [m].
    real(wp), parameter :: long = 1.0_wp
    !> Height of a tilt over its length, or of a form, over the rms height that is left, above which
-   !> it is told.
-   real(wp), parameter :: told = 0.01_wp
+   !> a note gives it.
+   real(wp), parameter :: noted = 0.01_wp
    !> What a message about heights that cannot be says.
    character(*), parameter :: units_hint = ' (are the units right: x_unit, z_unit?)'
 
 contains
 
-   !> Findings about the heights of the surface `group` on nodes `spacing` [m] apart: they are
-   !> higher than the file is long, or steeper than a half-space can be, and their units are not
-   !> stated by keys. A note on heights that are steep or metres long.
-   subroutine check_heights(values, group, heights, spacing, note)
+   !> Reads the heights of the file of the surface `group`, a path relative to `folder` (with its
+   !> slash), all of them unless their source is `kept`. Finding: the file.
+   subroutine read_surface(values, group, folder, heights, kept)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group, folder
+      type(heights_t), intent(out) :: heights
+      class(height_source_t), allocatable, intent(out), optional :: kept
+      type(height_request_t) :: request
+      type(error_t), allocatable :: error
+
+      request%file = trim(values%text_value(group, 'file'))
+      if (index(request%file, '/') /= 1) request%file = folder//request%file
+      request%positions = trim(values%text_value(group, 'positions'))
+      request%dataset = trim(values%text_value(group, 'dataset'))
+      request%units(1) = trim(values%word_value(group, 'x_unit'))
+      request%units(2) = trim(values%word_value(group, 'z_unit'))
+      where (request%units == 'auto' .or. request%units == '?') request%units = ''
+      call read_heights(request, values%problem == 'dry_area', heights, error, kept)
+      if (allocated(error)) call values%refuse(group, 'file', error%message)
+   end subroutine read_surface
+
+   !> Subtracts tilt, form and the waves beyond the cut-offs of the surface `group` from its
+   !> `heights`, which will be repeated if `is_periodic`, and from their `source`, if there is one:
+   !> filtered heights are held and have none. `trend`: what was subtracted. Findings: cut-offs, and
+   !> heights, that cannot be. A note on a large `trend`, on steep and on long surfaces.
+   subroutine level_surface(values, group, is_periodic, heights, trend, note, source)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group
+      logical, intent(in) :: is_periodic
+      type(heights_t), intent(inout) :: heights
+      type(trend_t), intent(out) :: trend
+      character(:), allocatable, intent(inout) :: note
+      class(height_source_t), allocatable, intent(inout), optional :: source
+      character(:), allocatable :: fault
+
+      call find_trend(values, group, heights, is_periodic, trend, note)
+      if (present(source)) call put_level(source, trend%form)
+      if (allocated(heights%z)) call subtract_form(trend%form, 0_int64, heights%z)
+      if (is_filtered(values, group)) then
+         fault = ''
+         if (present(source)) call hold_heights(source, heights%z, &
+            ' with cutoff_long or cutoff_short: a filter', fault)
+         if (fault == '') then
+            call filter_heights(values, group, is_periodic, heights)
+         else
+            call values%refuse(group, 'file', fault)
+         end if
+      end if
+      call check_heights(values, group, heights, note)
+   end subroutine level_surface
+
+   !> Reads all heights of a `source` into `z`, unless they are held, and drops the source. `fault`:
+   !> they are too many for `purpose`, or cannot be read.
+   subroutine hold_heights(source, z, purpose, fault)
+      class(height_source_t), allocatable, intent(inout) :: source
+      real(wp), allocatable, intent(inout) :: z(:)
+      character(*), intent(in) :: purpose
+      character(:), allocatable, intent(out) :: fault
+      type(error_t), allocatable :: error
+
+      fault = ''
+      if (.not. allocated(source)) return
+      if (source%nodes > max_held) then
+         fault = 'found a profile of '//to_text(source%nodes)//' nodes, expected at most ' &
+            //to_text(max_held)//purpose//' needs all of them at once'
+      else if (.not. allocated(z)) then
+         allocate (z(source%nodes))
+         call source%get(0_int64, z, error)
+         if (allocated(error)) fault = error%message
+      end if
+      if (fault == '') deallocate (source)
+   end subroutine hold_heights
+
+   !> Findings about the heights of the surface `group`: they are higher than the file is long, or
+   !> steeper than a half-space can be, and their units are not stated by keys. A note on heights
+   !> that are steep or metres long.
+   subroutine check_heights(values, group, heights, note)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       type(heights_t), intent(in) :: heights
-      real(wp), intent(in) :: spacing(2)
       character(:), allocatable, intent(inout) :: note
       real(wp) :: length, slope
       logical :: is_stated
@@ -42,8 +119,8 @@ contains
       is_stated = values%word_value(group, 'x_unit') /= 'auto' &
          .and. values%word_value(group, 'z_unit') /= 'auto'
       associate (sums => heights%sums)
-         length = maxval((sums%grid - 1)*spacing)
-         slope = maxval(rms_slope(sums, spacing))
+         length = maxval((sums%grid - 1)*heights%spacing)
+         slope = maxval(rms_slope(sums, heights%spacing))
          if (slope > steepest .and. .not. is_stated) then
             call values%refuse(group, 'file', heights%file// &
                ': found heights with an rms slope of '//to_text(slope, 3)//', expected at most ' &
@@ -62,13 +139,12 @@ contains
       end associate
    end subroutine check_heights
 
-   !> What is to be taken off the heights of the surface `group` on nodes `spacing` [m] apart, which
-   !> will be repeated if `is_periodic`. A note says how large it is.
-   subroutine find_trend(values, group, heights, spacing, is_periodic, trend, note)
+   !> What is to be subtracted from the heights of the surface `group`, which will be repeated if
+   !> `is_periodic`. A note says how large it is.
+   subroutine find_trend(values, group, heights, is_periodic, trend, note)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
       type(heights_t), intent(in) :: heights
-      real(wp), intent(in) :: spacing(2)
       logical, intent(in) :: is_periodic
       type(trend_t), intent(out) :: trend
       character(:), allocatable, intent(inout) :: note
@@ -83,11 +159,11 @@ contains
       end if
       trend%word = words(degree)
       trend%form = form_of(heights%sums, degree)
-      trend%spacing = spacing
+      trend%spacing = heights%spacing
       call add_sentence(note, trend_words(group, trend, rms_height(heights%sums, trend%form)))
    end subroutine find_trend
 
-   !> What was taken off a surface, if it is more than a little beside the rms height [m] that is
+   !> What was subtracted from a surface, if it is more than a little of the rms height [m] that is
    !> left; else empty.
    pure function trend_words(group, trend, rms) result(words)
       character(*), intent(in) :: group
@@ -100,13 +176,13 @@ contains
       extent = extent_of(trend)
       tilt = tilt_of(trend)
       curvature = curvature_of(trend)
-      if (any(abs(tilt)*extent > told*rms)) then
+      if (any(abs(tilt)*extent > noted*rms)) then
          words = 'tilt '//to_text(abs(tilt(1)), 3)//', '//to_text(abs(tilt(1))*extent(1), 3) &
             //' m over '//to_text(extent(1), 3)//' m'
          if (extent(2) > 0.0_wp) words = words//' in x, '//to_text(abs(tilt(2)), 3)//', ' &
             //to_text(abs(tilt(2))*extent(2), 3)//' m over '//to_text(extent(2), 3)//' m in y'
       end if
-      if (any(abs(curvature)*extent**2/8.0_wp > told*rms)) then
+      if (any(abs(curvature)*extent**2/8.0_wp > noted*rms)) then
          if (words /= '') words = words//' and '
          words = words//'curvature '//to_text(curvature(1), 3)//' 1/m, ' &
             //to_text(abs(curvature(1))*extent(1)**2/8.0_wp, 3)//' m high'
@@ -127,15 +203,14 @@ contains
          'cutoff_long')
    end function is_filtered
 
-   !> Takes the waves beyond the cut-offs of the surface `group` off its heights, which must be held
-   !> and without their form, and makes their sums anew. Heights that are repeated (`is_periodic`)
-   !> and close on themselves are filtered so. Findings: cut-offs that the nodes do not carry, or
-   !> out of order.
-   subroutine filter_heights(values, group, is_periodic, spacing, heights)
+   !> Subtracts the waves beyond the cut-offs of the surface `group` from its heights, which must be
+   !> held and without their form, and makes their sums anew. Heights that are repeated
+   !> (`is_periodic`) and close on themselves are filtered so. Findings: cut-offs that the nodes do
+   !> not carry, or out of order.
+   subroutine filter_heights(values, group, is_periodic, heights)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
       logical, intent(in) :: is_periodic
-      real(wp), intent(in) :: spacing(2)
       type(heights_t), intent(inout) :: heights
       character(*), parameter :: keys(2) = [character(len=12) :: 'cutoff_short', 'cutoff_long']
       type(error_t), allocatable :: error
@@ -146,7 +221,7 @@ contains
 
       before = values%findings%count
       do i = 1, 2
-         call check_cutoff(values, group, trim(keys(i)), spacing, heights)
+         call check_cutoff(values, group, trim(keys(i)), heights)
       end do
       cutoff = [values%real_value(group, keys(1)), values%real_value(group, trim(keys(2)), &
          huge(1.0_wp))]
@@ -160,8 +235,8 @@ contains
       do i = 1, 2
          if (.not. values%is_given(group, trim(keys(i)))) cycle
          whole = heights%z
-         call take_mean_line(grid, cutoff(i)/max(spacing, tiny(1.0_wp)*cutoff(i)), repeats, &
-            heights%z, error)
+         call smooth_heights(grid, cutoff(i)/max(heights%spacing, tiny(1.0_wp)*cutoff(i)), &
+            repeats, heights%z, error)
          if (allocated(error)) then
             call values%refuse(group, trim(keys(i)), error%message)
             return
@@ -173,16 +248,15 @@ contains
    end subroutine filter_heights
 
    !> Finding: a cut-off of fewer than `least_nodes` spacings, or longer than the file.
-   subroutine check_cutoff(values, group, key, spacing, heights)
+   subroutine check_cutoff(values, group, key, heights)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group, key
-      real(wp), intent(in) :: spacing(2)
       type(heights_t), intent(in) :: heights
       real(wp) :: cutoff, least, most
 
       if (.not. values%is_given(group, key)) return
       cutoff = values%real_value(group, key)
-      associate (grid => heights%sums%grid)
+      associate (grid => heights%sums%grid, spacing => heights%spacing)
          least = least_nodes*maxval(spacing, mask=grid > 1)
          most = minval(spacing*grid, mask=grid > 1)
       end associate

@@ -2,15 +2,12 @@
 !> words, meanings, and with what a key is used and needed.
 !>
 !> The reader, its checks and messages, `--template`, `--keys` and the page docs/input.md all use
-!> it; defaults stand nowhere else.
+!> it. Defaults of the solvers that stand in the code too are compared with it by a unit test.
 module input_keys
-   use dry_settings, only: dry_cycles, dry_tolerance
    use key_row, only: dry, dry_area, dry_line, every, group_row_t, has_word, integer_kind, &
       is_chosen, is_optional, is_required, key_row_t, logical_kind, lubricated, real_kind, &
       reals_kind, text_kind, word_kind, words_kind
-   use kinds, only: wp
    use length_units, only: length_words => known_units
-   use solver_settings, only: max_small_intervals, steady_tolerance, step_tolerance
    implicit none (type, external)
    private
 
@@ -72,361 +69,360 @@ module input_keys
    !> Counter of the implied loops below; it never has a value.
    integer :: i
 
-   !> Bounds of the solvers where none is given: steady, in time steps, dry.
-   real(wp), parameter :: tolerances(3) = [steady_tolerance, step_tolerance, dry_tolerance]
-
-   !> Numbers of the solvers as texts: negative powers of ten, and integers of four and five digits.
-   character(len=*), parameter :: power_of_ten(3) = [('1e-'//achar(iachar('0') &
-      - nint(log10(tolerances(i)))), i=1, 3)]
-   character(len=1), parameter :: &
-      small(4) = [(achar(iachar('0') + (mod(max_small_intervals, 10**i) &
-         - mod(max_small_intervals, 10**(i - 1)))/10**(i - 1)), i=4, 1, -1)], &
-      cycles(5) = [(achar(iachar('0') + (mod(dry_cycles, 10**i) &
-         - mod(dry_cycles, 10**(i - 1)))/10**(i - 1)), i=5, 1, -1)]
-
    type(key_row_t), parameter :: case_rows(*) = [ &
-      key_row_t('case', 'title', text_kind, '', "''", &
-         'free text, stored in the result', problems=every), &
+      key_row_t('case', 'title', text_kind, '', "''", 'free text, stored in the result', &
+         problems=every, example="'Case 1: smooth surfaces, steady'", &
+         dry_example="'Rough surface against a rigid plane'"), &
       key_row_t('case', 'problem', word_kind, '', is_required, &
-         'ehl_line: lubricated line contact; dry_line, dry_area: dry contact of profiles and '// &
-            'of areas', words=every, problems=every), &
+         'ehl_line: lubricated line contact; dry_line, dry_area: dry contact of profiles ' &
+         //'and of areas', words=every, problems=every), &
       key_row_t('case', 'output', text_kind, '', is_chosen, &
-         'result file, relative to the namelist; chosen: name of the namelist + .h5, in the '// &
-            'current folder', problems=every), &
+         'result file, relative to the namelist; chosen: name of the namelist + .h5, in the ' &
+         //'current folder', problems=every, example="! 'case1.h5'", dry_example="! 'rough.h5'"), &
       key_row_t('case', 'model', word_kind, '', "'full'", &
-         'full: every ingredient of the model; auto: a passage as a steady contact where that '// &
-            'surely does', words='full auto'), &
-      key_row_t('case', 'model', word_kind, '', "'full'", &
-         'full: every ingredient of the model', words='full', problems=dry), &
+         'full: every ingredient of the model; auto: a passage as a steady contact where ' &
+         //'that surely does', words='full auto'), &
+      key_row_t('case', 'model', word_kind, '', "'full'", 'full: every ingredient of the model', &
+         words='full', problems=dry), &
       key_row_t('case', 'equations', word_kind, '', "'reynolds'", &
          'of the film: reynolds; stokes: full momentum, beside Reynolds on the same grid', &
          words='reynolds stokes')]
 
    type(key_row_t), parameter :: bodies_rows(*) = [ &
       key_row_t('bodies', 'radius_1', real_kind, 'm', is_optional, &
-         'radius of body 1, negative if concave; radius_1 and radius_2, or one and plane, or '// &
-            'reduced_radius', &
-         range='/= 0, >= -1e12, <= 1e12', problems=every, typical=typical_radius), &
+         'radius of body 1, negative if concave; radius_1 and radius_2, or one and plane, ' &
+         //'or reduced_radius', range='/= 0, >= -1e12, <= 1e12', problems=every, &
+         typical=typical_radius, example='0.01', dry_example='! 0.01'), &
       key_row_t('bodies', 'radius_2', real_kind, 'm', is_optional, &
-         'radius of body 2, negative if concave', &
-         range='/= 0, >= -1e12, <= 1e12', problems=every, typical=typical_radius), &
+         'radius of body 2, negative if concave', range='/= 0, >= -1e12, <= 1e12', problems=every, &
+         typical=typical_radius, example='2.0', dry_example='! 2.0'), &
       key_row_t('bodies', 'plane', logical_kind, '', '.false.', &
-         'the body whose radius is not given is a plane', problems=every), &
-      key_row_t('bodies', 'reduced_radius', real_kind, 'm', is_optional, &
-         'R of 1/R = 1/R1 + 1/R2', range='>= 1e-9, <= 1e9', problems=every, &
-         typical=typical_radius), &
+         'the body whose radius is not given is a plane', problems=every, example='! .true.'), &
+      key_row_t('bodies', 'reduced_radius', real_kind, 'm', is_optional, 'R of 1/R = 1/R1 + 1/R2', &
+         range='>= 1e-9, <= 1e9', problems=every, typical=typical_radius, example='! 9.950e-3'), &
       key_row_t('bodies', 'youngs_modulus_1', real_kind, 'Pa', is_optional, &
-         'of body 1; both moduli and Poisson ratios, or reduced_modulus', &
-         range='>= 1e3, <= 1e15', problems=every, typical=typical_modulus), &
-      key_row_t('bodies', 'youngs_modulus_2', real_kind, 'Pa', is_optional, &
-         'of body 2', range='>= 1e3, <= 1e15', problems=every, typical=typical_modulus), &
-      key_row_t('bodies', 'poisson_ratio_1', real_kind, '-', is_optional, &
-         'of body 1', range='>= 0, <= 0.5', problems=every), &
-      key_row_t('bodies', 'poisson_ratio_2', real_kind, '-', is_optional, &
-         'of body 2', range='>= 0, <= 0.5', problems=every), &
+         'of body 1; both moduli and Poisson ratios, or reduced_modulus', range='>= 1e3, <= 1e15', &
+         problems=every, typical=typical_modulus, example='206e9', dry_example='210e9'), &
+      key_row_t('bodies', 'youngs_modulus_2', real_kind, 'Pa', is_optional, 'of body 2', &
+         range='>= 1e3, <= 1e15', problems=every, typical=typical_modulus, example='206e9', &
+         dry_example='! 210e9'), &
+      key_row_t('bodies', 'poisson_ratio_1', real_kind, '-', is_optional, 'of body 1', &
+         range='>= 0, <= 0.5', problems=every, example='0.3'), &
+      key_row_t('bodies', 'poisson_ratio_2', real_kind, '-', is_optional, 'of body 2', &
+         range='>= 0, <= 0.5', problems=every, example='0.3', dry_example='! 0.3'), &
       key_row_t('bodies', 'reduced_modulus', real_kind, 'Pa', is_optional, &
          "E' of 2/E' = (1-nu1^2)/E1 + (1-nu2^2)/E2", range='>= 1e3, <= 1e15', problems=every, &
-         typical=typical_modulus), &
+         typical=typical_modulus, example='! 226.4e9', dry_example='! 230.8e9'), &
       key_row_t('bodies', 'speed_1', real_kind, 'm/s', is_optional, &
-         'surface speed u1 of body 1; both speeds, or entrainment_speed; the oil flows '// &
-            'towards +x: u1 + u2 > 0', &
-         range='>= -1e4, <= 1e4', typical=typical_speed), &
-      key_row_t('bodies', 'speed_2', real_kind, 'm/s', is_optional, &
-         'surface speed u2 of body 2', range='>= -1e4, <= 1e4', typical=typical_speed), &
+         'surface speed u1 of body 1; both speeds, or entrainment_speed; the oil flows ' &
+         //'towards +x: u1 + u2 > 0', range='>= -1e4, <= 1e4', typical=typical_speed, &
+         example='0.1'), &
+      key_row_t('bodies', 'speed_2', real_kind, 'm/s', is_optional, 'surface speed u2 of body 2', &
+         range='>= -1e4, <= 1e4', typical=typical_speed, example='1.1'), &
       key_row_t('bodies', 'entrainment_speed', real_kind, 'm/s', is_optional, &
          'mean speed U = (u1 + u2)/2, in place of the two speeds', range='> 0, <= 1e4', &
-         typical=typical_speed), &
+         typical=typical_speed, example='! 0.6'), &
       key_row_t('bodies', 'slide_to_roll', real_kind, '-', '0.0', &
          '(u2 - u1)/U: positive where surface 2 is the faster one', range='>= -1e3, <= 1e3', &
-         used='entrainment_speed'), &
+         used='entrainment_speed', example='! 1.666667'), &
       key_row_t('bodies', 'hardness', real_kind, 'Pa', is_optional, &
          'H, the largest pressure of an elastic-perfectly plastic contact; not given: elastic', &
-         range='>= 1, <= 1e15', problems=dry, typical=typical_hardness), &
+         range='>= 1, <= 1e15', problems=dry, typical=typical_hardness, example='4e9'), &
       key_row_t('bodies', 'hardness', real_kind, 'Pa', is_optional, &
          'of the softer body: pressures above it, and above the shakedown limit, are told', &
-         range='>= 1, <= 1e15', typical=typical_hardness), &
+         range='>= 1, <= 1e15', typical=typical_hardness, example='! 7e9'), &
       key_row_t('bodies', 'contact_length', real_kind, 'm', is_optional, &
          'length of the contact across the flow, for an estimate of the flow to its sides', &
-         range='>= 1e-9, <= 1e6', typical='1e-4 to 5'), &
+         range='>= 1e-9, <= 1e6', typical='1e-4 to 5', example='! 0.02'), &
       key_row_t('bodies', 'thermal_effusivity', real_kind, 'W s^0.5/m2/K', '13000.0', &
          'sqrt(k rho c) of both bodies, for an estimate of temperatures; default: steel', &
          range='>= 1, <= 1e6', typical='100 to 1e5')]
 
    type(key_row_t), parameter :: load_rows(*) = [ &
       key_row_t('load', 'load_per_length', real_kind, 'N/m', is_optional, &
-         'load w per length of the line; this or hertz_pressure', &
-         range='>= 1e-6, <= 1e12', problems='ehl_line dry_line', typical='50 to 2e7'), &
+         'load w per length of the line; this or hertz_pressure', range='>= 1e-6, <= 1e12', &
+         problems='ehl_line dry_line', typical='50 to 2e7', example='1e5', dry_example='! 100e3'), &
       key_row_t('load', 'hertz_pressure', real_kind, 'Pa', is_optional, &
          'greatest Hertzian pressure p_h of the same load', range='>= 1, <= 1e13', &
-         typical=typical_pressure), &
+         typical=typical_pressure, example='! 0.6e9'), &
       key_row_t('load', 'mean_pressure', reals_kind, 'Pa', is_optional, &
-         'load over nominal area; several values: a sweep; or load_per_length, load, '// &
-            'hertz_pressure, separation', range='> 0, <= 1e15', problems=dry, &
-         typical='1e4 to 1e10'), &
-      key_row_t('load', 'load', real_kind, 'N', is_optional, &
-         'load of an area', range='> 0, <= 1e15', problems=dry_area, typical='1e-5 to 1e6'), &
+         'load over nominal area; several values: a sweep; or load_per_length, load, ' &
+         //'hertz_pressure, separation', range='> 0, <= 1e15', problems=dry, &
+         typical='1e4 to 1e10', example='50e6, 100e6, 250e6'), &
+      key_row_t('load', 'load', real_kind, 'N', is_optional, 'load of an area', &
+         range='> 0, <= 1e15', problems=dry_area, typical='1e-5 to 1e6', example='! 10.0'), &
       key_row_t('load', 'hertz_pressure', real_kind, 'Pa', is_optional, &
-         'greatest Hertzian pressure of the same load', &
-         range='>= 1, <= 1e13', used='surface%shape = parabola', problems=dry, &
-         typical=typical_pressure), &
+         'greatest Hertzian pressure of the same load', range='>= 1, <= 1e13', &
+         used='surface%shape = parabola', problems=dry, typical=typical_pressure, &
+         example='! 1e9'), &
       key_row_t('load', 'separation', reals_kind, 'm', is_optional, &
-         'instead of a load: plane to mean of the undeformed surface; open areas: approach '// &
-            'since first touch', range='>= -1e3, <= 1e3', problems=dry, &
-         typical='1e-10 to 3e-4'), &
+         'instead of a load: plane to mean of the undeformed surface; open areas: approach ' &
+         //'since first touch', range='>= -1e3, <= 1e3', problems=dry, typical='1e-10 to 3e-4', &
+         example='! 1e-6'), &
       key_row_t('load', 'loading', word_kind, '', "'virgin'", &
          'virgin: each load acts on the virgin surface; history: on what the load before left', &
          words='virgin history', problems=dry), &
-      key_row_t('moes', 'moes_m', real_kind, '-', is_required, &
-         'load number M', range='>= 1e-3, <= 1e6'), &
+      key_row_t('moes', 'moes_m', real_kind, '-', is_required, 'load number M', &
+         range='>= 1e-3, <= 1e6', example='! 20'), &
       key_row_t('moes', 'moes_l', real_kind, '-', is_required, &
-         'material number L; 0: constant viscosity', range='>= 0, <= 1000'), &
+         'material number L; 0: constant viscosity', range='>= 0, <= 1000', example='! 10'), &
       key_row_t('moes', 'velocity', word_kind, '', is_required, &
          'velocity in M and L: mean is (u1+u2)/2, sum is u1+u2 (Venner and Lubrecht)', &
-         words='mean sum')]
+         words='mean sum', example="! 'sum'")]
 
    type(key_row_t), parameter :: lubricant_rows(*) = [ &
       key_row_t('lubricant', 'viscosity', real_kind, 'Pa s', is_optional, &
-         'viscosity mu_0 at ambient pressure', &
-         range='>= 1e-9, <= 1e6', used='no &moes: which stands for it', needed='no &moes', &
-         typical='2e-4 to 5'), &
+         'viscosity mu_0 at ambient pressure', range='>= 1e-9, <= 1e6', &
+         used='no &moes: which stands for it', needed='no &moes', typical='2e-4 to 5', &
+         example='0.14'), &
       key_row_t('lubricant', 'viscosity_law', word_kind, '', "'roelands'", &
          'rise of viscosity with pressure', words='roelands barus constant'), &
       key_row_t('lubricant', 'pressure_viscosity', real_kind, '1/Pa', is_optional, &
          'alpha; Roelands needs alpha, or two of alpha, z, P0 (alpha alone: P0 = 1.96e8)', &
-         moes_default='2.2e-8', &
-         range='>= 1e-12, <= 1e-6', used='moes%moes_l /= 0, viscosity_law = roelands barus', &
+         moes_default='2.2e-8', range='>= 1e-12, <= 1e-6', &
+         used='moes%moes_l /= 0, viscosity_law = roelands barus', &
          needed="no &moes, viscosity_law = barus: with viscosity_law = 'barus'", &
-         typical='3e-10 to 1e-7'), &
-      key_row_t('lubricant', 'roelands_z', real_kind, '-', is_optional, &
-         'exponent z of Roelands', moes_default='0.668', &
-         range='>= 0.01, <= 2', used='moes%moes_l /= 0, viscosity_law = roelands', &
-         typical='0.1 to 1.5'), &
+         typical='3e-10 to 1e-7', example='! 2.3345e-8'), &
+      key_row_t('lubricant', 'roelands_z', real_kind, '-', is_optional, 'exponent z of Roelands', &
+         moes_default='0.668', range='>= 0.01, <= 2', &
+         used='moes%moes_l /= 0, viscosity_law = roelands', typical='0.1 to 1.5', example='0.6'), &
       key_row_t('lubricant', 'roelands_p0', real_kind, 'Pa', is_optional, &
          'reference pressure P0 of Roelands, about 1.96e8', moes_default='1.96e8', &
          range='>= 1e6, <= 1e11', used='moes%moes_l /= 0, viscosity_law = roelands', &
-         typical='5e7 to 1e9'), &
+         typical='5e7 to 1e9', example='1.98e8'), &
       key_row_t('lubricant', 'density_law', word_kind, '', "'dowson_higginson'", &
          'rise of density with pressure', words='dowson_higginson constant'), &
-      key_row_t('lubricant', 'rheology', word_kind, '', "'newtonian'", &
-         'flow law of the oil', words='newtonian eyring'), &
+      key_row_t('lubricant', 'rheology', word_kind, '', "'newtonian'", 'flow law of the oil', &
+         words='newtonian eyring', example="'eyring'"), &
       key_row_t('lubricant', 'eyring_stress', real_kind, 'Pa', is_optional, &
          'tau_0 of the Eyring law', range='>= 1e3, <= 1e15', used='rheology = eyring', &
-         needed="rheology = eyring: with rheology = 'eyring'", typical='5e4 to 1e8'), &
+         needed="rheology = eyring: with rheology = 'eyring'", typical='5e4 to 1e8', &
+         example='3.3e6'), &
       key_row_t('lubricant', 'density', real_kind, 'kg/m3', '870.0', &
          'at ambient pressure, for the Reynolds number and &film inertia; default: mineral oil', &
          range='>= 1, <= 1e5', used=in_metres, typical='500 to 2500'), &
       key_row_t('lubricant', 'thermal_conductivity', real_kind, 'W/m/K', '0.14', &
-         'for estimates of temperatures; default: mineral oil', &
-         range='>= 1e-3, <= 1e3', used=in_metres, typical='0.05 to 2'), &
+         'for estimates of temperatures; default: mineral oil', range='>= 1e-3, <= 1e3', &
+         used=in_metres, typical='0.05 to 2'), &
       key_row_t('lubricant', 'thermal_viscosity', real_kind, '1/K', '0.04', &
          '-d ln(viscosity)/dT, for estimates of what heat does; default: mineral oil', &
          range='>= 0, <= 1', used=in_metres, typical='0.005 to 0.2')]
 
    type(key_row_t), parameter :: surface_1_rows(*) = [ &
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", &
-         'file, synthetic; or ridge or dent (5.4), sinusoid A cos(2 pi (x-xc)/Lambda), one '// &
-            'word for each element', &
-         words='smooth feature sinusoid file synthetic', later_words='parabola'), &
+         'file, synthetic; or ridge or dent (5.4), sinusoid A cos(2 pi (x-xc)/Lambda), one ' &
+         //'word for each element', words='smooth feature sinusoid file synthetic', &
+         later_words='parabola'), &
       key_row_t('surface_1', 'amplitude', reals_kind, 'm', is_optional, &
-         'height A of each element; a ridge is positive, a dent negative', &
-         range='>= -1, <= 1', used=of_features, needed=of_features, problems=every, &
-         typical='1e-9 to 1e-4'), &
+         'height A of each element; a ridge is positive, a dent negative', range='>= -1, <= 1', &
+         used=of_features, needed=of_features, problems=every, typical='1e-9 to 1e-4', &
+         example='! 2e-7, -1e-7', dry_example='! 1e-6'), &
       key_row_t('surface_1', 'wavelength', reals_kind, 'm', is_optional, &
-         'wavelength Lambda of each element', &
-         range='>= 1e-12, <= 1e3', used=of_features, needed=of_features, problems=every, &
-         typical=typical_wave), &
+         'wavelength Lambda of each element', range='>= 1e-12, <= 1e3', used=of_features, &
+         needed=of_features, problems=every, typical=typical_wave, example='! 1e-4, 5e-5', &
+         dry_example='! 1e-4'), &
       key_row_t('surface_1', 'position', reals_kind, 'half-widths', is_chosen, &
          'centre xc of each element at time 0; chosen: 0, where it moves about to enter', &
-         range='>= -1e6, <= 1e6', used=of_roughness), &
+         range='>= -1e6, <= 1e6', used=of_roughness, example='! -2.5, -3.0'), &
       key_row_t('surface_1', 'entry_length', real_kind, 'half-widths', is_chosen, &
-         'everything rises over it behind a front that enters the domain; chosen: 1 for '// &
-            'profiles, else 0', range='>= 0, <= 1e4', used=of_roughness//', '//in_time), &
+         'everything rises over it behind a front that enters the domain; chosen: 1 for ' &
+         //'profiles, else 0', range='>= 0, <= 1e4', used=of_roughness//', '//in_time, &
+         example='! 1.0'), &
       key_row_t('surface_1', 'shape', words_kind, '', "'smooth'", &
-         'file, synthetic, parabola (radius of &bodies), or features and sinusoids, one for '// &
-            'each element', &
-         words='smooth feature sinusoid file synthetic parabola', problems=dry), &
+         'file, synthetic, parabola (radius of &bodies), or features and sinusoids, one for ' &
+         //'each element', words='smooth feature sinusoid file synthetic parabola', problems=dry, &
+         example="'synthetic'"), &
       key_row_t('surface_1', 'position', reals_kind, 'm', '0.0', &
-         'centre xc of each element, from x = 0 of the domain', &
-         range='>= -1e3, <= 1e3', used=of_features, problems=dry), &
+         'centre xc of each element, from x = 0 of the domain', range='>= -1e3, <= 1e3', &
+         used=of_features, problems=dry, example='!'), &
       key_row_t('surface_1', 'file', text_kind, '', is_optional, &
-         'file of heights: table of positions and heights, or HDF5', &
-         used='shape = file', needed='shape = file', problems=every), &
+         'file of heights: table of positions and heights, or HDF5', used='shape = file', &
+         needed='shape = file', problems=every, example="! 'profile.csv'"), &
       key_row_t('surface_1', 'dataset', text_kind, '', is_optional, &
-         'heights: name of the column (needed if there are more than two), or path in the HDF5 '// &
-            'file', used='shape = file', problems=every), &
+         'heights: name of the column (needed if there are more than two), or path in the ' &
+         //'HDF5 file', used='shape = file', problems=every, example="! 'z'"), &
       key_row_t('surface_1', 'positions', text_kind, '', is_optional, &
          'name of the column of positions, needed if there are more than two', &
-         used='shape = file', problems=every), &
+         used='shape = file', problems=every, example="! 'x'"), &
       key_row_t('surface_1', 'x_unit', word_kind, '', "'auto'", &
          'unit of the positions or spacings in the file; auto: what the file says, else m', &
-         words='auto '//length_words, used='shape = file', problems=every), &
+         words='auto '//length_words, used='shape = file', problems=every, example="! 'mm'"), &
       key_row_t('surface_1', 'z_unit', word_kind, '', "'auto'", &
          'unit of the heights in the file; auto: what the file says, else m', &
-         words='auto '//length_words, used='shape = file', problems=every), &
+         words='auto '//length_words, used='shape = file', problems=every, example="! 'um'"), &
       key_row_t('surface_1', 'detrend', word_kind, '', "'auto'", &
-         'taken off the heights (line: plane of an area); auto: line, none where heights close '// &
-            'that are repeated', words='auto none mean line parabola', used='shape = file', &
-         problems=every), &
+         'taken off the heights (line: plane of an area); auto: line, none where heights ' &
+         //'close that are repeated', words='auto none mean line parabola', used='shape = file', &
+         problems=every, example="! 'line'"), &
       key_row_t('surface_1', 'cutoff_long', real_kind, 'm', is_optional, &
          'cut-off lambda_c: longer waves are taken off by the Gaussian filter of ISO 16610-21', &
-         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave), &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave, &
+         example='! 0.8e-3'), &
       key_row_t('surface_1', 'cutoff_short', real_kind, 'm', is_optional, &
          'cut-off lambda_s: shorter waves are smoothed out by the same filter', &
-         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave), &
+         range='>= 1e-12, <= 1e3', used='shape = file', problems=every, typical=typical_wave, &
+         example='! 2.5e-6'), &
       key_row_t('surface_1', 'harmonics', integer_kind, '-', is_optional, &
          'keep the harmonics 1 to n of the periodic heights, drop the mean (4.1)', &
-         range='>= 1, <= 16777216', used='shape = file'), &
+         range='>= 1, <= 16777216', used='shape = file', example='! 50'), &
       key_row_t('surface_1', 'harmonics', integer_kind, '-', is_optional, &
          'keep the harmonics 1 to n of the periodic heights, drop the mean (4.1)', &
-         range='>= 1, <= 16777216', used=of_roughness, problems=dry), &
+         range='>= 1, <= 16777216', used=of_roughness, problems=dry, example='! 50'), &
       key_row_t('surface_1', 'seed', integer_kind, '-', '1', &
-         'the same seed gives the same surface everywhere', &
-         range='>= 0, <= 2147483647', used=of_synthesis, problems=every), &
+         'the same seed gives the same surface everywhere', range='>= 0, <= 2147483647', &
+         used=of_synthesis, problems=every, example='!', dry_example='1'), &
       key_row_t('surface_1', 'hurst', real_kind, '-', '0.8', &
-         'Hurst exponent of the self-affine part', &
-         range='>= 0, <= 1', used=of_synthesis, problems=every), &
-      key_row_t('surface_1', 'rms_height', real_kind, 'm', is_optional, &
-         'rms height Rq', &
+         'Hurst exponent of the self-affine part', range='>= 0, <= 1', used=of_synthesis, &
+         problems=every, example='!', dry_example='0.8'), &
+      key_row_t('surface_1', 'rms_height', real_kind, 'm', is_optional, 'rms height Rq', &
          range='>= 1e-12, <= 1', used=of_synthesis, needed=of_synthesis, problems=every, &
-         typical='1e-9 to 5e-5'), &
+         typical='1e-9 to 5e-5', example='! 50e-9', dry_example='1e-6'), &
       key_row_t('surface_1', 'wavelength_long', real_kind, 'm', is_chosen, &
-         'longest wave; chosen: the longest that fits', &
-         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=every, typical=typical_wave), &
+         'longest wave; chosen: the longest that fits', range='>= 1e-12, <= 1e3', &
+         used=of_synthesis, problems=every, typical=typical_wave, example='! 4e-4'), &
       key_row_t('surface_1', 'wavelength_rolloff', real_kind, 'm', is_chosen, &
          'below it the spectrum falls by the power law; chosen: wavelength_long', &
-         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=every, typical=typical_wave), &
-      key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_optional, &
-         'shortest wave', range='>= 1e-12, <= 1e3', used=of_synthesis, needed=of_synthesis, &
-         typical=typical_wave), &
+         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=every, typical=typical_wave, &
+         example='! 1e-4', dry_example='1e-4'), &
+      key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_optional, 'shortest wave', &
+         range='>= 1e-12, <= 1e3', used=of_synthesis, needed=of_synthesis, typical=typical_wave, &
+         example='! 2.5e-5'), &
       key_row_t('surface_1', 'wavelength_short', real_kind, 'm', is_chosen, &
          'shortest wave; chosen: two node spacings, with &accuracy target required', &
-         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=dry, typical=typical_wave), &
-      key_row_t('surface_1', 'skewness', real_kind, '-', '0.0', &
-         'Rsk', range='>= -3, <= 3', used=of_synthesis, problems=every), &
-      key_row_t('surface_1', 'kurtosis', real_kind, '-', '3.0', &
-         'Rku', range='>= 1, <= 20', used=of_synthesis, problems=every)]
+         range='>= 1e-12, <= 1e3', used=of_synthesis, problems=dry, typical=typical_wave, &
+         example='1.25e-5'), &
+      key_row_t('surface_1', 'skewness', real_kind, '-', '0.0', 'Rsk', range='>= -3, <= 3', &
+         used=of_synthesis, problems=every, example='!', dry_example='0.0'), &
+      key_row_t('surface_1', 'kurtosis', real_kind, '-', '3.0', 'Rku', range='>= 1, <= 20', &
+         used=of_synthesis, problems=every, example='!', dry_example='3.0')]
 
    type(key_row_t), parameter :: domain_rows(*) = [ &
       key_row_t('domain', 'x_inlet', real_kind, 'half-widths', is_chosen, &
-         'start of the domain; the contact is -1 to 1', range='>= -1000, < -1'), &
-      key_row_t('domain', 'x_outlet', real_kind, 'half-widths', is_chosen, &
-         'end of the domain', range='> 1, <= 1000'), &
+         'start of the domain; the contact is -1 to 1', range='>= -1000, < -1', example='! -4.0'), &
+      key_row_t('domain', 'x_outlet', real_kind, 'half-widths', is_chosen, 'end of the domain', &
+         range='> 1, <= 1000', example='! 1.5'), &
       key_row_t('domain', 'inlet', word_kind, '', "'auto'", &
-         'in front of x_inlet: no pressure, or the tail of a rigid inlet, steady only; auto: '// &
-            'zero with x_inlet given', words='auto zero tail'), &
+         'in front of x_inlet: no pressure, or the tail of a rigid inlet, steady only; ' &
+         //'auto: zero with x_inlet given', words='auto zero tail'), &
       key_row_t('domain', 'intervals', integer_kind, '-', is_chosen, &
          'grid intervals, 2^k or 3, 5, 7 times that', &
-         range='>= 8, <= 16777216, a power of two (times 3 or 5 or 7)', used=no_target), &
+         range='>= 8, <= 16777216, a power of two (times 3 or 5 or 7)', used=no_target, &
+         example='! 1024'), &
       key_row_t('domain', 'length', real_kind, 'm', is_optional, &
-         'length of the profile; from the file if the surface is one', &
-         range='>= 1e-12, <= 1e6', problems=dry_line, typical='1e-6 to 0.2'), &
+         'length of the profile; from the file if the surface is one', range='>= 1e-12, <= 1e6', &
+         problems=dry_line, typical='1e-6 to 0.2', example='4e-4'), &
       key_row_t('domain', 'intervals', integer_kind, '-', is_optional, &
          'number of nodes; default: those of the file, which others resample (Fourier series)', &
-         range='>= 2, <= 16777216', used=no_target, problems=dry_line), &
+         range='>= 2, <= 16777216', used=no_target, problems=dry_line, example='512'), &
       [(key_row_t('domain', 'length_'//axes(i), real_kind, 'm', is_optional, &
          'length of the area in '//axes(i)//'; from the file if the surface is one', &
-         range='>= 1e-12, <= 1e6', problems=dry_area, typical='1e-6 to 0.2'), i=1, 2)], &
+         range='>= 1e-12, <= 1e6', problems=dry_area, typical='1e-6 to 0.2', example='4e-4'), i=1, &
+         2)], &
       [(key_row_t('domain', 'intervals_'//axes(i), integer_kind, '-', is_optional, &
-         'number of nodes in '//axes(i)// &
-            '; default: those of the file, which others resample (Fourier series)', &
-         range='>= 2, <= 65536', used=no_target, problems=dry_area), i=1, 2)], &
+         'number of nodes in '//axes(i) &
+         //'; default: those of the file, which others resample (Fourier series)', &
+         range='>= 2, <= 65536', used=no_target, problems=dry_area, example='256'), i=1, 2)], &
       key_row_t('domain', 'periodic', logical_kind, '', is_chosen, &
-         'periodic surface; or an open half-space, which the contact must not leave; chosen: '// &
-            '.false. with a parabola', problems=dry), &
+         'periodic surface; or an open half-space, which the contact must not leave; ' &
+         //'chosen: .false. with a parabola', problems=dry, example='.true.'), &
       key_row_t('domain', 'kernel', word_kind, '', "'band_limited'", &
-         'periodic: transfer function sampled, or pressure constant over each element; open: '// &
-            'element', words='band_limited element', problems=dry), &
+         'periodic: transfer function sampled, or pressure constant over each element; ' &
+         //'open: element', words='band_limited element', problems=dry), &
       key_row_t('time', 'transient', logical_kind, '', '.false.', 'transient or steady'), &
-      key_row_t('time', 'end_time', real_kind, '-', is_optional, &
-         'end of the transient, T', range='> 0, <= 1e6', used=in_time, needed=in_time), &
+      key_row_t('time', 'end_time', real_kind, '-', is_optional, 'end of the transient, T', &
+         range='> 0, <= 1e6', used=in_time, needed=in_time, example='! 2.181818'), &
       key_row_t('time', 'time_step', real_kind, '-', is_chosen, &
          'time step in T, cut so that whole steps reach end_time; chosen: dX or less', &
-         range='>= 1e-9, <= 1e3', used=in_time//', '//no_target), &
+         range='>= 1e-9, <= 1e3', used=in_time//', '//no_target, example='! 2.7e-3'), &
       key_row_t('time', 'scheme', word_kind, '', "'bdf2'", &
          'time discretisation: second order, or first order (thesis)', &
-         words='backward_euler bdf2', used=in_time), &
+         words='backward_euler bdf2', used=in_time, example='!'), &
       key_row_t('time', 'statistics_from', real_kind, '-', is_chosen, &
-         'T from which extremes and film statistics count; chosen: when waves have entered '// &
-            'and the start is forgotten', range='>= 0, <= 1e6', used=in_time)]
+         'T from which extremes and film statistics count; chosen: when waves have entered ' &
+         //'and the start is forgotten', range='>= 0, <= 1e6', used=in_time, example='! 0.0')]
 
    type(key_row_t), parameter :: film_rows(*) = [ &
-      key_row_t('film', 'layers', integer_kind, '-', '20', &
-         'layers across the film', range='>= 4, <= 200', used='case%equations = stokes'), &
+      key_row_t('film', 'layers', integer_kind, '-', '20', 'layers across the film', &
+         range='>= 4, <= 200', used='case%equations = stokes', example='!'), &
       key_row_t('film', 'inertia', logical_kind, '', '.false.', &
          'with the convective terms (Navier-Stokes), for which density counts', &
-         used='case%equations = stokes')]
+         used='case%equations = stokes', example='!')]
 
    type(key_row_t), parameter :: solver_rows(*) = [ &
       key_row_t('solver', 'method', word_kind, '', "'auto'", &
-         'auto: Newton-Krylov, else other ways; newton_dense, the exact reference, and '// &
-            'block_jacobi: up to '//small(1)//small(2)//small(3)//small(4)//' intervals', &
+         'auto: Newton-Krylov, else other ways; newton_dense, the exact reference, and ' &
+         //'block_jacobi: up to 8192 intervals', &
          words='auto fas_block_jacobi block_jacobi newton_krylov newton_dense'), &
-      key_row_t('solver', 'smoother', word_kind, '', "'auto'", &
-         'smoother of the multigrid cycle', &
+      key_row_t('solver', 'smoother', word_kind, '', "'auto'", 'smoother of the multigrid cycle', &
          words='auto block_jacobi gauss_seidel line hybrid', used=of_multigrid), &
       key_row_t('solver', 'space_scheme', word_kind, '', "'auto'", &
-         'upwind2 (thesis), or kappa (Newton methods); auto: upwind2, of a transient with a '// &
-            'target kappa', words='auto upwind2 kappa'), &
+         'upwind2 (thesis), or kappa (Newton methods); auto: upwind2, of a transient with a ' &
+         //'target kappa', words='auto upwind2 kappa'), &
       key_row_t('solver', 'start', word_kind, '', "'fmg'", &
          'first guess: full multigrid, or the Hertz pressure on the finest grid', &
          words='fmg hertz'), &
       key_row_t('solver', 'tolerance', real_kind, '-', is_chosen, &
-         'bound on the dimensionless residuals and the load; chosen: '//power_of_ten(1)// &
-         ', in time steps '//power_of_ten(2), &
-         range='>= 1e-15, <= 1e-2'), &
+         'bound on the dimensionless residuals and the load; chosen: 1e-8, in time steps 1e-6', &
+         range='>= 1e-15, <= 1e-2', example='! 1e-8'), &
       key_row_t('solver', 'max_cycles', integer_kind, '-', is_chosen, &
          'most cycles (Newton: iterations) for one solution; chosen: by the method', &
-         range='>= 1, <= 10000000'), &
+         range='>= 1, <= 10000000', example='! 100'), &
       key_row_t('solver', 'levels', integer_kind, '-', is_chosen, &
-         'grid levels, the finest counted', range='>= 1, <= 22', used=of_multigrid), &
+         'grid levels, the finest counted', range='>= 1, <= 22', used=of_multigrid, &
+         example='! 5'), &
       key_row_t('solver', 'pre_sweeps', integer_kind, '-', is_chosen, &
-         'smoothing sweeps before the coarse grid', range='>= 1, <= 1000', used=of_multigrid), &
+         'smoothing sweeps before the coarse grid', range='>= 1, <= 1000', used=of_multigrid, &
+         example='! 2'), &
       key_row_t('solver', 'post_sweeps', integer_kind, '-', is_chosen, &
-         'smoothing sweeps after the coarse grid', range='>= 1, <= 1000', used=of_multigrid), &
+         'smoothing sweeps after the coarse grid', range='>= 1, <= 1000', used=of_multigrid, &
+         example='! 2'), &
       key_row_t('solver', 'coarse_sweeps', integer_kind, '-', is_chosen, &
-         'sweeps on the coarsest grid, in place of its exact solution; with block_jacobi: '// &
-            'sweeps a cycle', range='>= 1, <= 100000', used=of_sweeps), &
+         'sweeps on the coarsest grid, in place of its exact solution; with block_jacobi: ' &
+         //'sweeps a cycle', range='>= 1, <= 100000', used=of_sweeps, example='! 100'), &
       key_row_t('solver', 'relaxation', real_kind, '-', is_chosen, &
-         'relaxation factor of the smoother', range='>= 1e-6, < 2', used=of_sweeps), &
+         'relaxation factor of the smoother', range='>= 1e-6, < 2', used=of_sweeps, &
+         example='! 0.8'), &
       key_row_t('solver', 'load_relaxation', real_kind, '-', is_chosen, &
-         'relaxation factor of the force balance', range='>= 1e-6, < 2', used=of_sweeps), &
+         'relaxation factor of the force balance', range='>= 1e-6, < 2', used=of_sweeps, &
+         example='! 0.5'), &
       key_row_t('solver', 'film_floor', real_kind, 'm', is_optional, &
-         'a film below it is a film breakdown, told with place and time', &
-         range='> 0, <= 1e-3', used=in_metres, typical=typical_film), &
+         'a film below it is a film breakdown, told with place and time', range='> 0, <= 1e-3', &
+         used=in_metres, typical=typical_film, example='! 5e-9'), &
       key_row_t('solver', 'on_film_breakdown', word_kind, '', "'stop'", &
-         'at a film breakdown: end as not converged, or go on with a mark; a film that '// &
-            'closes always ends', words='stop continue', used='film_floor'), &
+         'at a film breakdown: end as not converged, or go on with a mark; a film that ' &
+         //'closes always ends', words='stop continue', used='film_floor', example='!'), &
       key_row_t('solver', 'method', word_kind, '', "'auto'", &
          'auto: conjugate_gradient; steepest_descent: the method of the thesis, a baseline', &
          words='auto conjugate_gradient steepest_descent', problems=dry), &
-      key_row_t('solver', 'tolerance', real_kind, '-', power_of_ten(3), &
-         'bound on the violation of the contact conditions', &
-         range='>= 1e-15, <= 1e-1', problems=dry), &
-      key_row_t('solver', 'max_cycles', integer_kind, '-', &
-         cycles(1)//cycles(2)//cycles(3)//cycles(4)//cycles(5), &
-         'most iterations for one load', range='>= 1, <= 10000000', problems=dry)]
+      key_row_t('solver', 'tolerance', real_kind, '-', '1e-8', &
+         'bound on the violation of the contact conditions', range='>= 1e-15, <= 1e-1', &
+         problems=dry), &
+      key_row_t('solver', 'max_cycles', integer_kind, '-', '10000', &
+         'most iterations for one load', range='>= 1, <= 10000000', &
+         problems=dry)]
 
    type(key_row_t), parameter :: output_rows(*) = [ &
       key_row_t('output', 'profile_stride', integer_kind, '-', '1', &
-         'every how many time steps profiles are stored', &
-         range='>= 1, <= 1000000000', used=in_time), &
+         'every how many time steps profiles are stored', range='>= 1, <= 1000000000', &
+         used=in_time, example='!'), &
       key_row_t('output', 'fields', words_kind, '', "'pressure', 'film_thickness'", &
          'the profiles that are stored; shear stresses not with &moes', &
          words='pressure film_thickness shear_stress_1 shear_stress_mean shear_stress_2', &
-         used=in_time), &
+         used=in_time, example='!'), &
       key_row_t('output', 'fields', words_kind, '', is_optional, &
          'the fields of the last load that are stored; not given: all', &
-         words='pressure gap height_undeformed height_loaded height_unloaded '// &
-            'plastic_deformation', problems=dry), &
+         words='pressure gap height_undeformed height_loaded height_unloaded plastic_deformation', &
+         problems=dry, example="! 'pressure', 'gap'"), &
       key_row_t('output', 'precision', word_kind, '', "'double'", &
-         'of the numbers of stored fields; single takes half of the file', &
-         words='double single', problems=dry), &
+         'of the numbers of stored fields; single takes half of the file', words='double single', &
+         problems=dry), &
       key_row_t('output', 'checkpoint_interval', real_kind, 's', '600.0', &
          'wall time between checkpoints, from which asperity --resume goes on', &
-         range='>= 0, <= 1e9', used=in_time), &
+         range='>= 0, <= 1e9', used=in_time, example='!'), &
       key_row_t('output', 'film_thresholds', reals_kind, 'm', is_optional, &
          'films for /statistics: how often and on how much of the contact the film is thinner', &
-         range='> 0, <= 1', used=in_time//', '//in_metres, typical=typical_film), &
+         range='> 0, <= 1', used=in_time//', '//in_metres, typical=typical_film, &
+         example='! 50e-9, 100e-9'), &
       key_row_t('output', 'adequacy', logical_kind, '', '.true.', &
          'measures the effect of each ingredient, for /adequacy: at most a tenth of the cost; '// &
             'full: everything', words='full', problems=every), &
@@ -439,11 +435,12 @@ module input_keys
          'layers across the film at whose borders /velocity has the velocity of the oil; 0: none', &
          range='>= 0, <= 200', used='case%equations = reynolds, '//in_metres), &
       key_row_t('accuracy', 'target', real_kind, '-', is_optional, &
-         'relative error of h_min, in dry cases of the contact area, for which intervals and '// &
-            'time step are chosen', range='>= 1e-7, <= 0.1', problems=every), &
+         'relative error of h_min, in dry cases of the contact area, for which intervals ' &
+         //'and time step are chosen', range='>= 1e-7, <= 0.1', problems=every, example='! 1e-3', &
+         dry_example='! 0.02'), &
       key_row_t('accuracy', 'target_p_max', real_kind, '-', is_optional, &
          'relative error of p_max, for which a steady contact goes on to finer grids', &
-         range='>= 1e-7, <= 0.1', used='target, time%transient = .false.'), &
+         range='>= 1e-7, <= 0.1', used='target, time%transient = .false.', example='! 0.01'), &
       key_row_t('accuracy', 'error_bars', logical_kind, '', '.true.', &
          'compares with fewer intervals, for error estimates', problems=every)]
 
@@ -453,7 +450,8 @@ module input_keys
       surface_1_rows(i)%default, 'as in &surface_1', surface_1_rows(i)%range, &
       surface_1_rows(i)%words, surface_1_rows(i)%later_words, surface_1_rows(i)%used, &
       surface_1_rows(i)%needed, problems=surface_1_rows(i)%problems, &
-      typical=surface_1_rows(i)%typical), i=1, size(surface_1_rows))]
+      typical=surface_1_rows(i)%typical, example=surface_1_rows(i)%example, &
+      dry_example=surface_1_rows(i)%dry_example), i=1, size(surface_1_rows))]
 
    !> Every key that is built, in the order of the manual.
    type(key_row_t), parameter, public :: key_rows(*) = [case_rows, bodies_rows, load_rows, &

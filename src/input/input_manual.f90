@@ -1,19 +1,24 @@
-!> The key table as text for a terminal (`asperity --keys`) and as the page docs/input.md.
+!> The key table as text for a terminal (`asperity --keys`), as the page docs/input.md, and as a
+!> commented, complete namelist (`--template`): every key with its example, of chapter 5, Case 1 of
+!> the thesis (Table 5.1), or of a synthetic, elastic-perfectly plastic surface under three loads.
 module input_manual
    use input_keys, only: group_rows, key_rows
    use key_condition, only: rules_text
-   use key_row, only: every, key_row_t, kind_names, word_list
+   use key_row, only: every, has_word, is_chosen, is_optional, is_required, key_row_t, kind_names, &
+      lubricated, word_list, words_kind
    use quantity_text, only: wrapped
    implicit none (type, external)
    private
 
-   public :: keys_text, keys_markdown
+   public :: keys_markdown, keys_text, template_text
 
    character(*), parameter :: nl = new_line('a')
    !> Width of the terminal page.
    integer, parameter :: page_width = 100
    !> Column where the explanations begin.
    integer, parameter :: indent = 4
+   !> Column of the units.
+   integer, parameter :: unit_column = 44
    !> The paragraphs before the tables of the page.
    character(*), parameter :: introduction = 'A case is a Fortran namelist file in SI units. '// &
       '`asperity --template ehl_line` writes a complete one with' // nl &
@@ -109,17 +114,18 @@ contains
    !> The page docs/input.md.
    pure function keys_markdown() result(text)
       character(:), allocatable :: text
+      character(:), allocatable :: heading
       integer :: group, i
 
       text = '# Input: the namelist' // nl // nl &
          // '<!-- Made from the key table by `asperity --keys-markdown > docs/input.md`: ' &
-         // 'change src/input/input_keys.f90. -->' // nl &
-         // nl // introduction
+         // 'change src/input/input_keys.f90. -->' // nl // nl // introduction
       do group = 1, size(group_rows)
+         heading = trim(group_rows(group)%meaning)
+         heading(1:1) = achar(iachar(heading(1:1)) - 32)   ! a capital letter
          text = text // nl // '## &' // trim(group_rows(group)%group) // nl // nl &
-            // capital(trim(group_rows(group)%meaning)) &
-            // '.' // nl // nl // '| key | type | unit | default | range or words | meaning |' &
-               // nl &
+            // heading // '.' // nl // nl &
+            // '| key | type | unit | default | range or words | meaning |' // nl &
             // '|---|---|---|---|---|---|' // nl
          do i = 1, size(key_rows)
             if (key_rows(i)%group == group_rows(group)%group) text = &
@@ -142,13 +148,78 @@ contains
          // range // ' | ' // trim(row%meaning) // conditions_text(row) // ' |' // nl
    end function markdown_entry
 
-   !> `string` with a capital first letter.
-   pure function capital(string) result(text)
-      character(*), intent(in) :: string
-      character(:), allocatable :: text
+   !> The template of a `problem`.
+   pure function template_text(problem) result(template)
+      character(*), intent(in) :: problem
+      character(:), allocatable :: template
+      integer :: i
 
-      text = string
-      if (text(1:1) >= 'a' .and. text(1:1) <= 'z') text(1:1) = achar(iachar(text(1:1)) - 32)
-   end function capital
+      template = '! A lubricated line contact (chapter 5, Case 1)'
+      if (problem /= lubricated) template = '! A dry rough contact'
+      template = template // '; asperity --keys shows the ranges too. Lines with ! in' // nl &
+         // '! the first column hold keys that are optional here or replace others. The order '// &
+            'of all is free.' // nl
+      do i = 1, size(group_rows)
+         if (.not. has_word(group_rows(i)%problems, problem)) cycle
+         template = template // nl // group_text(problem, trim(group_rows(i)%group), &
+            trim(group_rows(i)%meaning))
+      end do
+   end function template_text
+
+   !> One group; commented out altogether if no key of it is active.
+   pure function group_text(problem, group, meaning) result(text)
+      character(*), intent(in) :: problem, group, meaning
+      character(:), allocatable :: text
+      character(:), allocatable :: example, lines, mark
+      integer :: i
+
+      lines = ''
+      mark = '! '
+      do i = 1, size(key_rows)
+         if (key_rows(i)%group /= group .or. .not. has_word(key_rows(i)%problems, problem)) cycle
+         example = example_of(key_rows(i), problem)
+         if (example(1:1) /= '!') mark = ''
+         lines = lines // key_text(key_rows(i), example)
+      end do
+      text = '! ' // meaning // nl // mark // '&' // group // nl // lines // mark // '/' // nl
+   end function group_text
+
+   !> The value of a key, behind '! ' if it is a comment; of a dry &surface_2 all are.
+   pure function example_of(row, problem) result(example)
+      type(key_row_t), intent(in) :: row
+      character(*), intent(in) :: problem
+      character(:), allocatable :: example
+
+      example = trim(row%example)
+      if (problem /= lubricated .and. row%dry_example /= '') example = trim(row%dry_example)
+      if (row%key == 'problem') example = "'"//problem//"'"
+      if (example == '') example = trim(row%default)
+      if (example == '!') example = '! '//trim(row%default)
+      if (problem == lubricated .or. row%group /= 'surface_2') return
+      if (example(1:1) /= '!') example = '! '//example
+   end function example_of
+
+   !> Two lines: the meaning; key, value, unit, default, words.
+   pure function key_text(row, example) result(text)
+      type(key_row_t), intent(in) :: row
+      character(*), intent(in) :: example
+      character(:), allocatable :: text
+      character(:), allocatable :: line, note
+
+      line = '   ' // trim(row%key) // ' = ' // example
+      if (example(1:1) == '!') line = '!  ' // trim(row%key) // ' = ' // example(3:)
+      note = ''
+      if (row%unit /= '') note = ' [' // trim(row%unit) // ']'
+      if (row%default == is_chosen) then
+         note = note // ' default: chosen by the program'
+      else if (row%default /= is_required .and. row%default /= is_optional) then
+         note = note // ' default ' // trim(row%default)
+         if (index(trim(row%words), ' ') > 0) note = note // ','
+      end if
+      if (index(trim(row%words), ' ') > 0) note = note // merge(' any of ', ' one of ', row%kind &
+         == words_kind) // word_list(row%words)
+      if (note /= '') line = line // repeat(' ', max(0, unit_column - len(line))) // ' !' // note
+      text = '   ! ' // trim(row%meaning) // rules_text(row) // nl // line // nl
+   end function key_text
 
 end module input_manual

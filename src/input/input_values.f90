@@ -46,7 +46,8 @@ module input_values
       procedure :: slot, real_value, integer_value, logical_value, word_value, text_value
       !> What is there, and where.
       procedure :: is_given, has_value, has_group, line_of
-      !> Add a finding.
+      !> Give a key a value; add a finding.
+      procedure :: give
       procedure :: refuse, refuse_missing, refuse_unused
    end type input_values_t
 
@@ -152,6 +153,22 @@ contains
       if (line == 0) line = self%group_lines(find_group(group))
       if (line == 0) line = self%last_line
    end function line_of
+
+   !> Gives a key a number, as if it were given at the line of the key `source` of its group.
+   subroutine give(self, group, key, source, value)
+      class(input_values_t), intent(inout) :: self
+      character(*), intent(in) :: group, key, source
+      real(wp), intent(in) :: value
+      integer :: line
+
+      line = self%line_of(group, source)
+      associate (slot => self%slots(find_key(group, key, self%problem)))
+         slot%is_given = .true.
+         slot%has_value = .true.
+         slot%line = line
+         slot%reals = [value]
+      end associate
+   end subroutine give
 
    !> Adds a finding at the line of a key; without a key at that of the group.
    subroutine refuse(self, group, key, message)

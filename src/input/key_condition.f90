@@ -10,8 +10,7 @@
 !> A key of another group is written group%key, that of either surface surface%key, a whole group
 !> &group. Words after a colon go into the message of the last condition.
 module key_condition
-   use key_row, only: key_row_t, word_list
-   use text, only: count_of
+   use key_row, only: key_row_t, split_words, word_list
    implicit none (type, external)
    private
 
@@ -37,15 +36,13 @@ contains
    pure function conditions_of(rule, group) result(conditions)
       character(*), intent(in) :: rule, group
       type(condition_t), allocatable :: conditions(:)
-      integer :: i, first, length, whole
+      character(len=len(rule)), allocatable :: parts(:)
+      integer :: i
 
-      whole = len_trim(rule)
-      allocate (conditions(merge(1 + count_of(',', rule(:whole)), 0, whole > 0)))
-      first = 1
-      do i = 1, size(conditions)
-         length = index(rule(first:whole)//',', ',') - 1
-         conditions(i) = new_condition(trim(adjustl(rule(first:first + length - 1))), group)
-         first = first + length + 1
+      parts = split_words(rule, ',')
+      allocate (conditions(size(parts)))
+      do i = 1, size(parts)
+         conditions(i) = new_condition(trim(parts(i)), group)
       end do
    end function conditions_of
 

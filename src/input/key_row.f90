@@ -1,10 +1,13 @@
-!> What a row of the key table holds, and what a key expects, in words.
+!> What a row of the key table holds, what a key expects, in words, and its ranges as a test: "> 0,
+!> <= 0.5", "a power of two (times 3 or 5 or 7)" or "1e-4 to 5".
 module key_row
+   use kinds, only: wp
+   use number_text, only: read_real
    use text, only: joined
    implicit none (type, external)
    private
 
-   public :: expected_value, has_word, split_words, word_list
+   public :: expected_value, has_word, is_in_range, is_typical, split_words, word_list
 
    !> Kinds of values, what they are called in the manual, and what is expected of them (of words:
    !> the words).
@@ -60,9 +63,12 @@ module key_row
       !> Problems that use the key, separated by blanks. A key may have a row for each of several
       !> problems.
       character(len=32) :: problems = lubricated
-      !> Magnitudes that contacts have, "LOWEST to LARGEST" in the unit of the key: others are told,
-      !> as most often slips of a unit; empty: all of the range.
+      !> Magnitudes that contacts have, "LOWEST to LARGEST" in the unit of the key: others are
+      !> reported, as most often slips of a unit; empty: all of the range.
       character(len=20) :: typical = ''
+      !> Value in the template, behind '! ' as a comment, and in that of dry problems if it differs;
+      !> empty: the default; '!': the default as a comment.
+      character(len=40) :: example = '', dry_example = ''
    end type key_row_t
 
 contains
@@ -84,20 +90,21 @@ contains
       character(*), intent(in) :: words
       character(:), allocatable :: list
 
-      list = "'" // joined(split_words(words), "', '", last="' or '") // "'"
+      list = "'" // joined(split_words(words, ' '), "', '", last="' or '") // "'"
    end function word_list
 
-   !> Blank-separated `words` one by one.
-   pure function split_words(words) result(each)
+   !> The parts of `words` between `mark` and `mark`, without blanks before them.
+   pure function split_words(words, mark) result(each)
       character(*), intent(in) :: words
+      character(len=1), intent(in) :: mark
       character(len=len(words)), allocatable :: each(:)
       integer :: first, last
 
       allocate (each(0))
       first = 1
       do while (first <= len_trim(words))
-         last = first + index(words(first:) // ' ', ' ') - 2
-         each = [character(len=len(words)) :: each, words(first:last)]
+         last = first + index(words(first:) // mark, mark) - 2
+         each = [character(len=len(words)) :: each, adjustl(words(first:last))]
          first = last + 2
       end do
    end function split_words
@@ -133,5 +140,74 @@ contains
       end function is_blank
 
    end function has_word
+
+   !> True if `value` fulfils every comparison of the comma-separated `range`; true for an empty
+   !> range.
+   pure function is_in_range(value, range) result(inside)
+      real(wp), intent(in) :: value
+      character(*), intent(in) :: range
+      logical :: inside
+      integer :: start, length
+
+      inside = .true.
+      start = 1
+      do while (start <= len_trim(range) .and. inside)
+         length = index(range(start:), ',') - 1
+         if (length < 0) length = len_trim(range(start:))
+         inside = holds(value, trim(adjustl(range(start:start + length - 1))))
+         start = start + length + 1
+      end do
+   end function is_in_range
+
+   !> True if `value` is 0, or its magnitude within the `typical` range "LOWEST to LARGEST".
+   pure elemental function is_typical(value, typical) result(inside)
+      real(wp), intent(in) :: value
+      character(*), intent(in) :: typical
+      logical :: inside
+      real(wp) :: lowest, largest
+      integer :: middle
+      logical :: good(2)
+
+      middle = index(typical, ' to ')
+      call read_real(typical(:middle - 1), lowest, good(1))
+      call read_real(trim(typical(middle + 4:)), largest, good(2))
+      inside = all(good) .and. abs(value) >= lowest .and. abs(value) <= largest
+      inside = inside .or. .not. abs(value) > 0.0_wp
+   end function is_typical
+
+   !> One comparison: "> 0", ">= 0", "< 1", "<= 1", "/= 0" or "a power of two (times 3 or 5 or 7)".
+   pure function holds(value, comparison)
+      real(wp), intent(in) :: value
+      character(*), intent(in) :: comparison
+      logical :: holds
+      real(wp) :: bound
+      integer :: blank, number
+      logical :: good
+
+      blank = index(comparison, ' ')
+      holds = .false.
+      if (comparison == 'a power of two (times 3 or 5 or 7)') then
+         if (value < 1.0_wp .or. value >= 1.0e9_wp) return
+         number = nint(value)
+         holds = any(shiftr(number, trailz(number)) == [1, 3, 5, 7])
+         return
+      end if
+      call read_real(trim(comparison(blank + 1:)), bound, good)
+      if (.not. good) return
+      select case (comparison(:blank - 1))
+      case ('>')
+         holds = value > bound
+      case ('>=')
+         holds = value >= bound
+      case ('<')
+         holds = value < bound
+      case ('<=')
+         holds = value <= bound
+      case ('/=')
+         holds = value < bound .or. value > bound
+      case default
+         return
+      end select
+   end function holds
 
 end module key_row

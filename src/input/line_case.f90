@@ -1,24 +1,32 @@
-!> From a case in SI to the dimensionless contact that the solver knows.
+!> From a case in SI to the dimensionless contact that the solver knows, and whether its grid and
+!> time step resolve ridges, dents and sinusoids and fit into memory. (The finest waves of measured
+!> and synthetic profiles may be noise: they get a note only.)
 module line_case
+   use case_memory, only: lubricated_memory
    use case_record, only: case_t
    use domain_choice, only: choose_domain
+   use features, only: rough_surface_t
+   use input_values, only: input_values_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_profiles, only: place_surface
    use moes, only: moes_m_sum_from_mean, moes_l_sum_from_mean
    use passage_times, only: place_features
-   use solver_settings, only: solver_settings_t
    use scaling, only: scaled_fluid
+   use solver_settings, only: max_intervals_of, max_refined_intervals, solver_settings_t, &
+      time_settings_t
    use surface_scaling, only: scaled_surface
+   use system_limits, only: memory_fault, of_blas
+   use text, only: to_text
+   use wave_resolution, only: choose_time_step, intervals_at_least, min_in_a_wave
    implicit none (type, external)
    private
 
-   public :: build_line_contact, scaled_solver
+   public :: build_line_contact, check_resolution, scaled_solver
 
 contains
 
-   !> The contact of a case, with its whole domain: what the case leaves open is
-   !> chosen here.
+   !> The contact of a case, with the domain that is given or chosen.
    subroutine build_line_contact(case, contact)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(out) :: contact
@@ -51,5 +59,101 @@ contains
       settings = case%solver
       if (case%scaling%is_dimensional) settings%film_floor = case%film_floor/case%scaling%film
    end function scaled_solver
+
+   !> Findings: grid or time step, given or chosen, are too coarse for the surfaces, or the grid is
+   !> too fine. Determines how far it may be refined.
+   subroutine check_resolution(values, case)
+      type(input_values_t), intent(inout) :: values
+      type(case_t), intent(inout) :: case
+      type(line_contact_t) :: contact
+      type(time_settings_t) :: time
+
+      call build_line_contact(case, contact)
+      if (.not. (case%has_moes .or. case%accuracy%target > 0.0_wp)) then
+         time = case%time
+         call choose_time_step(contact, time)
+         call check_wave(values, 'surface_1', contact%surface_1, contact, &
+            case%scaling%half_width, time%time_step)
+         call check_wave(values, 'surface_2', contact%surface_2, contact, &
+            case%scaling%half_width, time%time_step)
+      end if
+      if (values%findings%count == 0) call check_grid(values, case, contact)
+   end subroutine check_resolution
+
+   !> Finding, without a line: the grid that the program chooses is too fine for the method, or for
+   !> the memory. Determines for how many intervals there is memory.
+   subroutine check_grid(values, case, contact)
+      type(input_values_t), intent(inout) :: values
+      type(case_t), intent(inout) :: case
+      type(line_contact_t), intent(in) :: contact
+      character(:), allocatable :: fault
+
+      associate (intervals => contact%domain%intervals, method => case%solver%method, &
+         most => case%solver%max_intervals)
+         fault = memory_fault_on(case, contact, intervals)
+         if (intervals > max_intervals_of(method)) fault = 'found '//to_text(intervals) &
+            //' intervals, which the program chooses, expected at most ' &
+            //to_text(max_intervals_of(method))//" with method = '"//trim(method)//"'"
+         if (fault /= '') call values%findings%add(0, 'domain', 'intervals', fault)
+         most = max_refined_intervals
+         do while (most > intervals .and. memory_fault_on(case, contact, most) /= '')
+            most = most/2
+         end do
+      end associate
+   end subroutine check_grid
+
+   !> What is wrong with the memory that a grid of so many `intervals` needs.
+   function memory_fault_on(case, contact, intervals) result(fault)
+      type(case_t), intent(in) :: case
+      type(line_contact_t), intent(in) :: contact
+      integer, intent(in) :: intervals
+      character(:), allocatable :: fault
+      type(line_contact_t) :: trial
+      type(time_settings_t) :: time
+      real(wp) :: steps
+
+      trial = contact
+      trial%domain%intervals = intervals
+      time = case%time
+      call choose_time_step(trial, time)
+      steps = 0.0_wp
+      if (time%is_transient) steps = time%end_time/time%time_step
+      fault = memory_fault('a grid', lubricated_memory(intervals, steps, &
+         case%solver%method == 'newton_dense', case%layers), of_blas)
+   end function memory_fault_on
+
+   !> Finds a wave that falls between the nodes of the grid (lengths over `half_width` [m]), or
+   !> passes within two of the given time steps.
+   subroutine check_wave(values, group, surface, contact, half_width, time_step)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group
+      type(rough_surface_t), intent(in) :: surface
+      type(line_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: half_width, time_step
+      real(wp) :: wave, dx, nodes, way
+
+      if (size(surface%features) == 0) return
+      wave = minval(surface%features%wavelength)
+      dx = (contact%domain%x_outlet - contact%domain%x_inlet)/contact%domain%intervals
+      nodes = wave/dx
+      way = abs(surface%speed)*time_step
+      if (nodes < min_in_a_wave .and. values%has_value('domain', 'intervals')) then
+         call values%refuse('domain', 'intervals', 'found '//to_text(contact%domain%intervals) &
+            //', a grid with '//to_text(nodes, 2)//' nodes in the wavelength '// &
+            to_text(wave*half_width, 3)//' m of &'//group//', expected at least '// &
+            to_text(intervals_at_least(min_in_a_wave*contact%domain%intervals/nodes)) &
+               //', two nodes in a wave')
+      else if (nodes < min_in_a_wave) then
+         call values%refuse(group, 'wavelength', 'found '//to_text(wave*half_width, 3)// &
+            ' m, '//to_text(nodes, 2)//' nodes of the finest grid that the program chooses, '// &
+            'expected at least '//to_text(min_in_a_wave*dx*half_width, 3) &
+               //' m, or intervals in &domain')
+      end if
+      if (wave < min_in_a_wave*way .and. values%has_value('time', 'time_step')) call &
+         values%refuse('time', 'time_step', 'found '//to_text(time_step, 3)// &
+            ', in which &'//group//' moves by '//to_text(way/wave, 2) &
+            //' of its wavelength, expected at most '// &
+            to_text(wave/(min_in_a_wave*abs(surface%speed)), 3)//' [-], half of it')
+   end subroutine check_wave
 
 end module line_case

@@ -3,20 +3,18 @@
 module line_profiles
    use, intrinsic :: iso_fortran_env, only: int64
    use case_effective, only: list_trend
-   use case_record, only: beside_namelist, case_t, set_effective
+   use case_record, only: path_from_namelist, case_t, set_effective
    use checksum, only: checksum_t
    use errors, only: error_t
    use features, only: rough_surface_t
-   use file_heights, only: check_heights, filter_heights, find_trend, is_filtered, units_hint
-   use height_file, only: open_heights
-   use height_form, only: form_t, rms_height, take_off, trend_t
-   use level_heights, only: put_level
+   use file_heights, only: hold_heights, is_filtered, level_surface, read_surface, units_hint
+   use height_form, only: form_t, rms_height, trend_t
    use measured_heights, only: heights_t
    use input_values, only: input_values_t
    use kinds, only: wp
    use moes, only: central_film, moes_l_sum_from_mean, moes_m_sum_from_mean
    use profile, only: profile_length, profile_t
-   use surface_keys, only: features_of, read_synthesis, request_of
+   use surface_keys, only: features_of, read_synthesis
    use synthetic_pieces, only: new_synthetic_pieces, synthetic_pieces_t
    use synthetic_surface, only: synthesis_t, synthetic_heights, truncate_harmonics
    use text, only: add_sentence, to_text
@@ -39,42 +37,45 @@ module line_profiles
    real(wp), parameter :: many_films = 10.0_wp, most_films = 1000.0_wp
    !> Nodes of half a piece, at least.
    integer, parameter :: least_half = 32768
-   !> Nodes of a file up to which harmonics can be taken.
-   integer(int64), parameter :: max_truncated = 4194304_int64
 
 contains
 
-   !> The surface `group`, which moves at `speed` [m/s]: its features, its entry and, for shape
-   !> 'file' or 'synthetic', its profile. Findings: the file; the synthesis.
-   subroutine make_surface(values, group, speed, case, surface)
+   !> The surface `group` of a `case`: its features, its entry and, for shape 'file' or 'synthetic',
+   !> its profile. Findings: the file; the synthesis.
+   subroutine make_surface(values, group, case)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
-      real(wp), intent(in) :: speed
       type(case_t), intent(inout) :: case
-      type(rough_surface_t), intent(out) :: surface
+      type(rough_surface_t) :: surface
       character(:), allocatable :: shape
       logical :: is_profile
 
       surface%features = features_of(values, group)
-      surface%speed = speed
+      surface%speed = merge(case%bodies%speed_1, case%bodies%speed_2, group == 'surface_1')
       shape = trim(values%word_value(group, 'shape'))
       is_profile = shape == 'file' .or. shape == 'synthetic'
       if (case%time%is_transient) then
          surface%entry_length = values%real_value(group, 'entry_length', &
             merge(usual_entry, 0.0_wp, is_profile))
          if (shape /= 'smooth') call set_effective(case, group, 'entry_length', &
-            surface%entry_length)
+            [surface%entry_length])
       end if
-      if (.not. is_profile) return
-      allocate (surface%profile)
-      if (shape == 'file') then
-         call fill_from_file(values, group, case, surface%profile)
+      if (is_profile) then
+         allocate (surface%profile)
+         if (shape == 'file') then
+            call fill_from_file(values, group, case, surface%profile)
+         else
+            call fill_synthetic(values, group, case, surface%speed, surface%profile)
+         end if
+         surface%profile%end_length = max(surface%entry_length, usual_entry)
+         surface%profile%is_placed = values%is_given(group, 'position')
+         surface%profile%start = values%real_value(group, 'position', surface%profile%start)
+      end if
+      if (group == 'surface_1') then
+         case%surface_1 = surface
       else
-         call fill_synthetic(values, group, case, speed, surface%profile)
+         case%surface_2 = surface
       end if
-      surface%profile%end_length = max(surface%entry_length, usual_entry)
-      surface%profile%is_placed = values%is_given(group, 'position')
-      surface%profile%start = values%real_value(group, 'position', surface%profile%start)
    end subroutine make_surface
 
    !> Heights of the file, which are read as they are needed; with harmonics they are periodic and
@@ -84,25 +85,15 @@ contains
       character(*), intent(in) :: group
       type(case_t), intent(inout) :: case
       type(profile_t), intent(inout) :: profile
-      type(error_t), allocatable :: error
-      character(:), allocatable :: fault
       type(heights_t) :: heights
       type(trend_t) :: trend
-      integer(int64) :: most, nodes
-      integer :: harmonics
 
-      call open_heights(request_of(values, group, beside_namelist(case, '')), profile%source, &
-         heights, error)
-      if (allocated(error)) then
-         call values%refuse(group, 'file', error%message)
-         return
-      end if
+      call read_surface(values, group, path_from_namelist(case, ''), heights, profile%source)
+      if (.not. allocated(profile%source)) return
       profile%spacing = heights%spacing(1)
       if (profile%spacing > 0.0_wp) then
-         call find_trend(values, group, heights, heights%spacing, values%is_given(group, &
-            'harmonics'), trend, case%note)
-         call level_profile(values, group, trend, heights, profile)
-         call check_heights(values, group, heights, heights%spacing, case%note)
+         call level_surface(values, group, values%is_given(group, 'harmonics'), heights, trend, &
+            case%note, profile%source)
          call compare_with_film(values, group, heights, trend, case)
          call list_trend(case, group, trend)
       else
@@ -112,59 +103,12 @@ contains
       profile%finest_wave = 2.0_wp*profile%spacing
       if (values%is_given(group, 'cutoff_short')) profile%finest_wave = max(profile%finest_wave, &
          0.5_wp*values%real_value(group, 'cutoff_short'))
-      call set_effective(case, group, 'heights_checksum', heights%digits)
-      call set_effective(case, group, 'heights_spacing', profile%spacing, 'm')
+      call set_effective(case, group, 'heights_checksum', text=heights%digits)
+      call set_effective(case, group, 'heights_spacing', [profile%spacing], unit='m')
       if (allocated(heights%z)) call move_alloc(heights%z, profile%heights)
-      if (.not. values%is_given(group, 'harmonics') .or. values%findings%count > 0) return
-      harmonics = values%integer_value(group, 'harmonics')
-      nodes = heights%sums%nodes
-      most = min(nodes/2 - 1, int(max_nodes, int64))
-      fault = ''
-      if (nodes > max_truncated) then
-         fault = 'found a profile of '//to_text(nodes)//' nodes, expected at '// &
-            'most '//to_text(max_truncated)//': a series needs all of them at once'
-      else if (harmonics > most) then
-         fault = 'found '//to_text(harmonics)//', expected at most '//to_text(most) &
-            //', half the nodes less one'
-      else
-         call truncate_profile(harmonics, profile, error)
-         if (allocated(error)) fault = error%message
-      end if
-      if (fault /= '') call values%refuse(group, 'harmonics', fault)
+      if (values%is_given(group, 'harmonics') .and. values%findings%count == 0) call &
+         truncate_profile(values, group, profile)
    end subroutine fill_from_file
-
-   !> Takes the `trend` and the waves beyond the cut-offs off a profile: off its source, and off the
-   !> heights that are held. Filtered heights have no source. Findings: too many nodes for a filter;
-   !> its cut-offs.
-   subroutine level_profile(values, group, trend, heights, profile)
-      type(input_values_t), intent(inout) :: values
-      character(*), intent(in) :: group
-      type(trend_t), intent(in) :: trend
-      type(heights_t), intent(inout) :: heights
-      type(profile_t), intent(inout) :: profile
-      type(error_t), allocatable :: error
-
-      call put_level(profile%source, trend%form)
-      if (allocated(heights%z)) call take_off(trend%form, 0_int64, heights%z)
-      if (.not. is_filtered(values, group)) return
-      if (profile%source%nodes > max_truncated) then
-         call values%refuse(group, 'file', 'found a profile of '//to_text(profile%source%nodes) &
-            //' nodes, expected at most '//to_text(max_truncated)//' with cutoff_long or '// &
-            'cutoff_short: a filter needs all of them at once')
-         return
-      end if
-      if (.not. allocated(heights%z)) then
-         allocate (heights%z(profile%source%nodes))
-         call profile%source%get(0_int64, heights%z, error)
-         if (allocated(error)) then
-            call values%refuse(group, 'file', error%message)
-            return
-         end if
-      end if
-      deallocate (profile%source)
-      call filter_heights(values, group, values%is_given(group, 'harmonics'), heights%spacing, &
-         heights)
-   end subroutine level_profile
 
    !> Finding: heights far above any film. A note: above the film that is expected.
    subroutine compare_with_film(values, group, heights, trend, case)
@@ -194,22 +138,32 @@ contains
       end if
    end subroutine compare_with_film
 
-   !> The truncated Fourier series of a whole profile, which is held from now on.
-   subroutine truncate_profile(harmonics, profile, error)
-      integer, intent(in) :: harmonics
+   !> The truncated Fourier series of a whole profile, which is held from now on. Findings: too many
+   !> nodes; more harmonics than they have.
+   subroutine truncate_profile(values, group, profile)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group
       type(profile_t), intent(inout) :: profile
-      type(error_t), allocatable, intent(out) :: error
+      type(error_t), allocatable :: error
+      character(:), allocatable :: fault
+      integer :: harmonics, most
 
-      if (.not. allocated(profile%heights)) then
-         allocate (profile%heights(profile%source%nodes))
-         call profile%source%get(0_int64, profile%heights, error)
-         if (allocated(error)) return
+      harmonics = values%integer_value(group, 'harmonics')
+      call hold_heights(profile%source, profile%heights, ': a series', fault)
+      if (fault == '') then
+         most = min(size(profile%heights)/2 - 1, max_nodes)
+         if (harmonics > most) then
+            fault = 'found '//to_text(harmonics)//', expected at most '//to_text(most) &
+               //', half the nodes less one'
+         else
+            call truncate_harmonics(harmonics, [size(profile%heights), 1], profile%heights, error)
+            if (allocated(error)) fault = error%message
+         end if
       end if
-      if (allocated(profile%source)) deallocate (profile%source)
-      call truncate_harmonics(harmonics, [size(profile%heights), 1], profile%heights, &
-         error)   ! error: the caller looks
+      if (fault /= '') call values%refuse(group, 'harmonics', fault)
       profile%is_periodic = .true.
-      profile%finest_wave = size(profile%heights)*profile%spacing/harmonics
+      if (allocated(profile%heights)) profile%finest_wave = size(profile%heights) &
+         *profile%spacing/harmonics
    end subroutine truncate_profile
 
    !> Heights with a wanted spectrum, long enough for the whole passage at `speed` [m/s]; after it
@@ -237,8 +191,8 @@ contains
          //' times wavelength_short in a profile of '//to_text(length, 3) &
          //' m, which is too long to be made at once')
       if (values%findings%count > before) return
-      call set_effective(case, group, 'wavelength_long', wanted%wavelength_long)
-      call set_effective(case, group, 'wavelength_rolloff', wanted%wavelength_rolloff)
+      call set_effective(case, group, 'wavelength_long', [wanted%wavelength_long])
+      call set_effective(case, group, 'wavelength_rolloff', [wanted%wavelength_rolloff])
       call synthesise(wanted, length, group, case, profile, error)
       if (allocated(error)) call values%refuse(group, 'shape', error%message)
    end subroutine fill_synthetic
@@ -275,7 +229,7 @@ contains
          call synthetic_heights(wanted, [nodes, 1], length, tiny(1.0_wp), profile%heights, error)
          if (.not. allocated(error)) then
             call sums%add(profile%heights)
-            call set_effective(case, group, 'heights_checksum', sums%digits())
+            call set_effective(case, group, 'heights_checksum', text=sums%digits())
          end if
       end if
    end subroutine synthesise

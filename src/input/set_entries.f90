@@ -11,7 +11,7 @@ module set_entries
    implicit none (type, external)
    private
 
-   public :: new_set_entry, put_entries, set_entry_t, tell_apart
+   public :: new_set_entry, put_entries, set_entry_t, mark_entries
 
    !> One entry; `value` is namelist text.
    type :: set_entry_t
@@ -105,42 +105,29 @@ contains
       end do
    end subroutine put_entries
 
-   !> Makes `findings` about `entries` (n) name --set, and those about a group that has nothing else
-   !> in `pieces`.
-   subroutine tell_apart(entries, pieces, findings)
+   !> Makes findings about `entries` (n), and about a group that has no others in `pieces`, name
+   !> --set as their source.
+   subroutine mark_entries(entries, pieces, findings)
       type(set_entry_t), intent(in) :: entries(:)
       type(namelist_text_t), intent(in) :: pieces
       type(findings_t), intent(inout) :: findings
-      integer :: i, k
-      logical :: is_own
+      integer :: i, j, k
+      logical :: is_alone
 
       do i = 1, size(entries)
          call findings%set_apart(entries(i)%group, entries(i)%key)
-         is_own = .true.
+         is_alone = .true.
          do k = 1, pieces%entry_count
             associate (entry => pieces%entries(k))
-               if (entry%group == entries(i)%group) is_own = is_own .and. is_among(entry%key, &
-                  entries)
+               if (entry%group == entries(i)%group) is_alone = is_alone .and. &
+                  any([(entries(j)%key == entry%key, j=1, size(entries))])
             end associate
          end do
-         if (is_own) call findings%set_apart(entries(i)%group, '')
+         if (is_alone) call findings%set_apart(entries(i)%group, '')
       end do
-   end subroutine tell_apart
+   end subroutine mark_entries
 
-   !> Whether `key` is one of `entries` (n).
-   pure function is_among(key, entries)
-      character(*), intent(in) :: key
-      type(set_entry_t), intent(in) :: entries(:)
-      logical :: is_among
-      integer :: i
-
-      is_among = .false.
-      do i = 1, size(entries)
-         is_among = is_among .or. entries(i)%key == key
-      end do
-   end function is_among
-
-   !> One of them.
+   !> Puts one entry into `content`.
    subroutine put_entry(content, entry)
       character(:), allocatable, intent(inout) :: content
       type(set_entry_t), intent(in) :: entry

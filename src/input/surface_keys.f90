@@ -1,15 +1,16 @@
-!> What the keys of a surface want: its features, and the heights of a synthetic one.
+!> &surface_1 and &surface_2: features and synthesis that their keys describe; arrays that belong
+!> together, and motion that needs a transient.
 module surface_keys
    use features, only: feature_ridge, feature_sinusoid, feature_t
    use input_values, only: input_values_t, value_t
+   use key_row, only: lubricated
    use kinds, only: wp
-   use measured_heights, only: height_request_t
    use synthetic_surface, only: synthesis_t
    use text, only: to_text
    implicit none (type, external)
    private
 
-   public :: features_of, has_shape, read_synthesis, request_of
+   public :: check_surface, features_of, has_shape, read_synthesis
 
    !> The groups of both surfaces.
    character(len=9), parameter, public :: surfaces(2) = ['surface_1', 'surface_2']
@@ -49,21 +50,6 @@ contains
       end do
    end function features_of
 
-   !> What the keys say of the file of the surface `group`, in `folder` or with its own.
-   pure function request_of(values, group, folder) result(request)
-      type(input_values_t), intent(in) :: values
-      character(*), intent(in) :: group, folder
-      type(height_request_t) :: request
-
-      request%file = trim(values%text_value(group, 'file'))
-      if (index(request%file, '/') /= 1) request%file = folder//request%file
-      request%positions = trim(values%text_value(group, 'positions'))
-      request%dataset = trim(values%text_value(group, 'dataset'))
-      request%units(1) = trim(values%word_value(group, 'x_unit'))
-      request%units(2) = trim(values%word_value(group, 'z_unit'))
-      where (request%units == 'auto' .or. request%units == '?') request%units = ''
-   end function request_of
-
    !> The heights that the surface `group` wants; `longest` and `shortest` are its longest and
    !> shortest wave [m] where it does not give them, and the roll-off is at the longest then.
    !> Findings: wavelengths out of order.
@@ -87,5 +73,74 @@ contains
          group, 'wavelength_rolloff', 'found '//to_text(wanted%wavelength_rolloff) &
          //' m, expected wavelength_short <= wavelength_rolloff <= wavelength_long')
    end subroutine read_synthesis
+
+   !> Findings about the surface `group` that moves at the key `speed` of &bodies: shapes that do
+   !> not go together, motion in a steady case.
+   subroutine check_surface(values, group, speed)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group, speed
+      type(value_t) :: shape
+      real(wp) :: metres_a_second
+
+      shape = values%slot(group, 'shape')
+      if (values%problem /= lubricated) then
+         if (size(shape%words) > 1 .and. any(shape%words /= 'feature' .and. shape%words &
+            /= 'sinusoid')) call values%refuse(group, 'shape', &
+            "found several shapes, expected 'feature' and 'sinusoid' among several")
+         return
+      end if
+      if (.not. shape%has_value .or. .not. values%has_group(group)) return
+      if (any(shape%words == '?') .or. all(shape%words == 'smooth')) return
+      call check_shapes(values, group, shape%words)
+      if (.not. values%has_value('time', 'transient') .or. values%logical_value('time', &
+         'transient')) return
+      metres_a_second = values%real_value('bodies', speed)
+      if (abs(metres_a_second) > 0.0_wp) call values%refuse(group, 'shape', &
+         'found a rough surface that moves (' // speed // ' = ' // to_text(metres_a_second) &
+         // ' m/s) in a steady case, expected transient = .true. in &time, or ' // speed // ' = 0')
+   end subroutine check_surface
+
+   !> Findings about the `shapes` of a surface of a lubricated contact, and the arrays with them.
+   subroutine check_shapes(values, group, shapes)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group, shapes(:)
+      type(value_t) :: position
+
+      position = values%slot(group, 'position')
+      if (.not. any(shapes == 'file' .or. shapes == 'synthetic')) then
+         if (any(shapes == 'smooth')) call values%refuse(group, 'shape', &
+            "found 'smooth' among other shapes, expected 'feature' or 'sinusoid' for each element")
+         call check_lengths(values, group)
+      else if (size(shapes) > 1) then
+         call values%refuse(group, 'shape', "found '"//trim(shapes(1)) &
+            //"' among several shapes, expected 'feature' and 'sinusoid' among several")
+      else if (size(position%reals) > 1) then
+         call values%refuse(group, 'position', 'found length '//to_text(size(position%reals)) &
+            //', expected one value: the centre of the profile')
+      end if
+   end subroutine check_shapes
+
+   !> Finds arrays with another number of values than `amplitude`; `shape` may have one for all.
+   subroutine check_lengths(values, group)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: group
+      character(len=12), parameter :: keys(*) = [character(len=12) :: 'shape', 'wavelength', &
+         'position']
+      type(value_t) :: amplitude, other
+      integer :: i, elements
+
+      amplitude = values%slot(group, 'amplitude')
+      if (.not. amplitude%has_value) return
+      elements = size(amplitude%reals)
+      do i = 1, size(keys)
+         other = values%slot(group, trim(keys(i)))
+         if (.not. other%is_given .or. .not. other%has_value) cycle
+         if (size(other%is_set) == elements .or. (keys(i) == 'shape' &
+            .and. size(other%is_set) == 1)) cycle
+         call values%refuse(group, trim(keys(i)), 'found length ' // to_text(size(other%is_set)) &
+            // ', expected ' // to_text(elements) // ', one value for each value of amplitude' &
+            // amplitude%hint // other%hint)
+      end do
+   end subroutine check_lengths
 
 end module surface_keys

@@ -8,18 +8,16 @@ module value_reader
    use input_keys, only: find_group, find_key, group_rows, key_rows, &
       renamed_words
    use input_values, only: input_values_t, value_t
-   use key_range, only: is_in_range
-   use key_row, only: every, expected_value, has_word, integer_kind, is_chosen, is_optional, &
-      is_required, key_row_t, logical_kind, lubricated, real_kind, reals_kind, split_words, &
-      word_kind, words_kind
+   use key_row, only: every, expected_value, has_word, integer_kind, is_chosen, is_in_range, &
+      is_optional, is_required, key_row_t, logical_kind, lubricated, real_kind, reals_kind, &
+      split_words, word_kind, words_kind
    use kinds, only: wp
    use namelist_text, only: namelist_text_t, entry_t
    use namelist_values, only: max_values, piece_t, read_logical, split_values
-   use nearest_name, only: nearest_known
    use number_text, only: read_integer, read_real
    use solver_settings, only: word_length
    use text, only: joined, to_lower, to_text
-   use value_hints, only: form_hint
+   use value_hints, only: form_hint, nearest_known
    implicit none (type, external)
    private
 
@@ -310,7 +308,7 @@ contains
          hint = "; '" // trim(renamed_words(i)%new) // "' is its new name"
          return
       end do
-      hint = nearest_known(word, split_words(row%words))
+      hint = nearest_known(word, split_words(row%words, ' '))
       if (hint /= '') hint = "; did you mean '" // hint // "'?"
    end function nearest_word
 

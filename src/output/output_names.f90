@@ -3,7 +3,7 @@
 !> paths: device and inode behind all links, or folder and name of what is not there yet.
 module output_names
    use build_info, only: program_name
-   use case_record, only: beside_namelist, case_t, result_path
+   use case_record, only: path_from_namelist, case_t, result_path
    use file_path, only: file_identity_t, folder_of, kind_missing, kind_other, kind_regular, &
       look_at_file
    use own_file, only: any_mark, hdf5_mark, place_fault, xdmf_mark
@@ -73,7 +73,7 @@ contains
          call add(cases(i)%file, 'namelist')
          do j = 1, size(cases(i)%effective)
             associate (entry => cases(i)%effective(j))
-               if (entry%key == 'file') call add(beside_namelist(cases(i), trim(entry%text)), &
+               if (entry%key == 'file') call add(path_from_namelist(cases(i), trim(entry%text)), &
                   'height file')
             end associate
          end do

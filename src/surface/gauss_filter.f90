@@ -15,7 +15,7 @@ module gauss_filter
    implicit none (type, external)
    private
 
-   public :: take_mean_line
+   public :: smooth_heights
 
    !> Nodes in the cut-off wavelength, at least: then sampling changes the transmission at the
    !> cut-off by less than 2e-5.
@@ -28,7 +28,7 @@ contains
    !> Replaces heights on `grid` = nx, ny nodes (ny = 1: a profile), x fastest, by their mean line
    !> or surface. `cutoff` is the cut-off wavelength in spacings in x and y, at least `least_nodes`.
    !> If `is_periodic` the heights repeat themselves. Fails (internal_error) if FFTW does.
-   subroutine take_mean_line(grid, cutoff, is_periodic, z, error)
+   subroutine smooth_heights(grid, cutoff, is_periodic, z, error)
       integer, intent(in) :: grid(2)
       real(wp), intent(in) :: cutoff(2)
       logical, intent(in) :: is_periodic
@@ -54,7 +54,7 @@ contains
          if (allocated(error)) return
          z(i::grid(1)) = line/weights
       end do
-   end subroutine take_mean_line
+   end subroutine smooth_heights
 
    !> Sums of the weights that lie on the heights, at each of `n` nodes.
    subroutine find_weights(n, cutoff, is_periodic, weights, error)

@@ -14,7 +14,7 @@ module height_form
    private
 
    public :: closes, curvature_of, extent_of, form_of, form_t, height_sums_t, new_sums, &
-      rms_height, rms_slope, take_off, tilt_of, trend_t
+      rms_height, rms_slope, subtract_form, tilt_of, trend_t
 
    !> Neighbours differ by so much less than the ends of heights that do not close: largest ratio
    !> of the rms step across the ends to that between neighbours.
@@ -190,7 +190,7 @@ contains
    end function form_of
 
    !> Takes a form off the heights [m] from number `first` (from 0) on.
-   pure subroutine take_off(form, first, z)
+   pure subroutine subtract_form(form, first, z)
       type(form_t), intent(in) :: form
       integer(int64), intent(in) :: first
       real(wp), intent(inout) :: z(:)
@@ -213,7 +213,7 @@ contains
                - (a(4)*norms(2) + a(6)*norms(3)))
          end associate
       end do
-   end subroutine take_off
+   end subroutine subtract_form
 
    !> Lengths [m] from the first node to the last in x and y; 0 across a profile.
    pure function extent_of(trend) result(extent)

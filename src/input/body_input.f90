@@ -1,0 +1,284 @@
+!> &bodies and &load: what is missing, contradicts each other or follows from other keys; the two
+!> bodies as one, radius and elasticity.
+module body_input
+   use bodies, only: bodies_t, reduced_modulus, reduced_radius
+   use dry_scaling, only: contact_modulus
+   use hertz, only: line_load_from_pressure, point_load_from_pressure
+   use input_keys, only: find_key, key_rows
+   use input_values, only: input_values_t
+   use key_row, only: lubricated
+   use kinds, only: wp
+   use surface_keys, only: has_shape, surfaces
+   use text, only: joined, to_text
+   implicit none (type, external)
+   private
+
+   public :: check_bodies, check_load, derive_speeds, fill_bodies, find_load, modulus_of, radius_of
+
+   !> Curvature of the gap between two bodies, 1/R [1/m]: the reverse of the range of
+   !> reduced_radius.
+   real(wp), parameter :: least_curvature = 1.0e-9_wp, largest_curvature = 1.0e9_wp
+   character(len=7), parameter :: speeds(2) = ['speed_1', 'speed_2']
+
+contains
+
+   !> Gives both speeds if they follow from the mean speed U [m/s] and S = (u2 - u1)/U [-]: u1 =
+   !> U (1 - S/2), u2 = U (1 + S/2). Finding: both ways to give them.
+   subroutine derive_speeds(values)
+      type(input_values_t), intent(inout) :: values
+      character(*), parameter :: way = 'entrainment_speed'
+      real(wp) :: mean, slide
+      integer :: i
+
+      if (.not. values%is_given('bodies', way)) return
+      do i = 1, size(speeds)
+         if (.not. values%is_given('bodies', speeds(i))) cycle
+         call values%refuse('bodies', way, 'found together with '//speeds(i)// &
+            ', expected either speed_1 and speed_2 or entrainment_speed and slide_to_roll')
+         return
+      end do
+      if (.not. (values%has_value('bodies', way) .and. values%has_value('bodies', &
+         'slide_to_roll'))) return
+      mean = values%real_value('bodies', way)
+      slide = values%real_value('bodies', 'slide_to_roll')
+      call values%give('bodies', speeds(1), way, mean*(1 - 0.5_wp*slide))
+      call values%give('bodies', speeds(2), way, mean*(1 + 0.5_wp*slide))
+   end subroutine derive_speeds
+
+   !> All checks of &bodies over more than one key.
+   subroutine check_bodies(values)
+      type(input_values_t), intent(inout) :: values
+
+      if (values%problem /= lubricated) then
+         call check_moduli(values)
+         call check_radius(values)
+      else if (values%has_group('bodies')) then
+         if (.not. values%logical_value('bodies', 'plane')) call check_ways(values, &
+            'reduced_radius', [character(len=20) :: 'radius_1', 'radius_2'])
+         call check_ways(values, 'reduced_modulus', [character(len=20) :: 'youngs_modulus_1', &
+            'youngs_modulus_2', 'poisson_ratio_1', 'poisson_ratio_2'])
+         call check_speeds(values)
+         call check_radii(values)
+      end if
+   end subroutine check_bodies
+
+   !> A reduced value of &bodies, or all of the values it follows from. Findings: both, none, some.
+   subroutine check_ways(values, reduced, parts)
+      type(input_values_t), intent(inout) :: values
+      character(*), intent(in) :: reduced
+      character(*), intent(in) :: parts(:)
+      logical :: given(size(parts))
+      integer :: i
+      character(:), allocatable :: list
+
+      given = [(values%is_given('bodies', trim(parts(i))), i=1, size(parts))]
+      list = joined(parts, ', ', last=' and ')
+      if (values%is_given('bodies', reduced)) then
+         if (any(given)) call values%refuse('bodies', reduced, 'found together with ' &
+            // trim(parts(findloc(given, .true., dim=1))) // ', expected either ' // reduced &
+            // ' or ' // list)
+      else if (.not. any(given)) then
+         call values%refuse('bodies', trim(parts(1)), 'found nothing, expected ' // list &
+            // ', or ' // reduced // ' [' // trim(key_rows(find_key('bodies', reduced))%unit) &
+               // ']')
+      else
+         do i = 1, size(parts)
+            if (.not. given(i)) call values%refuse_missing('bodies', trim(parts(i)))
+         end do
+      end if
+   end subroutine check_ways
+
+   !> Findings: a speed that is missing; speeds that draw no oil into the contact.
+   subroutine check_speeds(values)
+      type(input_values_t), intent(inout) :: values
+      real(wp) :: speed_sum
+      integer :: i
+
+      if (.not. values%is_given('bodies', 'entrainment_speed')) then
+         do i = 1, size(speeds)
+            if (.not. values%is_given('bodies', speeds(i))) call values%refuse_missing('bodies', &
+               speeds(i), '(or entrainment_speed for both)')
+         end do
+      end if
+      if (.not. (values%has_value('bodies', 'speed_1') &
+         .and. values%has_value('bodies', 'speed_2'))) return
+      speed_sum = values%real_value('bodies', 'speed_1') + values%real_value('bodies', 'speed_2')
+      if (speed_sum <= 0.0_wp) call values%refuse('bodies', 'speed_1', &
+         'found speed_1 + speed_2 = ' // to_text(speed_sum) // ', expected a sum > 0 [m/s]: no '// &
+         'oil is drawn in')
+   end subroutine check_speeds
+
+   !> Findings: elasticity given twice or in part.
+   subroutine check_moduli(values)
+      type(input_values_t), intent(inout) :: values
+      character(len=16), parameter :: parts(*) = [character(len=16) :: 'youngs_modulus_1', &
+         'poisson_ratio_1', 'youngs_modulus_2', 'poisson_ratio_2']
+      logical :: given(size(parts))
+      integer :: i
+
+      given = [(values%is_given('bodies', trim(parts(i))), i=1, size(parts))]
+      if (values%is_given('bodies', 'reduced_modulus')) then
+         do i = 1, size(parts)
+            call values%refuse_unused('bodies', trim(parts(i)), 'with reduced_modulus')
+         end do
+         return
+      end if
+      do i = 1, 2
+         if (.not. given(i)) call values%refuse_missing('bodies', trim(parts(i)), &
+            '(or reduced_modulus)')
+      end do
+      if (given(3) .neqv. given(4)) call values%refuse_missing('bodies', &
+         trim(parts(merge(4, 3, given(3)))))
+   end subroutine check_moduli
+
+   !> Findings: no radius of a parabola; a radius without one.
+   subroutine check_radius(values)
+      type(input_values_t), intent(inout) :: values
+      character(len=14), parameter :: radii(*) = [character(len=14) :: 'reduced_radius', &
+         'radius_1', 'radius_2']
+      logical :: given(size(radii))
+      integer :: i
+
+      given = [(values%is_given('bodies', trim(radii(i))), i=1, size(radii))]
+      if (.not. any(has_shape(values, surfaces, 'parabola'))) then
+         do i = 1, size(radii)
+            call values%refuse_unused('bodies', trim(radii(i)), "without shape = 'parabola'")
+         end do
+         call values%refuse_unused('bodies', 'plane', "without shape = 'parabola'")
+      else if (.not. (given(1) .or. all(given(2:)) .or. has_plane(values))) then
+         call values%refuse_missing('bodies', 'reduced_radius', &
+            "(or radius_1 and radius_2) for shape = 'parabola'")
+      else if (.not. given(1)) then
+         call check_radii(values)
+      end if
+   end subroutine check_radius
+
+   !> Whether one body has a radius and the other is a plane.
+   pure function has_plane(values)
+      type(input_values_t), intent(in) :: values
+      logical :: has_plane
+
+      has_plane = values%logical_value('bodies', 'plane') .and. (values%is_given('bodies', &
+         'radius_1') .neqv. values%is_given('bodies', 'radius_2'))
+   end function has_plane
+
+   !> A finding: two radii of bodies that do not touch, or lie in each other; a plane beside more or
+   !> less than one radius, or one that is not convex.
+   subroutine check_radii(values)
+      type(input_values_t), intent(inout) :: values
+      character(len=8) :: key
+      real(wp) :: curvature
+
+      if (has_plane(values)) then
+         key = merge('radius_1', 'radius_2', values%is_given('bodies', 'radius_1'))
+         if (values%real_value('bodies', key) < 0.0_wp) call values%refuse('bodies', key, &
+            'found '//to_text(values%real_value('bodies', key))// &
+            ' with plane = .true., expected a radius > 0 [m]')
+      else if (values%logical_value('bodies', 'plane')) then
+         call values%refuse('bodies', 'plane', &
+            'found .true., expected one of radius_1 and radius_2 beside it')
+      end if
+      if (.not. (values%has_value('bodies', 'radius_1') .and. values%has_value('bodies', &
+         'radius_2'))) return
+      curvature = 1.0_wp/values%real_value('bodies', 'radius_1') &
+         + 1.0_wp/values%real_value('bodies', 'radius_2')
+      if (curvature < least_curvature .or. curvature > largest_curvature) call values%refuse( &
+         'bodies', 'radius_1', 'found 1/radius_1 + 1/radius_2 = ' // to_text(curvature) &
+         // ', expected 1e-9 to 1e9 [1/m]')
+   end subroutine check_radii
+
+   !> Findings: no load, or more than one.
+   subroutine check_load(values)
+      type(input_values_t), intent(inout) :: values
+      character(len=16), allocatable :: keys(:)
+      character(:), allocatable :: choice, fault
+      integer :: given, i
+
+      choice = 'load_per_length [N/m] or hertz_pressure [Pa]'
+      if (values%problem == lubricated) then
+         keys = [character(len=16) :: 'load_per_length', 'hertz_pressure']
+         fault = 'found together with load_per_length, expected one of the two'
+      else
+         keys = [character(len=16) :: 'mean_pressure', 'hertz_pressure', merge('load_per_length', &
+            'load           ', values%problem == 'dry_line'), 'separation']
+         fault = 'found more than one load, expected one of '//joined(keys, ', ')
+         choice = 'mean_pressure [Pa], hertz_pressure [Pa], '//trim(keys(3))//' or separation [m]'
+      end if
+      given = 0
+      do i = 1, size(keys)
+         if (.not. values%is_given('load', trim(keys(i)))) cycle
+         given = given + 1
+         if (given > 1) call values%refuse('load', trim(keys(i)), fault)
+      end do
+      if (given == 0) call values%refuse('load', trim(keys(1)), 'found nothing, expected '//choice)
+   end subroutine check_load
+
+   !> The bodies of a lubricated contact; with &moes they are unknown (zero).
+   subroutine fill_bodies(values, bodies)
+      type(input_values_t), intent(in) :: values
+      type(bodies_t), intent(out) :: bodies
+
+      bodies%reduced_radius = radius_of(values)
+      bodies%reduced_modulus = modulus_of(values)
+      bodies%speed_1 = values%real_value('bodies', 'speed_1')
+      bodies%speed_2 = values%real_value('bodies', 'speed_2')
+      if (values%is_given('bodies', 'radius_2') .and. has_plane(values)) then
+         bodies%curvature_share = 0.0_wp
+      else if (values%is_given('bodies', 'radius_1')) then
+         bodies%curvature_share = bodies%reduced_radius/values%real_value('bodies', 'radius_1')
+      end if
+   end subroutine fill_bodies
+
+   !> The load of a line [N/m] or an area [N] of reduced `radius` [m] and `modulus` [Pa], given by
+   !> the `key` of &load; 0 if there is none.
+   subroutine find_load(values, radius, modulus, key, load)
+      type(input_values_t), intent(in) :: values
+      real(wp), intent(in) :: radius, modulus
+      character(:), allocatable, intent(out) :: key
+      real(wp), intent(out) :: load
+
+      key = trim(merge('load           ', 'load_per_length', values%problem == 'dry_area'))
+      if (values%is_given('load', 'hertz_pressure')) key = 'hertz_pressure'
+      load = values%real_value('load', key)
+      if (key /= 'hertz_pressure') return
+      if (values%problem == 'dry_area') then
+         load = point_load_from_pressure(load, radius, modulus)
+      else
+         load = line_load_from_pressure(load, radius, modulus)
+      end if
+   end subroutine find_load
+
+   !> R [m], given or that of both bodies; 0 if there is none.
+   function radius_of(values) result(radius)
+      type(input_values_t), intent(in) :: values
+      real(wp) :: radius
+
+      radius = values%real_value('bodies', 'reduced_radius')
+      if (radius > 0.0_wp) return
+      if (has_plane(values)) then
+         radius = values%real_value('bodies', 'radius_1') + values%real_value('bodies', 'radius_2')
+         return
+      end if
+      if (.not. values%is_given('bodies', 'radius_1')) return
+      radius = reduced_radius(values%real_value('bodies', 'radius_1'), &
+         values%real_value('bodies', 'radius_2'))
+   end function radius_of
+
+   !> E' [Pa]: given, of both bodies, or of the first against a rigid one; 0 if there is none.
+   function modulus_of(values) result(modulus)
+      type(input_values_t), intent(in) :: values
+      real(wp) :: modulus
+
+      modulus = values%real_value('bodies', 'reduced_modulus')
+      if (values%is_given('bodies', 'youngs_modulus_2')) then
+         modulus = reduced_modulus(values%real_value('bodies', 'youngs_modulus_1'), &
+            values%real_value('bodies', 'poisson_ratio_1'), &
+            values%real_value('bodies', 'youngs_modulus_2'), &
+            values%real_value('bodies', 'poisson_ratio_2'))
+      else if (values%is_given('bodies', 'youngs_modulus_1')) then
+         modulus = contact_modulus(values%real_value('bodies', 'youngs_modulus_1'), &
+            values%real_value('bodies', 'poisson_ratio_1'))
+      end if
+   end function modulus_of
+
+end module body_input
