@@ -41,6 +41,8 @@ module dry_problem
       type(dry_grid_t) :: grid
       !> z, positive out of the material, its mean removed (nx*ny), x fastest.
       real(wp), allocatable :: height(:)
+      !> Its largest value before any load.
+      real(wp) :: top
       !> H.
       real(wp) :: hardness
       !> Sum of p over the nodes.
@@ -70,6 +72,7 @@ contains
       self%hardness = no_hardness
       self%load = 0.0_wp
       self%height = height - sum(height)/size(height)
+      self%top = maxval(self%height)
       self%height_scale = norm2(self%height)/sqrt(real(size(height), wp))
       if (self%height_scale <= epsilon(1.0_wp)) self%height_scale = 0.0_wp   ! flat but for rounding
       associate (nx => grid%nx, ny => grid%ny, aspect => grid%aspect, threads => grid%threads)

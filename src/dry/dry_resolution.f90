@@ -5,7 +5,7 @@
 !> the order that the last two grids show; the next grid is the one that is foretold to do.
 module dry_resolution
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use dry_sweep, only: dry_row_t
+   use dry_quantities, only: contact_area, dry_outcome_t
    use even_grids, only: even_nodes
    use kinds, only: wp
    use missing_value, only: not_known
@@ -31,22 +31,16 @@ module dry_resolution
 
 contains
 
-   !> Largest relative error of the contact area in `rows`, from its estimated `errors`; NaN where
-   !> one is not known.
-   pure function area_doubt(rows, errors) result(doubt)
-      type(dry_row_t), intent(in) :: rows(:), errors(:)
+   !> Largest relative error of the contact area of all loads of an `outcome`; NaN where one is not
+   !> known, or estimated.
+   pure function area_doubt(outcome) result(doubt)
+      type(dry_outcome_t), intent(in) :: outcome
       real(wp) :: doubt
-      integer :: i
 
-      doubt = 0.0_wp
-      do i = 1, size(rows)
-         if (ieee_is_finite(errors(i)%contact_area_fraction)) then
-            doubt = max(doubt, errors(i)%contact_area_fraction/rows(i)%contact_area_fraction)
-         else
-            doubt = not_known()
-            return
-         end if
-      end do
+      doubt = not_known()
+      if (.not. allocated(outcome%errors)) return
+      if (all(ieee_is_finite(outcome%errors(contact_area, :)))) doubt = &
+         maxval(outcome%errors(contact_area, :)/outcome%rows%values(contact_area))
    end function area_doubt
 
    !> True if a solution keeps the `target`.

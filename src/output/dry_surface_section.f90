@@ -1,7 +1,7 @@
 !> /surface of a dry result: shape of the undeformed, loaded and unloaded surface, in SI.
 module dry_surface_section
    use dry_case, only: dry_case_t
-   use dry_sweep, only: dry_fields_t
+   use dry_quantities, only: dry_fields_t
    use errors, only: error_t
    use hdf5_axes, only: make_axis, make_counter, name_axes
    use hdf5_dataset, only: new_label, write_dataset
