@@ -1,11 +1,10 @@
 !> A dry case on its given grid, or on finer and finer grids until the contact area has the wanted
 !> accuracy.
 module dry_target
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use dry_case, only: dry_case_t
    use dry_errors, only: estimate_dry_errors
    use dry_record, only: dry_record_t, dry_sweep_t
-   use dry_resolution, only: area_doubt, dry_trial_t, finer_nodes, is_met
+   use dry_resolution, only: area_doubt, dry_trial_t, finer_nodes, unknown_doubt
    use dry_scaling, only: dry_scaling_t, new_dry_scaling
    use dry_settings, only: dry_settings_t
    use dry_surfaces, only: is_refinable, refine_heights
@@ -13,7 +12,6 @@ module dry_target
    use errors, only: error_t, input_error
    use iteration_report, only: phase_count, phase_error_bars, phase_steady
    use kinds, only: wp
-   use missing_value, only: not_known
    use signals, only: begin_activity
    use system_limits, only: memory_fault, thread_memory
    use text, only: add_sentence, to_text
@@ -51,7 +49,7 @@ contains
          if (allocated(error)) then
             if (.not. dry%target > 0.0_wp .or. error%kind /= input_error) return
          end if
-         trials = [trials, dry_trial_t([dry%grid%nx, dry%grid%ny], not_known())]
+         trials = [trials, dry_trial_t([dry%grid%nx, dry%grid%ny])]
          associate (trial => trials(size(trials)), report => record%outcome%solution%report)
             if (.not. allocated(error)) trial%doubt = area_doubt(record%outcome)
             seconds = seconds + record%outcome%seconds
@@ -59,7 +57,7 @@ contains
             record%outcome%seconds = seconds
             report%phase_seconds = phases
             report%wall_seconds = sum(phases)
-            if (.not. dry%target > 0.0_wp .or. is_met(trial, dry%target)) return
+            if (.not. dry%target > 0.0_wp .or. trial%doubt <= dry%target) return
          end associate
          nodes = finer_nodes(trials, dry%target, most)
          if (nodes(1) == 0) exit
@@ -111,16 +109,15 @@ contains
       end do
    end function max_nodes
 
-   !> Notes that the target is not met by an estimated error of `doubt` (NaN: no solution, which is
-   !> told elsewhere), and why.
+   !> Notes that the target is not met by an estimated error of `doubt` (without a solution that
+   !> is the reason elsewhere), and why.
    subroutine note_unmet(dry, doubt, most)
       type(dry_case_t), intent(inout) :: dry
       real(wp), intent(in) :: doubt
       integer, intent(in) :: most
       character(:), allocatable :: reason
 
-      if (.not. ieee_is_finite(doubt)) return
-      if (doubt <= dry%target) return
+      if (doubt >= unknown_doubt) return
       reason = 'grids of more than '//to_text(most)//' nodes are not chosen'
       if (most < max_chosen(merge(1, 2, dry%grid%ny == 1))) reason = reason//' with this memory'
       if (most == 0) reason = 'without a period the heights of a file stay on their own nodes'

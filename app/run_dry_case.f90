@@ -24,8 +24,8 @@ module run_dry_case
 
 contains
 
-   !> Solves all loads of `case`, writes its result `path`, tells the `log` a line for each load;
-   !> areas use `threads` threads.
+   !> Solves all loads of `case`, writes its result `path`, and prints a line for each load to the
+   !> `log`; areas use `threads` threads.
    subroutine solve_and_write(case, path, log, threads, ending)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: path

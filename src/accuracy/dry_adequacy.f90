@@ -63,6 +63,8 @@ module dry_adequacy
    !> 20 ms (lines take 190 instructions each, on grids for which transforms are planned already;
    !> areas 650).
    real(wp), parameter :: work_share = 0.06_wp, free_work(2) = [3.5e5_wp, 8.0e4_wp]
+   !> Why a change is not known.
+   character(*), parameter :: no_solution = 'the grids that it may take have no solution without it'
    !> How much larger the transforms of an open kernel are in each direction.
    real(wp), parameter :: padding = 2.0_wp
    !> Share of the mean square height that harmonics beyond the last one hold; rows of an area in
@@ -82,54 +84,68 @@ contains
       logical, intent(in) :: has_parabola
       type(dry_adequacy_t), intent(out) :: adequacy
       type(error_t), allocatable, intent(out) :: error
-      type(dry_influence_t) :: grid, row
+      type(dry_influence_t) :: grid
       type(dry_setting_t) :: setting
-      integer, allocatable :: parts(:)
-      integer :: harmonics, heaviest, i
+      integer :: harmonics, heaviest
+      logical :: can_yield, is_open
 
-      associate (sweep => record%sweep, rows => record%outcome%rows)
-         if (.not. all(rows%is_converged)) return
-         heaviest = maxloc(rows%values(mean_pressure), 1)
-         adequacy%mean_pressure = rows(heaviest)%values(mean_pressure)
-         call count_harmonics(sweep, harmonics, error)
-         if (allocated(error)) return
-         parts = pack([without_yield, without_fine_harmonics, without_images], &
-            [sweep%loads%hardness < no_hardness, harmonics > 0 .and. .not. has_parabola, &
-            has_parabola])
-         ! images take another kernel, with them and without
-         adequacy%ratio = affordable_ratio(sweep, rows, heaviest, count(parts /= without_yield &
-            .or. yields(rows(heaviest))) + count(parts == without_images))
-         setting = dry_setting_t(1.0_wp, tolerance, number=harmonics, load=heaviest)
-         ! loads before it have left another surface
-         if (heaviest == 1 .or. .not. sweep%loads%has_history) call record%add(setting, &
-            rows(heaviest:heaviest))
-         setting%ratio = adequacy%ratio
-         grid = grid_row(record, heaviest)
-         allocate (adequacy%rows(0))
-         do i = 1, size(parts)
-            row = new_row(parts(i), harmonics, sweep%grid%kernel)
-            if (parts(i) == without_yield .and. .not. yields(rows(heaviest))) then
-               call judge_elastic(record, heaviest, row)
-            else
-               call ablate(record, parts(i), setting, grid%change, row, error)
-               if (allocated(error)) return
-            end if
-            adequacy%rows = [adequacy%rows, row]
-         end do
-         if (sweep%grid%ny > 1 .and. .not. sweep%loads%has_history) then
-            row = empty_row('area', 'the mean of '//to_text(profiles)//' profiles along x')
-            call compare_profiles(record, heaviest, row, error)
-            if (allocated(error)) return
-            adequacy%rows = [adequacy%rows, row]
-         end if
-         if (allocated(record%outcome%errors)) adequacy%rows = [adequacy%rows, grid]
-      end associate
+      if (.not. all(record%outcome%rows%is_converged)) return
+      heaviest = maxloc(record%outcome%rows%values(mean_pressure), 1)
+      adequacy%mean_pressure = record%outcome%rows(heaviest)%values(mean_pressure)
+      allocate (adequacy%rows(0))
+      harmonics = 0
+      can_yield = record%sweep%loads%hardness < no_hardness
+      is_open = record%sweep%grid%kernel == kernel_open
+      if (.not. (has_parabola .or. is_open)) call count_harmonics(record%sweep, harmonics, error)
+      if (allocated(error)) return
+      ! images need another kernel, with them and without
+      adequacy%ratio = affordable_ratio(record, heaviest, count([can_yield .and. &
+         yields(record%outcome%rows(heaviest)), harmonics > 0, has_parabola, has_parabola]))
+      setting = dry_setting_t(adequacy%ratio, tolerance, number=harmonics, load=heaviest)
+      call begin_row('grid', 'the limit of fine grids', grid%judged_t, grid%change, grid%error)
+      grid%is_numerical = .true.
+      grid%unknown = 'there is no error estimate'
+      grid%error = 0.0_wp
+      if (allocated(record%outcome%errors)) grid%change = quotient(record%outcome%errors(compared, &
+         heaviest), compared_of(record%outcome%rows(heaviest)))
+      if (can_yield) call add(without_yield, 'plasticity', 'elastic bodies', &
+         'nothing yields on the grids that it may take, or they have no solution')
+      if (harmonics > 0) call add(without_fine_harmonics, 'harmonics', 'the harmonics 1 to ' &
+         //to_text(harmonics/2)//' of '//to_text(harmonics), &
+         'the grids that it may take do not carry these harmonics')
+      if (has_parabola) call add(without_images, 'periodicity', merge('a periodic one    ', &
+         'an open half-space', is_open), no_solution)
+      if (record%sweep%grid%ny > 1 .and. .not. record%sweep%loads%has_history) call add( &
+         without_rows, 'area', 'the mean of '//to_text(profiles)//' profiles along x', no_solution)
+      if (allocated(error)) return
+      if (allocated(record%outcome%errors)) adequacy%rows = [adequacy%rows, grid]
       call judge(adequacy, target)
+
+   contains
+
+      !> Measures one part, unless there was an error.
+      subroutine add(part, name, instead, unknown)
+         integer, intent(in) :: part
+         character(*), intent(in) :: name, instead, unknown
+         type(dry_influence_t) :: row
+
+         if (allocated(error)) return
+         call begin_row(name, instead, row%judged_t, row%change, row%error)
+         row%unknown = unknown
+         if (part == without_rows) then
+            call compare_profiles(record, heaviest, row, error)   ! error: the caller returns
+         else
+            call ablate(record, part, setting, grid%change, row, error)   ! error: the caller ends
+         end if
+         adequacy%rows = [adequacy%rows, row]
+      end subroutine add
+
    end subroutine measure_dry_adequacy
 
    !> Fills the `row` of what leaving out `part` changes, on the grid of `setting` and a coarser
-   !> one; `doubt`: relative errors of the result because of its grid. Fails (internal_error) if
-   !> FFTW does.
+   !> one; `doubt`: relative errors of the result because of its grid. Where nothing yields the
+   !> changes without a hardness are 0, with the share by which the largest pressure may exceed it
+   !> within its error bar. Fails (internal_error) if FFTW does.
    subroutine ablate(record, part, setting, doubt, row, error)
       type(dry_record_t), intent(inout) :: record
       integer, intent(in) :: part
@@ -140,18 +156,24 @@ contains
       type(dry_setting_t) :: with, without
       type(dry_row_t), allocatable :: all_parts(:), others(:)
       real(wp) :: changes(size(compared), 2), edges
-      integer :: g, k
+      integer :: g
 
+      associate (outcome => record%outcome, load => setting%load)
+         if (part == without_yield .and. .not. yields(outcome%rows(load))) then
+            row%change = 0.0_wp
+            row%error = 0.0_wp
+            if (.not. allocated(outcome%errors)) return
+            row%error = not_known()
+            if (ieee_is_finite(outcome%errors(p_max, load))) row%error = max(0.0_wp, &
+               (outcome%rows(load)%values(p_max) + outcome%errors(p_max, load)) &
+               /record%sweep%loads%hardness - 1.0_wp)
+            return
+         end if
+      end associate
       with = setting
       without = setting
       without%without = part
-      if (part == without_images) then
-         with%without = with_elements
-         if (record%sweep%grid%kernel == kernel_open) then
-            without%without = with_elements
-            with%without = without_images
-         end if
-      end if
+      if (part == without_images) with%without = with_elements
       do g = 2, 1, -1
          with%ratio = setting%ratio*coarsening**(g - 1)
          without%ratio = with%ratio
@@ -165,7 +187,7 @@ contains
       row%change = changes(:, 1)
       row%error = safety*abs(changes(:, 1) - changes(:, 2)) + change_share*abs(changes(:, 1))
       if (ieee_is_finite(row%error(1))) then
-         edges = deviations*edge_deviation(all_parts(1)%contact_edges + others(1)%contact_edges, &
+         edges = deviations*edge_deviation(all_parts(1)%edges(1) + others(1)%edges(1), &
             all_parts(1))
          ! yielding changes the area by less than the largest pressure (by a third in 70 contacts)
          if (part == without_yield .and. all(ieee_is_finite([edges, row%change, row%error]))) then
@@ -175,28 +197,9 @@ contains
       end if
       ! a grid on which nothing yields has another contact than the result
       if (part == without_yield .and. .not. yields(all_parts(1))) row%change = not_known()
-      do k = 1, size(compared)   ! changes of 0 that follow from the contact are exact
-         if (exceeds(row%error(k), 0.0_wp)) row%error(k) = larger(row%error(k), grid_share*doubt(k))
-      end do
+      ! changes of 0 that follow from the contact are exact
+      where (exceeds(row%error, 0.0_wp)) row%error = larger(row%error, grid_share*doubt)
    end subroutine ablate
-
-   !> Fills the `row` of a hardness at which nothing yields: the changes are 0, with the share by
-   !> which the largest pressure may exceed the hardness within its error bar.
-   subroutine judge_elastic(record, heaviest, row)
-      type(dry_record_t), intent(in) :: record
-      integer, intent(in) :: heaviest
-      type(dry_influence_t), intent(inout) :: row
-      real(wp) :: highest
-
-      row%change = 0.0_wp
-      row%error = 0.0_wp
-      if (.not. allocated(record%outcome%errors)) return
-      highest = record%outcome%rows(heaviest)%values(p_max) &
-         + record%outcome%errors(p_max, heaviest)
-      row%error = not_known()
-      if (ieee_is_finite(highest)) row%error = max(0.0_wp, &
-         highest/record%sweep%loads%hardness - 1.0_wp)
-   end subroutine judge_elastic
 
    !> Fills the `row` of an area in whose place profiles along x are solved, the mean of several,
    !> each under the same mean pressure; the error is that of the mean, not known where all have the
@@ -218,7 +221,7 @@ contains
                ((2*i - 1)*ny)/(2*profiles), heaviest), line, error)
             if (allocated(error)) return
             found(:, i) = quotient(compared_of(line(1)), compared_of(area)) - 1.0_wp
-            edges = edges + edge_deviation(line(1)%contact_edges, area)*ny/profiles
+            edges = edges + edge_deviation(line(1)%edges(1), area)*ny/profiles
          end do
       end associate
       row%change = sum(found, dim=2)/profiles
@@ -272,50 +275,8 @@ contains
       end associate
    end subroutine judge
 
-   !> The row of the grid: the estimated errors of a load.
-   pure function grid_row(record, load) result(grid)
-      type(dry_record_t), intent(in) :: record
-      integer, intent(in) :: load
-      type(dry_influence_t) :: grid
-
-      grid = empty_row('grid', 'the limit of fine grids')
-      grid%is_numerical = .true.
-      grid%unknown = 'there is no error estimate'
-      if (allocated(record%outcome%errors)) grid%change = &
-         quotient(record%outcome%errors(compared, load), compared_of(record%outcome%rows(load)))
-      grid%error = 0.0_wp
-   end function grid_row
-
-   !> The row of an ingredient.
-   pure function new_row(part, harmonics, kernel) result(row)
-      integer, intent(in) :: part, harmonics, kernel
-      type(dry_influence_t) :: row
-
-      select case (part)
-      case (without_yield)
-         row = empty_row('plasticity', 'elastic bodies')
-         row%unknown = 'nothing yields on the grids that it may take, or they have no solution'
-      case (without_fine_harmonics)
-         row = empty_row('harmonics', 'the harmonics 1 to '//to_text(harmonics/2)//' of ' &
-            //to_text(harmonics))
-         row%unknown = 'the grids that it may take do not carry these harmonics'
-      case default   ! without_images
-         row = empty_row('periodicity', 'an open half-space')
-         if (kernel == kernel_open) row = empty_row('periodicity', 'a periodic one')
-      end select
-   end function new_row
-
-   !> A row of which nothing is known yet.
-   pure function empty_row(name, text) result(row)
-      character(*), intent(in) :: name, text
-      type(dry_influence_t) :: row
-
-      call begin_row(name, text, row%judged_t, row%change, row%error)
-      row%unknown = 'the grids that it may take have no solution without it'
-   end function empty_row
-
-   !> The last harmonic along x that counts, in some rows of an area; 0: too few to halve, or an
-   !> open domain. Fails (internal_error) if FFTW does.
+   !> The last harmonic along x that counts, in some rows of an area; 0: too few to halve. Fails
+   !> (internal_error) if FFTW does.
    subroutine count_harmonics(sweep, harmonics, error)
       type(dry_sweep_t), intent(in) :: sweep
       integer, intent(out) :: harmonics
@@ -324,39 +285,39 @@ contains
       real(wp) :: beyond, most
 
       harmonics = 0
-      if (sweep%grid%kernel == kernel_open) return
       rows = reshape(sweep%height, [sweep%grid%nx, sweep%grid%ny])
       rows = rows(:, ::(sweep%grid%ny - 1)/max_rows + 1)
       call power_spectrum(rows, power, error)
       if (allocated(error)) return
       beyond = 0.0_wp
       most = negligible_power*sum(power)
-      do harmonics = size(power), 1, -1
+      do harmonics = size(power), min_harmonics, -1
          beyond = beyond + power(harmonics)
-         if (beyond > most) exit
+         if (beyond > most) return
       end do
-      if (harmonics < min_harmonics) harmonics = 0
+      harmonics = 0
    end subroutine count_harmonics
 
-   !> Spacing, over that of a `sweep`, of the finer one of two grids on which this many `parts` can
+   !> Spacing, over that of the result, of the finer one of two grids on which this many `parts` can
    !> be left out under the `heaviest` load at the allowed cost; the other one has twice its
    !> spacing. The given grid has been solved with all of them. A finer grid than that only where
-   !> error bars take one.
-   pure function affordable_ratio(sweep, rows, heaviest, parts) result(ratio)
-      type(dry_sweep_t), intent(in) :: sweep
-      type(dry_row_t), intent(in) :: rows(:)
+   !> error bars use one.
+   pure function affordable_ratio(record, heaviest, parts) result(ratio)
+      type(dry_record_t), intent(in) :: record
       integer, intent(in) :: heaviest, parts
       real(wp) :: ratio
       real(wp) :: allowed, nodes, one, share
       integer :: directions
 
-      directions = merge(1, 2, sweep%grid%ny == 1)
-      nodes = rows(heaviest)%nodes
-      if (sweep%grid%kernel == kernel_open) nodes = padding**directions*nodes
-      allowed = max(work_share*sum(rows%fft_pairs)*nodes, free_work(directions))
-      one = rows(heaviest)%fft_pairs*nodes
+      associate (grid => record%sweep%grid, rows => record%outcome%rows)
+         directions = merge(1, 2, grid%ny == 1)
+         nodes = rows(heaviest)%nodes
+         if (grid%kernel == kernel_open) nodes = padding**directions*nodes
+         allowed = max(work_share*sum(rows%fft_pairs)*nodes, free_work(directions))
+         one = rows(heaviest)%fft_pairs*nodes
+      end associate
       share = coarsening**(-directions)
-      if ((parts + (parts + 1)/share)*one <= allowed .and. has_few_nodes(sweep%grid)) then
+      if ((parts + (parts + 1)/share)*one <= allowed .and. has_few_nodes(record%sweep%grid)) then
          ratio = 1.0_wp/coarsening
       else if ((parts + (parts + 1)*share)*one <= allowed) then
          ratio = 1.0_wp

@@ -2,7 +2,7 @@
 !>
 !> They are compared with those of the same heights on other grids, solved loosely: after a few
 !> iterations the change of grid shows. The difference to a finer grid is nearly the error. Where
-!> finer grids would take too long, slightly coarser ones are used, which still resolve nearly all
+!> finer grids would cost too much, slightly coarser ones are used, which still resolve nearly all
 !> waves of the surface; differences to much coarser ones would measure the roughness. Edges of
 !> patches lie anywhere between nodes, so that one difference may vanish by chance; the weighted
 !> root mean square of several hardly does. Areas count nodes: a share of the nodes at the edges is
@@ -11,7 +11,7 @@
 !> highest node is added. The error of a separation is a sum over all edges, each of either sign: of
 !> a periodic area with many nodes it follows from the pressures at the edges.
 module dry_errors
-   use dry_problem, only: dry_grid_t, kernel_open
+   use dry_problem, only: dry_grid_t, kernel_open, no_hardness
    use dry_quantities, only: compared_values, contact_area, corrected_area, datum, &
       dissipated_energy, dp_mean, dry_count, dry_row_t, dry_table, elastic_energy, factor_count, &
       load, mean_separation, p_max, plastic_area, plasticity_index, separation, yields
@@ -35,8 +35,8 @@ module dry_errors
       finer_weights(3) = [1.0_wp, 1.0_wp, 0.1_wp], &
       coarser_ratios(3) = [4.0_wp/3.0_wp, 2.0_wp, 1.5_wp], &
       coarser_weights(3) = [1.0_wp, 0.1_wp, 0.3_wp]
-   !> Fewest grids for an estimate.
-   integer, parameter :: min_grids = 2
+   !> Grids that are compared, and fewest for an estimate.
+   integer, parameter :: usual_grids = 3, min_grids = 2
    !> Error measure to which they are solved: of lines, of periodic areas with few nodes and with
    !> many, of open areas, whose heights are those of the body; of lines and areas under a given
    !> separation, whose load is found to about as much.
@@ -83,7 +83,7 @@ contains
       type(dry_setting_t) :: setting
       real(wp) :: squares(dry_count, size(record%outcome%rows)), &
          sums(size(record%outcome%rows)), ratios(3), weights(3)
-      integer :: count(size(record%outcome%rows)), i, k
+      integer :: count(size(record%outcome%rows)), i, k, least
       logical :: is_finer
 
       squares = 0.0_wp
@@ -93,8 +93,11 @@ contains
          is_finer = goes_finer(sweep%grid, sweep%height)
          ratios = merge(finer_ratios, coarser_ratios, is_finer)
          weights = merge(finer_weights, coarser_weights, is_finer)
+         ! the periodic elastic line on finer grids, the area on coarser ones
+         least = merge(min_grids, usual_grids, sweep%grid%kernel /= kernel_open &
+            .and. sweep%loads%hardness >= no_hardness .and. (is_finer .eqv. sweep%grid%ny == 1))
          grids: do k = 1, size(ratios)
-            if (minval(count) >= least_grids(sweep, is_finer)) exit grids
+            if (minval(count) >= least) exit grids
             setting = setting_on(sweep, ratios(k))
             call record%run(setting, others, error)
             if (allocated(error)) return
@@ -114,46 +117,34 @@ contains
       end associate
    end subroutine estimate_dry_errors
 
-   !> How many grids a `sweep` is compared with, at least: two where it is elastic and periodic, a
-   !> line on finer grids or an area on coarser ones, else three.
-   pure function least_grids(sweep, is_finer) result(least)
-      type(dry_sweep_t), intent(in) :: sweep
-      logical, intent(in) :: is_finer
-      integer :: least
-
-      least = 3
-      if (sweep%grid%kernel /= kernel_open .and. sweep%loads%hardness >= huge(1.0_wp) &
-         .and. (is_finer .eqv. sweep%grid%ny == 1)) least = min_grids
-   end function least_grids
-
-   !> Whether the surface of these heights (nx*ny) is compared with finer grids: where it has few
-   !> nodes, and with more of them where coarser grids would lose its shortest waves.
-   pure function goes_finer(grid, heights)
+   !> Whether a surface with the heights `z` (nx, ny) is compared with finer grids: where it has few
+   !> nodes, and with more of them where coarser grids would lose its shortest waves: over twice as
+   !> many spacings the squared second differences are 16 times as large where it is smooth, less
+   !> where it has short waves.
+   pure function goes_finer(grid, z)
       type(dry_grid_t), intent(in) :: grid
-      real(wp), intent(in) :: heights(:)
+      real(wp), intent(in) :: z(grid%nx, grid%ny)
       logical :: goes_finer
 
       goes_finer = has_few_nodes(grid)
       if (goes_finer .or. real(grid%nx, wp)*grid%ny > max_nodes_to_refine) return
-      goes_finer = 16.0_wp*bending(grid, heights, 1) > short_waves*bending(grid, heights, 2)
+      goes_finer = 16.0_wp*bending(1) > short_waves*bending(2)
+
+   contains
+
+      !> Sum of the squares of the second differences over this many spacings.
+      pure function bending(s)
+         integer, intent(in) :: s
+         real(wp) :: bending
+
+         associate (nx => grid%nx, ny => grid%ny)
+            bending = sum((z(1 + 2*s:, :) + z(:nx - 2*s, :) - 2.0_wp*z(1 + s:nx - s, :))**2)
+            if (ny > 2*s) bending = bending &
+               + sum((z(:, 1 + 2*s:) + z(:, :ny - 2*s) - 2.0_wp*z(:, 1 + s:ny - s))**2)
+         end associate
+      end function bending
+
    end function goes_finer
-
-   !> Sum of the squares of the second differences of `heights` (nx*ny) over this many spacings.
-   !> Twice as many spacings make it 16 times as large where the surface is smooth, less where it
-   !> has short waves.
-   pure function bending(grid, heights, spacings)
-      type(dry_grid_t), intent(in) :: grid
-      real(wp), intent(in) :: heights(grid%nx, grid%ny)
-      integer, intent(in) :: spacings
-      real(wp) :: bending
-
-      associate (nx => grid%nx, ny => grid%ny, s => spacings)
-         bending = sum((heights(1 + 2*s:, :) + heights(:nx - 2*s, :) &
-            - 2.0_wp*heights(1 + s:nx - s, :))**2)
-         if (ny > 2*s) bending = bending + sum((heights(:, 1 + 2*s:) + heights(:, :ny - 2*s) &
-            - 2.0_wp*heights(:, 1 + s:ny - s))**2)
-      end associate
-   end function bending
 
    !> Estimated errors of the quantities of a `row` of `sweep` with these `differences` (root mean
    !> squares) to other grids.
@@ -163,10 +154,10 @@ contains
       logical, intent(in) :: is_finer
       real(wp), intent(in) :: differences(dry_count)
       real(wp) :: errors(dry_count)
-      real(wp) :: by_chance, contact, plastic
+      real(wp) :: by_chance, contact, plastic, share(2)
       integer :: column, kind
 
-      kind = kind_of(sweep%grid)
+      kind = merge(1, 2, sweep%grid%ny == 1)
       column = 2*kind + merge(0, 4, is_finer)
       if (sweep%grid%kernel /= kernel_open) column = column - 1
       errors = safety(dry_table%factor, column)*differences
@@ -177,18 +168,21 @@ contains
             .and. allocated(sweep%loads%mean_pressure)) then
             by_chance = (values(elastic_energy) + values(dissipated_energy))/values(load) &
                *row%edge_load
-            errors(separations) = separation_errors(values(plasticity_index), by_chance, &
-               differences(separations))
+            share = [1.0_wp, values(plasticity_index)]
+            errors(separations) = hypot(dot_product(chance, share)*by_chance, &
+               differences_beside*differences(separations)) + differences_beyond &
+               *max(differences(separations) - dot_product(differences_by_chance, share) &
+               *by_chance, 0.0_wp)
             if (yields(row)) errors(dp_mean) = hypot(yielding*differences(dp_mean), &
                chance_of_yielding*values(plastic_area)*by_chance)
          end if
          errors = errors + row%kkt*abs(compared_values(row))
          errors(p_max) = errors(p_max) + row%p_crest - values(p_max) &
             + pressure_noise*sqrt(real(sweep%grid%nx, wp))*row%kkt*values(p_max)
-         contact = edge_share(kind)*row%contact_edges/row%nodes
-         plastic = edge_share(kind)*row%plastic_edges/row%nodes
+         contact = edge_share(kind)*row%edges(1)/row%nodes
+         plastic = edge_share(kind)*row%edges(2)/row%nodes
          errors(corrected_area) = errors(corrected_area) &
-            + corrected_share(kind)*row%contact_edges/row%nodes
+            + corrected_share(kind)*row%edges(1)/row%nodes
          errors(contact_area) = errors(contact_area) + contact
          if (kind == 1) errors(contact_area) = errors(corrected_area) &
             + abs(values(contact_area) - values(corrected_area))
@@ -198,27 +192,6 @@ contains
       end associate
    end function estimates_of
 
-   !> Errors of separations of which `by_chance` is the chance, with this share of the contact nodes
-   !> that yields.
-   pure function separation_errors(share, by_chance, differences) result(errors)
-      real(wp), intent(in) :: share, by_chance, differences(:)
-      real(wp) :: errors(size(differences))
-
-      associate (weights => [1.0_wp, share])
-         errors = hypot(dot_product(chance, weights)*by_chance, differences_beside*differences) &
-            + differences_beyond*max(differences - dot_product(differences_by_chance, weights) &
-            *by_chance, 0.0_wp)
-      end associate
-   end function separation_errors
-
-   !> 1 of a line, 2 of an area.
-   pure function kind_of(grid) result(kind)
-      type(dry_grid_t), intent(in) :: grid
-      integer :: kind
-
-      kind = merge(1, 2, grid%ny == 1)
-   end function kind_of
-
    !> How a `sweep` is solved on another grid.
    pure function setting_on(sweep, ratio) result(setting)
       type(dry_sweep_t), intent(in) :: sweep
@@ -227,7 +200,7 @@ contains
 
       setting = dry_setting_t(ratio, line_tolerance)
       if (allocated(sweep%loads%separation)) then
-         setting%tolerance = separation_tolerances(kind_of(sweep%grid))
+         setting%tolerance = separation_tolerances(merge(1, 2, sweep%grid%ny == 1))
       else if (sweep%grid%ny > 1 .and. sweep%grid%kernel == kernel_open) then
          setting%tolerance = open_tolerance
       else if (sweep%grid%ny > 1) then

@@ -18,8 +18,8 @@ module dry_record
    public :: has_few_nodes
 
    !> What a run leaves out: nothing; yielding; the finer half of a number of harmonics; the images
-   !> of a periodic surface; the second direction of an area, of which a row remains. With elements
-   !> of pressure a periodic surface is comparable to one without images. The last three start from
+   !> of a periodic surface (an open one gets them), to compare with a periodic one with elements of
+   !> pressure; the second direction of an area, of which a row remains. The last three start from
    !> no pressure.
    integer, parameter :: without_nothing = 0
    integer, parameter, public :: without_yield = 1, without_fine_harmonics = 2, &
@@ -60,7 +60,6 @@ module dry_record
       type(dry_outcome_t) :: outcome
       type(dry_run_t), allocatable :: runs(:)
    contains
-      procedure :: add
       procedure :: run
    end type dry_record_t
 
@@ -73,16 +72,6 @@ module dry_record
 
 contains
 
-   !> Records the `rows` of a run.
-   subroutine add(self, setting, rows)
-      class(dry_record_t), intent(inout) :: self
-      type(dry_setting_t), intent(in) :: setting
-      type(dry_row_t), intent(in) :: rows(:)
-
-      if (.not. allocated(self%runs)) allocate (self%runs(0))
-      self%runs = [self%runs, dry_run_t(setting, rows)]
-   end subroutine add
-
    !> The `rows` of a run, from the record if it was made before; not converged where nothing
    !> touches, and where the grid is too coarse. Fails (internal_error) if FFTW does.
    subroutine run(self, setting, rows, error)
@@ -91,17 +80,21 @@ contains
       type(dry_row_t), allocatable, intent(out) :: rows(:)
       type(error_t), allocatable, intent(out) :: error
       type(dry_outcome_t) :: outcome
+      type(dry_run_t), allocatable :: runs(:)
       type(dry_sweep_t) :: sweep
       logical :: is_possible
       integer :: i
 
-      if (allocated(self%runs)) then
-         do i = 1, size(self%runs)
-            if (.not. is_same(self%runs(i)%setting, setting)) cycle
-            rows = self%runs(i)%rows
-            return
-         end do
+      if (.not. allocated(self%runs)) allocate (self%runs(0))
+      if (is_result(self, setting)) then
+         rows = self%outcome%rows(setting%load:setting%load)
+         return
       end if
+      do i = 1, size(self%runs)
+         if (.not. is_same(self%runs(i)%setting, setting)) cycle
+         rows = self%runs(i)%rows
+         return
+      end do
       allocate (rows(merge(1, size(self%outcome%rows), setting%load > 0)))
       call prepare(self, setting, sweep, is_possible, error)
       if (allocated(error)) return
@@ -116,8 +109,23 @@ contains
             return
          end if
       end if
-      call self%add(setting, rows)
+      allocate (runs(size(self%runs) + 1))   ! a constructor of runs would leak memory
+      runs(:size(self%runs)) = self%runs
+      runs(size(runs))%setting = setting
+      runs(size(runs))%rows = rows
+      call move_alloc(runs, self%runs)
    end subroutine run
+
+   !> Whether a run is one load of the result, before which no other load left another surface.
+   pure function is_result(self, setting)
+      class(dry_record_t), intent(in) :: self
+      type(dry_setting_t), intent(in) :: setting
+      logical :: is_result
+
+      is_result = setting%load > 0 .and. setting%without == without_nothing &
+         .and. .not. abs(setting%ratio - 1.0_wp) > 0.0_wp &
+         .and. (setting%load == 1 .or. .not. self%sweep%loads%has_history)
+   end function is_result
 
    !> Whether two runs are one.
    pure function is_same(a, b)
@@ -147,12 +155,10 @@ contains
          settings%is_rough = setting%is_rough
          settings%tolerance = max(settings%tolerance, setting%tolerance)
          first = max(setting%load, 1)
-         last = first
+         last = merge(first, size(self%outcome%rows), setting%load > 0)
          if (setting%load > 0) then
             if (allocated(sweep%loads%separation)) deallocate (sweep%loads%separation)
             sweep%loads%mean_pressure = [self%outcome%rows(first)%values(mean_pressure)]
-         else
-            last = size(self%outcome%rows)
          end if
          is_resampled = abs(setting%ratio - 1.0_wp) > epsilon(1.0_wp)
          is_possible = .not. (is_resampled .and. shorter_side(grid) &
@@ -182,9 +188,13 @@ contains
             if (is_possible) call truncate_harmonics(setting%number/2, [grid%nx, grid%ny], &
                sweep%height, error)
          case (with_elements)
-            grid%kernel = kernel_element
+            if (old%kernel /= kernel_open) grid%kernel = kernel_element
          case (without_images)
-            if (grid%kernel /= kernel_open) call open_up(sweep)
+            grid%kernel = merge(kernel_element, kernel_open, old%kernel == kernel_open)
+            ! the body that touches at x = y = 0 goes to the middle of an open domain
+            if (old%kernel /= kernel_open) sweep%height = reshape(cshift(cshift(reshape( &
+               sweep%height, [grid%nx, grid%ny]), -(grid%nx/2), 1), -(grid%ny/2), 2), &
+               [grid%nx*grid%ny])
          case (without_rows)
             sweep%height = sweep%height(setting%number*grid%nx + 1:(setting%number + 1)*grid%nx)
             grid = dry_grid_t(grid%nx, 1, 1.0_wp, grid%kernel)
@@ -195,17 +205,6 @@ contains
          end select
       end associate
    end subroutine prepare
-
-   !> Makes a periodic domain an open one, with the body that touches at x = y = 0 in its middle.
-   subroutine open_up(sweep)
-      type(dry_sweep_t), intent(inout) :: sweep
-
-      associate (grid => sweep%grid)
-         grid%kernel = kernel_open
-         sweep%height = reshape(cshift(cshift(reshape(sweep%height, [grid%nx, grid%ny]), &
-            -(grid%nx/2), 1), -(grid%ny/2), 2), [grid%nx*grid%ny])
-      end associate
-   end subroutine open_up
 
    !> True if `grid` is compared with finer ones.
    pure function has_few_nodes(grid)

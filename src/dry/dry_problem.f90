@@ -5,7 +5,7 @@
 !>
 !> whose optimality conditions are those of contact: gap h = v - datum >= 0 where p < H (v = K
 !> p - z), p h = 0, and v - datum = -d_p <= 0 where p = H. Lengths in units of the domain, heights
-!> in their rms value s (or as `new_dry_problem` is told), pressures in E' s/(4 L): then K has the
+!> in their rms value s (or as given to `new_dry_problem`), pressures in E' s/(4 L): then K has the
 !> transfer function 1/q.
 module dry_problem
    use errors, only: error_t

@@ -4,7 +4,7 @@
 module dry_quantities
    use, intrinsic :: iso_fortran_env, only: real32
    use constants, only: pi
-   use contact_edges, only: edge_load, edges_of, line_excess
+   use contact_edges, only: find_edges, line_excess
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open
    use dry_scaling, only: dry_scaling_t
    use dry_solution, only: dry_solution_t
@@ -74,10 +74,9 @@ module dry_quantities
       !> Largest pressure between the nodes [Pa].
       real(wp) :: p_crest = 0.0_wp
       integer :: nodes = 0
-      !> Neighbours one of which is in contact (at the hardness) and the other not, of the periodic
-      !> grid.
-      integer :: contact_edges = 0, plastic_edges = 0
-      !> Share of the load of an area that is chance, if that of the nodes at the edges is.
+      !> Neighbours one of which is in contact (second: at the hardness) and the other not, and the
+      !> share of the load that is chance because of the former; see `find_edges`.
+      integer :: edges(2) = 0
       real(wp) :: edge_load = 0.0_wp
       !> Error measure reached [-].
       real(wp) :: kkt = huge(1.0_wp)
@@ -171,9 +170,7 @@ contains
          row%is_converged = solution%report%converged
          row%reason = solution%report%reason
          row%nodes = n
-         row%contact_edges = edges_of(nx, ny, solution%pressure, nearest(0.0_wp, 1.0_wp))
-         if (problem%is_capped()) row%plastic_edges = edges_of(nx, ny, solution%pressure, &
-            problem%hardness)
+         call find_edges(nx, ny, solution%pressure, problem%hardness, row%edges, row%edge_load)
          row%p_crest = crest_of(problem%grid, fields%pressure)
          if (problem%is_capped()) row%p_crest = min(row%p_crest, &
             scaling%pressure_in_si(problem%hardness))
@@ -184,12 +181,9 @@ contains
             values(contact_area) = real(solution%contacts, wp)/n
             values(plastic_area) = real(solution%capped, wp)/n
             values(plasticity_index) = real(solution%capped, wp)/solution%contacts
-            if (ny > 1) then
-               row%edge_load = edge_load(nx, ny, solution%pressure)
-               values(corrected_area) = values(contact_area) - border_share*row%contact_edges/n
-            else
-               values(corrected_area) = values(contact_area) - line_excess(solution%pressure)/n
-            end if
+            values(corrected_area) = values(contact_area) - border_share*row%edges(1)/n
+            if (ny == 1) values(corrected_area) = values(contact_area) &
+               - line_excess(solution%pressure)/n
             values(mean_separation) = scaling%height_in_si(sum(solution%v)/n - solution%datum &
                + sum(plastic)/n)
             ! The problem's heights have no mean; the datum is that of the heights as given.

@@ -92,10 +92,7 @@ contains
                outcome%rows(i))
             call check_border(grid, scaling, z, fields, outcome%rows(i))
             if (settings%keeps_pressures) outcome%pressures(:, i) = real(solution%pressure, real32)
-            if (loads%has_history) then
-               call carry_on(plastic, problem, solution, yielded)
-               call solver%forget_surface()
-            end if
+            if (loads%has_history) call yield(plastic, problem, solver, solution, yielded)
             deallocate (plastic)
          end do
       end associate
@@ -131,18 +128,20 @@ contains
          0.0_wp)
    end subroutine find_plastic
 
-   !> The next load meets the surface that this one has left.
-   pure subroutine carry_on(plastic, problem, solution, yielded)
+   !> Deforms the surface for the next load.
+   pure subroutine yield(plastic, problem, solver, solution, yielded)
       real(wp), intent(in) :: plastic(:)
       type(dry_problem_t), intent(inout) :: problem
+      type(dry_solver_t), intent(inout) :: solver
       type(dry_solution_t), intent(inout) :: solution
       real(wp), intent(inout) :: yielded(:)
 
+      if (allocated(solver%full_range)) deallocate (solver%full_range)
       if (size(plastic) == 0) return
       yielded = yielded + plastic
       problem%height = problem%height - plastic
       solution%v = solution%v + plastic
-   end subroutine carry_on
+   end subroutine yield
 
    !> Makes the `pressure` (nx*ny) the start of `solution`.
    pure subroutine start_from(pressure, problem, solution)

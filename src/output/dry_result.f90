@@ -115,6 +115,8 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
+      character(*), parameter :: unloaded = 'composite height after unloading', &
+         deformation = 'plastic deformation'
 
       call write_dataset(file, '/solution/x', node_positions(dry%grid%nx, dry%lengths(1), &
          dry%is_periodic), &
@@ -125,76 +127,46 @@ contains
             dry%is_periodic), new_label('position across', 'm'))
          call make_axis(file, '/solution/y')
       end if
-      call write_field('pressure', fields%pressure, 'contact pressure', 'Pa')
-      call write_field('gap', fields%gap, 'gap between the surfaces', 'm')
-      call write_field('height_undeformed', dry%height, 'composite height before loading', 'm')
-      call write_field('height_loaded', fields%height_loaded, 'composite height under load', 'm')
-      if (allocated(fields%plastic_deformation)) then
-         call write_field('height_unloaded', fields%height_unloaded, &
-            'composite height after unloading', 'm')
-         call write_field('plastic_deformation', fields%plastic_deformation, &
-            'plastic deformation', 'm')
+      call write_field('pressure', 'contact pressure', 'Pa', fields%pressure)
+      call write_field('gap', 'gap between the surfaces', 'm', fields%gap)
+      call write_field('height_undeformed', 'composite height before loading', 'm', dry%height)
+      call write_field('height_loaded', 'composite height under load', 'm', fields%height_loaded)
+      if (allocated(fields%height_unloaded)) then
+         call write_field('height_unloaded', unloaded, 'm', fields%height_unloaded)
+         call write_field('plastic_deformation', deformation, 'm', fields%plastic_deformation)
       else
-         call write_field('height_unloaded', dry%height, 'composite height after unloading', 'm')
-         call write_no_field('plastic_deformation', 'plastic deformation', 'm')
+         call write_field('height_unloaded', unloaded, 'm', dry%height)
+         call write_field('plastic_deformation', deformation, 'm')
       end if
       call file%create_group('/si')
       call link_object(file, '/solution', '/si/solution')
 
    contains
 
-      !> One field (nx, ny), if it is to be stored.
-      subroutine write_field(name, values, long_name, units)
+      !> One field (nx, ny), if it is to be stored; without values it is zero everywhere.
+      subroutine write_field(name, long_name, units, values)
          character(*), intent(in) :: name, long_name, units
-         real(wp), intent(in) :: values(dry%grid%nx, dry%grid%ny)
+         real(wp), intent(in), optional :: values(dry%grid%nx, dry%grid%ny)
+         character(:), allocatable :: path
+         type(label_t) :: label
 
-         if (.not. is_stored(dry, name)) return
-         if (dry%grid%ny == 1) then
-            call write_dataset(file, '/solution/'//name, values(:, 1), &
-               new_label(long_name, units), dry%is_single)
-         else
-            call write_dataset(file, '/solution/'//name, values, new_label(long_name, units), &
-               dry%is_single)
-         end if
-         call name_field_axes(file, dry, name)
+         if (size(dry%stored_fields) > 0 .and. .not. any(dry%stored_fields == name)) return
+         path = '/solution/'//name
+         label = new_label(long_name, units)
+         associate (nx => dry%grid%nx, ny => dry%grid%ny)
+            if (.not. present(values)) then
+               call write_zeros(file, path, pack([nx, ny], [.true., ny > 1]), label, dry%is_single)
+            else if (ny == 1) then
+               call write_dataset(file, path, values(:, 1), label, dry%is_single)
+            else
+               call write_dataset(file, path, values, label, dry%is_single)
+            end if
+            if (ny == 1) call name_axes(file, path, '/solution/x')
+            if (ny > 1) call name_axes(file, path, '/solution/x', '/solution/y')
+         end associate
       end subroutine write_field
 
-      !> A field that is zero everywhere.
-      subroutine write_no_field(name, long_name, units)
-         character(*), intent(in) :: name, long_name, units
-         integer, allocatable :: extents(:)
-
-         if (.not. is_stored(dry, name)) return
-         extents = [dry%grid%nx, dry%grid%ny]
-         if (dry%grid%ny == 1) extents = [dry%grid%nx]
-         call write_zeros(file, '/solution/'//name, extents, new_label(long_name, units), &
-            dry%is_single)
-         call name_field_axes(file, dry, name)
-      end subroutine write_no_field
-
    end subroutine write_fields
-
-   !> Whether the field `name` is to be stored.
-   pure function is_stored(dry, name)
-      type(dry_case_t), intent(in) :: dry
-      character(*), intent(in) :: name
-      logical :: is_stored
-
-      is_stored = size(dry%stored_fields) == 0 .or. any(dry%stored_fields == name)
-   end function is_stored
-
-   !> Names the axes of the field `name`.
-   subroutine name_field_axes(file, dry, name)
-      class(hdf5_file_t), intent(inout) :: file
-      type(dry_case_t), intent(in) :: dry
-      character(*), intent(in) :: name
-
-      if (dry%grid%ny == 1) then
-         call name_axes(file, '/solution/'//name, '/solution/x')
-      else
-         call name_axes(file, '/solution/'//name, '/solution/x', '/solution/y')
-      end if
-   end subroutine name_field_axes
 
    !> Quantity `k` of the table, one value for each load, with its estimated errors unless it is
    !> given; that of the last load in /summary.
