@@ -4,6 +4,7 @@
 module result_table
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use build_info, only: program_name
+   use dry_quantities, only: contact_area, dry_table, mean_separation, plastic_area
    use errors, only: error_t
    use file_bytes, only: has_seal, seal_fault
    use hdf5_input, only: hdf5_input_t, open_hdf5_input
@@ -20,9 +21,9 @@ module result_table
    public :: print_results
 
    !> Quantities of /summary that can be a column; the text has those with `is_short`.
-   character(len=28), parameter :: names(*) = [character(len=28) :: quantity_rows%name, &
-      limit_rows(stokes_number)%name, limit_rows(surface_slope)%name, 'contact_area_fraction', &
-      'plastic_area_fraction', 'mean_separation']
+   character(len=31), parameter :: names(*) = [character(len=31) :: quantity_rows%name, &
+      limit_rows(stokes_number)%name, limit_rows(surface_slope)%name, &
+      dry_table(contact_area)%name, dry_table(plastic_area)%name, dry_table(mean_separation)%name]
    logical, parameter :: is_short(*) = [quantity_rows%short /= '', .false., .false., .true., &
       .false., .true.]
    character(len=*), parameter :: nl = new_line('a')

@@ -4,14 +4,11 @@ module run_dry_case
    use case_notes, only: note_unusual
    use case_outcome, only: case_outcome_t, give_up, outcome_of
    use case_record, only: case_t
-   use dry_adequacy, only: measure_dry_adequacy
+   use dry_adequacy, only: dry_adequacy_t, measure_dry_adequacy
    use dry_adequacy_section, only: write_dry_adequacy
-   use dry_case, only: dry_case_t
    use dry_closing_table, only: close_dry_case
-   use dry_influences, only: dry_adequacy_t
-   use dry_resampling, only: dry_sweep_t
+   use dry_record, only: dry_record_t
    use dry_result, only: write_dry_result
-   use dry_sweep, only: dry_outcome_t, dry_row_t
    use dry_target, only: solve_to_target
    use errors, only: error_t, fail, input_error
    use progress_log, only: progress_log_t
@@ -27,8 +24,8 @@ module run_dry_case
 
 contains
 
-   !> Solves all loads of `case`, writes its result `path`, tells the `log` a line for each load;
-   !> areas use `threads` threads.
+   !> Solves all loads of `case`, writes its result `path`, and prints a line for each load to the
+   !> `log`; areas use `threads` threads.
    subroutine solve_and_write(case, path, log, threads, ending)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: path
@@ -36,8 +33,7 @@ contains
       integer, intent(in) :: threads
       type(case_outcome_t), intent(out) :: ending
       type(result_file_t) :: result
-      type(dry_outcome_t) :: outcome
-      type(dry_row_t), allocatable :: errors(:)
+      type(dry_record_t) :: record
       type(dry_adequacy_t) :: adequacy
       type(error_t), allocatable :: error
       character(:), allocatable :: words
@@ -50,51 +46,40 @@ contains
          return
       end if
       call result%describe(trim(case%problem), case%title, case%namelist)
-      call solve_to_target(case%dry, outcome, errors, error)
-      if (.not. allocated(error)) call look_at_model(case%dry, outcome, errors, adequacy, error)
+      call solve_to_target(case%dry, record, error)
+      if (.not. allocated(error) .and. case%dry%wants_adequacy) then
+         call begin_activity('looking at the model')
+         call measure_dry_adequacy(record, case%dry%target, any(has_shape(case%dry%values, &
+            surfaces, 'parabola')), adequacy, error)
+      end if
       if (allocated(error)) then
          call result%discard()
          call give_up(error, log, ending)
          return
       end if
-      call note_unusual(case, words)
-      if (allocated(case%dry%note)) call add_sentence(words, case%dry%note)
-      if (allocated(words)) call move_alloc(words, outcome%solution%report%note)
-      call list_dry(case)
-      result%inputs = case%effective
-      call result%begin_end()
-      call write_dry_result(result%file, case%dry, outcome, errors, error)
-      if (allocated(error)) then
-         call result%discard()
-         call give_up(error, log, ending)
-         return
-      end if
-      call write_dry_adequacy(result%file, adequacy)
-      call result%publish(outcome%solution%report, error)
-      if (allocated(error)) then
-         call give_up(error, log, ending)
-         return
-      end if
-      call close_dry_case(log, case%file(index(case%file, '/', back=.true.) + 1:), case%dry, &
-         outcome, errors, adequacy, result%name%path)
-      ending = outcome_of(outcome%solution%report)
+      associate (outcome => record%outcome, report => record%outcome%solution%report)
+         call note_unusual(case, words)
+         if (allocated(case%dry%note)) call add_sentence(words, case%dry%note)
+         if (allocated(words)) call move_alloc(words, report%note)
+         call list_dry(case)
+         result%inputs = case%effective
+         call result%begin_end()
+         call write_dry_result(result%file, case%dry, outcome, error)
+         if (allocated(error)) then
+            call result%discard()
+         else
+            call write_dry_adequacy(result%file, adequacy)
+            call result%publish(report, error)
+         end if
+         if (allocated(error)) then
+            call give_up(error, log, ending)
+            return
+         end if
+         call close_dry_case(log, case%file(index(case%file, '/', back=.true.) + 1:), case%dry, &
+            outcome, adequacy, result%name%path)
+         ending = outcome_of(report)
+      end associate
    end subroutine solve_and_write
-
-   !> Measures the `adequacy` of `dry` with its `outcome` and the estimated `errors` of that, if it
-   !> is wanted. Fails (internal_error) if FFTW does.
-   subroutine look_at_model(dry, outcome, errors, adequacy, error)
-      type(dry_case_t), intent(in) :: dry
-      type(dry_outcome_t), intent(in) :: outcome
-      type(dry_row_t), intent(in) :: errors(:)
-      type(dry_adequacy_t), intent(out) :: adequacy
-      type(error_t), allocatable, intent(out) :: error
-
-      if (.not. dry%wants_adequacy) return
-      call begin_activity('looking at the model')
-      call measure_dry_adequacy(dry_sweep_t(dry%grid, dry%height, outcome%scaling, dry%loads, &
-         dry%settings), outcome, errors, dry%target, any(has_shape(dry%values, surfaces, &
-         'parabola')), adequacy, error)
-   end subroutine look_at_model
 
    !> Error (input_error): there is not enough memory for the grid and the threads.
    subroutine check_memory(case, error)

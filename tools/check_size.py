@@ -10,7 +10,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 COMPUTES = ("src/film", "src/dry", "src/stokes", "src/numerics", "src/physics", "src/surface")
 # What tells how sure the numbers are: a folder, and files of others.
 SURE = re.compile(
-    r"src/accuracy/|/(dry_errors|dry_resolution|dry_resampling|contact_edges|grid_comparison|dry_target|outlet_check"
+    r"src/accuracy/|/(contact_edges|grid_comparison|dry_target|outlet_check"
     r"|side_by_side|case_notes|case_limits|(dry_)?adequacy_section|decision_section|validity_section|formulas_section)\.f90"
 )
 # name: bound

@@ -17,7 +17,7 @@ contains
    end function not_known
 
    !> The larger one; a value that is not known gives way.
-   pure function larger(a, b) result(value)
+   pure elemental function larger(a, b) result(value)
       real(wp), intent(in) :: a, b
       real(wp) :: value
 

@@ -16,9 +16,9 @@ module active_set
    implicit none (type, external)
    private
 
-   public :: active_set_t, new_active_set, take_survey
+   public :: active_set_t, copy_survey, new_active_set, survey_solution
 
-   !> Nodes of one row that are looked at together.
+   !> Nodes of one row that are surveyed together.
    integer, parameter :: block = 32
 
    !> What the nodes of a row add up to. Sums are kept by rows: their order, and so every bit, is
@@ -86,7 +86,7 @@ contains
       if (present(datum)) self%datum = datum
       if (.not. present(datum)) call find_datum(self, problem%hardness, p, v)
       self%is_busy = .true.
-      call look_at_rows(self, problem, 0.0_wp, p, v)
+      call survey_rows(self, problem, 0.0_wp, p, v)
    end subroutine survey
 
    !> The same after p has been moved on F only: adds `factor` times the last product of `elastic`
@@ -101,7 +101,7 @@ contains
 
       call follow_datum(self, problem, change, p, is_found)
       if (is_found) then
-         call look_at_rows(self, problem, factor, p, v)
+         call survey_rows(self, problem, factor, p, v)
       else
          call problem%elastic%single%add_to(factor, v)
          call self%survey(problem, p, v)
@@ -111,7 +111,7 @@ contains
    !> Adds `factor` times the last product to `v`, block by block, and finds F, counts and error
    !> from the blocks that hold pressure or gaps below the datum. Each thread has a share of the
    !> rows and of the list.
-   subroutine look_at_rows(self, problem, factor, p, v)
+   subroutine survey_rows(self, problem, factor, p, v)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
       real(wp), intent(in) :: factor
@@ -124,17 +124,17 @@ contains
          do t = 1, threads
             last = nx*share_end(t - 1, threads, ny)
             do j = share_end(t - 1, threads, ny) + 1, share_end(t, threads, ny)
-               call look_at_row(self, problem, j, factor, p, v, last)
+               call survey_row(self, problem, j, factor, p, v, last)
             end do
          end do
          !$omp end parallel do
       end associate
       call close_list(self, problem%grid)
       call judge(self, problem)
-   end subroutine look_at_rows
+   end subroutine survey_rows
 
    !> One row, whose part of the list begins behind `last`; `last` moves to its end.
-   subroutine look_at_row(self, problem, j, factor, p, v, last)
+   subroutine survey_row(self, problem, j, factor, p, v, last)
       class(active_set_t), intent(inout) :: self
       type(dry_problem_t), intent(in) :: problem
       integer, intent(in) :: j
@@ -163,7 +163,7 @@ contains
          self%is_busy(b, j) = row%count + row%contacts > before
       end do blocks
       self%row(j) = row
-   end subroutine look_at_row
+   end subroutine survey_row
 
    !> v = v + factor times product, and its least value.
    pure subroutine add_and_find_least(v, factor, product, least)
@@ -332,9 +332,9 @@ contains
       if (is_found) self%datum = self%datum + sum(total)/sum(free)
    end subroutine follow_datum
 
-   !> Takes datum, counts and error from the last survey. Here alone a dry contact is found to be
+   !> Copies datum, counts and error of the last survey. Here alone a dry contact is found to be
    !> solved: its error is at most the `tolerance`.
-   pure subroutine take_survey(set, tolerance, solution)
+   pure subroutine copy_survey(set, tolerance, solution)
       type(active_set_t), intent(in) :: set
       real(wp), intent(in) :: tolerance
       type(dry_solution_t), intent(inout) :: solution
@@ -347,6 +347,19 @@ contains
       solution%report%load_error = set%load_error
       solution%report%tolerance_effective = tolerance
       solution%report%converged = set%error <= tolerance
-   end subroutine take_survey
+   end subroutine copy_survey
+
+   !> Surveys the pressure and v of a `solution` with a `datum`, if it is given.
+   subroutine survey_solution(problem, tolerance, solution, datum)
+      type(dry_problem_t), intent(in) :: problem
+      real(wp), intent(in) :: tolerance
+      type(dry_solution_t), intent(inout) :: solution
+      real(wp), intent(in), optional :: datum
+      type(active_set_t) :: set
+
+      call new_active_set(set, problem%grid)
+      call set%survey(problem, solution%pressure, solution%v, datum)
+      call copy_survey(set, tolerance, solution)
+   end subroutine survey_solution
 
 end module active_set

@@ -1,5 +1,4 @@
-!> What an iteration on a contact has driven out of the bounds on the pressure is brought back, and
-!> the load with it.
+!> Brings pressures that an iteration has moved out of their bounds back, and the load with them.
 module bound_return
    use kinds, only: wp
    use load_projection, only: shift_into_bounds
@@ -9,8 +8,8 @@ module bound_return
 
    public :: bring_back, settle_load
 
-   !> This many times at most the network brings nodes beyond a bound back in an iteration; the rest
-   !> is clipped and shifted.
+   !> Most corrections by the network in an iteration; what is then still beyond a bound is clipped
+   !> and shifted.
    integer, parameter :: max_returns = 20
    !> The network is not used again once less than this share of the first excess is left beyond the
    !> bounds.
@@ -18,11 +17,10 @@ module bound_return
 
 contains
 
-   !> Puts values of `q` beyond 0 and `hardness` on these bounds. What that adds to the load the
-   !> network takes from the other nodes, such that its potentials there stay: neighbours give most.
-   !> So the energy rises little, which a uniform shift of q would raise all over the grid. Nodes
-   !> that are driven out of the bounds by this follow; at the end few or none are outside. `back`,
-   !> `change` and `is_back`: memory.
+   !> Moves values of `q` beyond 0 and `hardness` to these bounds. The network distributes what that
+   !> adds to the load over the other nodes, with its potentials there unchanged: neighbours give
+   !> most, so that the energy rises less than by a uniform shift. Nodes that this moves out of the
+   !> bounds follow; at the end few or none are outside. `back`, `change`, `is_back`: work arrays.
    subroutine bring_back(hardness, network, q, back, change, is_back)
       real(wp), intent(in) :: hardness
       type(tree_network_t), intent(inout) :: network

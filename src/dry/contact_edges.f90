@@ -1,13 +1,12 @@
-!> Where contact ends between the nodes: what edges of patches make wrong in areas and loads.
-!>
-!> A contact ends between its last node and the next one, at a place that is chance. Counted nodes
-!> do not tell it, and the load of the last node is wrong by a share of its pressure.
+!> Errors of areas and loads because a contact ends anywhere between its last node and the next one:
+!> counted nodes do not show where, and the load of the last node is wrong by a share of its
+!> pressure.
 module contact_edges
    use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: edge_load, edges_of, line_excess
+   public :: find_edges, line_excess
 
    !> Nodes that are counted beyond the edge of a contact of a line, against the pressure of its
    !> last node over that of the one before: a polynomial through Hertz contacts of 60 to 1800 nodes
@@ -19,62 +18,46 @@ module contact_edges
 
 contains
 
-   !> Number of neighbours in x and y one of which has at least the pressure `least` and the other
-   !> not, of the periodic grid.
-   pure function edges_of(nx, ny, pressure, least) result(edges)
+   !> Neighbours in x and y on the periodic grid: pairs one of which is in contact and the other
+   !> not, and one at the `hardness` and the other not (`edges`); the share of the load that is
+   !> chance if that of each edge of contact is: the root of the sum of squares of the differences
+   !> of pressure there, over the load.
+   subroutine find_edges(nx, ny, pressure, hardness, edges, share)
       integer, intent(in) :: nx, ny
-      real(wp), intent(in) :: pressure(nx, ny), least
-      integer :: edges
-      integer :: i, j, next
+      real(wp), intent(in) :: pressure(nx, ny), hardness
+      integer, intent(out) :: edges(2)
+      real(wp), intent(out) :: share
+      integer :: i, j
 
       edges = 0
-      do j = 1, ny
-         next = modulo(j, ny) + 1
-         edges = edges + merge(1, 0, pressure(nx, j) >= least .neqv. pressure(1, j) >= least)
-         do i = 1, nx - 1
-            edges = edges + merge(1, 0, pressure(i, j) >= least .neqv. pressure(i + 1, j) >= least)
-         end do
-         do i = 1, nx
-            edges = edges + merge(1, 0, pressure(i, j) >= least .neqv. pressure(i, next) >= least)
-         end do
-      end do
-   end function edges_of
-
-   !> Root of the sum of squares of the differences of `pressure` between neighbours one of which is
-   !> in contact and the other not, over the whole load: the share of the load that is chance, if
-   !> that of each edge is.
-   pure function edge_load(nx, ny, pressure) result(share)
-      integer, intent(in) :: nx, ny
-      real(wp), intent(in) :: pressure(nx, ny)
-      real(wp) :: share
-      integer :: i, j, next
-
       share = 0.0_wp
       do j = 1, ny
-         next = modulo(j, ny) + 1
-         do i = 1, nx - 1
-            share = share + jump(pressure(i, j), pressure(i + 1, j)) &
-               + jump(pressure(i, j), pressure(i, next))
+         do i = 1, nx
+            call compare(pressure(i, j), pressure(merge(1, i + 1, i == nx), j))
+            call compare(pressure(i, j), pressure(i, modulo(j, ny) + 1))
          end do
-         share = share + jump(pressure(nx, j), pressure(1, j)) &
-            + jump(pressure(nx, j), pressure(nx, next))
       end do
       share = sqrt(share)/sum(pressure)
-   end function edge_load
 
-   !> Square of the difference of two pressures, if one of them alone is in contact.
-   pure function jump(one, other)
-      real(wp), intent(in) :: one, other
-      real(wp) :: jump
+   contains
 
-      jump = 0.0_wp
-      if (one > 0.0_wp .neqv. other > 0.0_wp) jump = (one - other)**2
-   end function jump
+      !> One pair.
+      subroutine compare(one, other)
+         real(wp), intent(in) :: one, other
 
-   !> How many nodes too many are in contact on a periodic line of this `pressure`.
+         if (one >= hardness .neqv. other >= hardness) edges(2) = edges(2) + 1
+         if (one > 0.0_wp .eqv. other > 0.0_wp) return
+         edges(1) = edges(1) + 1
+         share = share + (one - other)**2
+      end subroutine compare
+
+   end subroutine find_edges
+
+   !> Number of nodes in contact beyond the edges of contact, on a periodic line of this `pressure`.
    pure function line_excess(pressure) result(nodes)
       real(wp), intent(in) :: pressure(0:)
       real(wp) :: nodes
+      real(wp) :: r
       integer :: i, inner, n, side
 
       n = size(pressure)
@@ -85,21 +68,13 @@ contains
             if (pressure(modulo(i + side, n)) > 0.0_wp) cycle along
             inner = modulo(i - side, n)
             if (pressure(inner) > pressure(i)) then
-               nodes = nodes + excess_at(pressure(i)/pressure(inner))
+               r = min(pressure(i)/pressure(inner), largest_ratio)
+               nodes = nodes + excess(0) + r*(excess(1) + r*(excess(2) + r*excess(3)))
             else
                nodes = nodes + mean_excess
             end if
          end do along
       end do
    end function line_excess
-
-   !> That of one edge.
-   pure function excess_at(ratio) result(nodes)
-      real(wp), intent(in) :: ratio
-      real(wp) :: nodes, r
-
-      r = min(ratio, largest_ratio)
-      nodes = excess(0) + r*(excess(1) + r*(excess(2) + r*excess(3)))
-   end function excess_at
 
 end module contact_edges

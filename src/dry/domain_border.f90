@@ -13,7 +13,7 @@ module domain_border
 
    public :: border_reason, recommended_room
 
-   !> Length of a domain over the width of its contact that leaves room for the gap beside it.
+   !> Length of a domain over the width of its contact that leaves room for the gap.
    real(wp), parameter :: recommended_room = 1.2_wp
    !> A parabola that explains less of the variance of the heights says nothing about the surface
    !> outside the domain.
@@ -30,9 +30,16 @@ contains
       real(wp), intent(in) :: z(:), pressure(:), load
       character(:), allocatable :: reason
       real(wp) :: half_width, radius
+      logical :: is_pressed
 
       reason = ''
-      if (grid%kernel /= kernel_open .or. .not. touches_border(grid, pressure)) return
+      if (grid%kernel /= kernel_open) return
+      associate (nx => grid%nx, last_row => grid%nx*(grid%ny - 1))
+         is_pressed = any(pressure(1::nx) > 0.0_wp) .or. any(pressure(nx::nx) > 0.0_wp)
+         if (grid%ny > 1) is_pressed = is_pressed .or. any(pressure(:nx) > 0.0_wp) &
+            .or. any(pressure(last_row + 1:) > 0.0_wp)
+      end associate
+      if (.not. is_pressed) return
       radius = fitted_radius(grid, scaling%length, z)
       if (radius <= 0.0_wp) then
          reason = 'the contact reaches the border of the open domain, towards which the '// &
@@ -47,20 +54,6 @@ contains
       reason = 'the contact reaches the border of the open domain, which should be about ' &
                // to_text(2.0_wp*recommended_room*half_width, 2) // ' m long for this load'
    end function border_reason
-
-   !> True if a node at the border carries pressure.
-   pure function touches_border(grid, pressure)
-      type(dry_grid_t), intent(in) :: grid
-      real(wp), intent(in) :: pressure(:)
-      logical :: touches_border
-      integer :: nx, ny
-
-      nx = grid%nx
-      ny = grid%ny
-      touches_border = any(pressure(1::nx) > 0.0_wp) .or. any(pressure(nx::nx) > 0.0_wp)
-      if (ny == 1 .or. touches_border) return
-      touches_border = any(pressure(:nx) > 0.0_wp) .or. any(pressure(nx*(ny - 1) + 1:) > 0.0_wp)
-   end function touches_border
 
    !> Radius R [m] of the parabola c - r^2/(2 R) that fits the heights best, in the sense of least
    !> squares; 0 if they do not fall towards the border, or are hardly a parabola.

@@ -2,14 +2,14 @@
 !> active sets.
 !>
 !> After I. A. Polonsky and L. M. Keer, Wear 231, 1999, 206, with four changes: the direction is
-!> never restarted when nodes enter or leave, a tree network (`tree_network`) preconditions it, what
-!> leaves the bounds is brought back by the same network, so that its neighbours take over what it
-!> lost and load and upper bound (hardness) are held exactly, and an iteration takes one product
-!> with K: the step along the direction is foretold from the iteration before, brought back into the
-!> bounds, and only then K is applied to the change of p, whose length is corrected. Nodes at a
-!> bound leave it as soon as their gap has the wrong sign.
+!> never restarted when nodes enter or leave; a tree network (`tree_network`) preconditions it; the
+!> same network brings back what leaves the bounds, giving the difference to its neighbours, so that
+!> load and upper bound (hardness) hold exactly; and an iteration needs one product with K: the step
+!> along the direction is predicted from the iteration before and brought back into the bounds,
+!> then K is applied to the change of p, whose length is corrected. Nodes at a bound leave it as
+!> soon as their gap has the wrong sign.
 module dry_conjugate_gradient
-   use active_set, only: active_set_t, new_active_set, take_survey
+   use active_set, only: active_set_t, copy_survey, new_active_set
    use bound_return, only: bring_back, settle_load
    use dry_problem, only: dry_grid_t, dry_problem_t, kernel_open
    use dry_settings, only: dry_settings_t
@@ -62,8 +62,8 @@ module dry_conjugate_gradient
 contains
 
    !> Improves the pressure of `solution` (within its bounds and with its load) until the error
-   !> measure is the tolerance or less; the rest of the solution follows. Its report gets one entry
-   !> an iteration. Fails (internal_error) if FFTW does.
+   !> measure is the tolerance or less, and fills the other components. Its report gets one entry an
+   !> iteration. Fails (internal_error) if FFTW does.
    subroutine iterate_conjugate_gradient(problem, settings, solution, error)
       type(dry_problem_t), intent(inout) :: problem
       type(dry_settings_t), intent(in) :: settings
@@ -83,7 +83,7 @@ contains
          do iteration = 0, settings%max_cycles
             if (must_refresh(work, problem, settings)) call refresh(problem, p, work)
             call report%add(work%set%error, work%set%load_error)
-            call take_survey(work%set, settings%tolerance, solution)
+            call copy_survey(work%set, settings%tolerance, solution)
             stalled = stalled + 1
             if (work%set%error < 0.5_wp*best) then
                best = work%set%error
@@ -271,7 +271,7 @@ contains
    end subroutine find_old_change
 
    !> The change of p on F that `length` times t makes, on the list q; what leaves the bounds is
-   !> brought back (`is_clipped`). A shift of F takes away rounding errors of the load.
+   !> brought back (`is_clipped`). A shift of F removes rounding errors of the load.
    subroutine find_change(problem, p, length, work, is_clipped)
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(in) :: p(:)
@@ -328,7 +328,10 @@ contains
          if (curvature > 0.0_wp) best = slope/curvature
          length = 1.0_wp
          if (.not. is_clipped) then
-            if (fits(problem, p, best, work)) length = best
+            associate (node => work%set%node(:n), q => work%q(:n))
+               if (best > 0.0_wp .and. all(p(node) + best*q >= 0.0_wp &
+                  .and. p(node) + best*q <= problem%hardness)) length = best
+            end associate
          else if (best < least_length) then
             length = max(best, 0.0_wp)
          end if
@@ -341,22 +344,5 @@ contains
          work%curvature = length**2*curvature
       end associate
    end subroutine find_length
-
-   !> True if p + length q keeps the bounds.
-   pure function fits(problem, p, length, work)
-      type(dry_problem_t), intent(in) :: problem
-      real(wp), contiguous, intent(in) :: p(:)
-      real(wp), intent(in) :: length
-      type(work_t), intent(in) :: work
-      logical :: fits
-      real(wp) :: p_new
-      integer :: k
-
-      fits = length > 0.0_wp
-      do k = 1, work%set%count
-         p_new = p(work%set%node(k)) + length*work%q(k)
-         if (p_new < 0.0_wp .or. p_new > problem%hardness) fits = .false.
-      end do
-   end function fits
 
 end module dry_conjugate_gradient

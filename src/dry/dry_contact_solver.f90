@@ -1,7 +1,7 @@
 !> Solves a dry contact: the closed forms where they hold, else an iteration from a good start.
 module dry_contact_solver
    use, intrinsic :: iso_fortran_env, only: int64
-   use active_set, only: active_set_t, new_active_set, take_survey
+   use active_set, only: survey_solution
    use dry_conjugate_gradient, only: iterate_conjugate_gradient
    use dry_problem, only: dry_problem_t, kernel_open
    use dry_settings, only: dry_settings_t, method_conjugate_gradient, method_steepest_descent
@@ -24,19 +24,18 @@ module dry_contact_solver
    !> A solver for one surface and any number of loads: each starts from the solution before it.
    type :: dry_solver_t
       type(dry_settings_t) :: settings
-      !> Least and largest pressure of full contact without load, once known; the surface must stay
-      !> the same.
-      real(wp), allocatable, private :: full_range(:)
+      !> Least and largest pressure of full contact without load, of the present surface; not
+      !> allocated: not known yet.
+      real(wp), allocatable :: full_range(:)
    contains
       procedure :: solve
-      procedure :: forget_surface
    end type dry_solver_t
 
 contains
 
    !> Solves `problem` (its load > 0). `solution` of another load of the same surface, if it holds
-   !> one, is the start, and so is a pressure alone of about this load. Not converging is told in
-   !> its report. Fails (input_error) if the load is above hardness times area, (internal_error) if
+   !> one, is the start, and so is a pressure alone of about this load. Its report says whether it
+   !> converged. Fails (input_error) if the load is above hardness times area, (internal_error) if
    !> FFTW does.
    subroutine solve(self, problem, solution, error)
       class(dry_solver_t), intent(inout) :: self
@@ -57,7 +56,10 @@ contains
             return
          end if
          if (problem%load >= largest_load*(1.0_wp - plastic_margin)) then
-            call solve_all_plastic(self, problem, solution)
+            ! p = H everywhere; of the possible data that with the least plastic deformation
+            solution%pressure = [spread(problem%hardness, 1, size(problem%height))]
+            call problem%find_v(solution%pressure, solution%v)
+            call judge(self, problem, 'all_plastic', solution, maxval(solution%v))
             return
          end if
       end if
@@ -68,7 +70,14 @@ contains
       if (2*count(solution%pressure > 0.0_wp) &
          > size(problem%height)) call solve_full_contact(self, problem, solution, is_done)
       if (.not. is_done) then
-         call iterate(self, problem, solution, error)
+         select case (self%settings%method)
+         case (method_conjugate_gradient)
+            call iterate_conjugate_gradient(problem, self%settings, solution, error)
+         case (method_steepest_descent)
+            call iterate_steepest_descent(problem, self%settings, solution)
+         case default
+            error stop 'solve: a method without its case'
+         end select
          if (allocated(error)) return
       end if
       call count_transforms(problem, before, solution)
@@ -96,13 +105,6 @@ contains
       end associate
       solution%report%fft_pairs = nint(weight, int64)
    end subroutine count_transforms
-
-   !> The heights of the problem have changed.
-   pure subroutine forget_surface(self)
-      class(dry_solver_t), intent(inout) :: self
-
-      if (allocated(self%full_range)) deallocate (self%full_range)
-   end subroutine forget_surface
 
    !> A pressure to begin with.
    subroutine start(problem, solution, error)
@@ -138,23 +140,6 @@ contains
       end if
    end subroutine settle_start
 
-   !> The iteration of the chosen method.
-   subroutine iterate(self, problem, solution, error)
-      class(dry_solver_t), intent(inout) :: self
-      type(dry_problem_t), intent(inout) :: problem
-      type(dry_solution_t), intent(inout) :: solution
-      type(error_t), allocatable, intent(out) :: error
-
-      select case (self%settings%method)
-      case (method_conjugate_gradient)
-         call iterate_conjugate_gradient(problem, self%settings, solution, error)
-      case (method_steepest_descent)
-         call iterate_steepest_descent(problem, self%settings, solution)
-      case default
-         error stop 'iterate: a method without its case'
-      end select
-   end subroutine iterate
-
    !> Full contact of a periodic surface, p = mean + K^-1 z, if it keeps the bounds and its error
    !> the tolerance (`is_done`).
    subroutine solve_full_contact(self, problem, solution, is_done)
@@ -185,17 +170,6 @@ contains
       is_done = solution%report%converged
    end subroutine solve_full_contact
 
-   !> p = H everywhere; the datum is the one with the least plastic deformation, zero at one node.
-   subroutine solve_all_plastic(self, problem, solution)
-      class(dry_solver_t), intent(in) :: self
-      type(dry_problem_t), intent(inout) :: problem
-      type(dry_solution_t), intent(inout) :: solution
-
-      solution%pressure = [spread(problem%hardness, 1, size(problem%height))]
-      call problem%find_v(solution%pressure, solution%v)
-      call judge(self, problem, 'all_plastic', solution, maxval(solution%v))
-   end subroutine solve_all_plastic
-
    !> Whether a closed form of that `name`, with its v and `datum` (else the mean of v), is a
    !> solution, for the report.
    subroutine judge(self, problem, name, solution, datum)
@@ -204,15 +178,12 @@ contains
       character(*), intent(in) :: name
       type(dry_solution_t), intent(inout) :: solution
       real(wp), intent(in), optional :: datum
-      type(active_set_t) :: set
 
-      call new_active_set(set, problem%grid)
-      call set%survey(problem, solution%pressure, solution%v, datum)
-      call take_survey(set, self%settings%tolerance, solution)
+      call survey_solution(problem, self%settings%tolerance, solution, datum)
       solution%report%method = name
       solution%report%reason = 'closed form'
       if (.not. solution%report%converged) solution%report%reason = &
-         end_of_iteration(solution%report, set%error, 0, is_stalled=.false.)
+         end_of_iteration(solution%report, solution%kkt, 0, is_stalled=.false.)
    end subroutine judge
 
 end module dry_contact_solver

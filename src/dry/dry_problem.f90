@@ -5,7 +5,7 @@
 !>
 !> whose optimality conditions are those of contact: gap h = v - datum >= 0 where p < H (v = K
 !> p - z), p h = 0, and v - datum = -d_p <= 0 where p = H. Lengths in units of the domain, heights
-!> in their rms value s (or as `new_dry_problem` is told), pressures in E' s/(4 L): then K has the
+!> in their rms value s (or as given to `new_dry_problem`), pressures in E' s/(4 L): then K has the
 !> transfer function 1/q.
 module dry_problem
    use errors, only: error_t
@@ -41,6 +41,8 @@ module dry_problem
       type(dry_grid_t) :: grid
       !> z, positive out of the material, its mean removed (nx*ny), x fastest.
       real(wp), allocatable :: height(:)
+      !> Its largest value before any load.
+      real(wp) :: top
       !> H.
       real(wp) :: hardness
       !> Sum of p over the nodes.
@@ -70,6 +72,7 @@ contains
       self%hardness = no_hardness
       self%load = 0.0_wp
       self%height = height - sum(height)/size(height)
+      self%top = maxval(self%height)
       self%height_scale = norm2(self%height)/sqrt(real(size(height), wp))
       if (self%height_scale <= epsilon(1.0_wp)) self%height_scale = 0.0_wp   ! flat but for rounding
       associate (nx => grid%nx, ny => grid%ny, aspect => grid%aspect, threads => grid%threads)

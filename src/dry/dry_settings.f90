@@ -14,7 +14,7 @@ module dry_settings
    real(wp), parameter, public :: dry_tolerance = 1.0e-8_wp
    integer, parameter, public :: dry_cycles = 10000
 
-   !> Most nodes of a grid whose error bars take finer ones, where its surface has short waves.
+   !> Most nodes of a grid whose error bars use finer ones, where its surface has short waves.
    integer, parameter, public :: max_nodes_to_refine = 2**18
 
    !> How to solve.

@@ -30,8 +30,8 @@ module dry_start
 contains
 
    !> A pressure `p` (nx*ny) within its bounds and with its load: solutions to a rough E on grids of
-   !> half the nodes each, the coarsest first, each node's pressure handed to the 2 or 4 nodes below
-   !> it. `transforms` are those done, as in a solution. Fails (internal_error) if FFTW does.
+   !> half the nodes each, the coarsest first; 2 or 4 nodes of the finer grid get the pressure of a
+   !> node. `transforms` are those done, as in a solution. Fails (internal_error) if FFTW does.
    recursive subroutine nested_start(problem, p, transforms, error)
       type(dry_problem_t), intent(in) :: problem
       real(wp), contiguous, intent(out) :: p(:)
@@ -58,7 +58,7 @@ contains
       if (allocated(error)) return
       transforms = reshape([transforms, coarse%elastic%transforms()], [4, size(transforms, 2) + 1])
       if (.not. solution%kkt < 1.0_wp) return
-      call hand_down(coarse%grid, solution%pressure, problem%grid, p)
+      call refine(coarse%grid, solution%pressure, problem%grid, p)
    end subroutine nested_start
 
    !> True if both sides are even and large enough.
@@ -95,7 +95,7 @@ contains
                + sum(problem%height(2*i - 1 + nx*(jf + 1):2*i + nx*(jf + 1)))/share
          end do
       end do
-      ! A guess needs no exact element kernel, whose sums take longer than the guess.
+      ! A guess needs no exact element kernel, whose sums cost more than the guess.
       if (grid%kernel == kernel_element) grid%kernel = kernel_band_limited
       call new_dry_problem(coarse, grid, height, error, is_guess=.true.)
       if (allocated(error)) return
@@ -104,7 +104,7 @@ contains
    end subroutine halve
 
    !> Every node of the fine grid gets the pressure of the coarse node it belongs to.
-   pure subroutine hand_down(coarse, p_coarse, fine, p)
+   pure subroutine refine(coarse, p_coarse, fine, p)
       type(dry_grid_t), intent(in) :: coarse, fine
       real(wp), intent(in) :: p_coarse(:)
       real(wp), intent(out) :: p(:)
@@ -116,7 +116,7 @@ contains
             p(1 + i + fine%nx*j) = p_coarse(1 + i/2 + row)
          end do
       end do
-   end subroutine hand_down
+   end subroutine refine
 
    !> Moves the pressure `p` of another load to the load of `problem`: a step against the gaps
    !> `v` - `datum`, then the nearest pressure within the bounds and with the load.

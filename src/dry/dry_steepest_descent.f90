@@ -4,7 +4,7 @@
 !> shift that restores the load within the bounds. The step is the exact minimum along the
 !> direction. Slow: a baseline to compare with.
 module dry_steepest_descent
-   use active_set, only: active_set_t, new_active_set, take_survey
+   use active_set, only: active_set_t, copy_survey, new_active_set
    use dry_problem, only: dry_problem_t
    use dry_settings, only: dry_settings_t
    use dry_solution, only: dry_solution_t, end_of_iteration
@@ -18,8 +18,8 @@ module dry_steepest_descent
 contains
 
    !> Improves the pressure of `solution` (within its bounds and with its load) until the error
-   !> measure is the tolerance or less, or the most iterations are done; the rest of the solution
-   !> follows.
+   !> measure is the tolerance or less, or the most iterations are done; then fills the other
+   !> components.
    subroutine iterate_steepest_descent(problem, settings, solution)
       type(dry_problem_t), intent(inout) :: problem
       type(dry_settings_t), intent(in) :: settings
@@ -38,7 +38,7 @@ contains
             call problem%find_v(p, solution%v)
             call set%survey(problem, p, solution%v)
             call report%add(set%error, set%load_error)
-            call take_survey(set, settings%tolerance, solution)
+            call copy_survey(set, settings%tolerance, solution)
             if (report%converged .or. set%error >= huge(1.0_wp)) exit
             if (iteration < settings%max_cycles) call descend(problem, set, direction, response, &
                q, p)

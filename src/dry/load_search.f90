@@ -2,7 +2,7 @@
 !> the solver.
 module load_search
    use, intrinsic :: iso_fortran_env, only: int64
-   use active_set, only: active_set_t, new_active_set, take_survey
+   use active_set, only: survey_solution
    use constants, only: pi
    use dry_contact_solver, only: dry_solver_t
    use dry_problem, only: dry_problem_t
@@ -39,7 +39,7 @@ contains
    !> The datum rises with the load, and its curve over the logarithm of the load is nearly straight
    !> (exactly so for B. N. J. Persson's theory at light load, Phys. Rev. Lett. 99, 2007, 125502):
    !> secant steps inside a bracket, each solution started from the one before. The report adds up
-   !> transforms and iterations; not converging is told there. Fails (input_error) if nothing
+   !> transforms and iterations and says whether it converged. Fails (input_error) if nothing
    !> touches, `datum` <= -max(height); (internal_error) if FFTW does.
    subroutine solve_for_datum(solver, problem, datum, solution, error)
       type(dry_solver_t), intent(inout) :: solver
@@ -101,12 +101,12 @@ contains
       if (problem%is_capped()) load = min(load, problem%hardness*size(problem%height))
    end function first_load
 
-   !> Narrows the bracket and takes the next load: that of whole nodes at the hardness if it is all
-   !> that is left between, else by the secant, else half way.
+   !> Narrows the bracket and chooses the next load: that of whole nodes at the hardness if only
+   !> that is left in between, else by the secant, else the middle.
    subroutine find_next_load(problem, search)
       type(dry_problem_t), intent(in) :: problem
       type(search_t), intent(inout) :: search
-      real(wp) :: step, whole
+      real(wp) :: step, full_nodes
 
       if (search%miss > 0.0_wp) then
          search%high = search%x
@@ -130,9 +130,9 @@ contains
             search%x = 0.5_wp*(search%low + search%high)
          end if
          if (.not. problem%is_capped()) return
-         whole = log(problem%hardness*max(1.0_wp, anint(exp(search%x)/problem%hardness)))
+         full_nodes = log(problem%hardness*max(1.0_wp, anint(exp(search%x)/problem%hardness)))
          if (exp(search%high) - exp(search%low) > problem%hardness) return
-         if (whole > search%low .and. whole < search%high) search%x = whole
+         if (full_nodes > search%low .and. full_nodes < search%high) search%x = full_nodes
       end if
    end subroutine find_next_load
 
@@ -144,24 +144,23 @@ contains
       real(wp), intent(in) :: tolerance, datum
       type(dry_solution_t), intent(inout) :: solution
       real(wp), intent(inout) :: miss
-      real(wp), allocatable :: p(:), v(:)
-      type(active_set_t) :: set
+      type(dry_solution_t) :: placed
       real(wp) :: place, slack
 
       slack = tolerance*problem%load/solution%contacts
       if (any(solution%pressure > slack .and. solution%pressure < problem%hardness - slack)) return
-      p = merge(problem%hardness, 0.0_wp, solution%pressure > 0.5_wp*problem%hardness)
-      if (abs(sum(p) - problem%load)/problem%load > tolerance) return
-      call problem%find_v(p, v)
-      place = max(datum, maxval(v, mask=p > 0.0_wp))
-      if (any(p <= 0.0_wp)) place = min(place, minval(v, mask=p <= 0.0_wp))
-      call new_active_set(set, problem%grid)
-      call set%survey(problem, p, v, place)
-      if (set%error > tolerance) return
-      call take_survey(set, tolerance, solution)
+      placed = solution
+      associate (p => placed%pressure)
+         p = merge(problem%hardness, 0.0_wp, solution%pressure > 0.5_wp*problem%hardness)
+         if (abs(sum(p) - problem%load)/problem%load > tolerance) return
+         call problem%find_v(p, placed%v)
+         place = max(datum, maxval(placed%v, mask=p > 0.0_wp))
+         if (any(p <= 0.0_wp)) place = min(place, minval(placed%v, mask=p <= 0.0_wp))
+      end associate
+      call survey_solution(problem, tolerance, placed, place)
+      if (.not. placed%report%converged) return
+      solution = placed
       miss = place - datum
-      call move_alloc(p, solution%pressure)
-      call move_alloc(v, solution%v)
    end subroutine place_between
 
 end module load_search

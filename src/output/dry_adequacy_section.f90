@@ -1,7 +1,7 @@
 !> /adequacy of a dry result: what each ingredient changes, and whether the grid is fine enough.
 module dry_adequacy_section
-   use dry_influences, only: coarsening, compared_names, dry_adequacy_t, &
-      dry_influence_t
+   use dry_adequacy, only: coarsening, compared, dry_adequacy_t, dry_influence_t
+   use dry_quantities, only: dry_table
    use hdf5_attribute, only: write_attribute
    use hdf5_file, only: hdf5_file_t
    use influence_section, only: write_influence
@@ -22,7 +22,10 @@ contains
 
       if (.not. allocated(adequacy%rows)) return
       do i = 1, size(adequacy%rows)
-         call write_row(file, adequacy, adequacy%rows(i))
+         associate (row => adequacy%rows(i))
+            call write_influence(file, row, measured_on(adequacy, row), dry_table(compared)%name, &
+               row%change, row%error)
+         end associate
       end do
       if (size(adequacy%rows) == 0) call file%create_group('/adequacy')
       call write_attribute(file, '/adequacy', 'about', 'relative change under '// &
@@ -31,18 +34,8 @@ contains
          'of the change; no dataset: not known')
       call write_attribute(file, '/adequacy', 'accuracy', adequacy%accuracy)
       call write_attribute(file, '/adequacy', 'mean_pressure', adequacy%mean_pressure)
-      call write_attribute(file, '/adequacy', 'judged_by', joined(compared_names, ', '))
+      call write_attribute(file, '/adequacy', 'judged_by', joined(dry_table(compared)%name, ', '))
    end subroutine write_dry_adequacy
-
-   !> One ingredient.
-   subroutine write_row(file, adequacy, row)
-      class(hdf5_file_t), intent(inout) :: file
-      type(dry_adequacy_t), intent(in) :: adequacy
-      type(dry_influence_t), intent(in) :: row
-
-      call write_influence(file, row, measured_on(adequacy, row), compared_names, row%change, &
-         row%error)
-   end subroutine write_row
 
    !> Where the changes of a row come from.
    pure function measured_on(adequacy, row) result(text)

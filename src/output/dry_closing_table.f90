@@ -2,8 +2,9 @@
 module dry_closing_table
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use dry_case, only: dry_case_t
-   use dry_influences, only: dry_adequacy_t
-   use dry_sweep, only: dry_outcome_t, dry_row_t
+   use dry_adequacy, only: dry_adequacy_t
+   use dry_quantities, only: contact_area, dry_outcome_t, mean_pressure, mean_separation, p_max, &
+      plastic_area
    use influence_section, only: model_line
    use kinds, only: wp
    use progress_log, only: columns, progress_log_t
@@ -16,17 +17,19 @@ module dry_closing_table
 
    !> A relative error below this is printed as none.
    real(wp), parameter :: rounding = 1.0e-7_wp
+   !> Quantities with an error in the table.
+   integer, parameter :: columns_with_error(*) = [contact_area, plastic_area, &
+      mean_separation, p_max]
 
 contains
 
    !> A table with a line for each load of the case `name`, under it the estimated errors; what
    !> there is to say of the model; `path` of the result.
-   subroutine close_dry_case(log, name, dry, outcome, errors, adequacy, path)
+   subroutine close_dry_case(log, name, dry, outcome, adequacy, path)
       type(progress_log_t), intent(inout) :: log
       character(*), intent(in) :: name, path
       type(dry_case_t), intent(in) :: dry
       type(dry_outcome_t), intent(in) :: outcome
-      type(dry_row_t), intent(in) :: errors(:)
       type(dry_adequacy_t), intent(in) :: adequacy
       character(:), allocatable :: words
       character(len=columns) :: line
@@ -48,14 +51,16 @@ contains
          call log%add_to_summary( &
             '  mean pressure   contact   plastic   separation   largest p      error')
          do i = 1, size(rows)
-            associate (row => rows(i))
+            associate (values => rows(i)%values)
                write (line, '(ss,2x,es10.3,a,2(f8.3,a),es11.3,a,es10.3,a,es9.1)') &
-                  row%mean_pressure, ' Pa', 100.0_wp*row%contact_area_fraction, ' %', &
-                  100.0_wp*row%plastic_area_fraction, ' %', row%mean_separation, ' m', &
-                  row%p_max, ' Pa', row%kkt
+                  values(mean_pressure), ' Pa', 100.0_wp*values(contact_area), ' %', &
+                  100.0_wp*values(plastic_area), ' %', values(mean_separation), ' m', &
+                  values(p_max), ' Pa', rows(i)%kkt
+               call log%add_to_summary(trim(line))
+               if (.not. allocated(outcome%errors)) cycle
+               write (line, '(a15,2a10,2a13)') '+-', percent(outcome%errors(:, i), values)
+               call log%add_to_summary(trim(line))
             end associate
-            call log%add_to_summary(trim(line))
-            if (size(errors) > 0) call log%add_to_summary(error_line(rows(i), errors(i)))
          end do
          if (allocated(adequacy%rows)) then
             words = model_line(adequacy%rows%judged_t, adequacy%accuracy)
@@ -68,20 +73,6 @@ contains
       end associate
    end subroutine close_dry_case
 
-   !> The line of estimated errors under that of a load, in percent of its quantities.
-   function error_line(row, error) result(line)
-      type(dry_row_t), intent(in) :: row, error
-      character(:), allocatable :: line
-      character(len=80) :: cells
-
-      write (cells, '(a15,2a10,2a13)') '+-', percent(error%contact_area_fraction, &
-         row%contact_area_fraction), &
-         percent(error%plastic_area_fraction, row%plastic_area_fraction), &
-            percent(error%mean_separation, row%mean_separation), &
-         percent(error%p_max, row%p_max)
-      line = trim(cells)
-   end function error_line
-
    !> The number of nodes, of an area nx x ny.
    pure function nodes_text(dry) result(words)
       type(dry_case_t), intent(in) :: dry
@@ -91,16 +82,22 @@ contains
       if (dry%grid%ny > 1) words = words // ' x ' // to_text(dry%grid%ny)
    end function nodes_text
 
-   !> `error` in percent of `value`, right-justified as in the line above it; '-' if it is not
-   !> known.
-   function percent(error, value) result(cell)
-      real(wp), intent(in) :: error, value
-      character(:), allocatable :: cell
+   !> Errors in percent of the values of a load, as cells of the closing table; '-' if not known.
+   pure function percent(errors, values) result(cells)
+      real(wp), intent(in) :: errors(:), values(:)
+      character(len=10) :: cells(size(columns_with_error))
+      integer :: i
 
-      cell = '-'
-      if (.not. (ieee_is_finite(error) .and. abs(value) > 0.0_wp)) return
-      cell = '0 %'
-      if (error > rounding*abs(value)) cell = number_text(100.0_wp*error/abs(value), 2)//' %'
+      do i = 1, size(cells)
+         associate (error => errors(columns_with_error(i)), &
+            value => abs(values(columns_with_error(i))))
+            cells(i) = '-'
+            if (.not. (ieee_is_finite(error) .and. value > 0.0_wp)) cycle
+            cells(i) = '0 %'
+            if (error > rounding*value) cells(i) = number_text(100.0_wp*error/value, 2)//' %'
+         end associate
+      end do
+      cells = adjustr(cells)
    end function percent
 
 end module dry_closing_table

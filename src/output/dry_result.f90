@@ -8,7 +8,8 @@ module dry_result
    use dry_problem, only: no_hardness
    use dry_scaling, only: dry_scaling_t, load_number
    use dry_surface_section, only: write_surface
-   use dry_sweep, only: dry_fields_t, dry_outcome_t, dry_row_t
+   use dry_quantities, only: describe, dry_count, dry_fields_t, dry_outcome_t, dry_table, load, &
+      mean_pressure
    use errors, only: error_t
    use hdf5_attribute, only: write_attribute
    use hdf5_axes, only: link_object, make_axis, make_counter, name_axes
@@ -22,29 +23,38 @@ module dry_result
 
    public :: write_dry_result
 
-   !> Quantities of /sweep that /summary repeats for the last load.
-   character(len=21), parameter :: summary_names(*) = [character(len=21) :: 'p_max', &
-      'contact_area_fraction', &
-      'plastic_area_fraction', 'mean_separation']
+   !> States of the surface with a roughness.
+   character(len=10), parameter :: states(3) = [character(len=10) :: 'undeformed', 'loaded', &
+      'unloaded']
+   character(len=15), parameter :: times(3) = [character(len=15) :: 'before loading', &
+      'under load', 'after unloading']
 
 contains
 
-   !> Writes the quantities of every load of an `outcome` with their estimated `errors` (none: not
-   !> estimated) and the fields of the last. Fails (internal_error) if FFTW does.
-   subroutine write_dry_result(file, dry, outcome, errors, error)
+   !> Writes the quantities of every load of an `outcome` with their estimated errors and the
+   !> fields of the last. Fails (internal_error) if FFTW does.
+   subroutine write_dry_result(file, dry, outcome, error)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
       type(dry_outcome_t), intent(in) :: outcome
-      type(dry_row_t), intent(in) :: errors(:)
       type(error_t), allocatable, intent(out) :: error
+      integer :: k
 
-      associate (rows => outcome%rows, is_line => dry%grid%ny == 1)
-         call write_scaling(file, dry, outcome%scaling, rows(size(rows))%mean_pressure)
+      associate (rows => outcome%rows)
+         call write_scaling(file, dry, outcome%scaling, rows(size(rows))%values(mean_pressure))
          call write_fields(file, dry, outcome%fields)
-         call write_sweep(file, dry, rows, errors)
-         call write_roughness(file, 'undeformed', 'before loading', rows%undeformed, is_line)
-         call write_roughness(file, 'loaded', 'under load', rows%loaded, is_line)
-         call write_roughness(file, 'unloaded', 'after unloading', rows%unloaded, is_line)
+         call make_counter(file, '/sweep/step', size(rows), 'number of the load')
+         do k = 1, dry_count
+            call write_quantity(file, dry, outcome, k)
+         end do
+         call write_column(file, 'kkt', rows%kkt, &
+            new_label('violation of the contact conditions', '1'))
+         call write_dataset(file, '/sweep/fft_pairs', int(rows%fft_pairs, int64), &
+            new_label('pairs of transforms, in pairs of the full grid', '1'))
+         call name_axes(file, '/sweep/fft_pairs', '/sweep/step')
+         do k = 1, size(states)
+            call write_roughness(file, k, rows%roughness(k), dry%grid%ny == 1)
+         end do
       end associate
       call write_costs(file, outcome)
       call write_surface(file, dry, outcome%fields, error)
@@ -55,11 +65,11 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       type(dry_outcome_t), intent(in) :: outcome
 
-      call write_dataset(file, '/report/cpu_seconds', outcome%cpu_prepare + outcome%cpu_solve, &
+      call write_dataset(file, '/report/cpu_seconds', sum(outcome%seconds(:2)), &
          new_label('processor time of the solution, planning of the transforms included', 's'))
-      call write_dataset(file, '/report/cpu_prepare_seconds', outcome%cpu_prepare, &
+      call write_dataset(file, '/report/cpu_prepare_seconds', outcome%seconds(1), &
          new_label('the part for planning', 's'))
-      call write_dataset(file, '/report/wall_solve_seconds', outcome%wall_solve, &
+      call write_dataset(file, '/report/wall_solve_seconds', outcome%seconds(3), &
          new_label('wall time of the solution without planning', 's'))
       call write_dataset(file, '/report/transforms', real(outcome%transforms, wp), &
          new_label('transforms: size in x, in y, pairs in double, pairs in single precision', '1'))
@@ -105,6 +115,8 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
+      character(*), parameter :: unloaded = 'composite height after unloading', &
+         deformation = 'plastic deformation'
 
       call write_dataset(file, '/solution/x', node_positions(dry%grid%nx, dry%lengths(1), &
          dry%is_periodic), &
@@ -115,164 +127,80 @@ contains
             dry%is_periodic), new_label('position across', 'm'))
          call make_axis(file, '/solution/y')
       end if
-      call write_field('pressure', fields%pressure, 'contact pressure', 'Pa')
-      call write_field('gap', fields%gap, 'gap between the surfaces', 'm')
-      call write_field('height_undeformed', dry%height, 'composite height before loading', 'm')
-      call write_field('height_loaded', fields%height_loaded, 'composite height under load', 'm')
-      if (allocated(fields%plastic_deformation)) then
-         call write_field('height_unloaded', fields%height_unloaded, &
-            'composite height after unloading', 'm')
-         call write_field('plastic_deformation', fields%plastic_deformation, &
-            'plastic deformation', 'm')
+      call write_field('pressure', 'contact pressure', 'Pa', fields%pressure)
+      call write_field('gap', 'gap between the surfaces', 'm', fields%gap)
+      call write_field('height_undeformed', 'composite height before loading', 'm', dry%height)
+      call write_field('height_loaded', 'composite height under load', 'm', fields%height_loaded)
+      if (allocated(fields%height_unloaded)) then
+         call write_field('height_unloaded', unloaded, 'm', fields%height_unloaded)
+         call write_field('plastic_deformation', deformation, 'm', fields%plastic_deformation)
       else
-         call write_field('height_unloaded', dry%height, 'composite height after unloading', 'm')
-         call write_no_field('plastic_deformation', 'plastic deformation', 'm')
+         call write_field('height_unloaded', unloaded, 'm', dry%height)
+         call write_field('plastic_deformation', deformation, 'm')
       end if
       call file%create_group('/si')
       call link_object(file, '/solution', '/si/solution')
 
    contains
 
-      !> One field (nx, ny), if it is to be stored.
-      subroutine write_field(name, values, long_name, units)
+      !> One field (nx, ny), if it is to be stored; without values it is zero everywhere.
+      subroutine write_field(name, long_name, units, values)
          character(*), intent(in) :: name, long_name, units
-         real(wp), intent(in) :: values(dry%grid%nx, dry%grid%ny)
+         real(wp), intent(in), optional :: values(dry%grid%nx, dry%grid%ny)
+         character(:), allocatable :: path
+         type(label_t) :: label
 
-         if (.not. is_stored(dry, name)) return
-         if (dry%grid%ny == 1) then
-            call write_dataset(file, '/solution/'//name, values(:, 1), &
-               new_label(long_name, units), dry%is_single)
-         else
-            call write_dataset(file, '/solution/'//name, values, new_label(long_name, units), &
-               dry%is_single)
-         end if
-         call name_field_axes(file, dry, name)
+         if (size(dry%stored_fields) > 0 .and. .not. any(dry%stored_fields == name)) return
+         path = '/solution/'//name
+         label = new_label(long_name, units)
+         associate (nx => dry%grid%nx, ny => dry%grid%ny)
+            if (.not. present(values)) then
+               call write_zeros(file, path, pack([nx, ny], [.true., ny > 1]), label, dry%is_single)
+            else if (ny == 1) then
+               call write_dataset(file, path, values(:, 1), label, dry%is_single)
+            else
+               call write_dataset(file, path, values, label, dry%is_single)
+            end if
+            if (ny == 1) call name_axes(file, path, '/solution/x')
+            if (ny > 1) call name_axes(file, path, '/solution/x', '/solution/y')
+         end associate
       end subroutine write_field
-
-      !> A field that is zero everywhere.
-      subroutine write_no_field(name, long_name, units)
-         character(*), intent(in) :: name, long_name, units
-         integer, allocatable :: extents(:)
-
-         if (.not. is_stored(dry, name)) return
-         extents = [dry%grid%nx, dry%grid%ny]
-         if (dry%grid%ny == 1) extents = [dry%grid%nx]
-         call write_zeros(file, '/solution/'//name, extents, new_label(long_name, units), &
-            dry%is_single)
-         call name_field_axes(file, dry, name)
-      end subroutine write_no_field
 
    end subroutine write_fields
 
-   !> Whether the field `name` is to be stored.
-   pure function is_stored(dry, name)
-      type(dry_case_t), intent(in) :: dry
-      character(*), intent(in) :: name
-      logical :: is_stored
-
-      is_stored = size(dry%stored_fields) == 0 .or. any(dry%stored_fields == name)
-   end function is_stored
-
-   !> Names the axes of the field `name`.
-   subroutine name_field_axes(file, dry, name)
+   !> Quantity `k` of the table, one value for each load, with its estimated errors unless it is
+   !> given; that of the last load in /summary.
+   subroutine write_quantity(file, dry, outcome, k)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
-      character(*), intent(in) :: name
+      type(dry_outcome_t), intent(in) :: outcome
+      integer, intent(in) :: k
+      real(wp) :: errors(size(outcome%rows))
+      character(:), allocatable :: missing, name, text, unit
 
-      if (dry%grid%ny == 1) then
-         call name_axes(file, '/solution/'//name, '/solution/x')
-      else
-         call name_axes(file, '/solution/'//name, '/solution/x', '/solution/y')
+      call describe(k, dry%grid, text, unit)
+      if (unit == '') return
+      name = trim(dry_table(k)%name)
+      call write_column(file, name, outcome%rows%values(k), new_label(text, unit))
+      if (any(k == [load, mean_pressure]) .and. allocated(dry%loads%mean_pressure)) return
+      errors = not_known()
+      missing = 'no other grids are compared'
+      if (allocated(outcome%errors)) then
+         errors = outcome%errors(k, :)
+         missing = 'no solution, or too few other grids with one'
       end if
-   end subroutine name_field_axes
-
-   !> /sweep without roughness: one value for each load, and /summary of the last one.
-   subroutine write_sweep(file, dry, rows, errors)
-      class(hdf5_file_t), intent(inout) :: file
-      type(dry_case_t), intent(in) :: dry
-      type(dry_row_t), intent(in) :: rows(:), errors(:)
-      character(:), allocatable :: energy_unit, load_unit
-      logical :: is_line
-
-      call make_counter(file, '/sweep/step', size(rows), 'number of the load')
-      is_line = dry%grid%ny == 1
-      load_unit = trim(merge('N/m', 'N  ', is_line))
-      energy_unit = trim(merge('J/m', 'J  ', is_line))
-      if (allocated(dry%loads%separation)) then
-         call write_estimated('mean_pressure', rows%mean_pressure, errors%mean_pressure, &
-            'load over nominal area', 'Pa')
-         call write_estimated('load', rows%load, errors%load, 'load', load_unit)
-      else
-         call write_column(file, 'mean_pressure', rows%mean_pressure, &
-            new_label('load over nominal area', 'Pa'))
-         call write_column(file, 'load', rows%load, new_label('load', load_unit))
-      end if
-      call write_estimated('contact_area_fraction', rows%contact_area_fraction, &
-         errors%contact_area_fraction, &
-         'nodes with p > 0 over all', '1')
-      if (.not. is_line) call write_estimated('contact_area_fraction_corrected', &
-         rows%contact_area_corrected, &
-         errors%contact_area_corrected, 'contact area less (pi - 1 + ln 2)/24 of its perimeter', &
-            '1')
-      call write_estimated('plastic_area_fraction', rows%plastic_area_fraction, &
-         errors%plastic_area_fraction, &
-         'nodes with p = hardness over all', '1')
-      call write_estimated('plasticity_index', rows%plasticity_index, errors%plasticity_index, &
-         'plastic over contact area', '1')
-      call write_estimated('mean_separation', rows%mean_separation, errors%mean_separation, &
-         'plane to mean of the loaded surface', 'm')
-      if (dry%is_periodic) then
-         call write_estimated('separation', rows%separation, errors%separation, &
-            'plane to mean of the undeformed surface', 'm')
-      else if (.not. is_line) then
-         call write_estimated('separation', rows%separation, errors%separation, &
-            'approach of the bodies since first touch', 'm')
-      end if
-      call write_estimated('datum', rows%datum, errors%datum, &
-         'mean of deflection less height where 0 < p < hardness', 'm')
-      call write_estimated('p_max', rows%p_max, errors%p_max, 'largest pressure', 'Pa')
-      call write_estimated('dp_max', rows%dp_max, errors%dp_max, 'largest plastic deformation', 'm')
-      call write_estimated('dp_mean', rows%dp_mean, errors%dp_mean, 'mean plastic deformation', 'm')
-      call write_estimated('elastic_energy', rows%elastic_energy, errors%elastic_energy, &
-         'stored elastic energy', energy_unit)
-      call write_estimated('dissipated_energy', rows%dissipated_energy, errors%dissipated_energy, &
-         'energy dissipated by plastic deformation', energy_unit)
-      call write_column(file, 'kkt', rows%kkt, &
-         new_label('violation of the contact conditions', '1'))
-      call write_dataset(file, '/sweep/fft_pairs', int(rows%fft_pairs, int64), &
-         new_label('pairs of transforms, in pairs of the full grid', '1'))
-      call name_axes(file, '/sweep/fft_pairs', '/sweep/step')
-
-   contains
-
-      !> One column with its estimated errors, and its last value in /summary if that has it.
-      subroutine write_estimated(name, values, estimates, long_name, units)
-         character(*), intent(in) :: name, long_name, units
-         real(wp), intent(in) :: values(:), estimates(:)
-         real(wp) :: known(size(values))
-         character(:), allocatable :: missing
-
-         known = not_known()
-         missing = 'no other grids are compared'
-         if (size(estimates) > 0) then
-            known = estimates
-            missing = 'no solution, or too few other grids with one'
-         end if
-         call write_column(file, name, values, new_label(long_name, units))
-         call write_attribute(file, '/sweep/' // name, 'error_estimate', known)
-         if (.not. all(ieee_is_finite(known))) call write_attribute(file, '/sweep/' // name, &
-            'no_estimate', missing)
-         if (.not. any(summary_names == name)) return
-         associate (last => size(values))
-            call write_dataset(file, '/summary/' // name, values(last), new_label(long_name, units))
-            if (units == '1') call write_attribute(file, '/summary/' // name, 'units', units)
-            call write_attribute(file, '/summary/' // name, 'error_estimate', known(last))
-            if (.not. ieee_is_finite(known(last))) call write_attribute(file, &
-               '/summary/' // name, 'no_estimate', missing)
-         end associate
-      end subroutine write_estimated
-
-   end subroutine write_sweep
+      call write_attribute(file, '/sweep/'//name, 'error_estimate', errors)
+      if (.not. all(ieee_is_finite(errors))) call write_attribute(file, '/sweep/'//name, &
+         'no_estimate', missing)
+      if (.not. dry_table(k)%is_summary) return
+      associate (last => size(errors), path => '/summary/'//name)
+         call write_dataset(file, path, outcome%rows(last)%values(k), new_label(text, unit))
+         if (unit == '1') call write_attribute(file, path, 'units', unit)
+         call write_attribute(file, path, 'error_estimate', errors(last))
+         if (.not. ieee_is_finite(errors(last))) call write_attribute(file, path, 'no_estimate', &
+            missing)
+      end associate
+   end subroutine write_quantity
 
    !> One column of /sweep.
    subroutine write_column(file, name, values, label)
@@ -287,27 +215,33 @@ contains
       call name_axes(file, '/sweep/'//name, '/sweep/step')
    end subroutine write_column
 
-   !> /sweep/<name>_undeformed, _loaded or _unloaded: the roughness parameters of a state for each
-   !> load.
-   subroutine write_roughness(file, state, when, roughness, is_line)
+   !> /sweep/<name>_<state>: the roughness parameters of state `k` for each load.
+   subroutine write_roughness(file, k, roughness, is_line)
       class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: state, when
+      integer, intent(in) :: k
       type(roughness_t), intent(in) :: roughness(:)
       logical, intent(in) :: is_line
       character(:), allocatable :: height
 
       height = 'highest less lowest'
       if (is_line) height = height//', mean of five parts'
-      call write_column(file, 'ra_'//state, roughness%ra, &
-         new_label('arithmetic mean height '//when, 'm'))
-      call write_column(file, 'rq_'//state, roughness%rq, &
-         new_label('rms height '//when, 'm'))
-      call write_column(file, 'rz_'//state, roughness%rz, &
-         new_label(height//' '//when, 'm'))
-      call write_column(file, 'rsk_'//state, roughness%rsk, &
-         new_label('skewness '//when, '1'))
-      call write_column(file, 'rku_'//state, roughness%rku, &
-         new_label('kurtosis '//when, '1'))
+      call write_one('ra', roughness%ra, 'arithmetic mean height', 'm')
+      call write_one('rq', roughness%rq, 'rms height', 'm')
+      call write_one('rz', roughness%rz, height, 'm')
+      call write_one('rsk', roughness%rsk, 'skewness', '1')
+      call write_one('rku', roughness%rku, 'kurtosis', '1')
+
+   contains
+
+      !> One parameter.
+      subroutine write_one(name, values, text, unit)
+         character(*), intent(in) :: name, text, unit
+         real(wp), intent(in) :: values(:)
+
+         call write_column(file, name//'_'//trim(states(k)), values, &
+            new_label(text//' '//trim(times(k)), unit))
+      end subroutine write_one
+
    end subroutine write_roughness
 
 end module dry_result

@@ -1,7 +1,7 @@
 !> /surface of a dry result: shape of the undeformed, loaded and unloaded surface, in SI.
 module dry_surface_section
    use dry_case, only: dry_case_t
-   use dry_sweep, only: dry_fields_t
+   use dry_quantities, only: dry_fields_t
    use errors, only: error_t
    use hdf5_axes, only: make_axis, make_counter, name_axes
    use hdf5_dataset, only: new_label, write_dataset
@@ -54,7 +54,7 @@ contains
       call write_dataset(file, '/surface/density_height', 0.5_wp*(edges(2:) &
          + edges(:density_steps)), new_label('middle of the steps of the height densities', 'm'))
       call make_axis(file, '/surface/density_height')
-      ! Two surfaces are looked at side by side; nothing of theirs is shared.
+      ! Both surfaces in parallel; they share nothing.
       !$omp parallel do num_threads(min(dry%grid%threads, 2)) schedule(static) private(failure)
       do k = 1, 2
          if (k == 1) then
@@ -87,7 +87,7 @@ contains
 
       state%bearing_ratio = bearing_ratio(z, levels)
       state%height_density = height_density(z, edges)
-      if (dry%is_periodic) call find_slopes(dry, z, state, error)   ! error: the caller looks
+      if (dry%is_periodic) call find_slopes(dry, z, state, error)   ! error: the caller returns
    end subroutine find_state
 
    !> Slope, curvature and spectrum of the heights `z` (nx, ny) of a state, which are periodic.
@@ -103,7 +103,7 @@ contains
       if (dry%grid%ny > 1) dy = dry%lengths(2)/dry%grid%ny
       state%rms_slope = rms_slope(z, dx, dy)
       state%rms_curvature = rms_curvature(z, dx, dy)
-      call power_spectrum(z, state%power, error)   ! error: the caller looks
+      call power_spectrum(z, state%power, error)   ! error: the caller returns
    end subroutine find_slopes
 
    !> One state of the surface: '/surface/<quantity>_<name>'.

@@ -1,0 +1,213 @@
+!> How far off the quantities of a dry contact may be because of its grid.
+!>
+!> They are compared with those of the same heights on other grids, solved loosely: after a few
+!> iterations the change of grid shows. The difference to a finer grid is nearly the error. Where
+!> finer grids would cost too much, slightly coarser ones are used, which still resolve nearly all
+!> waves of the surface; differences to much coarser ones would measure the roughness. Edges of
+!> patches lie anywhere between nodes, so that one difference may vanish by chance; the weighted
+!> root mean square of several hardly does. Areas count nodes: a share of the nodes at the edges is
+!> added; of lines, whose edges are known between the nodes, what was counted beyond them. Largest
+!> pressures are compared by the crests between the nodes, and the height of the crest above the
+!> highest node is added. The error of a separation is a sum over all edges, each of either sign: of
+!> a periodic area with many nodes it follows from the pressures at the edges.
+module dry_errors
+   use dry_problem, only: dry_grid_t, kernel_open, no_hardness
+   use dry_quantities, only: compared_values, contact_area, corrected_area, datum, &
+      dissipated_energy, dp_mean, dry_count, dry_row_t, dry_table, elastic_energy, factor_count, &
+      load, mean_separation, p_max, plastic_area, plasticity_index, separation, yields
+   use dry_record, only: dry_record_t, dry_setting_t, dry_sweep_t, has_few_nodes
+   use dry_settings, only: max_nodes_to_refine
+   use errors, only: error_t
+   use kinds, only: wp
+   use missing_value, only: not_known
+   implicit none (type, external)
+   private
+
+   public :: estimate_dry_errors, goes_finer
+
+   !> Measure of waves that are short: 1 on a smooth surface, 1.37 for a wave of 8 nodes, 4 for one
+   !> of 4.
+   real(wp), parameter :: short_waves = 1.3_wp
+   !> Spacings of the grids of a comparison over the given one, and the weights of their squared
+   !> differences: with few nodes (a periodic elastic line: the first two), and with many (a
+   !> periodic elastic area: the first two). (With the third where one of these has no solution.)
+   real(wp), parameter :: finer_ratios(3) = [0.5_wp, 2.0_wp/3.0_wp, 4.0_wp/3.0_wp], &
+      finer_weights(3) = [1.0_wp, 1.0_wp, 0.1_wp], &
+      coarser_ratios(3) = [4.0_wp/3.0_wp, 2.0_wp, 1.5_wp], &
+      coarser_weights(3) = [1.0_wp, 0.1_wp, 0.3_wp]
+   !> Grids that are compared, and fewest for an estimate.
+   integer, parameter :: usual_grids = 3, min_grids = 2
+   !> Error measure to which they are solved: of lines, of periodic areas with few nodes and with
+   !> many, of open areas, whose heights are those of the body; of lines and areas under a given
+   !> separation, whose load is found to about as much.
+   real(wp), parameter :: line_tolerance = 1.0e-8_wp, &
+      periodic_tolerances(2) = [3.0e-3_wp, 1.0e-3_wp], open_tolerance = 3.0e-5_wp, &
+      separation_tolerances(2) = [1.0e-7_wp, 1.0e-5_wp]
+   !> Factors of the root mean square, by the column `factor` of the table of quantities; of
+   !> periodic and open lines, periodic and open areas by finer grids, then by coarser ones.
+   real(wp), parameter :: safety(factor_count, 8) = reshape([ &
+      1.0_wp, 1.5_wp, 2.6_wp, 2.3_wp, 2.3_wp, &
+      1.0_wp, 1.5_wp, 2.3_wp, 3.0_wp, 2.3_wp, &
+      1.0_wp, 1.6_wp, 2.4_wp, 2.0_wp, 2.0_wp, &
+      1.0_wp, 1.6_wp, 2.7_wp, 2.0_wp, 2.0_wp, &
+      1.0_wp, 1.5_wp, 2.3_wp, 1.5_wp, 1.6_wp, &
+      1.0_wp, 1.5_wp, 1.4_wp, 1.5_wp, 1.6_wp, &
+      1.0_wp, 1.6_wp, 2.2_wp, 1.5_wp, 2.0_wp, &
+      1.0_wp, 1.6_wp, 2.7_wp, 0.9_wp, 2.0_wp], [factor_count, 8])
+   !> Separations, whose errors by coarser grids are chance: factors of the chance and of the
+   !> differences, and beyond which share of the chance these count whole. Second: how much more
+   !> where all contact nodes yield.
+   integer, parameter :: separations(3) = [mean_separation, separation, datum]
+   real(wp), parameter :: chance(2) = [0.06_wp, 0.2_wp], differences_beside = 0.3_wp, &
+      differences_beyond = 1.4_wp, differences_by_chance(2) = [0.1_wp, 0.33_wp]
+   !> Factors of the differences of the mean plastic deformation there, and of the chance in a
+   !> separation over the plastic area.
+   real(wp), parameter :: yielding = 1.4_wp, chance_of_yielding = 0.14_wp
+   !> Share of the nodes at the edges of patches that is added to the errors of areas: of a line, of
+   !> an area, of the corrected area of either.
+   real(wp), parameter :: edge_share(2) = [0.4_wp, 0.1_wp], &
+      corrected_share(2) = [0.06_wp, 0.03_wp]
+   !> Relative error of p_max over the violation of the contact conditions times the square root of
+   !> the nodes along x, at most. (A gap that is wrong at single nodes could do more; what
+   !> iterations leave is smooth.)
+   real(wp), parameter :: pressure_noise = 2.0_wp
+
+contains
+
+   !> Estimates the errors of the solution of a `record`, which keeps its pressures; NaN where they
+   !> are not known. Fails (internal_error) if FFTW does.
+   subroutine estimate_dry_errors(record, error)
+      type(dry_record_t), intent(inout) :: record
+      type(error_t), allocatable, intent(out) :: error
+      type(dry_row_t), allocatable :: others(:)
+      type(dry_setting_t) :: setting
+      real(wp) :: squares(dry_count, size(record%outcome%rows)), &
+         sums(size(record%outcome%rows)), ratios(3), weights(3)
+      integer :: count(size(record%outcome%rows)), i, k, least
+      logical :: is_finer
+
+      squares = 0.0_wp
+      sums = 0.0_wp
+      count = 0
+      associate (sweep => record%sweep, rows => record%outcome%rows)
+         is_finer = goes_finer(sweep%grid, sweep%height)
+         ratios = merge(finer_ratios, coarser_ratios, is_finer)
+         weights = merge(finer_weights, coarser_weights, is_finer)
+         ! the periodic elastic line on finer grids, the area on coarser ones
+         least = merge(min_grids, usual_grids, sweep%grid%kernel /= kernel_open &
+            .and. sweep%loads%hardness >= no_hardness .and. (is_finer .eqv. sweep%grid%ny == 1))
+         grids: do k = 1, size(ratios)
+            if (minval(count) >= least) exit grids
+            setting = setting_on(sweep, ratios(k))
+            call record%run(setting, others, error)
+            if (allocated(error)) return
+            loads: do i = 1, size(rows)
+               if (.not. others(i)%kkt <= setting%tolerance) cycle loads
+               count(i) = count(i) + 1
+               sums(i) = sums(i) + weights(k)
+               squares(:, i) = squares(:, i) + weights(k)*(compared_values(others(i)) &
+                  - compared_values(rows(i)))**2
+            end do loads
+         end do grids
+         allocate (record%outcome%errors(dry_count, size(rows)), source=not_known())
+         do i = 1, size(rows)
+            if (count(i) >= min_grids .and. rows(i)%is_converged) record%outcome%errors(:, i) = &
+               estimates_of(sweep, rows(i), is_finer, sqrt(squares(:, i)/sums(i)))
+         end do
+      end associate
+   end subroutine estimate_dry_errors
+
+   !> Whether a surface with the heights `z` (nx, ny) is compared with finer grids: where it has few
+   !> nodes, and with more of them where coarser grids would lose its shortest waves: over twice as
+   !> many spacings the squared second differences are 16 times as large where it is smooth, less
+   !> where it has short waves.
+   pure function goes_finer(grid, z)
+      type(dry_grid_t), intent(in) :: grid
+      real(wp), intent(in) :: z(grid%nx, grid%ny)
+      logical :: goes_finer
+
+      goes_finer = has_few_nodes(grid)
+      if (goes_finer .or. real(grid%nx, wp)*grid%ny > max_nodes_to_refine) return
+      goes_finer = 16.0_wp*bending(1) > short_waves*bending(2)
+
+   contains
+
+      !> Sum of the squares of the second differences over this many spacings.
+      pure function bending(s)
+         integer, intent(in) :: s
+         real(wp) :: bending
+
+         associate (nx => grid%nx, ny => grid%ny)
+            bending = sum((z(1 + 2*s:, :) + z(:nx - 2*s, :) - 2.0_wp*z(1 + s:nx - s, :))**2)
+            if (ny > 2*s) bending = bending &
+               + sum((z(:, 1 + 2*s:) + z(:, :ny - 2*s) - 2.0_wp*z(:, 1 + s:ny - s))**2)
+         end associate
+      end function bending
+
+   end function goes_finer
+
+   !> Estimated errors of the quantities of a `row` of `sweep` with these `differences` (root mean
+   !> squares) to other grids.
+   pure function estimates_of(sweep, row, is_finer, differences) result(errors)
+      type(dry_sweep_t), intent(in) :: sweep
+      type(dry_row_t), intent(in) :: row
+      logical, intent(in) :: is_finer
+      real(wp), intent(in) :: differences(dry_count)
+      real(wp) :: errors(dry_count)
+      real(wp) :: by_chance, contact, plastic, share(2)
+      integer :: column, kind
+
+      kind = merge(1, 2, sweep%grid%ny == 1)
+      column = 2*kind + merge(0, 4, is_finer)
+      if (sweep%grid%kernel /= kernel_open) column = column - 1
+      errors = safety(dry_table%factor, column)*differences
+      associate (values => row%values)
+         ! The load of each edge is wrong by chance; separations rise with the logarithm of the
+         ! load, so that a share of the load is that share of work over load.
+         if (.not. is_finer .and. kind == 2 .and. sweep%grid%kernel /= kernel_open &
+            .and. allocated(sweep%loads%mean_pressure)) then
+            by_chance = (values(elastic_energy) + values(dissipated_energy))/values(load) &
+               *row%edge_load
+            share = [1.0_wp, values(plasticity_index)]
+            errors(separations) = hypot(dot_product(chance, share)*by_chance, &
+               differences_beside*differences(separations)) + differences_beyond &
+               *max(differences(separations) - dot_product(differences_by_chance, share) &
+               *by_chance, 0.0_wp)
+            if (yields(row)) errors(dp_mean) = hypot(yielding*differences(dp_mean), &
+               chance_of_yielding*values(plastic_area)*by_chance)
+         end if
+         errors = errors + row%kkt*abs(compared_values(row))
+         errors(p_max) = errors(p_max) + row%p_crest - values(p_max) &
+            + pressure_noise*sqrt(real(sweep%grid%nx, wp))*row%kkt*values(p_max)
+         contact = edge_share(kind)*row%edges(1)/row%nodes
+         plastic = edge_share(kind)*row%edges(2)/row%nodes
+         errors(corrected_area) = errors(corrected_area) &
+            + corrected_share(kind)*row%edges(1)/row%nodes
+         errors(contact_area) = errors(contact_area) + contact
+         if (kind == 1) errors(contact_area) = errors(corrected_area) &
+            + abs(values(contact_area) - values(corrected_area))
+         errors(plastic_area) = errors(plastic_area) + plastic
+         errors(plasticity_index) = errors(plasticity_index) + (plastic &
+            + values(plasticity_index)*contact)/values(contact_area)
+      end associate
+   end function estimates_of
+
+   !> How a `sweep` is solved on another grid.
+   pure function setting_on(sweep, ratio) result(setting)
+      type(dry_sweep_t), intent(in) :: sweep
+      real(wp), intent(in) :: ratio
+      type(dry_setting_t) :: setting
+
+      setting = dry_setting_t(ratio, line_tolerance)
+      if (allocated(sweep%loads%separation)) then
+         setting%tolerance = separation_tolerances(merge(1, 2, sweep%grid%ny == 1))
+      else if (sweep%grid%ny > 1 .and. sweep%grid%kernel == kernel_open) then
+         setting%tolerance = open_tolerance
+      else if (sweep%grid%ny > 1) then
+         setting%tolerance = periodic_tolerances(merge(1, 2, has_few_nodes(sweep%grid)))
+         setting%is_rough = .true.
+      end if
+      setting%tolerance = max(setting%tolerance, sweep%settings%tolerance)
+   end function setting_on
+
+end module dry_errors

@@ -1,0 +1,284 @@
+!> A solved dry contact and its runs on other grids or with something left out of the model, each
+!> made once.
+module dry_record
+   use, intrinsic :: iso_fortran_env, only: real32
+   use dry_problem, only: dry_grid_t, kernel_element, kernel_open, no_hardness
+   use dry_quantities, only: dry_outcome_t, dry_row_t, mean_pressure
+   use dry_scaling, only: dry_scaling_t, new_dry_scaling
+   use dry_settings, only: dry_loads_t, dry_settings_t, method_conjugate_gradient
+   use dry_sweep, only: solve_dry_sweep
+   use errors, only: error_t, input_error
+   use fourier_resampling, only: resample_heights
+   use kinds, only: wp
+   use open_resampling, only: interpolate_heights
+   use synthetic_surface, only: truncate_harmonics
+   implicit none (type, external)
+   private
+
+   public :: has_few_nodes
+
+   !> What a run leaves out: nothing; yielding; the finer half of a number of harmonics; the images
+   !> of a periodic surface (an open one gets them), to compare with a periodic one with elements of
+   !> pressure; the second direction of an area, of which a row remains. The last three start from
+   !> no pressure.
+   integer, parameter :: without_nothing = 0
+   integer, parameter, public :: without_yield = 1, without_fine_harmonics = 2, &
+      without_images = 3, with_elements = 4, without_rows = 5
+
+   !> What is solved, and how: arguments of `solve_dry_sweep`.
+   type, public :: dry_sweep_t
+      type(dry_grid_t) :: grid
+      !> Heights (nx*ny) [m].
+      real(wp), allocatable :: height(:)
+      type(dry_scaling_t) :: scaling
+      type(dry_loads_t) :: loads
+      type(dry_settings_t) :: settings
+   end type dry_sweep_t
+
+   !> One run.
+   type, public :: dry_setting_t
+      !> Spacing over that of the contact; error measure to which it is solved, at least.
+      real(wp) :: ratio, tolerance
+      integer :: without = without_nothing
+      !> The harmonics, or the row (0 ... ny - 1) that remains.
+      integer :: number = 0
+      !> Number of the load; 0: all.
+      integer :: load = 0
+      !> True: single precision is enough.
+      logical :: is_rough = .false.
+   end type dry_setting_t
+
+   !> A run that was made.
+   type :: dry_run_t
+      type(dry_setting_t) :: setting
+      type(dry_row_t), allocatable :: rows(:)
+   end type dry_run_t
+
+   !> A contact, its solution and all other runs.
+   type, public :: dry_record_t
+      type(dry_sweep_t) :: sweep
+      type(dry_outcome_t) :: outcome
+      type(dry_run_t), allocatable :: runs(:)
+   contains
+      procedure :: run
+   end type dry_record_t
+
+   !> Most nodes of a line and of an area that are compared with finer grids.
+   integer, parameter :: max_nodes_for_finer(2) = [2**17, 2**14]
+   !> Fewest nodes a side.
+   integer, parameter :: min_nodes = 8
+   !> Share of the mean contact pressure below which a resampled pressure is none.
+   real(wp), parameter :: least_pressure = 0.05_wp
+
+contains
+
+   !> The `rows` of a run, from the record if it was made before; not converged where nothing
+   !> touches, and where the grid is too coarse. Fails (internal_error) if FFTW does.
+   subroutine run(self, setting, rows, error)
+      class(dry_record_t), intent(inout) :: self
+      type(dry_setting_t), intent(in) :: setting
+      type(dry_row_t), allocatable, intent(out) :: rows(:)
+      type(error_t), allocatable, intent(out) :: error
+      type(dry_outcome_t) :: outcome
+      type(dry_run_t), allocatable :: runs(:)
+      type(dry_sweep_t) :: sweep
+      logical :: is_possible
+      integer :: i
+
+      if (.not. allocated(self%runs)) allocate (self%runs(0))
+      if (is_result(self, setting)) then
+         rows = self%outcome%rows(setting%load:setting%load)
+         return
+      end if
+      do i = 1, size(self%runs)
+         if (.not. is_same(self%runs(i)%setting, setting)) cycle
+         rows = self%runs(i)%rows
+         return
+      end do
+      allocate (rows(merge(1, size(self%outcome%rows), setting%load > 0)))
+      call prepare(self, setting, sweep, is_possible, error)
+      if (allocated(error)) return
+      if (is_possible) then
+         call solve_dry_sweep(sweep%grid, sweep%height, sweep%scaling, sweep%loads, &
+            sweep%settings, outcome, error)
+         if (.not. allocated(error)) then
+            call move_alloc(outcome%rows, rows)
+         else if (error%kind == input_error) then
+            deallocate (error)   ! nothing touches at that separation on this grid
+         else
+            return
+         end if
+      end if
+      allocate (runs(size(self%runs) + 1))   ! a constructor of runs would leak memory
+      runs(:size(self%runs)) = self%runs
+      runs(size(runs))%setting = setting
+      runs(size(runs))%rows = rows
+      call move_alloc(runs, self%runs)
+   end subroutine run
+
+   !> Whether a run is one load of the result, before which no other load left another surface.
+   pure function is_result(self, setting)
+      class(dry_record_t), intent(in) :: self
+      type(dry_setting_t), intent(in) :: setting
+      logical :: is_result
+
+      is_result = setting%load > 0 .and. setting%without == without_nothing &
+         .and. .not. abs(setting%ratio - 1.0_wp) > 0.0_wp &
+         .and. (setting%load == 1 .or. .not. self%sweep%loads%has_history)
+   end function is_result
+
+   !> Whether two runs are one.
+   pure function is_same(a, b)
+      type(dry_setting_t), intent(in) :: a, b
+      logical :: is_same
+
+      is_same = all([a%without, a%number, a%load] == [b%without, b%number, b%load]) &
+         .and. (a%is_rough .eqv. b%is_rough) &
+         .and. .not. any(abs([a%ratio - b%ratio, a%tolerance - b%tolerance]) > 0.0_wp)
+   end function is_same
+
+   !> The `sweep` of a run, unless the grid is too coarse (`is_possible`). Fails (internal_error) if
+   !> FFTW does.
+   subroutine prepare(self, setting, sweep, is_possible, error)
+      class(dry_record_t), intent(in) :: self
+      type(dry_setting_t), intent(in) :: setting
+      type(dry_sweep_t), intent(out) :: sweep
+      logical, intent(out) :: is_possible
+      type(error_t), allocatable, intent(out) :: error
+      logical :: is_resampled
+      integer :: first, last
+
+      sweep = self%sweep
+      associate (grid => sweep%grid, old => self%sweep%grid, settings => sweep%settings)
+         settings%method = method_conjugate_gradient
+         settings%keeps_pressures = .false.
+         settings%is_rough = setting%is_rough
+         settings%tolerance = max(settings%tolerance, setting%tolerance)
+         first = max(setting%load, 1)
+         last = merge(first, size(self%outcome%rows), setting%load > 0)
+         if (setting%load > 0) then
+            if (allocated(sweep%loads%separation)) deallocate (sweep%loads%separation)
+            sweep%loads%mean_pressure = [self%outcome%rows(first)%values(mean_pressure)]
+         end if
+         is_resampled = abs(setting%ratio - 1.0_wp) > epsilon(1.0_wp)
+         is_possible = .not. (is_resampled .and. shorter_side(grid) &
+            < min_nodes*max(setting%ratio, 1.0_wp))
+         if (.not. is_possible) return
+         if (is_resampled) then
+            grid%nx = other_count(old%nx, setting%ratio)
+            grid%ny = other_count(old%ny, setting%ratio)
+            call resample_field(old, grid, sweep%height, error)
+            if (allocated(error)) return
+         end if
+         if (setting%without < without_images) then
+            associate (pressures => self%outcome%pressures(:, first:last))
+               if (.not. is_resampled) settings%starts = pressures
+               if (is_resampled) call resample_pressures(old, grid, pressures, settings%starts, &
+                  error)
+               if (allocated(error)) return
+            end associate
+         end if
+         select case (setting%without)
+         case (without_nothing)
+            continue
+         case (without_yield)
+            sweep%loads%hardness = no_hardness
+         case (without_fine_harmonics)
+            is_possible = 2*setting%number < shorter_side(grid)   ! both halves must be on the grid
+            if (is_possible) call truncate_harmonics(setting%number/2, [grid%nx, grid%ny], &
+               sweep%height, error)
+         case (with_elements)
+            if (old%kernel /= kernel_open) grid%kernel = kernel_element
+         case (without_images)
+            grid%kernel = merge(kernel_element, kernel_open, old%kernel == kernel_open)
+            ! the body that touches at x = y = 0 goes to the middle of an open domain
+            if (old%kernel /= kernel_open) sweep%height = reshape(cshift(cshift(reshape( &
+               sweep%height, [grid%nx, grid%ny]), -(grid%nx/2), 1), -(grid%ny/2), 2), &
+               [grid%nx*grid%ny])
+         case (without_rows)
+            sweep%height = sweep%height(setting%number*grid%nx + 1:(setting%number + 1)*grid%nx)
+            grid = dry_grid_t(grid%nx, 1, 1.0_wp, grid%kernel)
+            sweep%scaling = new_dry_scaling(sweep%height, sweep%scaling%length, &
+               sweep%scaling%reduced_modulus)
+         case default
+            error stop 'prepare: a part without its case'
+         end select
+      end associate
+   end subroutine prepare
+
+   !> True if `grid` is compared with finer ones.
+   pure function has_few_nodes(grid)
+      type(dry_grid_t), intent(in) :: grid
+      logical :: has_few_nodes
+
+      has_few_nodes = real(grid%nx, wp)*grid%ny <= max_nodes_for_finer(merge(1, 2, &
+         grid%ny == 1))
+   end function has_few_nodes
+
+   !> Nodes of the shorter side.
+   pure function shorter_side(grid) result(nodes)
+      type(dry_grid_t), intent(in) :: grid
+      integer :: nodes
+
+      nodes = merge(grid%nx, min(grid%nx, grid%ny), grid%ny == 1)
+   end function shorter_side
+
+   !> Resamples `field` (nx*ny) from the grid `old` to `new`. Fails (internal_error) if FFTW does.
+   subroutine resample_field(old, new, field, error)
+      type(dry_grid_t), intent(in) :: old, new
+      real(wp), allocatable, intent(inout) :: field(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      if (old%kernel == kernel_open) then
+         call interpolate_heights([old%nx, old%ny], [new%nx, new%ny], field)
+      else
+         call resample_heights([old%nx, old%ny], [new%nx, new%ny], field, error)
+      end if
+   end subroutine resample_field
+
+   !> The `pressures` (nx*ny, loads) of the grid `old` on `new`, `starts`: none where they ripple
+   !> about 0, and with the same loads. Fails (internal_error) if FFTW does.
+   subroutine resample_pressures(old, new, pressures, starts, error)
+      type(dry_grid_t), intent(in) :: old, new
+      real(real32), intent(in) :: pressures(:, :)
+      real(real32), allocatable, intent(out) :: starts(:, :)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: p(:)
+      real(wp) :: least, total
+      integer :: i
+
+      allocate (starts(new%nx*new%ny, size(pressures, 2)))
+      do i = 1, size(pressures, 2)
+         p = pressures(:, i)
+         total = sum(p)
+         least = least_pressure*total/max(count(p > 0.0_wp), 1)
+         call resample_field(old, new, p, error)
+         if (allocated(error)) return
+         where (p < least) p = 0.0_wp
+         ! a contact that is lost between the nodes starts from the mean
+         if (sum(p) <= 0.0_wp) p = 1.0_wp
+         starts(:, i) = real(p*(total/sum(p)*size(p)/size(pressures, 1)), real32)
+      end do
+   end subroutine resample_pressures
+
+   !> About `nodes`/`ratio` (1 of a line's single one): odd where they are, which decides whether a
+   !> node lies in the middle; else even, 64 to 128 times a power of two: such grids have good first
+   !> guesses and fast transforms.
+   pure function other_count(nodes, ratio) result(count)
+      integer, intent(in) :: nodes
+      real(wp), intent(in) :: ratio
+      integer :: count
+      integer :: unit
+
+      count = 1
+      if (nodes == 1) return
+      count = 2*nint(0.5_wp*(nodes/ratio - 1.0_wp)) + 1
+      if (mod(nodes, 2) == 1) return
+      unit = 2
+      do while (nodes/ratio >= 128*unit)
+         unit = 2*unit
+      end do
+      count = unit*nint(nodes/(ratio*unit))
+   end function other_count
+
+end module dry_record
