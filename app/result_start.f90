@@ -39,6 +39,7 @@ contains
 
       call listener%start_clock()
       listener%checkpoint_interval = case%output_settings%checkpoint_interval
+      listener%writer%profile_stride = case%output_settings%profile_stride
       inquire (file=path//'.ckpt', exist=has_checkpoint)
       if (case%time%is_transient .or. has_checkpoint) listener%case = case_identity(case)
       if (is_resume .and. has_checkpoint) then
@@ -59,7 +60,6 @@ contains
       end associate
       listener%writer%heating = new_heating(listener%scaling, case%bodies, &
          case%materials%effusivity, case%materials%conductivity)
-      listener%writer%profile_stride = case%output_settings%profile_stride
       if (any(index(listener%writer%fields, 'shear_stress') == 1)) listener%stress_stride = &
          listener%writer%profile_stride
       listener%writer%has_si = case%output_settings%has_si .and. listener%scaling%is_dimensional
@@ -90,7 +90,8 @@ contains
 
       call read_checkpoint(path//'.ckpt', listener%case, checkpoint, error)
       if (.not. allocated(error)) call reopen_result(listener%writer, path, &
-         stored_fields(case, listener%scaling), checkpoint%part, size(checkpoint%march%film), error)
+         stored_fields(case, listener%scaling), size(checkpoint%march%film), &
+         checkpoint%march%step + 1, checkpoint%part_digits, error)
       if (allocated(error)) then
          error%message = 'cannot resume: '//error%message
          return

@@ -1,4 +1,4 @@
-!> An HDF5 file being written: open, groups, flush, close. Attributes are in `hdf5_attribute`,
+!> An HDF5 file being written: open, groups, close. Attributes are in `hdf5_attribute`,
 !> datasets in `hdf5_dataset`, series that are written block by block in `hdf5_series`.
 !>
 !> Every return code is checked. The first failure stays in `file%failure` (with HDF5's reason and
@@ -73,8 +73,6 @@ module hdf5_file
       procedure :: look_at
       !> Makes a group, and those above it.
       procedure :: create_group
-      !> Hands everything to the operating system.
-      procedure :: flush => flush_file
       !> Closes the file, whatever its state; `error` is the first failure of its whole life.
       procedure :: close => close_file
       !> Keeps the first failure.
@@ -259,16 +257,6 @@ contains
       deallocate (self%object_path)
    end subroutine close_object
 
-   !> Hands everything written so far to the operating system.
-   subroutine flush_file(self)
-      class(hdf5_file_t), intent(inout) :: self
-      integer :: status
-
-      if (allocated(self%failure) .or. .not. self%is_open) return
-      call h5fflush_f(self%id, h5f_scope_global_f, status)
-      call self%check(status, 'writing to the disk')
-   end subroutine flush_file
-
    !> Closes the file and all that is open in it; `error` is the first failure of its whole life.
    !> Closing twice does nothing.
    subroutine close_file(self, error)
@@ -276,8 +264,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer :: status
 
-      call self%flush()
       if (self%is_open) then
+         status = 0
+         if (.not. allocated(self%failure)) call h5fflush_f(self%id, h5f_scope_global_f, status)
+         call self%check(status, 'writing to the disk')
          self%is_open = .false.
          call close_object(self)
          call close_group(self)

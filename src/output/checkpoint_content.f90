@@ -12,14 +12,13 @@ module checkpoint_content
    use quantities, only: quantity_count, quantity_rows
    use split_errors, only: forecast_t
    use text, only: to_text
-   use transient_store, only: digits_length, part_t
    implicit none (type, external)
    private
 
    public :: checkpoint_t, visit_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter, public :: format_number = 18
+   integer, parameter, public :: format_number = 19
 
    !> What a checkpoint holds.
    type :: checkpoint_t
@@ -36,8 +35,8 @@ module checkpoint_content
       !> solved too.
       type(momentum_history_t), allocatable :: momentum
       type(film_passage_t), allocatable :: film_passage
-      !> What is stored in NAME.part.
-      type(part_t) :: part
+      !> The checksum of NAME.part.
+      character(:), allocatable :: part_digits
       !> Intervals, time step and space scheme, given or chosen.
       integer :: intervals = 0
       real(wp) :: time_step = 0.0_wp
@@ -57,7 +56,7 @@ contains
          call file%visit('/intervals', c%intervals)
          call file%visit('/time_step', c%time_step)
          call file%visit_text('/space_scheme', c%space_scheme)
-         call visit_part(file, c%part)
+         call file%visit_text('/part_digits', c%part_digits)
          c%passage%has_counted = file%has('/counted', c%passage%has_counted)
          if (c%passage%has_counted) call visit_summary(file, '/counted/', c%passage%counted)
          c%passage%has_earlier = file%has('/earlier', c%passage%has_earlier)
@@ -76,17 +75,6 @@ contains
          c%march%report%steps = c%march%step
       end associate
    end subroutine visit_checkpoint
-
-   !> What is stored in NAME.part.
-   subroutine visit_part(file, part)
-      type(checkpoint_file_t), intent(inout) :: file
-      type(part_t), intent(inout) :: part
-
-      call file%visit('/part/records', part%records)
-      call file%visit_text('/part/digits', part%digits)
-      if (file%is_read) allocate (part%places(2, len(part%digits)/digits_length))
-      call file%visit('/part/places', part%places)
-   end subroutine visit_part
 
    !> Extremes over several times, in the group `path`.
    subroutine visit_summary(file, path, summary)

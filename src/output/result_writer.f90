@@ -89,7 +89,7 @@ contains
             state%shear_stress_mean, state%film_thickness)
       end if
       call self%passage%add(summary, state%time, step == steps)
-      call self%append_step(step, steps, state, summary, report)
+      call self%append_step(state, summary, report)
    end subroutine store_step
 
    !> The quantities of a run that has ended with `state`, of a transient extremes; with error bars

@@ -139,7 +139,7 @@ contains
          checkpoint%momentum = self%follower%kept()
          checkpoint%film_passage = self%writer%film_passage
       end if
-      checkpoint%part = self%writer%store%part()
+      checkpoint%part_digits = self%writer%store%sums%digits()
       checkpoint%intervals = self%intervals
       checkpoint%time_step = self%time_step
       checkpoint%space_scheme = trim(self%space_scheme)
