@@ -18,8 +18,8 @@ module case_notes
    implicit none (type, external)
    private
 
-   public :: tell, tell_coarse_waves, tell_measured_error, tell_missed_target, &
-      tell_pressure_error, tell_unusual, note_unusual, unusual_lines
+   public :: add_note, note_coarse_waves, note_measured_error, note_missed_target, &
+      note_pressure_error, print_unusual, note_unusual, unusual_lines
 
    !> Relative excess of an error over the target that counts as rounding.
    real(wp), parameter :: rounding = 1.0e-6_wp
@@ -27,7 +27,7 @@ module case_notes
 contains
 
    !> Says which values are unusual, a line each.
-   subroutine tell_unusual(case, log)
+   subroutine print_unusual(case, log)
       type(case_t), intent(in) :: case
       type(progress_log_t), intent(inout) :: log
       integer :: i
@@ -35,7 +35,7 @@ contains
       do i = 1, size(case%unusual)
          call log%say(unusual_text(case, i))
       end do
-   end subroutine tell_unusual
+   end subroutine print_unusual
 
    !> What is unusual in value `i` of the unusual ones, with file and line.
    pure function unusual_text(case, i) result(line)
@@ -72,7 +72,7 @@ contains
 
    !> Says where grid or time step are too coarse for the waves of the surfaces, behind what `note`
    !> says already. With a wanted accuracy both are chosen by their effect on h_min.
-   subroutine tell_coarse_waves(case, contact, listener, note)
+   subroutine note_coarse_waves(case, contact, listener, note)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
@@ -82,12 +82,12 @@ contains
       if (case%accuracy%target > 0.0_wp) return
       words = coarse_waves(contact, case%time)
       if (len(words) == 0 .and. case%accuracy%has_error_bars) words = long_steps(contact, case%time)
-      call tell(case, listener, words, note)
-   end subroutine tell_coarse_waves
+      call add_note(case, listener, words, note)
+   end subroutine note_coarse_waves
 
    !> Says where pilot runs do not foretell that a transient keeps its wanted accuracy, behind what
    !> `note` says already.
-   subroutine tell_missed_target(case, contact, listener, note)
+   subroutine note_missed_target(case, contact, listener, note)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
@@ -108,13 +108,13 @@ contains
                ' is foretold, '//to_text(case%accuracy%target, 2)//' was wanted'
          end if
       end associate
-      call tell(case, listener, words, note)
-   end subroutine tell_missed_target
+      call add_note(case, listener, words, note)
+   end subroutine note_missed_target
 
    !> Says where the error of h_min that coarse runs of a transient with a wanted accuracy show is
    !> larger than that, behind what the `report` notes already. On a given inlet the target is that
    !> of grid and time step alone.
-   subroutine tell_measured_error(case, listener, state, report)
+   subroutine note_measured_error(case, listener, state, report)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
@@ -131,14 +131,14 @@ contains
       end associate
       if (.not. ieee_is_finite(measured)) return
       if (measured <= (1.0_wp + rounding)*case%accuracy%target) return
-      call tell(case, listener, 'the wanted accuracy is not shown: a relative error of h_min of ' &
-         //to_text(measured, 2)//' is estimated, '//to_text(case%accuracy%target, 2) &
+      call add_note(case, listener, 'the wanted accuracy is not shown: a relative error of '// &
+         'h_min of '//to_text(measured, 2)//' is estimated, '//to_text(case%accuracy%target, 2) &
          //' was wanted', report%note)
-   end subroutine tell_measured_error
+   end subroutine note_measured_error
 
    !> Says where the error of p_max of a steady contact stays above the wanted one on the finest
    !> grid that there is, behind what the `report` notes already.
-   subroutine tell_pressure_error(case, listener, state, report)
+   subroutine note_pressure_error(case, listener, state, report)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
@@ -157,12 +157,12 @@ contains
                //' is estimated'
          end if
       end associate
-      call tell(case, listener, 'the wanted accuracy of p_max is not shown: '//found//', ' &
+      call add_note(case, listener, 'the wanted accuracy of p_max is not shown: '//found//', ' &
          //to_text(case%accuracy%target_p_max, 2)//' was wanted', report%note)
-   end subroutine tell_pressure_error
+   end subroutine note_pressure_error
 
    !> Says `words`, if there are any, and puts them behind what `note` says already.
-   subroutine tell(case, listener, words, note)
+   subroutine add_note(case, listener, words, note)
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(inout) :: listener
       character(*), intent(in) :: words
@@ -171,6 +171,6 @@ contains
       if (words == '') return
       call listener%log%say(case%file//': '//words)
       call add_sentence(note, words)
-   end subroutine tell
+   end subroutine add_note
 
 end module case_notes

@@ -68,7 +68,7 @@ contains
          call refine_heights(dry, nodes, error)
          if (allocated(error)) return
       end do
-      if (.not. allocated(error)) call tell_unmet(dry, trial%doubt, most)
+      if (.not. allocated(error)) call note_unmet(dry, trial%doubt, most)
    end subroutine solve_to_target
 
    !> The sweep on the grid of `dry`, and the estimated `errors` of its quantities (none: not
@@ -153,7 +153,7 @@ contains
 
    !> Notes that the target is not met by an estimated error of `doubt` (NaN: no solution, which is
    !> told elsewhere), and why.
-   subroutine tell_unmet(dry, doubt, most)
+   subroutine note_unmet(dry, doubt, most)
       type(dry_case_t), intent(inout) :: dry
       real(wp), intent(in) :: doubt
       integer, intent(in) :: most
@@ -167,6 +167,6 @@ contains
       call add_sentence(dry%note, 'the wanted accuracy is not met: of the contact area a '// &
          'relative error of '//to_text(doubt, 2)// &
          ' is estimated, '//to_text(dry%target, 2)//' was wanted, and '//reason)
-   end subroutine tell_unmet
+   end subroutine note_unmet
 
 end module dry_target

@@ -1,7 +1,7 @@
 !> What a solved case is compared with for its error bars: itself on coarser grids, and where pilot
-!> runs chose its grid, coarse runs that tell whether it is as good as foretold.
+!> runs chose its grid, coarse runs that measure whether it is as good as foretold.
 module grid_comparison
-   use case_notes, only: tell_measured_error, tell_pressure_error
+   use case_notes, only: note_measured_error, note_pressure_error
    use case_record, only: case_t
    use coarse_runs, only: side_runs_t, make_coarse_runs, make_side_runs, new_side_runs, &
       run_apart, copy_side_runs
@@ -59,7 +59,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: start
 
-      call tell_pressure_error(case, listener, state, report)
+      call note_pressure_error(case, listener, state, report)
       if (.not. (case%accuracy%has_error_bars .and. listener%writer%bars%forecast%is_known &
          .and. report%converged)) return
       start = wall_seconds()
@@ -67,7 +67,7 @@ contains
       if (allocated(error)) return
       seconds = seconds + wall_seconds() - start
       report%converged = .not. listener%is_stopping
-      call tell_measured_error(case, listener, state, report)
+      call note_measured_error(case, listener, state, report)
    end subroutine check_forecast
 
 end module grid_comparison

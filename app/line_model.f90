@@ -60,7 +60,7 @@ contains
       start = wall_seconds()
       associate (writer => listener%writer)
          call measure_adequacy(scene_t(contact, case%solver, case%time), state, &
-            own_runs_t(writer%passage%extremes(summary_of(state)), real(report%cycles, wp), &
+            own_runs_t(writer%run%passage%extremes(summary_of(state)), real(report%cycles, wp), &
             writer%bars), &
             accuracy_for(case%accuracy%target, writer%quantities_at_end(state, report)), &
             writer%adequacy, listener, error)

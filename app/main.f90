@@ -11,7 +11,7 @@ program asperity
    use input_manual, only: keys_markdown, keys_text
    use input_template, only: template_text
    use progress_log, only: new_progress_log, progress_log_t
-   use read_cases, only: read_all_cases, refused_t, status_bad_input, tell_good, tell_refused
+   use read_cases, only: read_all_cases, refused_t, status_bad_input, print_good, print_refused
    use result_table, only: print_results
    use run_case, only: run_one_case
    use signals, only: is_interrupted, listen_to_signals, stop_listening, take_last_words, &
@@ -80,10 +80,10 @@ contains
       if (.not. command%is_quiet) call watch_silence(is_terminal(standard_error))
       call read_all_cases(command, cases, refused, error)
       if (allocated(error)) return
-      call tell_refused(refused, command, status, error)
+      call print_refused(refused, command, status, error)
       if (allocated(error)) return
       if (command%action == 'check') then
-         call tell_good(cases, error)
+         call print_good(cases, error)
       else
          call make_folder(command%output_dir)
          call run_cases(cases, command, status, error)

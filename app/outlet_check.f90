@@ -3,7 +3,7 @@
 !> off, by how much that changes the quantities, and a note on it.
 module outlet_check
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use case_notes, only: tell
+   use case_notes, only: add_note
    use case_record, only: case_t
    use coarse_runs, only: run_farther, run_longer, run_other_scheme
    use domain_choice, only: chosen_outlet
@@ -21,7 +21,7 @@ module outlet_check
    public :: check_ends
 
    !> Relative change of the quantities by the outlet above which a note is given.
-   real(wp), parameter :: telling_change = 1.0e-3_wp
+   real(wp), parameter :: noted_change = 1.0e-3_wp
 
 contains
 
@@ -57,14 +57,14 @@ contains
             call run_longer(bars, contact, case%solver, case%time, listener, error)
             if (allocated(error)) return
          end if
-         call tell_outlet(case, contact, outlet_error(bars), listener, report)
+         call note_outlet(case, contact, outlet_error(bars), listener, report)
       end if
       listener%writer%bars = bars
    end subroutine check_ends
 
    !> Adds a note to the report that the outlet cuts the film off, unless that is known to change
    !> the quantities only a little; `change`: by how much, NaN if it is not known.
-   subroutine tell_outlet(case, contact, change, listener, report)
+   subroutine note_outlet(case, contact, change, listener, report)
       type(case_t), intent(in) :: case
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: change
@@ -72,10 +72,10 @@ contains
       type(report_t), intent(inout) :: report
 
       if (ieee_is_finite(change)) then
-         if (change <= telling_change) return
+         if (change <= noted_change) return
       end if
-      call tell(case, listener, outlet_note(contact, change), report%note)
-   end subroutine tell_outlet
+      call add_note(case, listener, outlet_note(contact, change), report%note)
+   end subroutine note_outlet
 
    !> What is wrong with the outlet and how to mend it; `change`: of the quantities, NaN if unknown.
    pure function outlet_note(contact, change) result(note)

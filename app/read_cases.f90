@@ -21,7 +21,7 @@ module read_cases
    implicit none (type, external)
    private
 
-   public :: read_all_cases, refused_t, tell_good, tell_refused
+   public :: read_all_cases, refused_t, print_good, print_refused
 
    !> Exit status of bad input, usage or file.
    integer, parameter, public :: status_bad_input = 1
@@ -117,7 +117,7 @@ contains
    end subroutine read_one
 
    !> Says what is wrong with the files that are left out. Error: standard output is lost.
-   subroutine tell_refused(refused, command, status, error)
+   subroutine print_refused(refused, command, status, error)
       type(refused_t), intent(in) :: refused(:)
       type(command_t), intent(in) :: command
       integer, intent(inout) :: status
@@ -134,11 +134,11 @@ contains
          call count_outcome(refused(i)%file, outcome, command%has_outcomes, status, error)
          if (allocated(error)) return
       end do
-   end subroutine tell_refused
+   end subroutine print_refused
 
    !> Says of good cases what --check says, and which of their values are unusual. Error: standard
    !> output is lost.
-   subroutine tell_good(cases, error)
+   subroutine print_good(cases, error)
       type(case_t), intent(in) :: cases(:)
       type(error_t), allocatable, intent(out) :: error
       integer :: i
@@ -149,6 +149,6 @@ contains
          if (allocated(error)) return
       end do
       call print_text('', error)   ! error: handed up
-   end subroutine tell_good
+   end subroutine print_good
 
 end module read_cases

@@ -1,6 +1,6 @@
 !> One case from its record to its result file and its exit status.
 module run_case
-   use case_notes, only: tell_unusual
+   use case_notes, only: print_unusual
    use case_outcome, only: case_outcome_t, give_up, status_converged, status_not_converged
    use case_record, only: case_t, result_path
    use command_line, only: command_t
@@ -28,7 +28,7 @@ module run_case
 contains
 
    !> Solves `case` as `command` says: folder of the results, whether to go on from a checkpoint,
-   !> whether to tell progress.
+   !> whether to print progress.
    subroutine run_one_case(case, command, outcome)
       type(case_t), intent(inout) :: case
       type(command_t), intent(in) :: command
@@ -59,7 +59,7 @@ contains
          end if
          return
       end if
-      call tell_unusual(case, log)
+      call print_unusual(case, log)
       if (case%problem == lubricated) then
          call run_lubricated_case(case, path, command%is_resume, command%threads, log, outcome)
       else
@@ -87,12 +87,11 @@ contains
 
       listener%log = log
       listener%threads = threads
-      listener%scaling = case%scaling
       call build_line_contact(case, contact)
       whole = contact
       case%solver = scaled_solver(case)
       listener%film_floor = case%solver%film_floor
-      call listener%log%start_case(case%file, listener%scaling)
+      call listener%log%start_case(case%file, case%scaling)
       call prepare_momentum(case, listener)
       call start_result(case, path, is_resume, listener, error)
       if (.not. allocated(error)) then

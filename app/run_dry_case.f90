@@ -5,7 +5,7 @@ module run_dry_case
    use case_outcome, only: case_outcome_t, give_up, outcome_of
    use case_record, only: case_t
    use dry_adequacy, only: measure_dry_adequacy
-   use dry_adequacy_section, only: write_dry_adequacy
+   use adequacy_section, only: write_dry_adequacy
    use dry_case, only: dry_case_t
    use dry_closing_table, only: close_dry_case
    use dry_influences, only: dry_adequacy_t
@@ -51,7 +51,7 @@ contains
       end if
       call result%describe(trim(case%problem), case%title, case%namelist)
       call solve_to_target(case%dry, outcome, errors, error)
-      if (.not. allocated(error)) call look_at_model(case%dry, outcome, errors, adequacy, error)
+      if (.not. allocated(error)) call measure_model(case%dry, outcome, errors, adequacy, error)
       if (allocated(error)) then
          call result%discard()
          call give_up(error, log, ending)
@@ -82,7 +82,7 @@ contains
 
    !> Measures the `adequacy` of `dry` with its `outcome` and the estimated `errors` of that, if it
    !> is wanted. Fails (internal_error) if FFTW does.
-   subroutine look_at_model(dry, outcome, errors, adequacy, error)
+   subroutine measure_model(dry, outcome, errors, adequacy, error)
       type(dry_case_t), intent(in) :: dry
       type(dry_outcome_t), intent(in) :: outcome
       type(dry_row_t), intent(in) :: errors(:)
@@ -94,7 +94,7 @@ contains
       call measure_dry_adequacy(dry_sweep_t(dry%grid, dry%height, outcome%scaling, dry%loads, &
          dry%settings), outcome, errors, dry%target, any(has_shape(dry%values, surfaces, &
          'parabola')), adequacy, error)
-   end subroutine look_at_model
+   end subroutine measure_model
 
    !> Error (input_error): there is not enough memory for the grid and the threads.
    subroutine check_memory(case, error)

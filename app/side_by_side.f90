@@ -16,10 +16,10 @@ module side_by_side
    implicit none (type, external)
    private
 
-   public :: solve_beside
+   public :: solve_with_side_runs
 
-   !> Listens to coarse runs, which tell nothing: they end when the program is interrupted or when
-   !> the run itself has made them useless.
+   !> Listens to coarse runs, which end when the program is interrupted or when the run itself has
+   !> made them useless.
    type, extends(listener_t) :: side_relay_t
       logical, pointer :: are_off => null()
    contains
@@ -28,26 +28,25 @@ module side_by_side
 
 contains
 
-   !> Whether coarse runs, where they are wanted in a transient, shall have a thread of their own:
-   !> two are allowed, and there are processors and memory for them. `contact` has its domain.
-   function can_run_beside(contact, case, listener)
+   !> Whether the coarse runs of a transient, if wanted, get a second thread: two are allowed, and
+   !> there are processors and memory for them. `contact` has its domain.
+   function has_second_thread(contact, case, listener)
       type(line_contact_t), intent(in) :: contact
       type(case_t), intent(in) :: case
       type(run_observer_t), intent(in) :: listener
-      logical :: can_run_beside
+      logical :: has_second_thread
 
-      can_run_beside = listener%has_coarse_runs .and. case%time%is_transient &
+      has_second_thread = listener%has_coarse_runs .and. case%time%is_transient &
          .and. min(listener%threads, processors()) > 1
-      if (.not. can_run_beside) return
-      can_run_beside = memory_fault('two runs', lubricated_memory(2*contact%domain%intervals, &
+      if (.not. has_second_thread) return
+      has_second_thread = memory_fault('two runs', lubricated_memory(2*contact%domain%intervals, &
          2*case%time%end_time/case%time%time_step, is_dense=.false., layers=case%layers), &
          of_blas + thread_memory(2)) == ''
-   end function can_run_beside
+   end function has_second_thread
 
-   !> Solves the case as `solve_contact` does, with two threads beside its `side_runs`; these are
-   !> there afterwards if they were made and the solution has converged on the domain that they
-   !> have.
-   subroutine solve_beside(contact, case, side_runs, listener, state, report, error)
+   !> Solves the case as `solve_contact` does, with its `side_runs` on a second thread; these are
+   !> allocated afterwards if they were made and the solution has converged on their domain.
+   subroutine solve_with_side_runs(contact, case, side_runs, listener, state, report, error)
       type(line_contact_t), intent(inout) :: contact
       type(case_t), intent(in) :: case
       type(side_runs_t), allocatable, target, intent(out) :: side_runs
@@ -58,7 +57,7 @@ contains
       real(wp) :: x_outlet
       logical :: is_off
 
-      if (.not. can_run_beside(contact, case, listener)) then
+      if (.not. has_second_thread(contact, case, listener)) then
          call solve_contact(contact, case%solver, case%time, listener, state, report, &
             error)   ! error: the caller looks
          return
@@ -82,7 +81,7 @@ contains
       !$omp end parallel
       if (side_runs%are_off) deallocate (side_runs)
       listener%is_stopping = listener%is_stopping .or. is_interrupted()
-   end subroutine solve_beside
+   end subroutine solve_with_side_runs
 
    !> The part of one thread in the coarse runs.
    subroutine help(side_runs)

@@ -28,11 +28,9 @@ def wait_for(path, running, seconds=HANGING):
 def wait_for_times(part, times):
     """Waits until a run has stored some times."""
     deadline = time.monotonic() + HANGING
-    while time.monotonic() < deadline:
-        if stored_times(part) >= times:
-            return
+    while stored_times(part) < times:
+        assert time.monotonic() < deadline, f"{part} did not grow to {times} times"
         time.sleep(0.005)
-    pytest.fail(f"{part} did not grow to {times} times")
 
 
 def flipped(content, place):
@@ -80,7 +78,7 @@ def test_killed_at_random_moments(program, tmp_path):
 
 @pytest.mark.path
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_ends_with_status_4_and_a_checkpoint(program, tmp_path, number):
+def test_a_signal_ends_with_status_4_and_a_checkpoint(program, asperity, tmp_path, number):
     write(tmp_path, "case.nml", LONG)
     with killed_at_last(program, tmp_path) as running:
         wait_for_times(tmp_path / "case.h5.part", 20)
@@ -92,6 +90,7 @@ def test_a_signal_ends_with_status_4_and_a_checkpoint(program, tmp_path, number)
     assert names(tmp_path) == ["case.h5.ckpt", "case.h5.part", "case.nml"]
     step = int(message.split("after step ")[1].split()[0])
     assert len(read_part(tmp_path / "case.h5.part")["time"]) == stored_times(tmp_path / "case.h5.part") == step + 1
+    assert f"NOT CONVERGED: {step + 1} times to T " in ended(asperity("table", "case.h5.part")).stdout
 
 
 def test_nobody_has_to_read_what_the_program_says(program, tmp_path):
@@ -277,12 +276,11 @@ def test_damaged_result_is_not_complete(asperity, tmp_path, place):
     assert asperity("case.nml", "--resume").stderr == "case.nml: case.h5 is complete: nothing to do\n"
 
 
-def test_missing_or_wrong_part_is_refused(run_case, interrupted, asperity, tmp_path):
+def test_missing_or_wrong_part_is_refused(interrupted, asperity, tmp_path):
     interrupted()
     part = tmp_path / "case.h5.part"
     part.rename(tmp_path / "kept")
-    done = asperity("case.nml", "--resume", "--quiet")
-    assert (done.returncode, done.stderr) == (1, "asperity: cannot resume: case.h5.part is missing\n")
+    assert ended(asperity("case.nml", "--resume", "--quiet"), 1).stderr == "asperity: cannot resume: case.h5.part is missing\n"
     part.write_bytes((tmp_path / "kept").read_bytes()[:1000])
     assert "case.h5.part holds less than the checkpoint says" in ended(asperity("case.nml", "--resume", "--quiet"), 1).stderr
     part.unlink()

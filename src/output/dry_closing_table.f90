@@ -4,7 +4,7 @@ module dry_closing_table
    use dry_case, only: dry_case_t
    use dry_influences, only: dry_adequacy_t
    use dry_sweep, only: dry_outcome_t, dry_row_t
-   use influence_section, only: model_line
+   use adequacy_section, only: model_line
    use kinds, only: wp
    use progress_log, only: columns, progress_log_t
    use quantity_text, only: number_text, wrapped
@@ -41,7 +41,7 @@ contains
                // counted(solution%report%cycles, 'iteration') // ', ' &
                // to_text(solution%report%wall_seconds, 3) // ' s')
          else
-            if (log%tells_apart()) call log%say_error(name // ': NOT CONVERGED: ' &
+            if (log%prints_errors_apart()) call log%say_error(name // ': NOT CONVERGED: ' &
                // solution%report%reason)
             call log%add_to_summary(name // ': NOT CONVERGED: ' // solution%report%reason)
          end if

@@ -11,7 +11,7 @@ module dry_result
    use dry_sweep, only: dry_fields_t, dry_outcome_t, dry_row_t
    use errors, only: error_t
    use hdf5_attribute, only: write_attribute
-   use hdf5_axes, only: link_object, make_axis, make_counter, name_axes
+   use hdf5_axes, only: link_object, make_counter, name_axes, write_field
    use hdf5_dataset, only: label_t, new_label, write_dataset, write_zeros
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
@@ -67,7 +67,7 @@ contains
          'number of the grid of the transforms')
       call make_counter(file, '/report/transform_column', size(outcome%transforms, 1), &
          'number of: size in x, in y, pairs in double, pairs in single precision')
-      call name_axes(file, '/report/transforms', '/report/transform_column', '/report/grid')
+      call name_axes(file, '/report/transforms', 'transform_column grid')
    end subroutine write_costs
 
    !> /scaling: E', and of a periodic rough surface the numbers of the last load on which a contact
@@ -105,27 +105,24 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
+      character(:), allocatable :: axes
 
-      call write_dataset(file, '/solution/x', node_positions(dry%grid%nx, dry%lengths(1), &
-         dry%is_periodic), &
-         new_label('position', 'm'))
-      call make_axis(file, '/solution/x')
-      if (dry%grid%ny > 1) then
-         call write_dataset(file, '/solution/y', node_positions(dry%grid%ny, dry%lengths(2), &
-            dry%is_periodic), new_label('position across', 'm'))
-         call make_axis(file, '/solution/y')
-      end if
-      call write_field('pressure', fields%pressure, 'contact pressure', 'Pa')
-      call write_field('gap', fields%gap, 'gap between the surfaces', 'm')
-      call write_field('height_undeformed', dry%height, 'composite height before loading', 'm')
-      call write_field('height_loaded', fields%height_loaded, 'composite height under load', 'm')
+      axes = trim(merge('x  ', 'x y', dry%grid%ny == 1))
+      call write_field(file, '/solution/x', node_positions(dry%grid%nx, dry%lengths(1), &
+         dry%is_periodic), new_label('position', 'm'), '=')
+      if (dry%grid%ny > 1) call write_field(file, '/solution/y', node_positions(dry%grid%ny, &
+         dry%lengths(2), dry%is_periodic), new_label('position across', 'm'), '=')
+      call put('pressure', fields%pressure, 'contact pressure', 'Pa')
+      call put('gap', fields%gap, 'gap between the surfaces', 'm')
+      call put('height_undeformed', dry%height, 'composite height before loading', 'm')
+      call put('height_loaded', fields%height_loaded, 'composite height under load', 'm')
       if (allocated(fields%plastic_deformation)) then
-         call write_field('height_unloaded', fields%height_unloaded, &
+         call put('height_unloaded', fields%height_unloaded, &
             'composite height after unloading', 'm')
-         call write_field('plastic_deformation', fields%plastic_deformation, &
+         call put('plastic_deformation', fields%plastic_deformation, &
             'plastic deformation', 'm')
       else
-         call write_field('height_unloaded', dry%height, 'composite height after unloading', 'm')
+         call put('height_unloaded', dry%height, 'composite height after unloading', 'm')
          call write_no_field('plastic_deformation', 'plastic deformation', 'm')
       end if
       call file%create_group('/si')
@@ -134,11 +131,11 @@ contains
    contains
 
       !> One field (nx, ny), if it is to be stored.
-      subroutine write_field(name, values, long_name, units)
+      subroutine put(name, values, long_name, units)
          character(*), intent(in) :: name, long_name, units
          real(wp), intent(in) :: values(dry%grid%nx, dry%grid%ny)
 
-         if (.not. is_stored(dry, name)) return
+         if (.not. is_stored(name)) return
          if (dry%grid%ny == 1) then
             call write_dataset(file, '/solution/'//name, values(:, 1), &
                new_label(long_name, units), dry%is_single)
@@ -146,45 +143,28 @@ contains
             call write_dataset(file, '/solution/'//name, values, new_label(long_name, units), &
                dry%is_single)
          end if
-         call name_field_axes(file, dry, name)
-      end subroutine write_field
+         call name_axes(file, '/solution/'//name, axes)
+      end subroutine put
 
       !> A field that is zero everywhere.
       subroutine write_no_field(name, long_name, units)
          character(*), intent(in) :: name, long_name, units
-         integer, allocatable :: extents(:)
 
-         if (.not. is_stored(dry, name)) return
-         extents = [dry%grid%nx, dry%grid%ny]
-         if (dry%grid%ny == 1) extents = [dry%grid%nx]
-         call write_zeros(file, '/solution/'//name, extents, new_label(long_name, units), &
-            dry%is_single)
-         call name_field_axes(file, dry, name)
+         if (.not. is_stored(name)) return
+         call write_zeros(file, '/solution/'//name, pack([dry%grid%nx, dry%grid%ny], &
+            [.true., dry%grid%ny > 1]), new_label(long_name, units), dry%is_single)
+         call name_axes(file, '/solution/'//name, axes)
       end subroutine write_no_field
 
+      !> Whether the field `name` is to be stored.
+      pure function is_stored(name)
+         character(*), intent(in) :: name
+         logical :: is_stored
+
+         is_stored = size(dry%stored_fields) == 0 .or. any(dry%stored_fields == name)
+      end function is_stored
+
    end subroutine write_fields
-
-   !> Whether the field `name` is to be stored.
-   pure function is_stored(dry, name)
-      type(dry_case_t), intent(in) :: dry
-      character(*), intent(in) :: name
-      logical :: is_stored
-
-      is_stored = size(dry%stored_fields) == 0 .or. any(dry%stored_fields == name)
-   end function is_stored
-
-   !> Names the axes of the field `name`.
-   subroutine name_field_axes(file, dry, name)
-      class(hdf5_file_t), intent(inout) :: file
-      type(dry_case_t), intent(in) :: dry
-      character(*), intent(in) :: name
-
-      if (dry%grid%ny == 1) then
-         call name_axes(file, '/solution/'//name, '/solution/x')
-      else
-         call name_axes(file, '/solution/'//name, '/solution/x', '/solution/y')
-      end if
-   end subroutine name_field_axes
 
    !> /sweep without roughness: one value for each load, and /summary of the last one.
    subroutine write_sweep(file, dry, rows, errors)
@@ -241,7 +221,7 @@ contains
          new_label('violation of the contact conditions', '1'))
       call write_dataset(file, '/sweep/fft_pairs', int(rows%fft_pairs, int64), &
          new_label('pairs of transforms, in pairs of the full grid', '1'))
-      call name_axes(file, '/sweep/fft_pairs', '/sweep/step')
+      call name_axes(file, '/sweep/fft_pairs', 'step')
 
    contains
 
@@ -283,8 +263,7 @@ contains
       real(wp) :: copy(size(values))
 
       copy = values
-      call write_dataset(file, '/sweep/'//name, copy, label)
-      call name_axes(file, '/sweep/'//name, '/sweep/step')
+      call write_field(file, '/sweep/'//name, copy, label, 'step')
    end subroutine write_column
 
    !> /sweep/<name>_undeformed, _loaded or _unloaded: the roughness parameters of a state for each

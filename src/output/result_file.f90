@@ -5,7 +5,6 @@
 !> put together in NAME.tmp, which is then renamed. An interrupted or failed run leaves an older
 !> NAME as it was.
 module result_file
-   use breakdown_text, only: write_breakdown
    use build_info, only: git_commit, program_name, program_version
    use case_record, only: effective_t
    use errors, only: error_t, fail, input_error
@@ -20,7 +19,7 @@ module result_file
    use own_file, only: remove_file, sync_file
    use result_labels, only: field_names
    use result_name, only: hold_name, result_name_t
-   use result_sections, only: write_report, write_scaling
+   use result_sections, only: write_breakdown, write_report, write_scaling
    use scaling, only: scaling_t
    use signals, only: begin_activity, set_patience
    use transient_store, only: attach_store, begin_store, create_store, sliding_names, &
@@ -38,7 +37,7 @@ module result_file
 
    !> The file being written.
    type :: result_file_t
-      !> Its final name, and what lies beside it.
+      !> Its final name, and the files of the run.
       type(result_name_t) :: name
       !> Every how many time steps profiles are stored; those at T = 0 always are.
       integer :: profile_stride = 1

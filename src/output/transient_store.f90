@@ -13,7 +13,8 @@ module transient_store
    use checksum, only: checksum_t
    use errors, only: error_t, fail, input_error, output_error
    use file_bytes, only: open_positional_file, positional_file_t, real_bytes, sums_of
-   use hdf5_axes, only: link_object, make_axis, name_axes
+   use file_path, only: file_fault
+   use hdf5_axes, only: link_object, name_axes
    use hdf5_dataset, only: label_t
    use hdf5_file, only: hdf5_file_t
    use hdf5_series, only: create_series, series_t
@@ -23,14 +24,14 @@ module transient_store
    use line_summary, only: line_summary_t
    use own_file, only: any_mark, part_words, place_fault
    use quantities, only: quantity_rows, sliding_rows
-   use result_labels, only: field_names, field_values, has_scale, row_label, si_label
+   use result_labels, only: field_names, field_values, row_label
    use scaling, only: scaling_t
    use signals, only: begin_activity
-   use text, only: to_text
+   use text, only: count_of, to_text
    implicit none (type, external)
    private
 
-   public :: attach_store, begin_store, create_store, transient_store_t
+   public :: attach_store, begin_store, create_store, read_progress, transient_store_t
 
    !> Longest name of a series.
    integer, parameter :: name_length = len(quantity_rows%name)
@@ -52,6 +53,8 @@ module transient_store
    integer, parameter :: block_numbers = 131072, digit_numbers = 2
    !> Longest reason of the operating system.
    integer, parameter :: longest_reason = 200
+   !> Longest first line.
+   integer, parameter :: longest_line = 4096
 
    !> The series of one run.
    type :: transient_store_t
@@ -133,6 +136,61 @@ contains
       end if
    end subroutine attach_store
 
+   !> Whole time steps in the file `path` and the time of the last one [T]; 0: it has none, or is no
+   !> such file.
+   subroutine read_progress(path, records, time)
+      character(*), intent(in) :: path
+      integer, intent(out) :: records
+      real(wp), intent(out) :: time
+      type(transient_store_t) :: store
+      character(len=longest_line) :: line
+      real(wp) :: values(1, 1)
+      integer(int64) :: bytes
+      integer :: length, profiles, status, unit
+
+      records = 0
+      time = 0.0_wp
+      if (file_fault(path) /= '') return
+      open (newunit=unit, file=path, access='stream', form='formatted', action='read', &
+         iostat=status)
+      if (status /= 0) return
+      read (unit, '(a)', advance='no', size=length, iostat=status) line
+      close (unit)
+      if (status >= 0) return   ! the line does not end here
+      inquire (file=path, size=bytes)
+      profiles = index(line(:length), ' profiles')
+      if (index(line, part_words) /= 1 .or. profiles == 0) return
+      store%line = line(:length)//new_line('a')
+      store%nodes = number_after('nodes ')
+      store%stride = max(number_after('stride '), 1)
+      store%first_profile = count_of(' ', line(index(line, ' numbers ') + 1:profiles - 1)) + 1
+      store%names = [character(len=name_length) :: (' ', length=1, &
+         count_of(' ', trim(line(profiles + 1:))) + store%first_profile)]
+      do while (place_of(store, store%records + 1) <= bytes)
+         store%records = store%records + 1
+      end do
+      if (store%records == 0) return
+      call open_positional_file(store%file, path, for_writing=.false.)
+      call store%file%read_reals(place_of(store, store%records - 1, 1), values)
+      call store%file%close()
+      records = store%records
+      time = values(1, 1)
+
+   contains
+
+      !> The number behind `words` in the line; 0: there is none.
+      function number_after(words) result(number)
+         character(*), intent(in) :: words
+         integer :: number, start
+
+         number = 0
+         start = index(line, words) + len(words)
+         read (line(start:start + index(line(start:), ' ') - 2), '(i10)', iostat=status) number
+         if (status /= 0) number = 0
+      end function number_after
+
+   end subroutine read_progress
+
    !> Appends one time step, with its profiles if it is one of the `stride`-th, and the checksum.
    subroutine append(self, state, summary, report)
       class(transient_store_t), intent(inout) :: self
@@ -194,8 +252,8 @@ contains
          call begin_activity('writing the result, '//name)
          label = row_label(name, scaling)
          call copy_series(self, file, i, '/transient/', 1.0_wp, label)
-         if (has_si .and. has_scale(label)) call copy_series(self, file, i, '/si/transient/', &
-            label%si_scale, si_label(name, scaling))
+         if (has_si .and. label%has_scale()) call copy_series(self, file, i, '/si/transient/', &
+            label%si_scale, label%in_si())
       end do
       sums = sums_of(self%file, place_of(self, self%records))
       if (sums%digits() /= self%sums%digits() .and. .not. allocated(self%file%failure)) call &
@@ -222,11 +280,11 @@ contains
       associate (count => (store%records + every - 1)/every)
          call create_series(copy, file, path, merge(row, 0, i > store%first_profile), count, label)
          if (store%names(i) == 'time' .or. store%names(i) == profile_time_name) then
-            call make_axis(file, path)
+            call name_axes(file, path, '=')
          else if (i > store%first_profile) then
-            call name_axes(file, path, group//'x', group//profile_time_name)
+            call name_axes(file, path, 'x '//profile_time_name)
          else
-            call name_axes(file, path, group//'time')
+            call name_axes(file, path, 'time')
          end if
          do first = 1, count, max(block_numbers/row, 1)
             last = min(first + max(block_numbers/row, 1) - 1, count)

@@ -47,7 +47,7 @@ module own_file
    type :: lock_t
       integer(c_int), private :: descriptor = -1_c_int
    contains
-      procedure :: take, holds, release
+      procedure :: acquire, holds, release
    end type lock_t
 
 contains
@@ -137,7 +137,7 @@ contains
    !> Takes the lock on `path` for writing, making the file if there is none; false if another run
    !> has it. A file system that knows no locks counts as taken. If the file was renamed or removed
    !> between opening and locking, the lock is tried again.
-   function take(self, path) result(is_taken)
+   function acquire(self, path) result(is_taken)
       class(lock_t), intent(inout) :: self
       character(*), intent(in) :: path
       logical :: is_taken
@@ -158,7 +158,7 @@ contains
       ! releasing what one does not have always works
       is_taken = c_fcntl(self%descriptor, set_lock, file_lock_t(lock_none)) /= 0_c_int
       if (.not. is_taken) call self%release()
-   end function take
+   end function acquire
 
    !> Whether `path` still leads to the locked file.
    function holds(self, path)
