@@ -27,7 +27,7 @@ contains
       type(circumstances_t) :: of
 
       if (.not. report%converged) return
-      of%scaling = listener%scaling
+      of%scaling = listener%log%scaling
       of%bodies = case%bodies
       of%lubricant = case%lubricant
       of%materials = case%materials

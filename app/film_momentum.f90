@@ -8,7 +8,7 @@ module film_momentum
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use momentum_march, only: momentum_march_t
-   use momentum_section, only: difference_sentence
+   use field_sections, only: difference_sentence
    use momentum_setup, only: walls_t
    use momentum_solver, only: solve_film_momentum
    use run_observer, only: run_observer_t
@@ -42,8 +42,9 @@ contains
       type(run_observer_t), intent(in) :: listener
       type(walls_t) :: walls
 
-      walls%delta = film_slope(listener%scaling)
-      if (case%has_inertia) walls%inertia = inertia_number(listener%scaling, case%materials%density)
+      walls%delta = film_slope(listener%log%scaling)
+      if (case%has_inertia) walls%inertia = inertia_number(listener%log%scaling, &
+         case%materials%density)
       walls%curvature_share = case%bodies%curvature_share
    end function walls_of
 
@@ -65,7 +66,7 @@ contains
             select type (march => listener%follower)
             type is (momentum_march_t)
                writer%momentum = march%fields()
-               call compare_passage(writer%film_passage, writer%momentum)
+               call compare_passage(writer%run%film_passage, writer%momentum)
                call add_note(case, listener, march_sentence(march)//'; ' &
                   //difference_sentence(writer%momentum), report%note)
             end select

@@ -1,5 +1,5 @@
 !> What a solved case is compared with for its error bars: itself on coarser grids, and where pilot
-!> runs chose its grid, coarse runs that tell whether it is as good as foretold.
+!> runs chose its grid, coarse runs that measure whether it is as good as foretold.
 module grid_comparison
    use case_notes, only: note_measured_error, note_pressure_error
    use case_record, only: case_t

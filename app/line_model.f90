@@ -74,7 +74,7 @@ contains
          writer%adequacy%accuracy = accuracy_for(case%accuracy%target, &
             writer%quantities_at_end(state, report))
          call measure_adequacy(solved_t(new_experiment(contact, case%solver, case%time), &
-            writer%passage%extremes(summary_of(state)), real(report%cycles, wp), writer%bars), &
+            writer%run%passage%extremes(summary_of(state)), real(report%cycles, wp), writer%bars), &
             state, writer%adequacy, listener, error)
       end associate
       if (allocated(error)) return

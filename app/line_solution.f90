@@ -1,6 +1,6 @@
-!> The solution of a lubricated case with the coarse runs that tell its errors.
+!> The solution of a lubricated case, with the coarse runs that measure its errors.
 module line_solution
-   use breakdown_text, only: breakdown_sentence
+   use closing_table, only: breakdown_sentence
    use case_notes, only: note_unusual, add_note, note_coarse_waves, note_missed_target
    use case_record, only: case_t
    use chosen_values, only: fill_chosen, fill_numbers
@@ -42,7 +42,7 @@ contains
       logical :: is_open
 
       seconds = 0.0_wp
-      listener%writer%passage%times = new_passage_times(contact, case%time)
+      listener%writer%run%passage%times = new_passage_times(contact, case%time)
       case%solver%target = case%accuracy%target
       case%solver%target_p_max = case%accuracy%target_p_max
       case%solver%wants_coarse_runs = case%accuracy%has_error_bars
@@ -57,6 +57,7 @@ contains
          if (allocated(error) .or. listener%is_stopping) return
       end if
       call choose_time_step(contact, case%time)
+      listener%writer%bars%spike_law%fluid = contact%fluid
       if (listener%has_coarse_runs) listener%writer%bars = new_error_bars(contact, case%time, &
          case%solver%space_scheme)
       listener%writer%bars%left_out = listener%writer%choice%influence
@@ -64,10 +65,10 @@ contains
       call add_note(case, listener, case%note, note)
       call note_coarse_waves(case, contact, listener, note)
       call note_missed_target(case, contact, listener, note)
-      call add_note(case, listener, passage_note(contact, listener%writer%passage%times), note)
-      listener%intervals = contact%domain%intervals
-      listener%time_step = case%time%time_step
-      listener%space_scheme = case%solver%space_scheme
+      call add_note(case, listener, passage_note(contact, listener%writer%run%passage%times), note)
+      listener%writer%run%intervals = contact%domain%intervals
+      listener%writer%run%time_step = case%time%time_step
+      listener%writer%run%space_scheme = case%solver%space_scheme
       call solve_with_coarse_runs(contact, case, side_runs, listener, state, report, error)
       if (allocated(error)) return
       report%nodes_per_wave = nodes_in_wave(contact)
@@ -85,7 +86,7 @@ contains
       if (allocated(error)) return
       call check_forecast(case, contact, listener, state, report, seconds, &
          error)   ! error: the caller looks
-      call fill_chosen(case, contact, report, listener%writer%passage%times)
+      call fill_chosen(case, contact, report, listener%writer%run%passage%times)
       call fill_numbers(case, contact, report, listener%writer%choice)
       call complete_report(listener, seconds, report)
    end subroutine solve_line_case
@@ -103,9 +104,10 @@ contains
          bars%forecast = listener%writer%bars%forecast
          listener%writer%bars = bars
       end if
-      if (listener%intervals > 0) contact%domain%intervals = listener%intervals
-      case%time%time_step = listener%time_step
-      case%solver%space_scheme = listener%space_scheme
+      if (listener%writer%run%intervals > 0) contact%domain%intervals = &
+         listener%writer%run%intervals
+      case%time%time_step = listener%writer%run%time_step
+      case%solver%space_scheme = listener%writer%run%space_scheme
       call settle_tolerance(case%solver)
    end subroutine restore_resolution
 
@@ -145,8 +147,8 @@ contains
       type(report_t), intent(inout) :: report
 
       if (index(report%reason, 'film breakdown') == 1 &
-         .and. listener%scaling%is_dimensional) report%reason = &
-         breakdown_sentence(report%breakdown, listener%film_floor, listener%scaling)
+         .and. listener%log%scaling%is_dimensional) report%reason = &
+         breakdown_sentence(report%breakdown, listener%film_floor, listener%log%scaling)
       associate (phases => report%phase_seconds)
          phases(phase_error_bars) = phases(phase_error_bars) + seconds
          phases(phase_output) = listener%output_seconds

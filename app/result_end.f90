@@ -5,19 +5,18 @@ module result_end
    use case_outcome, only: case_outcome_t, give_up, outcome_of, status_interrupted, &
       status_not_written
    use case_record, only: case_t
-   use closing_table, only: close_case, closing_words_t
+   use closing_table, only: close_case, closing_words_t, spike_lines
    use decision_section, only: decision_lines
    use errors, only: error_t
    use shear_stresses, only: velocity_profile
    use formulas_section, only: formula_lines
-   use influence_section, only: model_line
+   use adequacy_section, only: model_line
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use run_observer, only: run_observer_t
    use signals, only: take_last_words
-   use spike_text, only: spike_lines
    use text, only: to_text
    implicit none (type, external)
    private
@@ -76,13 +75,13 @@ contains
          if (.not. listener%log%is_quiet) then
             words%spike = spike_lines(writer%summary, case%accuracy%target_p_max > 0.0_wp, &
                .not. case%time%is_transient, case%domain%intervals > 0)
-            words%formulas = formula_lines(writer%formulas, writer%summary, listener%scaling)
+            words%formulas = formula_lines(writer%formulas, writer%summary, listener%log%scaling)
             if (allocated(writer%adequacy%rows)) words%model = &
                model_line(writer%adequacy%rows%judged_t, writer%adequacy%accuracy)
             words%decision = decision_lines(writer%choice, writer%adequacy)
          end if
          call close_case(listener%log, writer%summary, report, writer%name%path, &
-            writer%passage%times, writer%limits, words)
+            writer%run%passage%times, writer%limits, words)
       end associate
       outcome = outcome_of(report)
    end subroutine finish_result

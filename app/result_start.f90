@@ -39,8 +39,10 @@ contains
 
       call listener%start_clock()
       listener%checkpoint_interval = case%output_settings%checkpoint_interval
+      listener%writer%profile_stride = case%output_settings%profile_stride
       inquire (file=path//'.ckpt', exist=has_checkpoint)
-      if (case%time%is_transient .or. has_checkpoint) listener%case = case_identity(case)
+      if (case%time%is_transient .or. has_checkpoint) listener%writer%run%case = &
+         case_identity(case)
       if (is_resume .and. has_checkpoint) then
          call go_on(case, path, listener, error)
       else
@@ -48,22 +50,22 @@ contains
             //'.ckpt: starts at the beginning')
          call open_result(listener%writer, path, error)
          if (.not. allocated(error)) listener%writer%fields = stored_fields(case, &
-            listener%scaling)
+            listener%log%scaling)
       end if
       if (allocated(error)) return
-      associate (statistics => listener%writer%statistics, &
+      associate (statistics => listener%writer%run%statistics, &
          thresholds => case%output_settings%film_thresholds)
          if (.not. allocated(statistics%thresholds) .and. size(thresholds) > 0) then
-            statistics = new_statistics(thresholds/listener%scaling%film)
+            statistics = new_statistics(thresholds/listener%log%scaling%film)
          end if
       end associate
-      listener%writer%heating = new_heating(listener%scaling, case%bodies, &
+      listener%writer%heating = new_heating(listener%log%scaling, case%bodies, &
          case%materials%effusivity, case%materials%conductivity)
-      listener%writer%profile_stride = case%output_settings%profile_stride
       if (any(index(listener%writer%fields, 'shear_stress') == 1)) listener%stress_stride = &
          listener%writer%profile_stride
-      listener%writer%has_si = case%output_settings%has_si .and. listener%scaling%is_dimensional
-      call listener%writer%describe(trim(case%problem), case%title, case%namelist, listener%scaling)
+      listener%writer%has_si = case%output_settings%has_si .and. listener%log%scaling%is_dimensional
+      call listener%writer%describe(trim(case%problem), case%title, case%namelist, &
+         listener%log%scaling)
    end subroutine start_result
 
    !> Names of the fields that are stored of each time, of the mark of a film below the floor, if
@@ -88,9 +90,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(checkpoint_t) :: checkpoint
 
-      call read_checkpoint(path//'.ckpt', listener%case, checkpoint, error)
+      call read_checkpoint(path//'.ckpt', listener%writer%run%case, checkpoint, error)
       if (.not. allocated(error)) call reopen_result(listener%writer, path, &
-         stored_fields(case, listener%scaling), checkpoint%part, size(checkpoint%march%film), error)
+         stored_fields(case, listener%log%scaling), size(checkpoint%march%film), &
+         checkpoint%march%step + 1, checkpoint%part_digits, error)
       if (allocated(error)) then
          error%message = 'cannot resume: '//error%message
          return
@@ -98,16 +101,9 @@ contains
       listener%earlier_seconds = checkpoint%march%report%wall_seconds
       listener%output_seconds = checkpoint%march%report%phase_seconds(phase_output)
       call listener%writer%name%expect_interruption(checkpoint%march%step)
-      listener%intervals = checkpoint%intervals
-      listener%time_step = checkpoint%time_step
-      listener%space_scheme = checkpoint%space_scheme
-      listener%writer%passage = checkpoint%passage
+      listener%writer%run = checkpoint%run_record_t
       listener%writer%bars%forecast = checkpoint%forecast
-      listener%writer%statistics = checkpoint%statistics
-      if (allocated(checkpoint%momentum)) then
-         listener%follower%earlier = checkpoint%momentum
-         listener%writer%film_passage = checkpoint%film_passage
-      end if
+      if (allocated(checkpoint%momentum)) listener%follower%earlier = checkpoint%momentum
       call listener%log%say(case%file//': goes on after step '//to_text(checkpoint%march%step) &
          //', checkpoint '//path//'.ckpt')
       case%time%resume_from = checkpoint%march

@@ -1,6 +1,6 @@
 !> `asperity table`: a row for each result file, with its quantities in SI and their estimated
 !> errors, as text, CSV or a JSON object a line. A file that cannot be read, or is not what was
-!> written, is a row with the reason.
+!> written, is a row with the reason; NAME.h5.part one with the times so far.
 module result_table
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use build_info, only: program_name
@@ -14,6 +14,8 @@ module result_table
    use quantity_text, only: number_text, prefixed_text
    use read_cases, only: status_bad_input
    use standard_streams, only: print_text, write_text
+   use text, only: counted
+   use transient_store, only: read_progress
    use validity_table, only: limit_rows, stokes_number, surface_slope
    implicit none (type, external)
    private
@@ -80,13 +82,21 @@ contains
       type(hdf5_input_t) :: reader
       type(error_t), allocatable :: error
       character(:), allocatable :: fault, path
-      integer :: i
+      real(wp) :: time
+      integer :: i, steps
 
       row%file = file
       row%problem = ''
       row%values = not_known()
       row%errors = not_known()
       row%units = ''
+      call read_progress(file, steps, time)
+      if (steps > 0) then
+         row%is_read = .true.
+         row%reason = counted(steps, 'time')//' to T '//number_text(time, 4)//': the run goes '// &
+            'on, or was stopped'
+         return
+      end if
       fault = seal_fault(file)
       if (fault /= '' .and. has_seal(file)) then   ! the library may not survive it
          row%reason = fault

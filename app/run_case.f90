@@ -28,7 +28,7 @@ module run_case
 contains
 
    !> Solves `case` as `command` says: folder of the results, whether to go on from a checkpoint,
-   !> whether to tell progress.
+   !> whether to print progress.
    subroutine run_one_case(case, command, outcome)
       type(case_t), intent(inout) :: case
       type(command_t), intent(in) :: command
@@ -87,12 +87,11 @@ contains
 
       listener%log = log
       listener%threads = threads
-      listener%scaling = case%scaling
       call build_line_contact(case, contact)
       whole = contact
       case%solver = scaled_solver(case)
       listener%film_floor = case%solver%film_floor
-      call listener%log%start_case(case%file, listener%scaling)
+      call listener%log%start_case(case%file, case%scaling)
       call prepare_momentum(case, listener)
       call start_result(case, path, is_resume, listener, error)
       if (.not. allocated(error)) then

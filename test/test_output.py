@@ -343,7 +343,7 @@ def test_full_disk_is_status_3_and_keeps_the_older_result(program, tmp_path):
         )
         assert done.returncode == 3, limit
         assert "cannot write a.h5." in done.stderr
-        assert "File too large" in done.stderr
+        assert "limit on the size of files is reached" in done.stderr
         assert (tmp_path / "a.h5").read_bytes() == older
         assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "a.nml"]
 

@@ -124,8 +124,9 @@ def test_files_of_heights_are_found_from_the_current_folder(tmp_path):
 def test_what_is_no_result(tmp_path, content):
     path = tmp_path / ("a.h5.part" if content == b"part" else "a.h5")
     path.write_bytes(content)
-    with pytest.raises(asperity.AsperityError, match=re.escape(str(path))):
-        asperity.read(path)
+    for read in (asperity.read, asperity.read_part):
+        with pytest.raises(asperity.AsperityError, match=re.escape(str(path))):
+            read(path)
     with pytest.raises(FileNotFoundError):
         asperity.read(tmp_path / "b.h5")
 

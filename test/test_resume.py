@@ -10,6 +10,7 @@ import time
 import h5py
 import numpy as np
 import pytest
+from asperity import read_part
 from cases import HANGING, LONG, STEADY, TRANSIENT, ended, seal, text, write
 from conftest import ROOT
 from kill_and_resume import busy, check_part, different, kill_until_complete, killed_at_last, start, undisturbed, wait_for
@@ -60,7 +61,7 @@ def test_killed_at_random_moments(program, tmp_path):
 
 @pytest.mark.path
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_ends_with_status_4_and_a_checkpoint(program, tmp_path, number):
+def test_a_signal_ends_with_status_4_and_a_checkpoint(program, asperity, tmp_path, number):
     write(tmp_path, "case.nml", LONG)
     with killed_at_last(program, tmp_path) as running:
         wait_for(tmp_path / "case.h5.part", running, times=20)
@@ -71,8 +72,8 @@ def test_a_signal_ends_with_status_4_and_a_checkpoint(program, tmp_path, number)
     assert message.endswith(" with case.h5.ckpt\n")
     assert names(tmp_path) == ["case.h5.ckpt", "case.h5.part", "case.nml"]
     step = int(message.split("after step ")[1].split()[0])
-    with h5py.File(tmp_path / "case.h5.part") as part:
-        assert len(part["transient/time"]) == step + 1
+    assert len(read_part(tmp_path / "case.h5.part")["time"]) == stored_times(tmp_path / "case.h5.part") == step + 1
+    assert f"NOT CONVERGED: {step + 1} times to T " in ended(asperity("table", "case.h5.part")).stdout
 
 
 def test_nobody_has_to_read_what_the_program_says(program, tmp_path):
@@ -224,12 +225,10 @@ def test_damaged_checkpoint_is_refused(interrupted, asperity, tmp_path):
 def test_damaged_part_is_refused(interrupted, asperity, tmp_path):
     """The times before the checkpoint go from NAME.part into the result: one bit of the last pressure makes another result."""
     interrupted()
-    with h5py.File(tmp_path / "case.h5.part") as file:
-        series = file["transient/pressure"]
-        place = series.id.get_offset() + 8 * (series.shape[0] * series.shape[1] - series.shape[1] // 2)
     part = tmp_path / "case.h5.part"
+    nodes = read_part(part)["pressure"].shape[1]
     whole = part.read_bytes()
-    part.write_bytes(flipped(whole, place))
+    part.write_bytes(flipped(whole, -16 - 8 * nodes - 8 * nodes // 2))  # before the film and the checksum
     changed = part.read_bytes()
     done = ended(asperity("case.nml", "--resume", "--quiet"), 1)
     assert "cannot resume: case.h5.part is damaged: its checksum is not that of the checkpoint; delete the" in done.stderr
@@ -257,17 +256,13 @@ def test_damaged_result_is_not_complete(run_case, asperity, tmp_path, place):
     assert asperity("case.nml", "--resume").stderr == "case.nml: case.h5 is complete: nothing to do\n"
 
 
-def test_missing_or_wrong_part_is_refused(run_case, interrupted, asperity, tmp_path):
+def test_missing_or_wrong_part_is_refused(interrupted, asperity, tmp_path):
     interrupted()
     part = tmp_path / "case.h5.part"
     part.rename(tmp_path / "kept")
-    done = asperity("case.nml", "--resume", "--quiet")
-    assert (done.returncode, done.stderr) == (1, "asperity: cannot resume: case.h5.part is missing\n")
-    write(tmp_path, "case.nml", TRANSIENT)
-    with h5py.File(tmp_path / "kept") as file, h5py.File(part, "w") as other:
-        for name in file["transient"]:
-            other[f"transient/{name}"] = file["transient"][name][:1]
-    assert "case.h5.part holds less than the checkpoint says" in run_case(busy(0.05), "--resume", "--quiet", status=1).stderr
+    assert ended(asperity("case.nml", "--resume", "--quiet"), 1).stderr == "asperity: cannot resume: case.h5.part is missing\n"
+    part.write_bytes((tmp_path / "kept").read_bytes()[:1000])
+    assert "case.h5.part holds less than the checkpoint says" in ended(asperity("case.nml", "--resume", "--quiet"), 1).stderr
     part.unlink()
     (tmp_path / "kept").rename(part)
     assert asperity("case.nml", "--resume", "--quiet").returncode == 0
@@ -352,7 +347,7 @@ def test_part_is_readable_while_the_run_writes(program, tmp_path):
         while running.poll() is None:
             try:
                 seen.append(check_part(tmp_path / "case.h5.part", reference))
-            except (FileNotFoundError, OSError, KeyError):
+            except FileNotFoundError:
                 assert not any(seen) or (tmp_path / "case.h5").exists() or not (tmp_path / "case.h5.part").exists()
             time.sleep(0.01)
     assert len(set(seen)) > 5

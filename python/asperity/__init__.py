@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .errors import AsperityError, Finding, InputError
     from .program import version
     from .result import Result, read
+    from .running import read_part
 
 __all__ = [
     "AsperityError",
@@ -26,6 +27,7 @@ __all__ = [
     "Result",
     "check",
     "read",
+    "read_part",
     "run",
     "version",
 ]
@@ -36,6 +38,7 @@ _MODULES = {
     "errors": ("AsperityError", "Finding", "InputError"),
     "program": ("version",),
     "result": ("Result", "read"),
+    "running": ("read_part",),
 }
 
 if not TYPE_CHECKING:

@@ -48,9 +48,9 @@ def check_seal(path: Path) -> str:
     return found[1].decode()
 
 
-def checksum_of(file: BinaryIO, size: int) -> str:
-    """Fletcher's sums of the next `size` bytes of a file, filled up with zeros to a multiple of 8: 16 digits."""
-    first = second = 0
+def checksum_of(file: BinaryIO, size: int, before: str = "") -> str:
+    """Fletcher's sums of the next `size` bytes, filled up with zeros to a multiple of 8, and of those `before`: 16 digits."""
+    second, first = int(before[:8] or "0", 16), int(before[8:] or "0", 16)
     while size > 0 and (piece := file.read(min(size, 4 * _WORDS))):
         size -= len(piece)
         first, second = _added(first, second, np.frombuffer(piece + bytes(-len(piece) % 8), "<u4").astype(np.uint64))

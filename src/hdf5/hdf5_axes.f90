@@ -6,20 +6,21 @@
 !> a scale in the group of the dataset, so a coordinate that is stored once is linked where else it
 !> is used.
 module hdf5_axes
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_null_char, &
-      c_sizeof
+   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_int64_t, c_loc, &
+      c_null_char, c_sizeof
    use, intrinsic :: iso_fortran_env, only: int64
    use hdf5, only: h5iinc_ref_f, h5lcreate_soft_f, h5offsetof, h5rcreate_f, h5t_c_s1, &
       h5t_compound_f, h5t_native_integer, h5t_std_ref_obj, h5t_str_nullterm_f, h5tclose_f, &
       h5tcopy_f, h5tcreate_f, h5tinsert_f, h5tset_size_f, h5tset_strpad_f, h5tvlen_create_f, &
       hid_t, hobj_ref_t_f, hvl_t, size_t
    use hdf5_attribute, only: attach_values
-   use hdf5_dataset, only: new_label, write_dataset
-   use hdf5_file, only: axis_t, hdf5_file_t
+   use hdf5_dataset, only: label_t, new_label, write_dataset, write_values
+   use hdf5_file, only: axis_t, axis_use_t, hdf5_file_t
+   use kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: link_object, make_axis, make_counter, name_axes, write_users
+   public :: link_object, make_counter, name_axes, write_field, write_users
 
    !> An element of REFERENCE_LIST.
    type, bind(c) :: use_t
@@ -30,6 +31,30 @@ module hdf5_axes
    end type use_t
 
 contains
+
+   !> Stores reals with their `axes`: names of datasets in the same group, the faster one first, or
+   !> '=' for values that are an axis themselves. With `has_si` another dataset below /si has them
+   !> in SI, over the axes there, unless they are pure numbers.
+   subroutine write_field(file, path, values, label, axes, has_si)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: path, axes
+      real(wp), intent(in), contiguous, target :: values(..)
+      type(label_t), intent(in) :: label
+      logical, intent(in), optional :: has_si
+      real(wp), pointer :: flat(:)
+      real(wp), allocatable, target :: copy(:)
+
+      call write_dataset(file, path, values, label)
+      call name_axes(file, path, axes)
+      if (.not. present(has_si)) return
+      if (.not. has_si .or. label%si_units == '1') return
+      call c_f_pointer(c_loc(values), flat, [size(values)])
+      copy = label%si_scale*flat
+      call file%check_values('/si'//path, copy)
+      call write_values(file, '/si'//path, file%real_type, shape(values), c_loc(copy), &
+         label%in_si())
+      call name_axes(file, '/si'//path, axes)
+   end subroutine write_field
 
    !> The dataset at `path` with one dimension becomes a coordinate, of which its name is the name.
    subroutine make_axis(file, path)
@@ -46,8 +71,6 @@ contains
       axis%object = file%object_at(path)
       call h5iinc_ref_f(axis%object, references, status)   ! it stays open for `write_users`
       call file%check(status, path)
-      allocate (axis%users(0), axis%dimensions(0))
-      if (.not. allocated(file%axes)) allocate (file%axes(0))
       file%axes = [file%axes, axis]
    end subroutine make_axis
 
@@ -80,23 +103,25 @@ contains
       call make_axis(file, path)
    end subroutine make_counter
 
-   !> Names the coordinates of a dataset by their paths: of its only dimension, or of the faster and
-   !> the slower one.
-   subroutine name_axes(file, path, fast, slow)
+   !> Names the coordinates of a dataset, as `write_field` has them.
+   subroutine name_axes(file, path, axes)
       class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: path, fast
-      character(*), intent(in), optional :: slow
+      character(*), intent(in) :: path, axes
       integer(int64), target :: places(2)
       type(hvl_t), target :: lists(2)
       integer(int64) :: user
       integer(hid_t) :: list_type
-      integer :: i, rank, status
+      integer :: blank, i, rank, status
 
-      if (allocated(file%failure)) return
+      if (axes == '=') call make_axis(file, path)
+      if (axes == '=' .or. allocated(file%failure)) return
       user = place_of(file, path)
-      rank = merge(2, 1, present(slow))
-      if (present(slow)) call use_axis(file, slow, user, 0, places(1))
-      call use_axis(file, fast, user, rank - 1, places(rank))
+      blank = index(axes//' ', ' ')
+      rank = merge(2, 1, blank < len(axes))
+      associate (group => path(:index(path, '/', back=.true.)))
+         if (rank > 1) call use_axis(file, group//axes(blank + 1:), user, 0, places(1))
+         call use_axis(file, group//axes(:blank - 1), user, rank - 1, places(rank))
+      end associate
       do i = 1, rank
          lists(i)%len = 1_size_t
          lists(i)%p = c_loc(places(i))
@@ -121,11 +146,8 @@ contains
       k = axis_at(file, path)
       if (k == 0) call file%check(-1, path//': no coordinate')
       if (allocated(file%failure)) return
-      associate (axis => file%axes(k))
-         place = axis%place
-         axis%users = [axis%users, user]
-         axis%dimensions = [axis%dimensions, dimension]
-      end associate
+      place = file%axes(k)%place
+      file%uses = [file%uses, axis_use_t(user, dimension, k)]
    end subroutine use_axis
 
    !> The dataset or group at `path`, a coordinate or not, under a second name: a soft link, so that
@@ -144,22 +166,18 @@ contains
       axis = file%axes(k)
       axis%path = second
       axis%object = -1_hid_t
-      axis%users = axis%users(:0)
-      axis%dimensions = axis%dimensions(:0)
       file%axes = [file%axes, axis]
    end subroutine link_object
 
-   !> Tells every coordinate by which datasets it is used: once, before the file is closed.
+   !> Lists in every coordinate the datasets that use it: once, before the file is closed.
    subroutine write_users(file)
       class(hdf5_file_t), intent(inout) :: file
       type(use_t), allocatable, target :: uses(:)
       type(use_t), target :: one
       integer(hid_t) :: use_type
-      integer(int64), allocatable :: users(:)
-      integer, allocatable :: dimensions(:)
       integer :: i, k, status
 
-      if (allocated(file%failure) .or. .not. allocated(file%axes)) return
+      if (allocated(file%failure) .or. size(file%axes) == 0) return
       call h5tcreate_f(h5t_compound_f, c_sizeof(one), use_type, status)
       if (status >= 0) call h5tinsert_f(use_type, 'dataset', h5offsetof(c_loc(one), &
          c_loc(one%user)), h5t_std_ref_obj, status)
@@ -167,25 +185,33 @@ contains
          c_loc(one%dimension)), h5t_native_integer, status)
       call file%check(status, 'type of the users of an axis')
       do i = 1, size(file%axes)
-         if (any(file%axes(:i - 1)%place == file%axes(i)%place)) cycle   ! another name
-         call file%keep_object(file%axes(i)%path, file%axes(i)%object)
-         allocate (users(0), dimensions(0))
-         do k = i, size(file%axes)
-            if (file%axes(k)%place == file%axes(i)%place) then
-               users = [users, file%axes(k)%users]
-               dimensions = [dimensions, file%axes(k)%dimensions]
-            end if
-         end do
-         allocate (uses(size(users)))
-         uses%user = users
-         uses%dimension = int(dimensions, c_int)
-         if (size(uses) > 0) call attach_values(file, file%axes(i)%path, 'REFERENCE_LIST', &
-            use_type, shape(uses), c_loc(uses))
-         deallocate (users, dimensions, uses)
+         associate (axis => file%axes(i))
+            if (axis%object < 0_hid_t) cycle   ! another name
+            call file%keep_object(axis%path, axis%object)
+            uses = [use_t ::]
+            do k = i, size(file%axes)
+               if (file%axes(k)%place == axis%place) uses = [uses, uses_of(file, k)]
+            end do
+            if (size(uses) > 0) call attach_values(file, axis%path, 'REFERENCE_LIST', use_type, &
+               shape(uses), c_loc(uses))
+         end associate
       end do
       call h5tclose_f(use_type, status)
-      deallocate (file%axes)
+      file%axes = file%axes(:0)
    end subroutine write_users
+
+   !> What uses the coordinate number `k` by that name.
+   pure function uses_of(file, k) result(uses)
+      class(hdf5_file_t), intent(in) :: file
+      integer, intent(in) :: k
+      type(use_t), allocatable :: uses(:)
+      type(axis_use_t), allocatable :: found(:)
+
+      found = pack(file%uses, file%uses%axis == k)
+      allocate (uses(size(found)))
+      uses%user = found%user
+      uses%dimension = int(found%dimension, c_int)
+   end function uses_of
 
    !> Number of the coordinate at `path`; 0: there is none.
    pure function axis_at(file, path) result(k)
@@ -193,12 +219,9 @@ contains
       character(*), intent(in) :: path
       integer :: k
 
-      if (allocated(file%axes)) then
-         do k = 1, size(file%axes)
-            if (file%axes(k)%path == path) return
-         end do
-      end if
-      k = 0
+      do k = size(file%axes), 1, -1
+         if (file%axes(k)%path == path) return
+      end do
    end function axis_at
 
    !> The place in the file that stands for a dataset in references.

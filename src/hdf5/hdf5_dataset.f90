@@ -29,6 +29,11 @@ module hdf5_dataset
       !> Unit after multiplication by `si_scale`; '1' for a number without unit.
       character(:), allocatable :: si_units
       real(wp) :: si_scale = 1.0_wp
+      !> Follows `long_name` where the stored number is another one than in SI.
+      character(:), allocatable :: definition
+   contains
+      !> Whether the values are other numbers in SI, and their label there.
+      procedure :: has_scale, in_si
    end type label_t
 
    !> Stores a labelled dataset; groups above it are made as needed.
@@ -41,15 +46,34 @@ module hdf5_dataset
 contains
 
    !> A label; `si_scale` defaults to 1.
-   pure function new_label(long_name, si_units, si_scale) result(label)
+   pure function new_label(long_name, si_units, si_scale, definition) result(label)
       character(*), intent(in) :: long_name, si_units
       real(wp), intent(in), optional :: si_scale
+      character(*), intent(in), optional :: definition
       type(label_t) :: label
 
       label%long_name = long_name
       label%si_units = si_units
       if (present(si_scale)) label%si_scale = si_scale
+      label%definition = ''
+      if (present(definition)) label%definition = definition
    end function new_label
+
+   !> Whether the values are other numbers in SI.
+   elemental function has_scale(self)
+      class(label_t), intent(in) :: self
+      logical :: has_scale
+
+      has_scale = abs(self%si_scale - 1.0_wp) > 0.0_wp
+   end function has_scale
+
+   !> The label of the same values times `si_scale`.
+   pure function in_si(self) result(label)
+      class(label_t), intent(in) :: self
+      type(label_t) :: label
+
+      label = new_label(self%long_name, self%si_units)
+   end function in_si
 
    !> Reals of any rank; with `is_single` the file has them in single precision. Many zeros are not
    !> written: HDF5 gives zeros for what a file does not have.
@@ -63,7 +87,7 @@ contains
       real(wp), pointer :: flat(:)
       logical :: is_blank
 
-      call file%look_at(path, value)
+      call file%check_values(path, value)
       stored_type = file%real_type
       if (present(is_single)) stored_type = merge(file%single_type, stored_type, is_single)
       is_blank = size(value) > many
@@ -182,7 +206,7 @@ contains
       if (.not. present(label) .or. allocated(file%failure)) return
       call h5iinc_ref_f(dataset, references, status)   ! the caller has one, the file another
       call file%keep_object(path, dataset)
-      call write_attribute(file, path, 'long_name', label%long_name)
+      call write_attribute(file, path, 'long_name', label%long_name//label%definition)
       call write_attribute(file, path, 'si_units', label%si_units)
       call write_attribute(file, path, 'si_scale', label%si_scale)
       if (stored_unit(label) /= '1' .or. space /= file%shared%scalar_space) call &
@@ -195,7 +219,7 @@ contains
       character(:), allocatable :: unit
 
       unit = '1'
-      if (abs(label%si_scale - 1.0_wp) <= 0.0_wp) unit = label%si_units
+      if (.not. label%has_scale()) unit = label%si_units
    end function stored_unit
 
 end module hdf5_dataset

@@ -1,4 +1,4 @@
-!> An HDF5 file being written: open, groups, flush, close. Attributes are in `hdf5_attribute`,
+!> An HDF5 file being written: open, groups, close. Attributes are in `hdf5_attribute`,
 !> datasets in `hdf5_dataset`, series that are written block by block in `hdf5_series`.
 !>
 !> Every return code is checked. The first failure stays in `file%failure` (with HDF5's reason and
@@ -20,19 +20,23 @@ module hdf5_file
    implicit none (type, external)
    private
 
-   public :: axis_t, create_hdf5_file, hdf5_file_t
+   public :: axis_t, axis_use_t, create_hdf5_file, hdf5_file_t
 
    !> A coordinate of datasets in a file (see `hdf5_axes`).
    type :: axis_t
       character(:), allocatable :: path
       !> The open dataset; -1: it is another name.
       integer(hid_t) :: object = -1_hid_t
-      !> What stands for it in references, and for the datasets of which it is a dimension; the
-      !> numbers of these dimensions, 0 = the slowest.
+      !> Its address in references.
       integer(int64) :: place = 0
-      integer(int64), allocatable :: users(:)
-      integer, allocatable :: dimensions(:)
    end type axis_t
+
+   !> A dataset, by its address, whose dimension of this number (0 = the slowest) has the coordinate
+   !> number `axis`.
+   type :: axis_use_t
+      integer(int64) :: user
+      integer :: dimension, axis
+   end type axis_use_t
 
    !> An open file for writing.
    type :: hdf5_file_t
@@ -47,8 +51,9 @@ module hdf5_file
       integer(hid_t) :: real_type = -1_hid_t
       integer(hid_t) :: single_type = -1_hid_t
       integer(hid_t) :: integer_type = -1_hid_t
-      !> Coordinates so far; unallocated: none.
+      !> Coordinates so far, and what uses them.
       type(axis_t), allocatable :: axes(:)
+      type(axis_use_t), allocatable :: uses(:)
       !> The first dataset whose values are no answer, and why; unallocated: none so far.
       character(:), allocatable :: nonsense
       logical, private :: is_open = .false.
@@ -70,11 +75,9 @@ module hdf5_file
       !> The HDF5 type of a string.
       procedure :: string_type
       !> Looks at numbers that are written.
-      procedure :: look_at
+      procedure :: check_values
       !> Makes a group, and those above it.
       procedure :: create_group
-      !> Hands everything to the operating system.
-      procedure :: flush => flush_file
       !> Closes the file, whatever its state; `error` is the first failure of its whole life.
       procedure :: close => close_file
       !> Keeps the first failure.
@@ -94,6 +97,7 @@ contains
       integer :: status
 
       file%path = path
+      allocate (file%axes(0), file%uses(0))
       fault = place_fault(path, any_mark)
       if (fault /= '') call fail(file%failure, output_error, 'cannot write '//path//fault)
       call start_hdf5(status)
@@ -141,7 +145,7 @@ contains
 
    !> Checks every number of a solution before it is written: finite, and pressures not negative.
    !> Input and the report of an iteration are exempt.
-   subroutine look_at(self, path, values)
+   subroutine check_values(self, path, values)
       class(hdf5_file_t), intent(inout) :: self
       character(*), intent(in) :: path
       real(wp), intent(in), contiguous, target :: values(..)
@@ -155,7 +159,7 @@ contains
       else if (index(path, '/pressure', back=.true.) == len(path) - len('/pressure') + 1) then
          if (any(flat < 0.0_wp)) self%nonsense = path//' holds values below zero'
       end if
-   end subroutine look_at
+   end subroutine check_values
 
    !> Whether all `values` are finite. (Without a way out the loop takes several at a time.)
    pure function are_finite(values)
@@ -259,16 +263,6 @@ contains
       deallocate (self%object_path)
    end subroutine close_object
 
-   !> Hands everything written so far to the operating system.
-   subroutine flush_file(self)
-      class(hdf5_file_t), intent(inout) :: self
-      integer :: status
-
-      if (allocated(self%failure) .or. .not. self%is_open) return
-      call h5fflush_f(self%id, h5f_scope_global_f, status)
-      call self%check(status, 'writing to the disk')
-   end subroutine flush_file
-
    !> Closes the file and all that is open in it; `error` is the first failure of its whole life.
    !> Closing twice does nothing.
    subroutine close_file(self, error)
@@ -276,8 +270,10 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer :: status
 
-      call self%flush()
       if (self%is_open) then
+         status = 0
+         if (.not. allocated(self%failure)) call h5fflush_f(self%id, h5f_scope_global_f, status)
+         call self%check(status, 'writing to the disk')
          self%is_open = .false.
          call close_object(self)
          call close_group(self)

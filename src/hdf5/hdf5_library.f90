@@ -12,7 +12,7 @@ module hdf5_library
    implicit none (type, external)
    private
 
-   public :: get_string_type, new_properties, shared_hdf5, start_hdf5
+   public :: get_string_type, shared_hdf5, start_hdf5
 
    !> Longest string whose type is kept for the next string of its length.
    integer, parameter :: longest_kept = 256

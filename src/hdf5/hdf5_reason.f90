@@ -13,7 +13,7 @@ module hdf5_reason
    integer(c_int64_t), parameter :: default_stack = 0_c_int64_t
    !> H5E_WALK_UPWARD: the most specific entry first.
    integer(c_int), parameter :: walk_upward = 0_c_int
-   !> Longest description that is looked at.
+   !> Longest description that is read.
    integer, parameter :: max_length = 2000
 
    !> H5E_error2_t: one entry of the stack.

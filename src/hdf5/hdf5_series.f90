@@ -65,7 +65,7 @@ contains
       integer :: first, status
 
       if (allocated(file%failure) .or. size(values, 2) == 0) return
-      call file%look_at(self%path, values)
+      call file%check_values(self%path, values)
       offset = [0_hsize_t, int(self%records, hsize_t)]
       extents = [int(self%row_length, hsize_t), size(values, 2, kind=hsize_t)]
       first = merge(2, 1, self%row_length == 0)

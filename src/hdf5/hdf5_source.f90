@@ -81,11 +81,11 @@ contains
       if (status >= 0) call h5tget_size_f(source%type_id, source%bytes, status)
       if (source%class == h5t_string_f) call h5tis_variable_str_f(source%type_id, &
          source%is_variable, status)
-      call look_at_space(source, space)
+      call read_extents(source, space)
    end function new_source
 
    !> Number of values and extents; closes the dataspace.
-   subroutine look_at_space(source, space)
+   subroutine read_extents(source, space)
       type(hdf5_source_t), intent(inout) :: source
       integer(hid_t), intent(in) :: space
       integer(hsize_t), allocatable :: limits(:)
@@ -101,7 +101,7 @@ contains
       if (status < 0) points = 0_hsize_t   ! to the library's Fortran side no values are a failure
       source%values = int(points, int64)
       call h5sclose_f(space, status)
-   end subroutine look_at_space
+   end subroutine read_extents
 
    !> "found ..., expected ..." where the source is not `count` values of the class; empty if it is.
    !> Below 0: any number of values.
@@ -187,7 +187,7 @@ contains
          //to_text(int(stored, int64))//', expected all of them'
    end function fault_of_size
 
-   !> Reads all values as `type_id` to `place`; what is there must have been looked at with `fault`.
+   !> Reads all values as `type_id` to `place`; `fault` must have checked what is there.
    subroutine read_into(self, type_id, place, status)
       class(hdf5_source_t), intent(in) :: self
       integer(hid_t), intent(in) :: type_id

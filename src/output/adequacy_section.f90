@@ -1,28 +1,50 @@
-!> /adequacy of a result file: what each ingredient of the model and each numerical choice changes.
+!> /adequacy of a result, lubricated or dry: what each ingredient of the model and each numerical
+!> choice changes; and all of them in one line of the closing table.
 module adequacy_section
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use adequacy, only: adequacy_t, compared, influence_t
+   use dry_adequacy, only: coarsening, dry_adequacy_t, dry_compared => compared, dry_influence_t
+   use dry_quantities, only: dry_table
    use hdf5_attribute, only: write_attribute
+   use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
-   use influence_section, only: write_influence
    use kinds, only: wp
    use quantities, only: quantity_count, quantity_rows
+   use quantity_text, only: number_text
+   use text, only: joined
+   use verdicts, only: judged_t, verdict_irrelevant, verdict_needed, verdict_small, verdict_text, &
+      verdict_unknown, why_unknown
    implicit none (type, external)
    private
 
-   public :: write_adequacy
+   public :: model_line, write_adequacy, write_changes, write_dry_adequacy
+
+   character(*), parameter :: from_estimates = 'error estimates of the result'
 
 contains
 
-   !> Writes a group for each row, with a data set for each quantity of the closing table whose
-   !> change is known; nothing if nothing was measured.
+   !> A group for each ingredient of a lubricated contact, with a dataset for each quantity of the
+   !> closing table whose change is known; nothing if nothing was measured.
    subroutine write_adequacy(file, adequacy)
       class(hdf5_file_t), intent(inout) :: file
       type(adequacy_t), intent(in) :: adequacy
-      integer :: i
+      character(:), allocatable :: group
+      logical :: is_compared(quantity_count)
+      integer :: i, k
 
       if (.not. allocated(adequacy%rows)) return
+      is_compared = [(compared(k), k=1, quantity_count)]
       do i = 1, size(adequacy%rows)
-         call write_row(file, adequacy%rows(i))
+         group = '/adequacy/'//trim(adequacy%rows(i)%name)
+         associate (row => adequacy%rows(i))
+            call write_influence(file, row, source_of(row), pack(quantity_rows%name, is_compared), &
+               pack(row%change, is_compared), pack(row%error, is_compared))
+            call write_attribute(file, group, 'left_out', row%left_out)
+            do k = 1, quantity_count
+               if (is_compared(k) .and. row%least(k) > 0.0_wp) call write_attribute(file, group, &
+                  trim(quantity_rows(k)%name)//'_at_least', row%least(k))
+            end do
+         end associate
       end do
       call write_attribute(file, '/adequacy', 'about', 'relative change of each quantity where '// &
          'an ingredient of the model is left out, measured on coarse grids; of grid, '// &
@@ -36,25 +58,32 @@ contains
          adequacy%in_time(1))
    end subroutine write_adequacy
 
-   !> One ingredient.
-   subroutine write_row(file, row)
+   !> The same of a dry contact.
+   subroutine write_dry_adequacy(file, adequacy)
       class(hdf5_file_t), intent(inout) :: file
-      type(influence_t), intent(in) :: row
-      logical :: is_compared(quantity_count)
+      type(dry_adequacy_t), intent(in) :: adequacy
       integer :: i
 
-      is_compared = [(compared(i), i=1, quantity_count)]
-      call write_influence(file, row, measured_on(row), pack(quantity_rows%name, is_compared), &
-         pack(row%change, is_compared), pack(row%error, is_compared))
-      call write_attribute(file, '/adequacy/'//trim(row%name), 'left_out', row%left_out)
-      do i = 1, quantity_count
-         if (compared(i) .and. row%least(i) > 0.0_wp) call write_attribute(file, '/adequacy/' &
-            //trim(row%name), trim(quantity_rows(i)%name)//'_at_least', row%least(i))
+      if (.not. allocated(adequacy%rows)) return
+      do i = 1, size(adequacy%rows)
+         associate (row => adequacy%rows(i))
+            call write_influence(file, row, dry_source_of(adequacy, row), dry_table(dry_compared)%name, &
+               row%change, row%error)
+         end associate
       end do
-   end subroutine write_row
+      if (size(adequacy%rows) == 0) call file%create_group('/adequacy')
+      call write_attribute(file, '/adequacy', 'about', 'relative change under '// &
+         'mean_pressure, the largest of the sweep, where an ingredient is left out, measured '// &
+         'on coarser grids; of the grid the error estimate; attribute error_estimate: error '// &
+         'of the change; no dataset: not known')
+      call write_attribute(file, '/adequacy', 'accuracy', adequacy%accuracy)
+      call write_attribute(file, '/adequacy', 'mean_pressure', adequacy%mean_pressure)
+      call write_attribute(file, '/adequacy', 'judged_by', joined(dry_table(dry_compared) &
+         %name, ', '))
+   end subroutine write_dry_adequacy
 
    !> Where the changes of a row come from.
-   pure function measured_on(row) result(text)
+   pure function source_of(row) result(text)
       type(influence_t), intent(in) :: row
       character(:), allocatable :: text
 
@@ -62,9 +91,89 @@ contains
       if (row%is_at_rest) text = 'the smooth steady contact on coarser grids'
       if (row%has_roughness) text = 'the smooth steady contact on coarser grids, with the error ' &
          //'that roughness adds'
-      if (row%is_numerical) text = 'error estimates of the result'
+      if (row%is_numerical) text = from_estimates
       if (row%name == 'time_step') text = 'runs of the error estimates, or a coarse grid with '// &
          'twice its time step'
-   end function measured_on
+   end function source_of
+
+   !> The same of a dry contact.
+   pure function dry_source_of(adequacy, row) result(text)
+      type(dry_adequacy_t), intent(in) :: adequacy
+      type(dry_influence_t), intent(in) :: row
+      character(:), allocatable :: text
+
+      text = 'grids with '//number_text(adequacy%ratio, 3)//' and ' &
+         //number_text(coarsening*adequacy%ratio, 3)//' times the spacing'
+      if (row%name == 'area') text = 'the nodes of the result'
+      if (row%is_numerical) text = from_estimates
+   end function dry_source_of
+
+   !> The group of `row`, with a dataset for each of `quantities` whose relative change is known,
+   !> with its error, and why others are not. `measured_on`: where these come from.
+   subroutine write_influence(file, row, measured_on, quantities, changes, errors)
+      class(hdf5_file_t), intent(inout) :: file
+      class(judged_t), intent(in) :: row
+      character(*), intent(in) :: measured_on, quantities(:)
+      real(wp), intent(in) :: changes(:), errors(:)
+      character(:), allocatable :: group, why
+      logical :: is_known(size(changes))
+
+      is_known = ieee_is_finite(changes) .and. ieee_is_finite(errors)
+      group = '/adequacy/'//trim(row%name)
+      call file%create_group(group)
+      call write_attribute(file, group, 'verdict', verdict_text(row%verdict, row%is_numerical))
+      call write_attribute(file, group, 'instead', trim(row%text))
+      call write_attribute(file, group, 'measured_on', measured_on)
+      why = why_unknown(row, quantities, is_known)
+      if (why /= '') call write_attribute(file, group, 'not_known', why)
+      call write_changes(file, group, trim(row%text), quantities, changes, errors)
+   end subroutine write_influence
+
+   !> The known relative `changes` of `quantities` into a group, each with its error; `instead`:
+   !> what replaced the ingredient.
+   subroutine write_changes(file, group, instead, quantities, changes, errors)
+      class(hdf5_file_t), intent(inout) :: file
+      character(*), intent(in) :: group, instead, quantities(:)
+      real(wp), intent(in) :: changes(:), errors(:)
+      character(:), allocatable :: path
+      integer :: i
+
+      do i = 1, size(quantities)
+         if (.not. (ieee_is_finite(changes(i)) .and. ieee_is_finite(errors(i)))) cycle
+         path = group//'/'//trim(quantities(i))
+         call write_dataset(file, path, changes(i), new_label('relative change of ' &
+            //trim(quantities(i))//' with: '//instead, '1'))
+         call write_attribute(file, path, 'error_estimate', errors(i))
+      end do
+   end subroutine write_changes
+
+   !> What the closing table says of the ingredients among `rows`; empty: nothing.
+   pure function model_line(rows, accuracy) result(line)
+      type(judged_t), intent(in) :: rows(:)
+      real(wp), intent(in) :: accuracy
+      character(:), allocatable :: line
+
+      line = ''
+      call add('needed at '//number_text(100*accuracy, 2)//' %: ', verdict_needed)
+      call add('less than that: ', verdict_small)
+      call add('irrelevant: ', verdict_irrelevant)
+      call add('not known: ', verdict_unknown)
+      if (len(line) > 0) line = 'model     '//line
+
+   contains
+
+      !> One verdict with the names that have it.
+      pure subroutine add(words, verdict)
+         character(*), intent(in) :: words
+         integer, intent(in) :: verdict
+         logical :: is_one(size(rows))
+
+         is_one = rows%verdict == verdict .and. .not. rows%is_numerical
+         if (.not. any(is_one)) return
+         if (len(line) > 0) line = line//'; '
+         line = line//words//joined(pack(rows%name, is_one), ', ')
+      end subroutine add
+
+   end function model_line
 
 end module adequacy_section

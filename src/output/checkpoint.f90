@@ -1,4 +1,4 @@
-!> Checkpoint of a transient, NAME.ckpt beside NAME.part: where the run stood after a time step.
+!> Checkpoint of a transient, NAME.ckpt for NAME.part: where the run stood after a time step.
 !>
 !> It is written under another name, brought to the disk and renamed, so that there is always the
 !> last complete one, whenever the run is killed. It ends with a seal over all its bytes (module

@@ -5,43 +5,46 @@ module checkpoint_content
    use film_statistics, only: film_statistics_t, new_statistics
    use iteration_report, only: breakdown_t, report_t
    use kinds, only: wp
-   use line_summary, only: line_summary_t, quantity_t
+   use line_summary, only: line_summary_t
    use march_state, only: march_state_t
    use momentum_history, only: excess_t, max_excesses, momentum_history_t, past_t
    use passage_extremes, only: passage_extremes_t
-   use quantities, only: quantity_count, quantity_rows
+   use solver_settings, only: word_length
    use split_errors, only: forecast_t
    use text, only: to_text
-   use transient_store, only: digits_length, part_t
    implicit none (type, external)
    private
 
-   public :: checkpoint_t, visit_checkpoint
+   public :: checkpoint_t, run_record_t, visit_checkpoint
 
    !> Grows with every change of what a checkpoint holds.
-   integer, parameter, public :: format_number = 18
+   integer, parameter, public :: format_number = 20
 
-   !> What a checkpoint holds.
-   type :: checkpoint_t
+   !> What a run has gathered and chosen, and goes on with from its checkpoint.
+   type :: run_record_t
       !> The values of the case that decide about its result, a line each.
       character(:), allocatable :: case
-      type(march_state_t) :: march
       !> Extremes over the time steps so far.
       type(passage_extremes_t) :: passage
-      !> What pilot runs foretold, where they chose the resolution.
-      type(forecast_t) :: forecast
       !> The film over all time steps, where that is asked for.
       type(film_statistics_t) :: statistics
-      !> Where the full momentum equations stand, and what they have changed so far, where they are
-      !> solved too.
-      type(momentum_history_t), allocatable :: momentum
+      !> What the full momentum equations have changed so far, where they are solved too.
       type(film_passage_t), allocatable :: film_passage
-      !> What is stored in NAME.part.
-      type(part_t) :: part
       !> Intervals, time step and space scheme, given or chosen.
       integer :: intervals = 0
       real(wp) :: time_step = 0.0_wp
-      character(:), allocatable :: space_scheme
+      character(len=word_length) :: space_scheme = 'auto'
+   end type run_record_t
+
+   !> What a checkpoint holds.
+   type, extends(run_record_t) :: checkpoint_t
+      type(march_state_t) :: march
+      !> What trial runs predicted, where they chose the resolution.
+      type(forecast_t) :: forecast
+      !> Where the full momentum equations stand, where they are solved too.
+      type(momentum_history_t), allocatable :: momentum
+      !> The checksum of NAME.part.
+      character(:), allocatable :: part_digits
    end type checkpoint_t
 
 contains
@@ -50,79 +53,52 @@ contains
    subroutine visit_checkpoint(file, checkpoint)
       type(checkpoint_file_t), intent(inout) :: file
       type(checkpoint_t), intent(inout) :: checkpoint
-      logical :: has_momentum, has_statistics
 
-      associate (c => checkpoint)
-         call file%visit_text('/case', c%case)
-         call file%visit('/intervals', c%intervals)
-         call file%visit('/time_step', c%time_step)
-         call file%visit_text('/space_scheme', c%space_scheme)
-         call visit_part(file, c%part)
-         c%passage%has_counted = file%has('/counted', c%passage%has_counted)
-         if (c%passage%has_counted) call visit_summary(file, '/counted/', c%passage%counted)
-         c%passage%has_earlier = file%has('/earlier', c%passage%has_earlier)
-         if (c%passage%has_earlier) call visit_summary(file, '/earlier/', c%passage%earlier)
-         call visit_forecast(file, c%forecast)
-         has_statistics = file%has('/statistics', allocated(c%statistics%thresholds))
-         if (has_statistics) call visit_statistics(file, c%statistics)
-         call visit_march(file, c%march)
-         has_momentum = file%has('/momentum', allocated(c%momentum))
-         if (has_momentum) then
-            if (file%is_read) allocate (c%momentum, c%film_passage)
-            call visit_momentum(file, c%momentum, ubound(c%march%film, 1))
-            call visit_passage(file, c%film_passage, size(c%march%film))
-         end if
-         call visit_report(file, c%march%report)
-         c%march%report%steps = c%march%step
-      end associate
+      call visit_run(file, checkpoint%run_record_t)
+      call visit_forecast(file, checkpoint%forecast)
+      call visit_march(file, checkpoint%march)
+      if (file%has('/momentum', allocated(checkpoint%momentum))) then
+         if (file%is_read) allocate (checkpoint%momentum, checkpoint%film_passage)
+         call visit_momentum(file, checkpoint%momentum, ubound(checkpoint%march%film, 1))
+         call visit_passage(file, checkpoint%film_passage, size(checkpoint%march%film))
+      end if
+      call file%visit_text('/part_digits', checkpoint%part_digits)
    end subroutine visit_checkpoint
 
-   !> What is stored in NAME.part.
-   subroutine visit_part(file, part)
+   !> What a run has gathered and chosen, but the passage of its momentum equations.
+   subroutine visit_run(file, run)
       type(checkpoint_file_t), intent(inout) :: file
-      type(part_t), intent(inout) :: part
+      type(run_record_t), intent(inout) :: run
+      character(:), allocatable :: scheme
 
-      call file%visit('/part/records', part%records)
-      call file%visit_text('/part/digits', part%digits)
-      if (file%is_read) allocate (part%places(2, len(part%digits)/digits_length))
-      call file%visit('/part/places', part%places)
-   end subroutine visit_part
+      scheme = trim(run%space_scheme)
+      call file%visit_text('/case', run%case)
+      call file%visit('/intervals', run%intervals)
+      call file%visit('/time_step', run%time_step)
+      call file%visit_text('/space_scheme', scheme)
+      run%space_scheme = scheme
+      call visit_summary(file, '/counted', run%passage%has_counted, run%passage%counted)
+      call visit_summary(file, '/earlier', run%passage%has_earlier, run%passage%earlier)
+      if (file%has('/statistics', allocated(run%statistics%thresholds))) call &
+         visit_statistics(file, run%statistics)
+   end subroutine visit_run
 
-   !> Extremes over several times, in the group `path`.
-   subroutine visit_summary(file, path, summary)
+   !> Extremes over several times, if there are any: types of reals alone.
+   subroutine visit_summary(file, path, is_known, summary)
       type(checkpoint_file_t), intent(inout) :: file
       character(*), intent(in) :: path
+      logical, intent(inout) :: is_known
       type(line_summary_t), intent(inout) :: summary
-      integer :: i
+      real(wp) :: values(storage_size(summary)/storage_size(1.0_wp))
 
-      do i = 1, quantity_count
-         call visit_quantity(file, path//trim(quantity_rows(i)%name)//'/', summary%of(i))
-      end do
-      call file%visit(path//'highest_crest', summary%crests%highest)
-      call file%visit(path//'other_crest', summary%crests%other)
-      call file%visit(path//'spike', summary%crests%spike)
-      call file%visit(path//'spike_film', summary%crests%spike_film)
-      call file%visit(path//'stokes_number', summary%limits%stokes_number)
-      call file%visit(path//'surface_slope', summary%limits%surface_slope)
-      call file%visit(path//'stress_share', summary%limits%stress_share)
-      call file%visit(path//'film_heating', summary%limits%film_heating)
+      is_known = file%has(path, is_known)
+      if (.not. is_known) return
+      values = transfer(summary, values)
+      call file%visit(path, values)
+      summary = transfer(values, summary)
    end subroutine visit_summary
 
-   !> One quantity; its error is estimated when the run is complete.
-   subroutine visit_quantity(file, path, quantity)
-      type(checkpoint_file_t), intent(inout) :: file
-      character(*), intent(in) :: path
-      type(quantity_t), intent(inout) :: quantity
-
-      call file%visit(path//'value', quantity%value)
-      call file%visit(path//'between', quantity%between)
-      call file%visit(path//'time', quantity%time)
-      call file%visit(path//'extrapolated', quantity%extrapolated)
-      call file%visit(path//'error_estimate', quantity%error_estimate)
-      call file%visit(path//'error_grid', quantity%error_grid)
-   end subroutine visit_quantity
-
-   !> What pilot runs foretold, if there were any.
+   !> What trial runs predicted, if there were any.
    subroutine visit_forecast(file, forecast)
       type(checkpoint_file_t), intent(inout) :: file
       type(forecast_t), intent(inout) :: forecast
@@ -177,6 +153,8 @@ contains
       end if
       call file%visit('/march/pressure', march%pressure)
       call file%visit('/march/mass', march%mass)
+      call visit_report(file, march%report)
+      march%report%steps = march%step
    end subroutine visit_march
 
    !> The march of the full momentum equations on n intervals.
@@ -184,20 +162,17 @@ contains
       type(checkpoint_file_t), intent(inout) :: file
       type(momentum_history_t), intent(inout) :: history
       integer, intent(in) :: n
-      integer :: counts(8), k
+      integer :: k
 
       associate (past => history)
-         counts = [past%layers, past%times, past%films, past%solutions, past%steps, &
-            past%most_steps, past%factorisations, past%linear_iterations]
-         call file%visit('/momentum/counts', counts)
-         past%layers = counts(1)
-         past%times = counts(2)
-         past%films = counts(3)
-         past%solutions = counts(4)
-         past%steps = counts(5)
-         past%most_steps = counts(6)
-         past%factorisations = counts(7)
-         past%linear_iterations = counts(8)
+         call file%visit('/momentum/layers', past%layers)
+         call file%visit('/momentum/times', past%times)
+         call file%visit('/momentum/films', past%films)
+         call file%visit('/momentum/solutions', past%solutions)
+         call file%visit('/momentum/steps', past%steps)
+         call file%visit('/momentum/most_steps', past%most_steps)
+         call file%visit('/momentum/factorisations', past%factorisations)
+         call file%visit('/momentum/linear_iterations', past%linear_iterations)
          call file%visit('/momentum/longer', past%longer)
          call file%visit('/momentum/best_count', past%best_count)
          call file%visit('/momentum/lengths', past%lengths)

@@ -1,8 +1,9 @@
-!> What is printed of a lubricated case when it is done: its outcome and a table of its quantities.
+!> What is printed of a lubricated case when it is done, its outcome and a table of its quantities,
+!> and of a film that breaks down.
 module closing_table
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use hdf5_dataset, only: label_t
-   use iteration_report, only: report_t
+   use iteration_report, only: breakdown_t, report_t
    use kinds, only: wp
    use line_summary, only: line_summary_t
    use missing_value, only: exceeds
@@ -12,7 +13,6 @@ module closing_table
    use quantity_text, only: number_text, prefixed_text, wrapped
    use result_labels, only: row_label
    use scaling, only: scaling_t
-   use spike_text, only: is_central_shown
    use text, only: counted
    use validity, only: limit_t
    use validity_section, only: limit_sentence
@@ -20,10 +20,14 @@ module closing_table
    implicit none (type, external)
    private
 
-   public :: close_case, closing_words_t
+   public :: breakdown_sentence, close_case, closing_words_t, spike_lines
 
    !> Rows of the closing table: the pressure away from a spike before that of the spike.
    integer, parameter :: table_rows(*) = [h_min, h_central, p_central, p_max, friction_coefficient]
+   !> A largest pressure with a smaller relative error is shown alone.
+   real(wp), parameter :: well_known = 0.01_wp
+   !> Columns before the words of a row.
+   integer, parameter :: margin = 12
 
    !> What others say in the closing table; not allocated or empty: nothing.
    type :: closing_words_t
@@ -49,7 +53,7 @@ contains
 
       call log%clear()
       outcome = wrapped(log%name//': '//outcome_text(report, log%is_quiet), columns)
-      if (.not. report%converged .and. log%tells_apart()) call log%write_line(outcome)
+      if (.not. report%converged .and. log%prints_errors_apart()) call log%write_line(outcome)
       if (log%is_quiet) return
       call log%add_to_summary(outcome)
       ! else no start was found: there is nothing to show
@@ -167,7 +171,7 @@ contains
       if (lines(1:1) == ' ') then
          call log%add_to_summary(lines)
       else
-         call log%add_to_summary('  '//wrapped(lines, columns - 2, 12))
+         call log%add_to_summary('  '//wrapped(lines, columns - 2, margin))
       end if
    end subroutine add_words
 
@@ -182,5 +186,72 @@ contains
       if (times%settled_from > 0.0_wp) words = words//'; the start is forgotten by T ' &
          //number_text(times%settled_from, 4)
    end function times_text
+
+   !> Whether the central pressure is shown with the largest: that is not known to 1 %, and less
+   !> than half as well as the central one.
+   pure function is_central_shown(summary) result(is_shown)
+      type(line_summary_t), intent(in) :: summary
+      logical :: is_shown
+
+      associate (central => summary%of(p_central), largest => summary%of(p_max))
+         is_shown = ieee_is_finite(central%error_estimate)
+         if (is_shown .and. ieee_is_finite(largest%error_estimate)) is_shown = &
+            largest%error_estimate > max(well_known*largest%value, 2*central%error_estimate)
+      end associate
+   end function is_central_shown
+
+   !> Which pressure to take and how to have the other, as lines of the table; empty where no spike
+   !> is the reason. `is_asked`: &accuracy target_p_max is given; `is_steady`: else it cannot be;
+   !> `has_intervals`: &domain intervals is given, which does not go with it.
+   pure function spike_lines(summary, is_asked, is_steady, has_intervals) result(lines)
+      type(line_summary_t), intent(in) :: summary
+      logical, intent(in) :: is_asked, is_steady, has_intervals
+      character(:), allocatable :: lines
+      real(wp) :: spike
+
+      lines = ''
+      spike = merge(summary%crests%corner, 0.0_wp, summary%crests%corner_top > 0.0_wp)
+      if (ieee_is_finite(summary%crests%spike)) spike = summary%crests%spike
+      if (.not. is_central_shown(summary) .or. .not. spike > 0.0_wp) return
+      if (spike < summary%of(p_max)%value) then
+         lines = 'a pressure spike near the outlet is narrower than this grid, and on finer' &
+            //' ones may rise above p_max'
+      else
+         lines = 'p_max is the top of a pressure spike near the outlet that is narrower than' &
+            //' this grid, and rises on finer ones'
+      end if
+      lines = '  spike     '//lines//'; p_central is the pressure beside it, at X = 0'
+      if (.not. is_steady) lines = lines//'. More &domain intervals show more of it'
+      if (is_steady .and. .not. is_asked) then
+         lines = lines//'. For a p_max that is known to 1 %'
+         if (has_intervals) lines = lines//', without &domain intervals'
+         lines = lines//':'
+      end if
+      lines = wrapped(lines, columns, margin)
+      if (is_steady .and. .not. is_asked) lines = lines//new_line('a')//repeat(' ', margin) &
+         //'--set accuracy.target=0.01 --set accuracy.target_p_max=0.01'
+   end function spike_lines
+
+   !> Where and when the first film below the floor was, in SI: 'film breakdown at x = -31.2 um
+   !> (X = -0.2950), t = ...'.
+   pure function breakdown_sentence(breakdown, film_floor, scaling) result(sentence)
+      type(breakdown_t), intent(in) :: breakdown
+      real(wp), intent(in) :: film_floor
+      type(scaling_t), intent(in) :: scaling
+      character(:), allocatable :: sentence
+
+      sentence = 'film breakdown at x = ' &
+         //prefixed_text(breakdown%position*scaling%half_width, 'm')//' (X = ' &
+         //number_text(breakdown%position, 4)//'), t = ' &
+         //prefixed_text(breakdown%time*scaling%time, 's')//' (T = ' &
+         //number_text(breakdown%time, 4)//', time step ' &
+         //number_text(real(breakdown%step, wp), 9)//'): '
+      if (breakdown%film > 0.0_wp) then
+         sentence = sentence//'film '//prefixed_text(breakdown%film*scaling%film, 'm') &
+            //', below film_floor = '//prefixed_text(film_floor*scaling%film, 'm')
+      else
+         sentence = sentence//'the film would close'
+      end if
+   end function breakdown_sentence
 
 end module closing_table

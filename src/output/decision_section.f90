@@ -4,7 +4,7 @@ module decision_section
    use adequacy, only: adequacy_t, compared, influence_t, new_influence
    use hdf5_attribute, only: write_attribute
    use hdf5_file, only: hdf5_file_t
-   use influence_section, only: write_changes
+   use adequacy_section, only: write_changes
    use kinds, only: wp
    use model_decision, only: model_choice_t, reasons
    use quantities, only: quantity_count, quantity_rows
@@ -28,7 +28,7 @@ contains
       type(model_choice_t), intent(in) :: choice
       character(len=*), parameter :: root = '/adequacy/decision'
       character(:), allocatable :: group
-      logical :: is_told(quantity_count)
+      logical :: is_compared(quantity_count)
       integer :: i, k
 
       if (.not. allocated(choice%rows)) return
@@ -38,6 +38,7 @@ contains
          'and method of the run')
       call write_attribute(file, root, 'solved', solved_text(choice))
       if (all(choice%grids > 0)) call write_attribute(file, root, 'intervals', choice%grids(1))
+      is_compared = [(compared(k), k=1, quantity_count)]
       do i = 1, size(choice%rows)
          group = root//'/'//trim(choice%rows(i)%name)
          call file%create_group(group)
@@ -45,10 +46,8 @@ contains
          call write_attribute(file, group, 'reason', trim(reasons(choice%why(i))%text))
          call write_attribute(file, group, 'instead', trim(choice%rows(i)%text))
          associate (row => choice%rows(i))
-            is_told = ieee_is_finite(row%change) .and. ieee_is_finite(row%error) &
-               .and. [(compared(k), k=1, quantity_count)]
-            call write_changes(file, group, trim(row%text), pack(quantity_rows%name, is_told), &
-               pack(row%change, is_told), pack(row%error, is_told))
+            call write_changes(file, group, trim(row%text), pack(quantity_rows%name, &
+               is_compared), pack(row%change, is_compared), pack(row%error, is_compared))
          end associate
       end do
       if (.not. allocated(choice%numbers)) return
@@ -90,35 +89,33 @@ contains
    pure function decision_lines(choice, adequacy) result(lines)
       type(model_choice_t), intent(in) :: choice
       type(adequacy_t), intent(in) :: adequacy
-      character(:), allocatable :: lines
-      type(influence_t) :: known
-      logical :: has_parts
+      character(:), allocatable :: lines, words
       integer :: i
 
       lines = ''
       if (.not. allocated(choice%rows)) return
       lines = '  auto'
-      has_parts = .false.
       do i = 1, size(choice%rows)
          if (i > 1) lines = lines//new_line('a')
-         known = known_row(choice%rows(i), adequacy)
-         has_parts = has_parts .or. is_of_part(known)
          call place(lines, trim(choice%rows(i)%name), tabs(1))
-         call place(lines, influence_text(known), tabs(2))
-         call place(lines, decision_with_reason(choice, i), tabs(3))
+         call place(lines, influence_text(choice%rows(i), adequacy), tabs(2))
+         words = decision_text(choice%is_left_out(i))
+         if (reasons(choice%why(i))%short /= '') words = words//': ' &
+            //trim(reasons(choice%why(i))%short)
+         call place(lines, words, tabs(3))
       end do
       if (allocated(choice%numbers)) then
          do i = 1, size(choice%numbers)
             associate (number => choice%numbers(i))
                lines = lines//new_line('a')
                call place(lines, trim(number%name), tabs(1))
-               call place(lines, influence_text(known_row(new_influence(trim(number%judged_as), &
-                  ''), adequacy)), tabs(2))
+               call place(lines, influence_text(new_influence(trim(number%judged_as), ''), &
+                  adequacy), tabs(2))
                call place(lines, trim(number%decision)//': '//trim(number%text), tabs(3))
             end associate
          end do
       end if
-      if (.not. has_parts) return
+      if (index(lines, part_mark) == 0) return
       lines = lines//new_line('a')
       call place(lines, part_mark//' a quarter of it left out: without all of it no solution '// &
          'is found', tabs(1))
@@ -142,65 +139,32 @@ contains
       lines = lines//repeat(' ', start - 1 - used)//words
    end subroutine place
 
-   !> What was decided of ingredient `i`, and why in short.
-   pure function decision_with_reason(choice, i) result(text)
-      type(model_choice_t), intent(in) :: choice
-      integer, intent(in) :: i
-      character(:), allocatable :: text
-
-      text = decision_text(choice%is_left_out(i))
-      associate (why => reasons(choice%why(i))%short)
-         if (why /= '') text = text//': '//trim(why)
-      end associate
-   end function decision_with_reason
-
-   !> The row, or that of the same name in `adequacy` where nothing is known of it.
-   pure function known_row(row, adequacy) result(known)
-      type(influence_t), intent(in) :: row
+   !> The largest change of a row, or of that of the same name in `adequacy` where nothing is known
+   !> of it: 0.02 +- 0.01 % h_min, of a numerical choice 0.02 % h_min; a dash where none is known, a
+   !> mark where it is that by a part of the ingredient.
+   pure function influence_text(decided, adequacy) result(text)
+      type(influence_t), intent(in) :: decided
       type(adequacy_t), intent(in) :: adequacy
-      type(influence_t) :: known
-      integer :: i
-
-      known = row
-      if (any(ieee_is_finite(row%change)) .or. .not. allocated(adequacy%rows)) return
-      do i = 1, size(adequacy%rows)
-         if (adequacy%rows(i)%name == row%name) known = adequacy%rows(i)
-      end do
-   end function known_row
-
-   !> Whether the changes of a row are those by a part of its ingredient.
-   pure function is_of_part(row)
-      type(influence_t), intent(in) :: row
-      logical :: is_of_part
-      integer :: i
-
-      is_of_part = row%left_out < 1.0_wp .and. any(ieee_is_finite(row%change) &
-         .and. [(compared(i), i=1, quantity_count)])
-   end function is_of_part
-
-   !> The largest change of a row: 0.02 +- 0.01 % h_min, of a numerical choice 0.02 % h_min; a dash
-   !> where none is known, a mark where it is that by a part of the ingredient.
-   pure function influence_text(row) result(text)
-      type(influence_t), intent(in) :: row
       character(:), allocatable :: text
-      character(:), allocatable :: change
-      real(wp) :: largest
+      type(influence_t) :: row
+      logical :: is_known(quantity_count)
       integer :: i
 
+      row = decided
+      if (.not. any(ieee_is_finite(row%change)) .and. allocated(adequacy%rows)) then
+         i = findloc(adequacy%rows%name == row%name, .true., 1)
+         if (i > 0) row = adequacy%rows(i)
+      end if
       text = '-'
-      largest = -1.0_wp
-      do i = 1, quantity_count
-         if (.not. (compared(i) .and. ieee_is_finite(row%change(i)) &
-            .and. ieee_is_finite(row%error(i)))) cycle
-         if (abs(row%change(i)) <= largest) cycle
-         largest = abs(row%change(i))
-         change = '<0.001'
-         if (100*largest >= 0.001_wp) change = number_text(100*row%change(i), 2)
-         text = change
+      is_known = ieee_is_finite(row%change) .and. [(compared(i), i=1, quantity_count)]
+      i = maxloc(abs(row%change), 1, is_known .and. ieee_is_finite(row%error))
+      if (i > 0) then
+         text = '<0.001'
+         if (100*abs(row%change(i)) >= 0.001_wp) text = number_text(100*row%change(i), 2)
          if (.not. row%is_numerical) text = text//' +- '//number_text(100*row%error(i), 2)
          text = text//' % '//trim(quantity_rows(i)%short)
-      end do
-      if (is_of_part(row)) text = text//' '//part_mark
+      end if
+      if (row%left_out < 1.0_wp .and. any(is_known)) text = text//' '//part_mark
    end function influence_text
 
 end module decision_section

@@ -5,7 +5,7 @@ module dry_closing_table
    use dry_adequacy, only: dry_adequacy_t
    use dry_quantities, only: contact_area, dry_outcome_t, mean_pressure, mean_separation, p_max, &
       plastic_area
-   use influence_section, only: model_line
+   use adequacy_section, only: model_line
    use kinds, only: wp
    use progress_log, only: columns, progress_log_t
    use quantity_text, only: number_text, wrapped
@@ -44,7 +44,7 @@ contains
                // counted(solution%report%cycles, 'iteration') // ', ' &
                // to_text(solution%report%wall_seconds, 3) // ' s')
          else
-            if (log%tells_apart()) call log%say_error(name // ': NOT CONVERGED: ' &
+            if (log%prints_errors_apart()) call log%say_error(name // ': NOT CONVERGED: ' &
                // solution%report%reason)
             call log%add_to_summary(name // ': NOT CONVERGED: ' // solution%report%reason)
          end if

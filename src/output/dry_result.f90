@@ -12,7 +12,7 @@ module dry_result
       mean_pressure
    use errors, only: error_t
    use hdf5_attribute, only: write_attribute
-   use hdf5_axes, only: link_object, make_axis, make_counter, name_axes
+   use hdf5_axes, only: link_object, make_counter, name_axes, write_field
    use hdf5_dataset, only: label_t, new_label, write_dataset, write_zeros
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
@@ -77,7 +77,7 @@ contains
          'number of the grid of the transforms')
       call make_counter(file, '/report/transform_column', size(outcome%transforms, 1), &
          'number of: size in x, in y, pairs in double, pairs in single precision')
-      call name_axes(file, '/report/transforms', '/report/transform_column', '/report/grid')
+      call name_axes(file, '/report/transforms', 'transform_column grid')
    end subroutine write_costs
 
    !> /scaling: E', and of a periodic rough surface the numbers of the last load on which a contact
@@ -115,28 +115,25 @@ contains
       class(hdf5_file_t), intent(inout) :: file
       type(dry_case_t), intent(in) :: dry
       type(dry_fields_t), intent(in) :: fields
+      character(:), allocatable :: axes
       character(*), parameter :: unloaded = 'composite height after unloading', &
          deformation = 'plastic deformation'
 
-      call write_dataset(file, '/solution/x', node_positions(dry%grid%nx, dry%lengths(1), &
-         dry%is_periodic), &
-         new_label('position', 'm'))
-      call make_axis(file, '/solution/x')
-      if (dry%grid%ny > 1) then
-         call write_dataset(file, '/solution/y', node_positions(dry%grid%ny, dry%lengths(2), &
-            dry%is_periodic), new_label('position across', 'm'))
-         call make_axis(file, '/solution/y')
-      end if
-      call write_field('pressure', 'contact pressure', 'Pa', fields%pressure)
-      call write_field('gap', 'gap between the surfaces', 'm', fields%gap)
-      call write_field('height_undeformed', 'composite height before loading', 'm', dry%height)
-      call write_field('height_loaded', 'composite height under load', 'm', fields%height_loaded)
+      axes = trim(merge('x  ', 'x y', dry%grid%ny == 1))
+      call write_field(file, '/solution/x', node_positions(dry%grid%nx, dry%lengths(1), &
+         dry%is_periodic), new_label('position', 'm'), '=')
+      if (dry%grid%ny > 1) call write_field(file, '/solution/y', node_positions(dry%grid%ny, &
+         dry%lengths(2), dry%is_periodic), new_label('position across', 'm'), '=')
+      call put('pressure', 'contact pressure', 'Pa', fields%pressure)
+      call put('gap', 'gap between the surfaces', 'm', fields%gap)
+      call put('height_undeformed', 'composite height before loading', 'm', dry%height)
+      call put('height_loaded', 'composite height under load', 'm', fields%height_loaded)
       if (allocated(fields%height_unloaded)) then
-         call write_field('height_unloaded', unloaded, 'm', fields%height_unloaded)
-         call write_field('plastic_deformation', deformation, 'm', fields%plastic_deformation)
+         call put('height_unloaded', unloaded, 'm', fields%height_unloaded)
+         call put('plastic_deformation', deformation, 'm', fields%plastic_deformation)
       else
-         call write_field('height_unloaded', unloaded, 'm', dry%height)
-         call write_field('plastic_deformation', deformation, 'm')
+         call put('height_unloaded', unloaded, 'm', dry%height)
+         call put('plastic_deformation', deformation, 'm')
       end if
       call file%create_group('/si')
       call link_object(file, '/solution', '/si/solution')
@@ -144,7 +141,7 @@ contains
    contains
 
       !> One field (nx, ny), if it is to be stored; without values it is zero everywhere.
-      subroutine write_field(name, long_name, units, values)
+      subroutine put(name, long_name, units, values)
          character(*), intent(in) :: name, long_name, units
          real(wp), intent(in), optional :: values(dry%grid%nx, dry%grid%ny)
          character(:), allocatable :: path
@@ -161,10 +158,9 @@ contains
             else
                call write_dataset(file, path, values, label, dry%is_single)
             end if
-            if (ny == 1) call name_axes(file, path, '/solution/x')
-            if (ny > 1) call name_axes(file, path, '/solution/x', '/solution/y')
+            call name_axes(file, path, axes)
          end associate
-      end subroutine write_field
+      end subroutine put
 
    end subroutine write_fields
 
@@ -211,8 +207,7 @@ contains
       real(wp) :: copy(size(values))
 
       copy = values
-      call write_dataset(file, '/sweep/'//name, copy, label)
-      call name_axes(file, '/sweep/'//name, '/sweep/step')
+      call write_field(file, '/sweep/'//name, copy, label, 'step')
    end subroutine write_column
 
    !> /sweep/<name>_<state>: the roughness parameters of state `k` for each load.

@@ -3,7 +3,7 @@ module dry_surface_section
    use dry_case, only: dry_case_t
    use dry_quantities, only: dry_fields_t
    use errors, only: error_t
-   use hdf5_axes, only: make_axis, make_counter, name_axes
+   use hdf5_axes, only: make_counter, write_field
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
@@ -45,16 +45,14 @@ contains
       levels = [(lowest + (highest - lowest)*real(i, wp)/(bearing_levels - 1), i=0, &
          bearing_levels - 1)]
       edges = [(lowest + (highest - lowest)*real(i, wp)/density_steps, i=0, density_steps)]
-      call write_dataset(file, '/surface/level', levels, new_label('height of the bearing '// &
-         'curves', 'm'))
-      call make_axis(file, '/surface/level')
-      call write_dataset(file, '/surface/density_edge', edges, &
-         new_label('ends of the steps of the height densities', 'm'))
-      call make_axis(file, '/surface/density_edge')
-      call write_dataset(file, '/surface/density_height', 0.5_wp*(edges(2:) &
-         + edges(:density_steps)), new_label('middle of the steps of the height densities', 'm'))
-      call make_axis(file, '/surface/density_height')
-      ! Both surfaces in parallel; they share nothing.
+      call write_field(file, '/surface/level', levels, new_label('height of the bearing curves', &
+         'm'), '=')
+      call write_field(file, '/surface/density_edge', edges, &
+         new_label('ends of the steps of the height densities', 'm'), '=')
+      call write_field(file, '/surface/density_height', 0.5_wp*(edges(2:) &
+         + edges(:density_steps)), new_label('middle of the steps of the height densities', 'm'), &
+         '=')
+      ! Two surfaces at a time: they share nothing.
       !$omp parallel do num_threads(min(dry%grid%threads, 2)) schedule(static) private(failure)
       do k = 1, 2
          if (k == 1) then
@@ -112,22 +110,19 @@ contains
       character(*), intent(in) :: name
       type(surface_state_t), intent(in) :: state
 
-      call write_dataset(file, '/surface/bearing_ratio_'//name, state%bearing_ratio, &
-         new_label('share of the surface at or above each level', '1'))
-      call write_dataset(file, '/surface/height_density_'//name, state%height_density, &
-         new_label('share of the surface at a height, over the height', '1/m'))
-      call name_axes(file, '/surface/bearing_ratio_'//name, '/surface/level')
-      call name_axes(file, '/surface/height_density_'//name, '/surface/density_height')
+      call write_field(file, '/surface/bearing_ratio_'//name, state%bearing_ratio, &
+         new_label('share of the surface at or above each level', '1'), 'level')
+      call write_field(file, '/surface/height_density_'//name, state%height_density, &
+         new_label('share of the surface at a height, over the height', '1/m'), 'density_height')
       if (.not. allocated(state%power)) return
       call write_dataset(file, '/surface/rms_slope_'//name, state%rms_slope, &
          new_label('rms slope from differences of neighbouring nodes', '1'))
       call write_dataset(file, '/surface/rms_curvature_'//name, state%rms_curvature, &
          new_label('rms curvature from second differences of neighbouring nodes', '1/m'))
-      call write_dataset(file, '/surface/power_'//name, state%power, &
-         new_label('mean square height in harmonics 1, 2, ... along x', 'm^2'))
       if (name == 'undeformed') call make_counter(file, '/surface/harmonic', size(state%power), &
          'number of the harmonic along x')
-      call name_axes(file, '/surface/power_'//name, '/surface/harmonic')
+      call write_field(file, '/surface/power_'//name, state%power, &
+         new_label('mean square height in harmonics 1, 2, ... along x', 'm^2'), 'harmonic')
    end subroutine write_state
 
 end module dry_surface_section

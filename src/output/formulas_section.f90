@@ -1,5 +1,5 @@
 !> /formulas of a result file and lines of the closing table: what the film formulas of handbooks
-!> give for the contact, beside the computed film.
+!> give for the contact, with the computed film.
 module formulas_section
    use film_formulas, only: film_by_formula, formula_rows, formulas_hold, known_bias
    use hdf5_attribute, only: write_attribute

@@ -54,7 +54,7 @@ contains
    end function output_findings
 
    !> Namelists and height files, this many `inputs`; behind them results, each followed by what is
-   !> written beside it.
+   !> written during its run.
    subroutine list_places(cases, output_dir, places, inputs)
       type(case_t), intent(in) :: cases(:)
       character(*), intent(in) :: output_dir

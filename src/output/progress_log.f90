@@ -64,8 +64,8 @@ module progress_log
       procedure :: say_error
       !> A summary: its lines, unless quiet, and its end.
       procedure :: add_to_summary, print_summary
-      !> Whether what went wrong must be told beside the summary.
-      procedure :: tells_apart
+      !> Whether errors are printed apart from the summary.
+      procedure :: prints_errors_apart
       !> Removes the updating line; writes lines, in any case.
       procedure :: clear, write_line
       procedure, private :: update
@@ -172,16 +172,16 @@ contains
       line = line//'  '//duration_text(remaining)//' left'
    end function step_text
 
-   !> Whether what went wrong must be told beside the summary: there is none, or its reader may not
-   !> be that of the log.
-   function tells_apart(self)
+   !> Whether errors are printed apart from the summary: there is none, or its reader may not be
+   !> that of the log.
+   function prints_errors_apart(self)
       class(progress_log_t), intent(in) :: self
-      logical :: tells_apart
+      logical :: prints_errors_apart
 
-      tells_apart = self%is_quiet
-      if (self%has_summary_apart .and. .not. tells_apart) tells_apart = &
+      prints_errors_apart = self%is_quiet
+      if (self%has_summary_apart .and. .not. prints_errors_apart) prints_errors_apart = &
          .not. (is_terminal(standard_output) .and. is_terminal(standard_error))
-   end function tells_apart
+   end function prints_errors_apart
 
    !> Adds `line` to the summary, unless quiet.
    subroutine add_to_summary(self, line)
@@ -211,7 +211,7 @@ contains
       deallocate (self%summary)
    end subroutine print_summary
 
-   !> A line of its own, unless quiet.
+   !> One line, unless quiet.
    subroutine say(self, message)
       class(progress_log_t), intent(inout) :: self
       character(*), intent(in) :: message

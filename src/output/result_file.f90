@@ -1,15 +1,13 @@
 !> A result file from its first line to its final name, whatever it holds.
 !>
 !> While the case runs NAME.part in the same folder holds its place. The time steps of a transient
-!> are streamed into it, so that memory does not grow with their number. At the end the result is
-!> put together in NAME.tmp, which is then renamed. (NAME.part of a transient comes from NAME.tmp
-!> too, with T = 0 in it, so that it never shows anything that is not there.) An interrupted or
-!> failed run leaves an older NAME as it was.
+!> are appended to it, so that memory does not grow with their number. At the end the result is
+!> put together in NAME.tmp, which is then renamed. An interrupted or failed run leaves an older
+!> NAME as it was.
 module result_file
-   use breakdown_text, only: write_breakdown
    use build_info, only: git_commit, program_name, program_version
    use case_record, only: effective_t
-   use errors, only: error_t, fail, input_error, output_error
+   use errors, only: error_t, fail, input_error
    use hdf5_attribute, only: write_attribute
    use hdf5_axes, only: write_users
    use hdf5_dataset, only: new_label, write_dataset
@@ -18,13 +16,14 @@ module result_file
    use iteration_report, only: report_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use own_file, only: hdf5_mark, lock_t, place_fault, remove_file, rename_file, sync_file
+   use own_file, only: remove_file, sync_file
    use result_labels, only: field_names
    use result_name, only: hold_name, result_name_t
-   use result_sections, only: write_report, write_scaling
+   use result_sections, only: write_breakdown, write_report, write_scaling
    use scaling, only: scaling_t
    use signals, only: begin_activity, set_patience
-   use transient_store, only: attach_store, create_store, part_t, sliding_names, transient_store_t
+   use transient_store, only: attach_store, begin_store, create_store, sliding_names, &
+      transient_store_t
    implicit none (type, external)
    private
 
@@ -38,7 +37,7 @@ module result_file
 
    !> The file being written.
    type :: result_file_t
-      !> Its final name, and what lies beside it.
+      !> Its final name, and the files of the run.
       type(result_name_t) :: name
       !> Every how many time steps profiles are stored; those at T = 0 always are.
       integer :: profile_stride = 1
@@ -57,7 +56,7 @@ module result_file
       character(:), allocatable, private :: problem, title, namelist
       logical, private :: is_scaled = .false.
    contains
-      !> Writes what is known before the run.
+      !> Keeps what is known before the run.
       procedure :: describe
       !> Appends a time step to /transient.
       procedure :: append_step
@@ -93,17 +92,19 @@ contains
       call new%name%remove_checkpoint()
       new%fields = [character(len=field_name_length) :: 'pressure', 'film_thickness']
       allocate (new%inputs(0))
-      call create_hdf5_file(new%file, path//'.part', error)
-      if (allocated(error)) call new%name%give_back(is_complete=.false.)
+      call create_store(new%store, path//'.part')
+      if (.not. allocated(new%store%file%failure)) return
+      error = new%store%file%failure
+      call new%name%give_back(is_complete=.false.)
    end subroutine open_result
 
-   !> Goes on, in a `new` one, with the result `path` of an interrupted run and with what was stored
-   !> of it (`part`, profiles of `nx` nodes). Error: NAME.part is not what the checkpoint says.
-   subroutine reopen_result(new, path, fields, part, nx, error)
+   !> Goes on, in a `new` one, with the result `path` of an interrupted run, behind the first
+   !> `records` time steps with profiles of `nx` nodes. Error: NAME.part is not what the checkpoint
+   !> says, its checksum not `digits`.
+   subroutine reopen_result(new, path, fields, nx, records, digits, error)
       class(result_file_t), intent(inout) :: new
-      character(*), intent(in) :: path, fields(:)
-      type(part_t), intent(in) :: part
-      integer, intent(in) :: nx
+      character(*), intent(in) :: path, fields(:), digits
+      integer, intent(in) :: nx, records
       type(error_t), allocatable, intent(out) :: error
 
       call hold_name(new%name, path, error)
@@ -115,20 +116,18 @@ contains
       end if
       allocate (new%inputs(0))
       new%fields = [character(len=field_name_length) :: fields]
-      call attach_store(new%store, path//'.part', fields, nx, part, error)
-      if (allocated(new%store%file%failure) .and. .not. allocated(error)) error = &
-         new%store%file%failure
+      call attach_store(new%store, path//'.part', fields, [nx, new%profile_stride, records], &
+         digits, error)
       if (allocated(error)) then
          call new%suspend()
          return
       end if
-      call new%name%lock%allow_readers()
       new%is_transient = .true.
       new%name%has_checkpoint = .true.
    end subroutine reopen_result
 
-   !> Writes program, problem and title (UTF-8), the text of the input; the reference values of a
-   !> lubricated contact. The same is written again at the head of NAME.tmp.
+   !> Keeps problem and title (UTF-8), the text of the input; the reference values of a lubricated
+   !> contact.
    subroutine describe(self, problem, title, namelist, scaling)
       class(result_file_t), intent(inout) :: self
       character(*), intent(in) :: problem, title, namelist
@@ -139,9 +138,6 @@ contains
       self%namelist = namelist
       self%is_scaled = present(scaling)
       if (present(scaling)) self%scaling = scaling
-      if (self%is_transient) return
-      call write_description(self)
-      call self%file%flush()
    end subroutine describe
 
    !> Writes what `describe` was given.
@@ -161,65 +157,19 @@ contains
       end associate
    end subroutine write_description
 
-   !> Appends a time step with its `summary` to /transient.
-   subroutine append_step(self, step, steps, state, summary, report)
+   !> Appends a time step with its `summary` to NAME.part.
+   subroutine append_step(self, state, summary, report)
       class(result_file_t), intent(inout) :: self
-      integer, intent(in) :: step, steps
       type(line_state_t), intent(in) :: state
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
 
-      if (.not. self%is_transient) call start_store(self, [steps, steps/self%profile_stride] + 1, &
-         size(state%x))
-      if (.not. allocated(self%file%failure)) call self%store%append(state, summary, report, &
-         mod(step, self%profile_stride) == 0)
+      if (.not. self%is_transient) call begin_store(self%store, self%fields, size(state%x), &
+         self%profile_stride)
+      self%is_transient = .true.
+      call self%store%append(state, summary, report)
       call self%keep_failure()
-      if (self%store%records() == 1) call publish_store(self)
    end subroutine append_step
-
-   !> Makes room for `capacity` times and profiles of `nx` nodes in NAME.tmp; after that the HDF5
-   !> library leaves that file alone.
-   subroutine start_store(result, capacity, nx)
-      class(result_file_t), intent(inout) :: result
-      integer, intent(in) :: capacity(2), nx
-      type(error_t), allocatable :: error
-
-      result%is_transient = .true.
-      call open_temporary(result)
-      if (allocated(result%file%failure)) return
-      call create_store(result%store, result%file, result%fields, capacity, nx, result%scaling)
-      call result%file%close(error)   ! error: it stays in result%file%failure
-      if (.not. allocated(result%file%failure)) call result%store%open(result%name%path//'.tmp')
-   end subroutine start_store
-
-   !> Closes the file and begins another one, NAME.tmp; a failure stays in result%file%failure.
-   subroutine open_temporary(result)
-      class(result_file_t), intent(inout) :: result
-      type(error_t), allocatable :: error
-
-      call result%file%close(error)
-      if (allocated(error)) return
-      call create_hdf5_file(result%file, result%name%path//'.tmp', error)   ! error: it stays
-      call write_description(result)
-   end subroutine open_temporary
-
-   !> NAME.tmp, with T = 0 in it, becomes NAME.part.
-   subroutine publish_store(result)
-      class(result_file_t), intent(inout) :: result
-      type(lock_t) :: lock
-      logical :: is_done
-
-      if (allocated(result%file%failure)) return
-      is_done = lock%take(result%name%path//'.tmp')
-      call lock%allow_readers()
-      if (is_done) is_done = rename_file(result%name%path//'.tmp', result%name%path//'.part')
-      if (.not. is_done) call fail(result%file%failure, output_error, 'cannot rename ' &
-         //result%name%path//'.tmp to '//result%name%path &
-         //'.part'//place_fault(result%name%path//'.part', hdf5_mark))
-      result%store%file%path = result%name%path//'.part'
-      call result%name%lock%release()
-      result%name%lock = lock
-   end subroutine publish_store
 
    !> A failure of the store counts as one of the file.
    subroutine keep_failure(self)
@@ -247,15 +197,18 @@ contains
       if (is_done) is_done = sync_file(self%name%path//'.part')
    end function sync
 
-   !> Makes the file ready for what is known at the end only.
+   !> Begins NAME.tmp; a failure stays in `self%file%failure`.
    subroutine begin_end(self)
       class(result_file_t), intent(inout) :: self
+      type(error_t), allocatable :: error
 
       ! with all time steps in the checkpoint the result can be put together again
       call set_patience(.not. (self%name%has_checkpoint &
-         .and. self%name%kept_step == self%store%records() - 1))
+         .and. self%name%kept_step == self%store%records - 1))
       call begin_activity('writing the result')
-      call open_temporary(self)
+      if (self%has_failed()) return
+      call create_hdf5_file(self%file, self%name%path//'.tmp', error)   ! error: it stays
+      call write_description(self)
    end subroutine begin_end
 
    !> Copies the time steps into /transient; series in SI too if they are wanted.

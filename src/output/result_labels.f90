@@ -9,7 +9,7 @@ module result_labels
    implicit none (type, external)
    private
 
-   public :: field_values, has_scale, row_label, scaled_label, si_label
+   public :: field_values, row_label, scaled_label
 
    !> A field or series.
    type :: row_t
@@ -61,45 +61,16 @@ contains
       type(scaling_t), intent(in) :: scaling
       type(label_t) :: label
       type(row_t) :: row
-
-      row = row_of(name)
-      label = scaled_label(trim(row%text)//trim(row%definition), trim(row%unit), scaling)
-   end function row_label
-
-   !> What `name` is.
-   pure function row_of(name) result(row)
-      character(*), intent(in) :: name
-      type(row_t) :: row
       integer :: i
 
       i = findloc(quantity_rows%name == name, .true., 1)
-      if (i == 0) then
-         row = rows(findloc(rows%name == name, .true., 1))
-      else
-         row = row_t(quantity_rows(i)%name, rows(findloc(rows%name == quantity_rows(i)%field, &
-            .true., 1))%unit, quantity_rows(i)%text)
-      end if
-   end function row_of
-
-   !> Whether values with this label are other numbers in SI.
-   pure function has_scale(label)
-      type(label_t), intent(in) :: label
-      logical :: has_scale
-
-      has_scale = abs(label%si_scale - 1.0_wp) > 0.0_wp
-   end function has_scale
-
-   !> Label of a field or series in SI.
-   pure function si_label(name, scaling) result(label)
-      character(*), intent(in) :: name
-      type(scaling_t), intent(in) :: scaling
-      type(label_t) :: label
-      type(row_t) :: row
-
-      row = row_of(name)
-      label = row_label(name, scaling)
-      label = new_label(trim(row%text), label%si_units)
-   end function si_label
+      row%name = name
+      if (i > 0) row%name = quantity_rows(i)%field
+      row = rows(findloc(rows%name == row%name, .true., 1))
+      label = scaled_label(trim(row%text), trim(row%unit), scaling)
+      label%definition = trim(row%definition)
+      if (i > 0) label = new_label(trim(quantity_rows(i)%text), label%si_units, label%si_scale)
+   end function row_label
 
    !> Label of a value whose unit is the quantity `unit` of `scaling`, or a pure number ('1', or if
    !> the SI scales are unknown: input by Moes' numbers).

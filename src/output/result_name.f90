@@ -1,4 +1,4 @@
-!> The name of a result while a run holds it: who may write it, which files lie beside it, and what
+!> The name of a result while a run holds it: who may write it, which files belong to it, and what
 !> happens to them when the run ends.
 !>
 !> NAME.part keeps other runs away and holds the time steps of a transient, NAME.tmp is the result
@@ -18,7 +18,7 @@ module result_name
 
    public :: hold_name, result_name_t
 
-   !> What is written beside a result while it is made; the checkpoint comes last.
+   !> Endings of the files of a run until its result is complete; the checkpoint comes last.
    character(len=9), parameter, public :: working_endings(4) = [character(len=9) :: '.part', &
       '.tmp', '.ckpt.tmp', '.ckpt']
 
@@ -67,7 +67,8 @@ contains
       inquire (file=path//'.part', exist=name%had_part)
       fault = fault_of_name(path)
       if (fault == '') then
-         if (.not. name%lock%take(path//'.part')) fault = 'another run is writing '//path//'.part'
+         if (.not. name%lock%acquire(path//'.part')) fault = 'another run is writing '//path &
+            //'.part'
       end if
       if (fault /= '') call fail(error, output_error, 'cannot write '//path//': '//fault)
    end subroutine hold_name

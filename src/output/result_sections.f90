@@ -1,28 +1,27 @@
-!> The closing sections of a result file: /scaling, /solution, /summary and /report.
+!> The sections /scaling, /summary and /report of a result.
 module result_sections
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use constants, only: pi
    use hdf5_attribute, only: write_attribute
-   use hdf5_axes, only: make_axis, make_counter, name_axes
+   use hdf5_axes, only: make_counter, write_field
    use hdf5_dataset, only: label_t, new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
-   use iteration_report, only: phase_names, report_t
+   use iteration_report, only: breakdown_t, phase_names, report_t
    use kinds, only: wp
-   use line_state, only: line_state_t
    use line_summary, only: line_summary_t, quantity_t
    use missing_value, only: not_known
    use moes, only: moes_m_sum_from_mean
    use passage_times, only: passage_times_t
    use quantities, only: quantity_count, quantity_row_t, quantity_rows, sliding_rows
-   use result_labels, only: field_names, field_values, has_scale, row_label, &
-      scaled_label, si_label
+   use result_labels, only: row_label, scaled_label
    use scaling, only: scaling_t
+   use text, only: joined
    use validity_table, only: limit_rows, stokes_number, surface_slope
    implicit none (type, external)
    private
 
-   public :: write_report, write_scaling, write_solution, write_summary, write_times
+   public :: write_breakdown, write_report, write_scaling, write_summary, write_times
 
 contains
 
@@ -34,90 +33,40 @@ contains
 
       call file%create_group('/scaling')
       call write_attribute(file, '/scaling', 'about', 'reference values; Moes numbers with '// &
-         'the mean velocity u_s/2 '// &
-                           '(the names in _sum: with u_s = u1 + u2)')
-      call write_reference('lambda', scaling%lambda, '1')
-      call write_reference('alpha_bar', scaling%alpha_bar, '1')
-      if (ieee_is_finite(scaling%slide_to_roll)) call write_reference('slide_to_roll', &
-         scaling%slide_to_roll, '1')
-      call write_reference('moes_m', scaling%moes_m, '1')
-      call write_reference('moes_l', scaling%moes_l, '1')
-      call write_reference('moes_m_sum', moes_m_sum_from_mean(scaling%moes_m), '1')
-      call write_reference('moes_l_sum', scaling%moes_l*2.0_wp**0.25_wp, '1')
-      if (scaling%hertz_pressure > 0.0_wp) call write_reference('hertz_pressure', &
-         scaling%hertz_pressure, 'Pa')
+         'the mean velocity u_s/2 (the names in _sum: with u_s = u1 + u2)')
+      call put('lambda', scaling%lambda, '1')
+      call put('alpha_bar', scaling%alpha_bar, '1')
+      if (ieee_is_finite(scaling%slide_to_roll)) call put('slide_to_roll', scaling%slide_to_roll, &
+         '1')
+      call put('moes_m', scaling%moes_m, '1')
+      call put('moes_l', scaling%moes_l, '1')
+      call put('moes_m_sum', moes_m_sum_from_mean(scaling%moes_m), '1')
+      call put('moes_l_sum', scaling%moes_l*2.0_wp**0.25_wp, '1')
+      if (scaling%hertz_pressure > 0.0_wp) call put('hertz_pressure', scaling%hertz_pressure, 'Pa')
       if (.not. scaling%is_dimensional) return
-      call write_reference('half_width', scaling%half_width, 'm')
-      call write_reference('reduced_radius', scaling%reduced_radius, 'm')
-      call write_reference('reduced_modulus', scaling%reduced_modulus, 'Pa')
-      call write_reference('load_per_length', scaling%load_per_length, 'N/m')
-      call write_reference('film_thickness', scaling%film, 'm')
-      call write_reference('shear_stress', scaling%shear_stress, 'Pa')
-      call write_reference('power', scaling%power, 'W/m')
-      call write_reference('time', scaling%time, 's')
-      call write_reference('viscosity', scaling%viscosity, 'Pa s')
-      call write_reference('speed_sum', scaling%speed_sum, 'm/s')
+      call put('half_width', scaling%half_width, 'm')
+      call put('reduced_radius', scaling%reduced_radius, 'm')
+      call put('reduced_modulus', scaling%reduced_modulus, 'Pa')
+      call put('load_per_length', scaling%load_per_length, 'N/m')
+      call put('film_thickness', scaling%film, 'm')
+      call put('shear_stress', scaling%shear_stress, 'Pa')
+      call put('power', scaling%power, 'W/m')
+      call put('time', scaling%time, 's')
+      call put('viscosity', scaling%viscosity, 'Pa s')
+      call put('speed_sum', scaling%speed_sum, 'm/s')
 
    contains
 
       !> One value with its unit.
-      subroutine write_reference(name, value, units)
-         character(*), intent(in) :: name
+      subroutine put(name, value, units)
+         character(*), intent(in) :: name, units
          real(wp), intent(in) :: value
-         character(*), intent(in) :: units
 
          call write_attribute(file, '/scaling', name, value)
          call write_attribute(file, '/scaling', name//'_units', units)
-      end subroutine write_reference
+      end subroutine put
 
    end subroutine write_scaling
-
-   !> /solution: the fields of the last time over x; with `has_si` in /si/solution those that are
-   !> other numbers in SI.
-   subroutine write_solution(file, state, scaling, has_si)
-      class(hdf5_file_t), intent(inout) :: file
-      type(line_state_t), intent(in) :: state
-      type(scaling_t), intent(in) :: scaling
-      logical, intent(in) :: has_si
-      type(label_t) :: label
-      character(:), allocatable :: name
-      real(wp), allocatable :: values(:)
-      integer :: i
-
-      do i = 1, size(field_names)
-         name = trim(field_names(i))
-         values = field_values(name, state)
-         if (size(values) == 0) cycle
-         label = row_label(name, scaling)
-         call write_field('/solution/', name, values, label)
-         if (has_si .and. has_scale(label)) call write_field('/si/solution/', name, &
-            values*label%si_scale, si_label(name, scaling))
-      end do
-      call write_dataset(file, '/solution/rigid_displacement', state%rigid_displacement, &
-         scaled_label('rigid displacement H0 of (2.58); h0 of (2.24) = '// &
-         '(b^2/R)(H0 + ln(b)/2), b in m', 'film', scaling))
-      call write_dataset(file, '/solution/time', state%time, &
-         scaled_label('time of these fields, T = t u_s/(2 b)', 'time', scaling))
-
-   contains
-
-      !> One field, over the x of its group, which is the first.
-      subroutine write_field(group, name, values, label)
-         character(*), intent(in) :: group, name
-         real(wp), intent(in) :: values(:)
-         type(label_t), intent(in) :: label
-         real(wp) :: copy(size(values))
-
-         copy = values
-         call write_dataset(file, group//name, copy, label)
-         if (name == 'x') then
-            call make_axis(file, group//'x')
-         else
-            call name_axes(file, group//name, group//'x')
-         end if
-      end subroutine write_field
-
-   end subroutine write_solution
 
    !> /summary: quantities in SI; `is_transient`: extremes over the times that count, each with its
    !> time in `<name>_time`; `missing`: why a quantity whose estimate is NaN has none. Beside them
@@ -234,62 +183,95 @@ contains
    subroutine write_report(file, report)
       class(hdf5_file_t), intent(inout) :: file
       type(report_t), intent(in) :: report
+      character(*), parameter :: group = '/report/'
       character(:), allocatable :: method, phases
-      integer :: i
 
       method = ''
       if (allocated(report%method)) method = report%method
-      phases = trim(phase_names(1))
-      do i = 2, size(phase_names)
-         phases = phases//', '//trim(phase_names(i))
-      end do
-      call write_dataset(file, '/report/method', method, new_label('method of solution', '1'))
-      call write_dataset(file, '/report/cycles', int(report%cycles, int64), &
-         new_label('cycles on the finest level, time steps included', '1'))
-      call write_dataset(file, '/report/steps', int(report%steps, int64), &
-         new_label('time steps', '1'))
-      call write_dataset(file, '/report/uncut_steps', int(report%uncut_steps, int64), &
-         new_label('steps of the start taken whole: parts without a solution', '1'))
-      call write_dataset(file, '/report/levels', int(report%levels, int64), &
-         new_label('grid levels, the finest counted', '1'))
-      call write_dataset(file, '/report/fft_pairs', report%fft_pairs, &
+      phases = joined(phase_names, ', ')
+      call write_dataset(file, group//'method', method, new_label('method of solution', '1'))
+      call put_count('cycles', report%cycles, 'cycles on the finest level, time steps included')
+      call put_count('steps', report%steps, 'time steps')
+      call put_count('uncut_steps', report%uncut_steps, &
+         'steps of the start taken whole: parts without a solution')
+      call put_count('levels', report%levels, 'grid levels, the finest counted')
+      call write_dataset(file, group//'fft_pairs', report%fft_pairs, &
          new_label('pairs of forward and backward transforms', '1'))
-      call write_dataset(file, '/report/work_units', report%work_units, &
-         new_label('sweeps, each weighted by its share of the nodes of the finest level', '1'))
-      call write_dataset(file, '/report/residual', report%residual, new_label( &
-         'last residual, unit of d(rho H)/dX; dry: violation of the contact conditions', '1'))
-      call write_dataset(file, '/report/load_error', report%load_error, &
-         new_label('last |dX sum P - pi/2|; dry: relative error of the load', '1'))
-      call write_dataset(file, '/report/inlet_error', report%inlet_error, &
-         new_label('relative error of the film thickness because the domain ends at its inlet '// &
-         '(estimate)', '1'))
-      call write_dataset(file, '/report/tolerance_effective', report%tolerance_effective, &
-         new_label('bound on residual and load error: max(tolerance, 5 x round-off floor)', '1'))
-      if (report%nodes_per_wave < huge(1.0_wp)) call write_dataset(file, &
-         '/report/nodes_per_wave', report%nodes_per_wave, &
-         new_label('nodes of the grid in the finest wave of the surfaces', '1'))
-      if (report%steps_per_wave < huge(1.0_wp)) call write_dataset(file, &
-         '/report/steps_per_wave', report%steps_per_wave, &
-         new_label('time steps in which the finest moving wave passes a place', '1'))
-      if (allocated(report%note)) call write_dataset(file, '/report/note', report%note, &
+      call put('work_units', report%work_units, &
+         'sweeps, each weighted by its share of the nodes of the finest level')
+      call put('residual', report%residual, &
+         'last residual, unit of d(rho H)/dX; dry: violation of the contact conditions')
+      call put('load_error', report%load_error, &
+         'last |dX sum P - pi/2|; dry: relative error of the load')
+      call put('inlet_error', report%inlet_error, 'relative error of the film thickness '// &
+         'because the domain ends at its inlet (estimate)')
+      call put('tolerance_effective', report%tolerance_effective, &
+         'bound on residual and load error: max(tolerance, 5 x round-off floor)')
+      if (report%nodes_per_wave < huge(1.0_wp)) call put('nodes_per_wave', report%nodes_per_wave, &
+         'nodes of the grid in the finest wave of the surfaces')
+      if (report%steps_per_wave < huge(1.0_wp)) call put('steps_per_wave', report%steps_per_wave, &
+         'time steps in which the finest moving wave passes a place')
+      if (allocated(report%note)) call write_dataset(file, group//'note', report%note, &
          new_label('what should be known about this result', '1'))
-      call make_counter(file, '/report/cycle', size(report%residual_history()), &
+      call make_counter(file, group//'cycle', size(report%residual_history()), &
          'number of the cycle')
-      call write_dataset(file, '/report/residual_history', report%residual_history(), &
-         new_label('residual after each cycle', '1'))
-      call name_axes(file, '/report/residual_history', '/report/cycle')
-      call write_dataset(file, '/report/load_error_history', report%load_error_history(), &
-         new_label('load error after each cycle', '1'))
-      call name_axes(file, '/report/load_error_history', '/report/cycle')
-      call write_dataset(file, '/report/wall_seconds', report%wall_seconds, &
-         new_label('wall time of the solution', 's'))
-      call make_counter(file, '/report/phase', size(phase_names), 'number of: '//phases)
-      call write_dataset(file, '/report/phase_seconds', report%phase_seconds, &
-         new_label('wall time of: '//phases, 's'))
-      call write_attribute(file, '/report/phase_seconds', 'phases', phases)
-      call name_axes(file, '/report/phase_seconds', '/report/phase')
-      if (report%peak_memory > 0.0_wp) call write_dataset(file, '/report/peak_memory', &
-         report%peak_memory, new_label('most memory of the process', 'B'))
+      call write_field(file, group//'residual_history', report%residual_history(), &
+         new_label('residual after each cycle', '1'), 'cycle')
+      call write_field(file, group//'load_error_history', report%load_error_history(), &
+         new_label('load error after each cycle', '1'), 'cycle')
+      call put('wall_seconds', report%wall_seconds, 'wall time of the solution', 's')
+      call make_counter(file, group//'phase', size(phase_names), 'number of: '//phases)
+      call write_field(file, group//'phase_seconds', report%phase_seconds, &
+         new_label('wall time of: '//phases, 's'), 'phase')
+      call write_attribute(file, group//'phase_seconds', 'phases', phases)
+      if (report%peak_memory > 0.0_wp) call put('peak_memory', report%peak_memory, &
+         'most memory of the process', 'B')
+
+   contains
+
+      !> A number; without `units` a pure one.
+      subroutine put(name, value, text, units)
+         character(*), intent(in) :: name, text
+         real(wp), intent(in) :: value
+         character(*), intent(in), optional :: units
+         type(label_t) :: label
+
+         label = new_label(text, '1')
+         if (present(units)) label = new_label(text, units)
+         call write_dataset(file, group//name, value, label)
+      end subroutine put
+
+      !> A number of something.
+      subroutine put_count(name, value, text)
+         character(*), intent(in) :: name, text
+         integer, intent(in) :: value
+
+         call write_dataset(file, group//name, int(value, int64), new_label(text, '1'))
+      end subroutine put_count
+
    end subroutine write_report
+
+   !> Root attribute `film_breakdown` (0 or 1) and, if there was one, /report/film_breakdown_*.
+   subroutine write_breakdown(file, breakdown, scaling)
+      class(hdf5_file_t), intent(inout) :: file
+      type(breakdown_t), intent(in) :: breakdown
+      type(scaling_t), intent(in) :: scaling
+      character(*), parameter :: path = '/report/film_breakdown_'
+
+      call write_attribute(file, '/', 'film_breakdown', merge(1, 0, breakdown%count > 0))
+      if (breakdown%count == 0) return
+      call write_dataset(file, path//'count', int(breakdown%count, int64), &
+         new_label('solutions with a film below film_floor, or that would close', '1'))
+      call write_dataset(file, path//'step', int(breakdown%step, int64), &
+         new_label('time step of the first of them', '1'))
+      call write_dataset(file, path//'time', breakdown%time, &
+         scaled_label('time of the first of them', 'time', scaling))
+      call write_dataset(file, path//'position', breakdown%position, &
+         scaled_label('place of the smallest film of the first of them', 'half_width', scaling))
+      call write_dataset(file, path//'film', breakdown%film, &
+         scaled_label('smallest film of the first of them', 'film', scaling))
+      call write_dataset(file, path//'smallest_film', breakdown%smallest_film, &
+         scaled_label('smallest film of all of them', 'film', scaling))
+   end subroutine write_breakdown
 
 end module result_sections

@@ -3,27 +3,25 @@
 module result_writer
    use adequacy, only: adequacy_t, judge
    use adequacy_section, only: write_adequacy
+   use checkpoint_content, only: run_record_t
    use decision_section, only: write_decision
    use error_bars, only: apply_error_bars, error_bars_t, missing_estimate
    use errors, only: error_t
    use film_fields, only: film_fields_t
    use film_heating, only: heating_t, largest_rise
-   use film_passage, only: film_passage_t
-   use film_statistics, only: add_start, add_time, film_statistics_t
+   use film_statistics, only: add_start, add_time
    use formulas_section, only: formula_contact_t, write_formulas
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t, summary_of, take_values
    use model_decision, only: model_choice_t
-   use momentum_section, only: write_film_passage, write_momentum
-   use passage_extremes, only: passage_extremes_t
+   use field_sections, only: write_film_passage, write_momentum, write_solution, &
+      write_statistics, write_velocity
    use result_file, only: result_file_t
-   use result_sections, only: write_solution, write_summary, write_times
-   use statistics_section, only: write_statistics
+   use result_sections, only: write_summary, write_times
    use validity, only: limit_t
    use validity_section, only: write_validity
-   use velocity_section, only: write_velocity
    implicit none (type, external)
    private
 
@@ -33,9 +31,8 @@ module result_writer
    type, extends(result_file_t) :: result_writer_t
       !> Fields and series are stored in SI too; they can be.
       logical :: has_si = .false.
-      !> Quantities of the time steps so far, and of all of them, or of a steady solution, when the
-      !> result is finished.
-      type(passage_extremes_t) :: passage
+      !> What the run has gathered so far, and its quantities when the result is finished.
+      type(run_record_t) :: run
       type(line_summary_t) :: summary
       !> How warm sliding would make the film of a time step, if that is to be known.
       type(heating_t) :: heating
@@ -49,16 +46,12 @@ module result_writer
       !> they began with, of which the error bars are; not allocated: not asked for, or none.
       type(film_fields_t), allocatable :: momentum
       type(line_state_t), allocatable :: reynolds
-      !> Of a transient, what they change over time; its result stays that of the Reynolds equation.
-      type(film_passage_t), allocatable :: film_passage
       !> Velocity across the film (layers + 1, nx); not allocated: not asked for, or no film.
       real(wp), allocatable :: velocity(:, :)
       !> What the ingredients of the model change.
       type(adequacy_t) :: adequacy
       !> The model that the program has chosen, if it was to.
       type(model_choice_t) :: choice
-      !> The film over all time steps, where that is asked for.
-      type(film_statistics_t) :: statistics
    contains
       !> Adds a time step.
       procedure :: store_step
@@ -78,18 +71,18 @@ contains
       type(report_t), intent(in) :: report
       type(line_summary_t) :: summary
 
-      if (allocated(self%statistics%thresholds)) then
-         if (step == 0) call add_start(self%statistics, state)
-         if (step > 0 .and. state%time >= self%passage%times%statistics_from()) call &
-            add_time(self%statistics, state)
+      if (allocated(self%run%statistics%thresholds)) then
+         if (step == 0) call add_start(self%run%statistics, state)
+         if (step > 0 .and. state%time >= self%run%passage%times%statistics_from()) call &
+            add_time(self%run%statistics, state)
       end if
       summary = summary_of(state)
       if (self%heating%is_known .and. allocated(state%shear_stress_mean)) then
          summary%limits%film_heating = largest_rise(self%heating, state%x(2) - state%x(1), &
             state%shear_stress_mean, state%film_thickness)
       end if
-      call self%passage%add(summary, state%time, step == steps)
-      call self%append_step(step, steps, state, summary, report)
+      call self%run%passage%add(summary, state%time, step == steps)
+      call self%append_step(state, summary, report)
    end subroutine store_step
 
    !> The quantities of a run that has ended with `state`, of a transient extremes; with error bars
@@ -100,7 +93,7 @@ contains
       type(report_t), intent(in) :: report
       type(line_summary_t) :: summary
 
-      summary = self%passage%extremes(summary_of(state))
+      summary = self%run%passage%extremes(summary_of(state))
       if (report%converged) call apply_error_bars(self%bars, report, state%x(2) - state%x(1), &
          summary)
    end function quantities_at_end
@@ -125,18 +118,18 @@ contains
          self%summary = self%quantities_at_end(state, report)
       end if
       missing = missing_estimate(self%bars, report, state%x(2) - state%x(1), self%summary)
-      if (report%converged .and. .not. self%passage%times%is_settled()) missing = &
+      if (report%converged .and. .not. self%run%passage%times%is_settled()) missing = &
          'the start is in the quantities, see /report/note'
       call write_summary(self%file, self%summary, self%scaling, self%is_transient, missing)
-      if (self%is_transient) call write_times(self%file, self%passage%times)
-      call write_statistics(self%file, self%statistics, self%scaling, &
-         self%passage%times%statistics_from())
+      if (self%is_transient) call write_times(self%file, self%run%passage%times)
+      call write_statistics(self%file, self%run%statistics, self%scaling, &
+         self%run%passage%times%statistics_from())
       if (allocated(self%limits)) call write_validity(self%file, self%limits)
       call write_formulas(self%file, self%formulas, self%summary, self%scaling)
       if (allocated(self%momentum)) then
          call write_momentum(self%file, self%momentum, self%scaling, self%is_transient, &
             self%has_si)
-         if (self%is_transient) call write_film_passage(self%file, self%film_passage, &
+         if (self%is_transient) call write_film_passage(self%file, self%run%film_passage, &
             self%scaling, self%has_si)
       end if
       if (allocated(self%velocity)) call write_velocity(self%file, self%velocity, self%scaling)

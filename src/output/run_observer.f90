@@ -1,7 +1,7 @@
 !> Passes on what a solver tells: time steps to the result file, progress to the log. Stops the
 !> solver when the run is interrupted, and keeps a checkpoint then and from time to time.
 module run_observer
-   use breakdown_text, only: breakdown_sentence
+   use closing_table, only: breakdown_sentence
    use checkpoint, only: write_checkpoint
    use checkpoint_content, only: checkpoint_t
    use errors, only: error_t, fail, output_error
@@ -13,9 +13,7 @@ module run_observer
    use listener, only: listener_t
    use progress_log, only: progress_log_t
    use result_writer, only: result_writer_t
-   use scaling, only: scaling_t
    use signals, only: begin_activity, is_interrupted, set_patience
-   use solver_settings, only: word_length
    use wall_clock, only: wall_seconds
    implicit none (type, external)
    private
@@ -33,15 +31,8 @@ module run_observer
       type(progress_log_t) :: log
       !> Wall time spent on output, and wall time of earlier runs that this one goes on with [s].
       real(wp) :: output_seconds = 0.0_wp, earlier_seconds = 0.0_wp
-      !> What identifies the case in its checkpoint.
-      character(:), allocatable :: case
-      !> Floor of the film H, and reference values, for what is told of a film breakdown.
+      !> Floor of the film H.
       real(wp) :: film_floor = 0.0_wp
-      type(scaling_t) :: scaling
-      !> Intervals, time step and space scheme, given or chosen.
-      integer :: intervals = 0
-      real(wp) :: time_step = 0.0_wp
-      character(len=word_length) :: space_scheme = 'auto'
       !> Wall time between checkpoints [s].
       real(wp) :: checkpoint_interval = huge(1.0_wp)
       !> Threads that the run may have.
@@ -85,15 +76,15 @@ contains
       call self%writer%store_step(step, steps, state, report)
       if (allocated(self%follower)) then
          associate (writer => self%writer)
-            if (step == 0) writer%film_passage = new_passage(steps, writer%profile_stride, &
+            if (step == 0) writer%run%film_passage = new_passage(steps, writer%profile_stride, &
                size(state%x))
-            call writer%film_passage%make_room(steps)
-            call writer%film_passage%add(step, state, self%follower)
+            call writer%run%film_passage%make_room(steps)
+            call writer%run%film_passage%add(step, state, self%follower)
          end associate
       end if
       call self%log%on_step(step, steps, state, report)
       if (report%breakdown%is_now .and. report%breakdown%count == 1) call self%log%say_error( &
-         breakdown_sentence(report%breakdown, self%film_floor, self%scaling))
+         breakdown_sentence(report%breakdown, self%film_floor, self%log%scaling))
       self%is_stopping = self%writer%has_failed()
       is_due = is_interrupted() .or. begin - self%last_checkpoint >= self%checkpoint_interval
       if (step == steps) is_due = is_due .or. begin - self%start > long_run
@@ -103,7 +94,7 @@ contains
       if (is_due) call self%keep(state, history, report)
    end subroutine on_step
 
-   !> Passes a cycle to the log; anything else is shown if it takes long.
+   !> Passes a cycle to the log; any other stage is printed after a few seconds.
    subroutine on_stage(self, words, cycle, residuals)
       class(run_observer_t), intent(inout) :: self
       character(*), intent(in) :: words
@@ -128,21 +119,13 @@ contains
       real(wp) :: begin
 
       begin = wall_seconds()
-      checkpoint%case = self%case
+      checkpoint%run_record_t = self%writer%run
+      checkpoint%forecast = self%writer%bars%forecast
       checkpoint%march = history
       checkpoint%march%film = state%film_thickness
       checkpoint%march%report = report
-      checkpoint%passage = self%writer%passage
-      checkpoint%forecast = self%writer%bars%forecast
-      checkpoint%statistics = self%writer%statistics
-      if (allocated(self%follower)) then
-         checkpoint%momentum = self%follower%kept()
-         checkpoint%film_passage = self%writer%film_passage
-      end if
-      checkpoint%part = self%writer%store%part()
-      checkpoint%intervals = self%intervals
-      checkpoint%time_step = self%time_step
-      checkpoint%space_scheme = trim(self%space_scheme)
+      if (allocated(self%follower)) checkpoint%momentum = self%follower%kept()
+      checkpoint%part_digits = self%writer%store%sums%digits()
       associate (kept => checkpoint%march%report)
          kept%wall_seconds = self%earlier_seconds + begin - self%start
          kept%phase_seconds(phase_output) = self%output_seconds

@@ -1,5 +1,10 @@
-!> /transient of a result: in NAME.part while the run goes on (see `running_series`), in the result
-!> at its end.
+!> /transient of a result: records in NAME.part while the run goes on, series in the result at its
+!> end.
+!>
+!> NAME.part is a line of text that says what is in it, with blanks to a multiple of 8 bytes, and
+!> behind it a record for each time step: the numbers, the profiles of every `stride`-th step, and
+!> the checksum of all bytes before, 16 digits. A record is appended by one write: a kill leaves
+!> whole records, and perhaps one whose checksum differs. Readers: python/asperity/running.py.
 !>
 !> Series of one number hold every time step; profiles may be stored of some steps only, and have
 !> times of their own.
@@ -7,8 +12,9 @@ module transient_store
    use, intrinsic :: iso_fortran_env, only: int64
    use checksum, only: checksum_t
    use errors, only: error_t, fail, input_error, output_error
-   use file_bytes, only: open_positional_file, positional_file_t
-   use hdf5_axes, only: link_object, make_axis, name_axes
+   use file_bytes, only: open_positional_file, positional_file_t, real_bytes, sums_of
+   use file_path, only: file_fault
+   use hdf5_axes, only: link_object, name_axes
    use hdf5_dataset, only: label_t
    use hdf5_file, only: hdf5_file_t
    use hdf5_series, only: create_series, series_t
@@ -16,230 +22,246 @@ module transient_store
    use kinds, only: wp
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
+   use own_file, only: any_mark, part_words, place_fault
    use quantities, only: quantity_rows, sliding_rows
-   use result_labels, only: field_names, field_values, has_scale, row_label, si_label
-   use running_series, only: create_running_series, running_series_t
+   use result_labels, only: field_names, field_values, row_label
    use scaling, only: scaling_t
    use signals, only: begin_activity
+   use text, only: count_of, to_text
    implicit none (type, external)
    private
 
-   public :: attach_store, create_store, part_t, transient_store_t
+   public :: attach_store, begin_store, create_store, read_progress, transient_store_t
 
    !> Longest name of a series.
    integer, parameter :: name_length = len(quantity_rows%name)
-   !> Series of one number for each time step that every passage has, quantities among them. Time is
-   !> counted last, and cut back first: there are never more times than values.
+   !> Series of one number for each time step that every passage has, quantities among them.
    character(len=name_length), parameter :: number_names(*) = [character(len=name_length) :: &
       'time', 'rigid_displacement', 'h_min', 'p_max', 'rolling_friction_coefficient', &
       'rolling_power', 'residual']
    !> Those where the speeds of the surfaces are known, to be named like fields.
    character(len=name_length), parameter, public :: sliding_names(*) = &
       quantity_rows(sliding_rows)%name
-   !> Times of the stored profiles, for which the same holds.
+   !> Times of the stored profiles, which the records do not repeat.
    character(*), parameter :: profile_time_name = 'profile_time'
    !> Mark of the time steps with a film below the floor, to be named like a field.
    character(*), parameter, public :: breakdown_name = 'film_breakdown'
    !> What to do about a file that does not fit its checkpoint.
    character(*), parameter :: way_out = '; delete the checkpoint, and the run starts at the '// &
       'beginning'
-   !> Numbers that are moved at once into the result.
-   integer, parameter :: block_numbers = 131072
-
-   !> Length of the checksum of a series.
-   integer, parameter, public :: digits_length = 16
-
-   !> What is kept of NAME.part in a checkpoint: enough to find the series in it again, and to know
-   !> that they are the same.
-   type :: part_t
-      !> Time steps and profiles.
-      integer :: records(2) = 0
-      !> Places of each series (2, series) [bytes], and its checksum of `digits_length` digits.
-      integer(int64), allocatable :: places(:, :)
-      character(:), allocatable :: digits
-   end type part_t
+   !> Numbers that are moved at once into the result; as many as the digits of a checksum fill.
+   integer, parameter :: block_numbers = 131072, digit_numbers = 2
+   !> Longest reason of the operating system.
+   integer, parameter :: longest_reason = 200
+   !> Longest first line.
+   integer, parameter :: longest_line = 4096
 
    !> The series of one run.
    type :: transient_store_t
-      character(len=name_length), allocatable :: names(:)
-      type(running_series_t), allocatable :: series(:)
-      !> From this series on they belong to the profiles.
-      integer :: first_profile = 0
+      !> Time steps that are stored, T = 0 among them.
+      integer :: records = 0
       type(positional_file_t) :: file
+      !> Series of numbers, of which the time is the first, from `first_profile` on the times of
+      !> the profiles, then profiles of so many `nodes` at every `stride`-th step.
+      character(len=name_length), allocatable, private :: names(:)
+      integer, private :: first_profile = 0, nodes = 0, stride = 1
+      !> The first line, and the checksum of all bytes so far.
+      character(:), allocatable, private :: line
+      type(checksum_t) :: sums
    contains
-      !> Opens the file that the HDF5 library has closed, without records.
-      procedure :: open => open_store
-      !> Stores one time step.
+      !> Appends one time step.
       procedure :: append
-      !> Number of stored time steps, T = 0 among them.
-      procedure :: records
-      !> What a checkpoint needs to know.
-      procedure :: part => part_of
       !> Writes the series into another file.
       procedure :: copy_into
    end type transient_store_t
 
 contains
 
-   !> Makes room in an open HDF5 file for `capacity` times and profiles of `nx` nodes; `fields` are
-   !> names of `field_names`, of `sliding_names`, or `breakdown_name`.
-   subroutine create_store(store, file, fields, capacity, nx, scaling)
+   !> Empties the file `path`, which must be one of this program, and marks it.
+   subroutine create_store(store, path)
       type(transient_store_t), intent(out) :: store
-      class(hdf5_file_t), intent(inout) :: file
-      character(*), intent(in) :: fields(:)
-      integer, intent(in) :: capacity(2), nx
-      type(scaling_t), intent(in) :: scaling
-      integer :: i
+      character(*), intent(in) :: path
+      character(:), allocatable :: fault
+      character(len=longest_reason) :: reason
+      integer :: status, unit
 
-      call name_series(store, fields)
-      do i = 1, size(store%names)
-         call create_running_series(store%series(i), file, '/transient/'//trim(store%names(i)), &
-            row_length(store%names(i), nx), capacity(kind_of(store, i)), &
-            row_label(trim(store%names(i)), scaling))
-      end do
+      fault = place_fault(path, any_mark)
+      if (fault == '') then
+         open (newunit=unit, file=path, status='replace', action='write', iostat=status, &
+            iomsg=reason)
+         if (status == 0) close (unit)
+         if (status /= 0) fault = ': '//trim(reason)
+      end if
+      if (fault /= '') then
+         call fail(store%file%failure, output_error, 'cannot write '//path//fault)
+         return
+      end if
+      call open_positional_file(store%file, path, for_writing=.true.)
+      call store%file%write_reals(0_int64, transfer(part_words, [0.0_wp]))
    end subroutine create_store
 
-   !> Goes on in `path` where the series of an earlier run stood: `part`, with profiles of `nx`
-   !> nodes. Their bytes are read again, the HDF5 library does not look at the file. Error: they are
-   !> not what they were.
-   subroutine attach_store(store, path, fields, nx, part, error)
-      type(transient_store_t), intent(out) :: store
-      character(*), intent(in) :: path, fields(:)
-      integer, intent(in) :: nx
-      type(part_t), intent(in) :: part
-      type(error_t), allocatable, intent(out) :: error
-      type(part_t) :: found
-      integer :: i
+   !> Begins the records, with profiles of `nodes` nodes at every `stride`-th step; `fields` are
+   !> names of `field_names`, of `sliding_names`, or `breakdown_name`.
+   subroutine begin_store(store, fields, nodes, stride)
+      type(transient_store_t), intent(inout) :: store
+      character(*), intent(in) :: fields(:)
+      integer, intent(in) :: nodes, stride
 
-      call name_series(store, fields)
+      call name_series(store, fields, nodes, stride)
+      call store%file%write_reals(0_int64, transfer(store%line, [0.0_wp]))
+      call store%sums%add(transfer(store%line, [0.0_wp]))
+   end subroutine begin_store
+
+   !> Goes on in `path` behind the records of an earlier run; `counts`: nodes, stride, records.
+   !> Error: they are not those whose checksum is `digits`.
+   subroutine attach_store(store, path, fields, counts, digits, error)
+      type(transient_store_t), intent(out) :: store
+      character(*), intent(in) :: path, fields(:), digits
+      integer, intent(in) :: counts(3)
+      type(error_t), allocatable, intent(out) :: error
+
       call open_positional_file(store%file, path, for_writing=.true.)
       if (allocated(store%file%failure)) then
          error = store%file%failure
          return
       end if
-      do i = 1, size(store%names)
-         call store%series(i)%take_up(store%file, '/transient/'//trim(store%names(i)), &
-            row_length(store%names(i), nx), &
-            part%places(:, i), part%records(kind_of(store, i)))
-      end do
+      call name_series(store, fields, counts(1), counts(2))
+      store%records = counts(3)
+      store%sums = sums_of(store%file, place_of(store, store%records))
       if (allocated(store%file%failure)) then
          call fail(error, input_error, path//' holds less than the checkpoint says'//way_out)
-         return
-      end if
-      found = store%part()
-      if (found%digits /= part%digits) then
+      else if (store%sums%digits() /= digits) then
          call fail(error, input_error, path//' is damaged: its checksum is not that of the '// &
             'checkpoint'//way_out)
-         return
       end if
-      call begin_series(store, part%records)
    end subroutine attach_store
 
-   !> Opens `path` for writing.
-   subroutine open_store(self, path)
-      class(transient_store_t), intent(inout) :: self
+   !> Whole time steps in the file `path` and the time of the last one [T]; 0: it has none, or is no
+   !> such file.
+   subroutine read_progress(path, records, time)
       character(*), intent(in) :: path
+      integer, intent(out) :: records
+      real(wp), intent(out) :: time
+      type(transient_store_t) :: store
+      character(len=longest_line) :: line
+      real(wp) :: values(1, 1)
+      integer(int64) :: bytes
+      integer :: length, profiles, status, unit
 
-      call open_positional_file(self%file, path, for_writing=.true.)
-      call begin_series(self, [0, 0])
-   end subroutine open_store
-
-   !> Keeps the first `records` times and profiles.
-   subroutine begin_series(store, records)
-      class(transient_store_t), intent(inout) :: store
-      integer, intent(in) :: records(2)
-      integer :: i
-
-      do i = 1, size(store%series)
-         call store%series(i)%begin(store%file, records(kind_of(store, i)))
+      records = 0
+      time = 0.0_wp
+      if (file_fault(path) /= '') return
+      open (newunit=unit, file=path, access='stream', form='formatted', action='read', &
+         iostat=status)
+      if (status /= 0) return
+      read (unit, '(a)', advance='no', size=length, iostat=status) line
+      close (unit)
+      if (status >= 0) return   ! the line does not end here
+      inquire (file=path, size=bytes)
+      profiles = index(line(:length), ' profiles')
+      if (index(line, part_words) /= 1 .or. profiles == 0) return
+      store%line = line(:length)//new_line('a')
+      store%nodes = number_after('nodes ')
+      store%stride = max(number_after('stride '), 1)
+      store%first_profile = count_of(' ', line(index(line, ' numbers ') + 1:profiles - 1)) + 1
+      store%names = [character(len=name_length) :: (' ', length=1, &
+         count_of(' ', trim(line(profiles + 1:))) + store%first_profile)]
+      do while (place_of(store, store%records + 1) <= bytes)
+         store%records = store%records + 1
       end do
-   end subroutine begin_series
+      if (store%records == 0) return
+      call open_positional_file(store%file, path, for_writing=.false.)
+      call store%file%read_reals(place_of(store, store%records - 1, 1), values)
+      call store%file%close()
+      records = store%records
+      time = values(1, 1)
 
-   !> What is stored, where, and its checksums.
-   function part_of(self) result(part)
-      class(transient_store_t), intent(in) :: self
-      type(part_t) :: part
-      integer :: i
+   contains
 
-      part%records = [self%series(1)%records, self%series(self%first_profile)%records]
-      allocate (part%places(2, size(self%series)))
-      part%digits = ''
-      do i = 1, size(self%series)
-         part%places(:, i) = self%series(i)%places()
-         part%digits = part%digits//self%series(i)%sums%digits()
-      end do
-   end function part_of
+      !> The number behind `words` in the line; 0: there is none.
+      function number_after(words) result(number)
+         character(*), intent(in) :: words
+         integer :: number, start
 
-   !> Stores one time step, with its profiles if `has_profiles`. Whatever happens in between, the
-   !> file holds whole records.
-   subroutine append(self, state, summary, report, has_profiles)
+         number = 0
+         start = index(line, words) + len(words)
+         read (line(start:start + index(line(start:), ' ') - 2), '(i10)', iostat=status) number
+         if (status /= 0) number = 0
+      end function number_after
+
+   end subroutine read_progress
+
+   !> Appends one time step, with its profiles if it is one of the `stride`-th, and the checksum.
+   subroutine append(self, state, summary, report)
       class(transient_store_t), intent(inout) :: self
       type(line_state_t), intent(in) :: state
       type(line_summary_t), intent(in) :: summary
       type(report_t), intent(in) :: report
-      logical, intent(in) :: has_profiles
-      integer :: i, last
+      type(checksum_t) :: sums
+      real(wp), allocatable :: values(:)
+      integer :: i
 
-      last = merge(size(self%series), self%first_profile - 1, has_profiles)
-      do i = 1, last
-         associate (series => self%series(i))
-            select case (self%names(i))
-            case ('time', profile_time_name)
-               call series%put(self%file, [state%time])
-            case ('rigid_displacement')
-               call series%put(self%file, [state%rigid_displacement])
-            case ('residual')
-               call series%put(self%file, [report%residual])
-            case (breakdown_name)
-               call series%put(self%file, [merge(1.0_wp, 0.0_wp, report%breakdown%is_now)])
-            case default
-               if (any(quantity_rows%name == self%names(i))) then
-                  call series%put(self%file, pack(summary%of%value, quantity_rows%name &
-                     == self%names(i)))
-               else
-                  call series%put(self%file, field_values(trim(self%names(i)), state))
-               end if
-            end select
-         end associate
+      allocate (values(0))
+      do i = 1, merge(size(self%names), self%first_profile - 1, mod(self%records, self%stride) == 0)
+         select case (self%names(i))
+         case ('time')
+            values = [values, state%time]
+         case ('rigid_displacement')
+            values = [values, state%rigid_displacement]
+         case ('residual')
+            values = [values, report%residual]
+         case (breakdown_name)
+            values = [values, merge(1.0_wp, 0.0_wp, report%breakdown%is_now)]
+         case (profile_time_name)
+            continue
+         case default
+            if (any(quantity_rows%name == self%names(i))) then
+               values = [values, pack(summary%of%value, quantity_rows%name == self%names(i))]
+            else
+               values = [values, field_values(trim(self%names(i)), state)]
+            end if
+         end select
       end do
-      do i = last, 1, -1
-         call self%series(i)%count_record(self%file)
-      end do
+      sums = self%sums
+      call sums%add(values)
+      values = [values, transfer(sums%digits(), [0.0_wp])]
+      call self%file%write_reals(place_of(self, self%records), values)
+      if (allocated(self%file%failure)) return
+      call sums%add(values(size(values) - digit_numbers + 1:))
+      self%sums = sums
+      self%records = self%records + 1
    end subroutine append
 
-   !> Time steps that are stored.
-   pure function records(self)
-      class(transient_store_t), intent(in) :: self
-      integer :: records
-
-      records = 0
-      if (allocated(self%series)) records = self%series(1)%records
-   end function records
-
    !> Writes all series into the open HDF5 file `file` that has /solution, with their axes; with
-   !> `has_si` in /si/transient those that are other numbers in SI.
+   !> `has_si` in /si/transient those that are other numbers in SI. A failure: the records are not
+   !> what was stored.
    subroutine copy_into(self, file, scaling, has_si)
       class(transient_store_t), intent(inout) :: self
       class(hdf5_file_t), intent(inout) :: file
       type(scaling_t), intent(in) :: scaling
       logical, intent(in) :: has_si
+      type(checksum_t) :: sums
       type(label_t) :: label
       character(:), allocatable :: name
       integer :: i
 
       call link_object(file, '/solution/x', '/transient/x')
       if (has_si) call link_object(file, '/si/solution/x', '/si/transient/x')
-      do i = 1, size(self%series)
+      do i = 1, size(self%names)
          name = trim(self%names(i))
          call begin_activity('writing the result, '//name)
          label = row_label(name, scaling)
          call copy_series(self, file, i, '/transient/', 1.0_wp, label)
-         if (has_si .and. has_scale(label)) call copy_series(self, file, i, '/si/transient/', &
-            label%si_scale, si_label(name, scaling))
+         if (has_si .and. label%has_scale()) call copy_series(self, file, i, '/si/transient/', &
+            label%si_scale, label%in_si())
       end do
+      sums = sums_of(self%file, place_of(self, self%records))
+      if (sums%digits() /= self%sums%digits() .and. .not. allocated(self%file%failure)) call &
+         fail(self%file%failure, output_error, self%file%path &
+         //' was changed by another program while the run went on')
    end subroutine copy_into
 
-   !> Series `i` times `factor` into a group, with its axes. A failure: it is not what was stored.
+   !> Series `i` times `factor` into a group, with its axes.
    subroutine copy_series(store, file, i, group, factor, label)
       class(transient_store_t), intent(inout) :: store
       class(hdf5_file_t), intent(inout) :: file
@@ -248,43 +270,60 @@ contains
       real(wp), intent(in) :: factor
       type(label_t), intent(in) :: label
       type(series_t) :: copy
-      type(checksum_t) :: sums
       real(wp), allocatable :: values(:, :)
       character(:), allocatable :: path
-      integer :: first, last, most
+      integer :: every, first, last, row, k
 
       path = group//trim(store%names(i))
-      associate (series => store%series(i))
-         call create_series(copy, file, path, series%row_length, series%records, label)
+      every = merge(store%stride, 1, i >= store%first_profile)
+      row = merge(store%nodes, 1, i > store%first_profile)
+      associate (count => (store%records + every - 1)/every)
+         call create_series(copy, file, path, merge(row, 0, i > store%first_profile), count, label)
          if (store%names(i) == 'time' .or. store%names(i) == profile_time_name) then
-            call make_axis(file, path)
-         else if (series%row_length > 0) then
-            call name_axes(file, path, group//'x', group//profile_time_name)
+            call name_axes(file, path, '=')
+         else if (i > store%first_profile) then
+            call name_axes(file, path, 'x '//profile_time_name)
          else
-            call name_axes(file, path, group//'time')
+            call name_axes(file, path, 'time')
          end if
-         most = max(block_numbers/max(series%row_length, 1), 1)
-         do first = 1, series%records, most
-            last = min(first + most - 1, series%records)
-            allocate (values(max(series%row_length, 1), last - first + 1))
-            call series%get(store%file, first, values)
-            call sums%add(reshape(values, [size(values)]))
+         do first = 1, count, max(block_numbers/row, 1)
+            last = min(first + max(block_numbers/row, 1) - 1, count)
+            allocate (values(row, first:last))
+            do k = first, last
+               call store%file%read_reals(place_of(store, every*(k - 1), i), values(:, k:k))
+            end do
             values = factor*values
             call copy%append(file, values)
             deallocate (values)
          end do
-         call copy%close(file)
-         if (sums%digits() == series%sums%digits() .or. allocated(store%file%failure)) return
       end associate
-      call fail(store%file%failure, output_error, store%file%path &
-         //' was changed by another program while the run went on')
+      call copy%close(file)
    end subroutine copy_series
 
-   !> Names of all series.
-   subroutine name_series(store, fields)
+   !> Where the record begins that has `before` records before it [bytes], or series `i` in it.
+   pure function place_of(store, before, i) result(place)
+      type(transient_store_t), intent(in) :: store
+      integer, intent(in) :: before
+      integer, intent(in), optional :: i
+      integer(int64) :: place
+
+      associate (numbers => store%first_profile - 1, profiles => size(store%names) &
+         - store%first_profile)
+         place = int(before, int64)*(numbers + digit_numbers) + int((before + store%stride - 1) &
+            /store%stride, int64)*profiles*store%nodes
+         if (present(i)) then   ! the times of profiles are those of the records
+            if (i <= numbers) place = place + i - 1
+            if (i > numbers + 1) place = place + numbers + int(i - numbers - 2, int64)*store%nodes
+         end if
+      end associate
+      place = len(store%line) + real_bytes*place
+   end function place_of
+
+   !> Names of all series, and the line that says them.
+   subroutine name_series(store, fields, nodes, stride)
       type(transient_store_t), intent(inout) :: store
       character(*), intent(in) :: fields(:)
-
+      integer, intent(in) :: nodes, stride
       logical :: is_profile(size(fields))
       integer :: i
 
@@ -292,25 +331,17 @@ contains
       store%names = [character(len=name_length) :: number_names, pack(fields, .not. is_profile), &
          profile_time_name, pack(fields, is_profile)]
       store%first_profile = size(number_names) + count(.not. is_profile) + 1
-      allocate (store%series(size(store%names)))
+      store%nodes = nodes
+      store%stride = stride
+      store%line = part_words//'nodes '//to_text(nodes)//' stride '//to_text(stride)//' numbers'
+      do i = 1, size(store%names)
+         if (i == store%first_profile) then
+            store%line = store%line//' profiles'
+         else
+            store%line = store%line//' '//trim(store%names(i))
+         end if
+      end do
+      store%line = store%line//repeat(' ', modulo(-len(store%line) - 1, real_bytes))//new_line('a')
    end subroutine name_series
-
-   !> What series `i` counts: 1 = time steps, 2 = profiles.
-   pure function kind_of(store, i) result(kind)
-      type(transient_store_t), intent(in) :: store
-      integer, intent(in) :: i
-      integer :: kind
-
-      kind = merge(2, 1, i >= store%first_profile)
-   end function kind_of
-
-   !> Length of the rows of a series; 0: single numbers.
-   pure function row_length(name, nx) result(length)
-      character(*), intent(in) :: name
-      integer, intent(in) :: nx
-      integer :: length
-
-      length = merge(nx, 0, any(field_names == name))
-   end function row_length
 
 end module transient_store

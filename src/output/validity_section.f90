@@ -1,4 +1,4 @@
-!> /adequacy/validity of a result, and what the user is told of a limit that is passed.
+!> /adequacy/validity of a result, and the sentence on a limit that is passed.
 module validity_section
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use hdf5_attribute, only: write_attribute
@@ -15,7 +15,7 @@ module validity_section
 
    public :: limit_sentence, write_validity
 
-   !> The largest temperature rise that is told as it is [K].
+   !> The largest temperature rise that is printed as it is [K].
    real(wp), parameter :: hottest = 999.0_wp
    !> Whence the film that is lost to heat.
    character(*), parameter :: film_loss_source = 'central film of the smooth contact with the '// &
@@ -62,24 +62,23 @@ contains
    pure function limit_sentence(i, limit) result(words)
       integer, intent(in) :: i
       type(limit_t), intent(in) :: limit
-      character(:), allocatable :: number, percent, words
+      character(:), allocatable :: bound, number, percent, pressure, words
 
       number = number_text(limit%value, 2)
       percent = number_text(100.0_wp*limit%value, 2)//' %'
+      pressure = prefixed_text(limit%value, 'Pa')
+      bound = prefixed_text(limit%threshold, 'Pa')
       select case (i)
       case (mixed_lubrication)
          words = 'the film is '//number//' times the composite roughness: mixed lubrication'
       case (viscosity_data)
-         words = 'pressures to '//pressure(limit%value)//', viscosities are measured to ' &
-            //pressure(limit%threshold)
+         words = 'pressures to '//pressure//', viscosities are measured to '//bound
       case (limiting_stress)
          words = 'the shear stress is '//number//' of the pressure: oils give way near 0.1'
       case (hardness)
-         words = 'pressures to '//pressure(limit%value)//' pass the hardness, ' &
-            //pressure(limit%threshold)
+         words = 'pressures to '//pressure//' pass the hardness, '//bound
       case (shakedown)
-         words = 'Hertzian pressure '//pressure(limit%value)//' passes the shakedown limit, ' &
-            //pressure(limit%threshold)
+         words = 'Hertzian pressure '//pressure//' passes the shakedown limit, '//bound
       case (shear_heating)
          ! of an isothermal oil that does not thin it may come out beyond all sense
          if (limit%value > hottest) number = '>'//number_text(hottest, 3)
@@ -103,13 +102,5 @@ contains
          error stop 'limit_sentence: a limit without its case'
       end select
    end function limit_sentence
-
-   !> A pressure as people read it.
-   pure function pressure(value) result(words)
-      real(wp), intent(in) :: value
-      character(:), allocatable :: words
-
-      words = prefixed_text(value, 'Pa')
-   end function pressure
 
 end module validity_section

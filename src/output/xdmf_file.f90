@@ -1,5 +1,5 @@
-!> NAME.xdmf beside a result NAME.h5: what its fields and their axes are, for ParaView and other
-!> readers of XDMF.
+!> NAME.xdmf of a result NAME.h5: what its fields and their axes are, for ParaView and other readers
+!> of XDMF.
 !>
 !> XML that names datasets of the result and holds no numbers itself. Each group with fields is a
 !> grid of nodes: over x alone, over x and y (areas), x and time (passages), or zeta and x (layers
@@ -42,7 +42,7 @@ module xdmf_file
 
 contains
 
-   !> Name of the file beside the result `path`.
+   !> Name of the file of the result `path`.
    pure function xdmf_path(path)
       character(*), intent(in) :: path
       character(:), allocatable :: xdmf_path
@@ -55,7 +55,7 @@ contains
       xdmf_path = path(:last)//'.xdmf'
    end function xdmf_path
 
-   !> Writes the file beside the result `path`. Error (output_error): the result cannot be read, or
+   !> Writes the file of the result `path`. Error (output_error): the result cannot be read, or
    !> the file not be written.
    subroutine write_xdmf(path, error)
       character(*), intent(in) :: path
@@ -88,7 +88,7 @@ contains
       character(*), intent(in) :: file
       character(:), allocatable, intent(inout) :: text
       character(:), allocatable :: fields, group
-      integer(int64), allocatable :: extents(:)
+      type(hdf5_source_t) :: source
       integer(int64) :: nodes(2)
       logical :: is_flat
       integer :: i
@@ -97,14 +97,16 @@ contains
       if (.not. reader%has(group//trim(row%fast))) return
       is_flat = reader%has(group//trim(row%slow))
       nodes = 1
-      nodes(1:1) = extents_of(group//trim(row%fast))
-      if (is_flat) nodes(2:2) = extents_of(group//trim(row%slow))
+      source = source_at(group//trim(row%fast))
+      nodes(1:1) = source%extents
+      if (is_flat) source = source_at(group//trim(row%slow))
+      if (is_flat) nodes(2:2) = source%extents
       fields = ''
       do i = 1, size(names)
          if (.not. reader%has(group//trim(names(i)))) cycle
-         extents = extents_of(group//trim(names(i)))
-         if (size(extents) /= merge(2, 1, is_flat)) cycle
-         if (any(extents /= nodes(:size(extents)))) cycle
+         source = source_at(group//trim(names(i)))
+         if (size(source%extents) /= merge(2, 1, is_flat)) cycle
+         if (any(source%extents /= nodes(:size(source%extents)))) cycle
          ! ParaView reads as many numbers as the extents say for the dimensions that the grid has
          fields = fields//'<Attribute Name="'//trim(names(i)) &
             //'" AttributeType="Scalar" Center="Node">'//nl//item(group//trim(names(i)), [nodes, &
@@ -140,31 +142,15 @@ contains
          end select
       end function path_of
 
-      !> Extents of a dataset, the fastest first; none if it cannot be read.
-      function extents_of(path) result(extents)
+      !> A dataset, closed again; without extents if it cannot be read.
+      function source_at(path) result(source)
          character(*), intent(in) :: path
-         integer(int64), allocatable :: extents(:)
          type(hdf5_source_t) :: source
 
-         allocate (extents(0))
          call reader%open(source, path)
-         if (allocated(reader%failure)) return
-         extents = int(source%extents, int64)
-         call source%close()
-      end function extents_of
-
-      !> Bytes of a number of a dataset; 0: it cannot be read.
-      function bytes_of(path) result(bytes)
-         character(*), intent(in) :: path
-         integer(int64) :: bytes
-         type(hdf5_source_t) :: source
-
-         bytes = 0
-         call reader%open(source, path)
-         if (allocated(reader%failure)) return
-         bytes = int(source%bytes, int64)
-         call source%close()
-      end function bytes_of
+         if (.not. allocated(source%extents)) allocate (source%extents(0))
+         if (.not. allocated(reader%failure)) call source%close()
+      end function source_at
 
       !> The element that names a dataset; its extents are given the fastest first.
       function item(path, extents)
@@ -173,13 +159,15 @@ contains
          character(:), allocatable :: item
          integer :: k
 
+         source = source_at(path)
          item = ''
          do k = size(extents), 1, -1
             item = item//to_text(extents(k))
             if (k > 1) item = item//' '
          end do
          item = '<DataItem Dimensions="'//item//'" NumberType="Float" Precision="' &
-            //to_text(bytes_of(path))//'" Format="HDF">'//file//':'//path//'</DataItem>'//nl
+            //to_text(int(source%bytes, int64))//'" Format="HDF">'//file//':'//path//'</DataItem>' &
+            //nl
       end function item
 
    end subroutine add_grid

@@ -6,7 +6,7 @@ module c_library
    implicit none (type, external)
    private
 
-   public :: c_close, c_exit, c_fcntl, c_flock, c_fsync, c_getrlimit, c_isatty, c_lseek, &
+   public :: c_close, c_exit, c_fcntl, c_fsync, c_getrlimit, c_isatty, c_lseek, &
       c_mallopt, c_mkdir, c_open, c_poll, c_pread, c_pwrite, c_rename, c_setenv, &
       c_setitimer, c_setrlimit, c_signal, c_statx, c_sysconf, c_time, c_unlink, c_write
 
@@ -96,12 +96,6 @@ module c_library
          implicit none (type, external)
          integer(c_int), value :: descriptor
       end function c_fsync
-      !> flock(2), as HDF5 uses it on files that it writes.
-      integer(c_int) function c_flock(descriptor, operation) bind(c, name='flock')
-         import
-         implicit none (type, external)
-         integer(c_int), value :: descriptor, operation
-      end function c_flock
       !> fcntl(2) with a lock.
       integer(c_int) function c_fcntl(descriptor, operation, lock) bind(c, name='fcntl')
          import

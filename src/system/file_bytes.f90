@@ -16,7 +16,7 @@ module file_bytes
    implicit none (type, external)
    private
 
-   public :: has_seal, open_positional_file, positional_file_t, seal_fault, seal_file
+   public :: has_seal, open_positional_file, positional_file_t, seal_fault, seal_file, sums_of
 
    !> Bytes of a real number; numbers that are read at once.
    integer, parameter, public :: real_bytes = 8
@@ -30,7 +30,7 @@ module file_bytes
       type(error_t), allocatable :: failure
       integer(c_int), private :: descriptor = -1_c_int
    contains
-      procedure :: write_reals, read_reals, write_number, number_at
+      procedure :: write_reals, read_reals
       procedure :: close => close_file
       procedure, private :: check
    end type positional_file_t
@@ -74,27 +74,6 @@ contains
       call self%check(c_pread(self%descriptor, c_loc(values), bytes, place) == bytes, 'read')
    end subroutine read_reals
 
-   !> Writes `number` >= 0 in 8 bytes, the lowest first, as this processor has them.
-   subroutine write_number(self, place, number)
-      class(positional_file_t), intent(inout) :: self
-      integer(int64), intent(in) :: place, number
-
-      call self%write_reals(place, [transfer(number, 0.0_wp)])
-   end subroutine write_number
-
-   !> The number without sign of `n` bytes, at most 8, the lowest first; 0 after a failure.
-   function number_at(self, place, n) result(number)
-      class(positional_file_t), intent(inout) :: self
-      integer(int64), intent(in) :: place
-      integer, intent(in) :: n
-      integer(int64), target :: number
-
-      number = 0_int64
-      if (allocated(self%failure)) return
-      call self%check(c_pread(self%descriptor, c_loc(number), int(n, c_size_t), place) == n, 'read')
-      if (allocated(self%failure)) number = 0_int64
-   end function number_at
-
    !> Closes the file; twice does nothing.
    subroutine close_file(self)
       class(positional_file_t), intent(inout) :: self
@@ -126,11 +105,13 @@ contains
       character(*), intent(in) :: path
       type(error_t), allocatable, intent(out) :: error
       type(positional_file_t) :: file
+      type(checksum_t) :: sums
       integer(int64) :: bytes
 
       inquire (file=path, size=bytes)
       call open_positional_file(file, path, for_writing=.true.)
-      call file%write_reals(bytes, transfer(seal_line(bytes, digits_of(file, bytes)), [0.0_wp]))
+      sums = sums_of(file, bytes)
+      call file%write_reals(bytes, transfer(seal_line(bytes, sums%digits()), [0.0_wp]))
       call file%close()
       if (allocated(file%failure)) error = file%failure
    end subroutine seal_file
@@ -152,16 +133,17 @@ contains
       character(*), intent(in) :: path
       character(:), allocatable :: fault
       type(positional_file_t) :: file
+      type(checksum_t) :: sums
       integer(int64) :: bytes
       character(len=16) :: digits
       logical :: is_there
 
       call open_at_seal(file, path, bytes, digits, is_there)
-      fault = ''
-      if (.not. is_there) then
-         fault = 'it has no checksum: it is damaged, or of another version'
-      else if (digits_of(file, bytes) /= digits) then
-         fault = 'it is damaged: its checksum differs'
+      fault = 'it has no checksum: it is damaged, or of another version'
+      if (is_there) then
+         sums = sums_of(file, bytes)
+         fault = ''
+         if (sums%digits() /= digits) fault = 'it is damaged: its checksum differs'
       end if
       call file%close()
       if (is_there .and. allocated(file%failure)) fault = file%failure%message
@@ -200,13 +182,13 @@ contains
       line(seal_bytes:) = new_line('a')
    end function seal_line
 
-   !> Checksum of the first `bytes` of an open file.
-   function digits_of(file, bytes) result(digits)
+   !> Checksum of the first `bytes` of an open file, filled up with zeros to a multiple of 8.
+   function sums_of(file, bytes) result(sums)
       type(positional_file_t), intent(inout) :: file
       integer(int64), intent(in) :: bytes
-      character(len=16) :: digits
       type(checksum_t) :: sums
       real(wp), allocatable :: values(:, :)
+      integer(int64), target :: last
       integer(int64) :: place
 
       allocate (values(block_numbers, 1))
@@ -218,9 +200,11 @@ contains
             place = place + real_bytes*size(block)
          end associate
       end do
-      if (place < bytes) call sums%add([transfer(file%number_at(place, int(bytes - place)), &
-         0.0_wp)])
-      digits = sums%digits()
-   end function digits_of
+      if (place == bytes .or. allocated(file%failure)) return
+      last = 0_int64
+      call file%check(c_pread(file%descriptor, c_loc(last), bytes - place, place) &
+         == bytes - place, 'read')
+      call sums%add([transfer(last, 0.0_wp)])
+   end function sums_of
 
 end module file_bytes

@@ -5,7 +5,7 @@ module own_file
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_null_char, c_short, &
       c_size_t
    use build_info, only: program_name
-   use c_library, only: c_close, c_fcntl, c_flock, c_fsync, c_lseek, c_open, c_pread, c_rename, &
+   use c_library, only: c_close, c_fcntl, c_fsync, c_lseek, c_open, c_pread, c_rename, &
       c_unlink, file_lock_t
    use file_path, only: file_identity_t, kind_missing, kind_regular, look_at_file, &
       look_at_open_file
@@ -15,17 +15,18 @@ module own_file
    public :: lock_t, mark_of, place_fault, remove_file, rename_file, sync_file
 
    !> What a file is marked as: not at all; an HDF5 file; an XDMF file; nothing is in it yet, which
-   !> a run that was killed may leave. `any_mark`: one of the last three.
+   !> a run that was killed may leave; time steps. `any_mark`: any of them.
    integer, parameter, public :: no_mark = 0, hdf5_mark = 1, xdmf_mark = 2, any_mark = 3
-   integer, parameter :: empty_mark = 4
+   integer, parameter :: empty_mark = 4, part_mark = 5
    !> The marks: the attribute `program` as HDF5 files have it, and the place where it is written
-   !> before the library writes anything [bytes]; the first words of a seal; those of an XDMF file.
+   !> before the library writes anything [bytes]; the first words of a seal; those of an
+   !> XDMF file and of one with time steps.
    character(len=*), parameter :: attribute = 'program'//c_null_char
    character(len=*), parameter, public :: early_words = attribute//repeat(c_null_char, &
       16)//program_name
    integer(c_int64_t), parameter, public :: early_place = 840_c_int64_t
    character(len=*), parameter, public :: seal_words = program_name//' checksum ', &
-      xdmf_words = '<!-- made by '//program_name
+      xdmf_words = '<!-- made by '//program_name, part_words = program_name//' series '
    !> From the name of the attribute to the end of its value, at most; an HDF5 file (superblock of
    !> version 0) that holds nothing; a seal [bytes].
    integer, parameter :: attribute_bytes = 64, empty_bytes = 800
@@ -37,19 +38,16 @@ module own_file
    !> O_RDONLY, O_RDWR; O_RDONLY + O_NONBLOCK, so that a pipe does not wait for a writer; SEEK_END.
    integer(c_int), parameter :: read_only = 0_c_int, read_and_write = 2_c_int, &
       look_only = 2048_c_int, from_end = 2_c_int
-   !> LOCK_EX + LOCK_NB, LOCK_SH + LOCK_NB of flock(2). F_OFD_SETLK of fcntl(2): a lock of the open
-   !> file, which the end of another descriptor does not end; F_WRLCK, F_UNLCK.
-   integer(c_int), parameter :: lock_exclusive = 6_c_int, lock_shared = 5_c_int, &
-      set_lock = 37_c_int
+   !> F_OFD_SETLK of fcntl(2): a lock of the open file, which the end of another descriptor does not
+   !> end; F_WRLCK, F_UNLCK.
+   integer(c_int), parameter :: set_lock = 37_c_int
    integer(c_short), parameter :: lock_to_write = 1_c_short, lock_none = 2_c_short
 
-   !> A lock on a file, held until `release` or the end of the process, however that comes. It is
-   !> two: that of fcntl(2) keeps other runs out, and that of flock(2) readers, since HDF5 takes it,
-   !> too. With flock alone a reader would keep a run from writing its own result.
+   !> A lock on a file, held until `release` or the end of the process, however that comes.
    type :: lock_t
       integer(c_int), private :: descriptor = -1_c_int
    contains
-      procedure :: take, allow_readers, holds, release
+      procedure :: acquire, holds, release
    end type lock_t
 
 contains
@@ -92,6 +90,7 @@ contains
             hdf5_mark
       end if
       if (index(head(:length), xdmf_words) > 0) mark = xdmf_mark
+      if (index(head(:length), part_words) == 1) mark = part_mark
       if (bytes == 0_c_int64_t .or. (bytes <= empty_bytes .and. index(head(:length), signature) &
          == 1)) mark = empty_mark
       if (mark == no_mark .and. bytes > seal_bytes) then
@@ -138,7 +137,7 @@ contains
    !> Takes the lock on `path` for writing, making the file if there is none; false if another run
    !> has it. A file system that knows no locks counts as taken. If the file was renamed or removed
    !> between opening and locking, the lock is tried again.
-   function take(self, path) result(is_taken)
+   function acquire(self, path) result(is_taken)
       class(lock_t), intent(inout) :: self
       character(*), intent(in) :: path
       logical :: is_taken
@@ -154,23 +153,12 @@ contains
          self%descriptor = c_open(path//c_null_char, read_and_write)
          if (self%descriptor < 0_c_int) cycle
          if (c_fcntl(self%descriptor, set_lock, file_lock_t(lock_to_write)) /= 0_c_int) exit
-         if (.not. self%holds(path)) cycle
-         status = c_flock(self%descriptor, lock_exclusive)   ! not while somebody reads
-         return
+         if (self%holds(path)) return
       end do
       ! releasing what one does not have always works
       is_taken = c_fcntl(self%descriptor, set_lock, file_lock_t(lock_none)) /= 0_c_int
       if (.not. is_taken) call self%release()
-   end function take
-
-   !> Lets others read the file, but not take the lock: HDF5 takes a shared lock on a file that it
-   !> reads, or refuses to.
-   subroutine allow_readers(self)
-      class(lock_t), intent(inout) :: self
-      integer(c_int) :: status
-
-      if (self%descriptor >= 0_c_int) status = c_flock(self%descriptor, lock_shared)
-   end subroutine allow_readers
+   end function acquire
 
    !> Whether `path` still leads to the locked file.
    function holds(self, path)
