@@ -13,7 +13,17 @@ import pytest
 from asperity import read_part
 from cases import HANGING, LONG, STEADY, TRANSIENT, ended, seal, text, write
 from conftest import ROOT
-from kill_and_resume import busy, check_part, different, kill_until_complete, killed_at_last, start, undisturbed, wait_for
+from kill_and_resume import (
+    busy,
+    check_part,
+    different,
+    kill_until_complete,
+    killed_at_last,
+    start,
+    stored_times,
+    undisturbed,
+    wait_for,
+)
 
 
 def flipped(content, place):

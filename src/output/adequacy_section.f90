@@ -3,8 +3,6 @@
 module adequacy_section
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use adequacy, only: adequacy_t, compared, influence_t
-   use dry_adequacy, only: coarsening, dry_adequacy_t, dry_compared => compared, dry_influence_t
-   use dry_quantities, only: dry_table
    use hdf5_attribute, only: write_attribute
    use hdf5_dataset, only: new_label, write_dataset
    use hdf5_file, only: hdf5_file_t
@@ -17,9 +15,9 @@ module adequacy_section
    implicit none (type, external)
    private
 
-   public :: model_line, write_adequacy, write_changes, write_dry_adequacy
+   public :: model_line, write_adequacy, write_changes, write_influence
 
-   character(*), parameter :: from_estimates = 'error estimates of the result'
+   character(*), parameter, public :: from_estimates = 'error estimates of the result'
 
 contains
 
@@ -58,30 +56,6 @@ contains
          adequacy%in_time(1))
    end subroutine write_adequacy
 
-   !> The same of a dry contact.
-   subroutine write_dry_adequacy(file, adequacy)
-      class(hdf5_file_t), intent(inout) :: file
-      type(dry_adequacy_t), intent(in) :: adequacy
-      integer :: i
-
-      if (.not. allocated(adequacy%rows)) return
-      do i = 1, size(adequacy%rows)
-         associate (row => adequacy%rows(i))
-            call write_influence(file, row, dry_source_of(adequacy, row), dry_table(dry_compared)%name, &
-               row%change, row%error)
-         end associate
-      end do
-      if (size(adequacy%rows) == 0) call file%create_group('/adequacy')
-      call write_attribute(file, '/adequacy', 'about', 'relative change under '// &
-         'mean_pressure, the largest of the sweep, where an ingredient is left out, measured '// &
-         'on coarser grids; of the grid the error estimate; attribute error_estimate: error '// &
-         'of the change; no dataset: not known')
-      call write_attribute(file, '/adequacy', 'accuracy', adequacy%accuracy)
-      call write_attribute(file, '/adequacy', 'mean_pressure', adequacy%mean_pressure)
-      call write_attribute(file, '/adequacy', 'judged_by', joined(dry_table(dry_compared) &
-         %name, ', '))
-   end subroutine write_dry_adequacy
-
    !> Where the changes of a row come from.
    pure function source_of(row) result(text)
       type(influence_t), intent(in) :: row
@@ -95,18 +69,6 @@ contains
       if (row%name == 'time_step') text = 'runs of the error estimates, or a coarse grid with '// &
          'twice its time step'
    end function source_of
-
-   !> The same of a dry contact.
-   pure function dry_source_of(adequacy, row) result(text)
-      type(dry_adequacy_t), intent(in) :: adequacy
-      type(dry_influence_t), intent(in) :: row
-      character(:), allocatable :: text
-
-      text = 'grids with '//number_text(adequacy%ratio, 3)//' and ' &
-         //number_text(coarsening*adequacy%ratio, 3)//' times the spacing'
-      if (row%name == 'area') text = 'the nodes of the result'
-      if (row%is_numerical) text = from_estimates
-   end function dry_source_of
 
    !> The group of `row`, with a dataset for each of `quantities` whose relative change is known,
    !> with its error, and why others are not. `measured_on`: where these come from.

@@ -4,6 +4,8 @@ module dry_result
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use analytic_heights, only: node_positions
+   use adequacy_section, only: from_estimates, write_influence
+   use dry_adequacy, only: coarsening, compared, dry_adequacy_t, dry_influence_t
    use dry_case, only: dry_case_t
    use dry_problem, only: no_hardness
    use dry_scaling, only: dry_scaling_t, load_number
@@ -17,11 +19,13 @@ module dry_result
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use missing_value, only: not_known
+   use quantity_text, only: number_text
    use roughness, only: roughness_t
+   use text, only: joined
    implicit none (type, external)
    private
 
-   public :: write_dry_result
+   public :: write_dry_adequacy, write_dry_result
 
    !> States of the surface with a roughness.
    character(len=10), parameter :: states(3) = [character(len=10) :: 'undeformed', 'loaded', &
@@ -51,7 +55,7 @@ contains
             new_label('violation of the contact conditions', '1'))
          call write_dataset(file, '/sweep/fft_pairs', int(rows%fft_pairs, int64), &
             new_label('pairs of transforms, in pairs of the full grid', '1'))
-         call name_axes(file, '/sweep/fft_pairs', '/sweep/step')
+         call name_axes(file, '/sweep/fft_pairs', 'step')
          do k = 1, size(states)
             call write_roughness(file, k, rows%roughness(k), dry%grid%ny == 1)
          end do
@@ -238,5 +242,41 @@ contains
       end subroutine write_one
 
    end subroutine write_roughness
+
+   !> /adequacy: a group for each ingredient, with a dataset for each known change.
+   subroutine write_dry_adequacy(file, adequacy)
+      class(hdf5_file_t), intent(inout) :: file
+      type(dry_adequacy_t), intent(in) :: adequacy
+      integer :: i
+
+      if (.not. allocated(adequacy%rows)) return
+      do i = 1, size(adequacy%rows)
+         associate (row => adequacy%rows(i))
+            call write_influence(file, row, dry_source_of(adequacy, row), &
+               dry_table(compared)%name, row%change, row%error)
+         end associate
+      end do
+      if (size(adequacy%rows) == 0) call file%create_group('/adequacy')
+      call write_attribute(file, '/adequacy', 'about', 'relative change under '// &
+         'mean_pressure, the largest of the sweep, where an ingredient is left out, measured '// &
+         'on coarser grids; of the grid the error estimate; attribute error_estimate: error '// &
+         'of the change; no dataset: not known')
+      call write_attribute(file, '/adequacy', 'accuracy', adequacy%accuracy)
+      call write_attribute(file, '/adequacy', 'mean_pressure', adequacy%mean_pressure)
+      call write_attribute(file, '/adequacy', 'judged_by', joined(dry_table(compared) &
+         %name, ', '))
+   end subroutine write_dry_adequacy
+
+   !> Where the changes of a row of /adequacy come from.
+   pure function dry_source_of(adequacy, row) result(text)
+      type(dry_adequacy_t), intent(in) :: adequacy
+      type(dry_influence_t), intent(in) :: row
+      character(:), allocatable :: text
+
+      text = 'grids with '//number_text(adequacy%ratio, 3)//' and ' &
+         //number_text(coarsening*adequacy%ratio, 3)//' times the spacing'
+      if (row%name == 'area') text = 'the nodes of the result'
+      if (row%is_numerical) text = from_estimates
+   end function dry_source_of
 
 end module dry_result
