@@ -53,15 +53,15 @@ module lubricant
    !> The lubricant as the dimensionless equations see it; made by `scaled_fluid` of module scaling.
    type, public :: fluid_t
       !> As in `lubricant_t`.
-      integer :: viscosity_law, density_law
+      integer :: viscosity_law = viscosity_constant, density_law = density_constant
       !> alpha p_h [-] >= 0, (2.56).
-      real(wp) :: alpha_bar
+      real(wp) :: alpha_bar = 0.0_wp
       !> P0/p_h [-] > 0; Roelands.
-      real(wp) :: p0
+      real(wp) :: p0 = 1.0_wp
       !> z [-] > 0; Roelands.
-      real(wp) :: z
+      real(wp) :: z = 1.0_wp
       !> C1/p_h [-] > 0; Dowson and Higginson.
-      real(wp) :: c1
+      real(wp) :: c1 = 1.0_wp
       !> How shear thins it (module rheology); not allocated: it does not.
       class(flow_law_t), allocatable :: rheology
    end type fluid_t
