@@ -17,7 +17,7 @@ module passage_pair
    use line_summary, only: line_summary_t
    use listener, only: listener_t
    use passage_extremes, only: passage_extremes_t
-   use passage_times, only: new_passage_times
+   use passage_times, only: new_passage_times, passage_times_t
    use pressure_errors, only: doubt_spike
    use quantities, only: quantity_count
    use solver_settings, only: solver_settings_t, time_settings_t
@@ -65,9 +65,13 @@ contains
       integer, intent(in) :: factors(2)
       real(wp), intent(in) :: widths(4)
       type(passage_pair_t) :: pair
+      type(passage_times_t) :: times
 
       pair%runs = [coarser(experiment, factors(1)), coarser(experiment, factors(2))]
       pair%runs%time%scheme = 'bdf2'
+      ! a leaner contact may count from another time
+      times = new_passage_times(experiment%contact, experiment%time)
+      pair%runs%time%statistics_from = times%counts_from
       pair%widths = widths
    end function new_pair
 
