@@ -50,7 +50,8 @@ module measured_adequacy
    !> Coarse runs on n/2 and n/4 intervals over the cost of a passage.
    real(wp), parameter :: coarse_share = 0.3125_wp
    !> Why an ingredient of a passage is not known.
-   character(len=*), parameter :: only_full = "measured with &output adequacy = 'full' alone"
+   character(len=54), parameter :: only_full = "measured with &output adequacy = 'full' alone", &
+      no_grids = 'coarse grids do not see all waves, or have no solution'
    !> Intervals of the smooth steady contact, at most.
    integer, parameter :: most_at_rest = 128
    !> The error of a change on n and n/2 intervals: this many times its own change from the grid
@@ -96,10 +97,10 @@ contains
    pure function full_cost(contact) result(cost)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: cost
+      type(ingredient_t), allocatable :: list(:)
 
-      associate (list => ingredients_of(contact, is_transient=.true.))
-         cost = coarse_share*count(list%kind /= roughness .and. list%kind /= squeeze)
-      end associate
+      list = ingredients_of(contact, is_transient=.true.)
+      cost = coarse_share*count(list%kind /= roughness .and. list%kind /= squeeze)
    end function full_cost
 
    !> Measures the ingredients of a passage: those of oil and bodies at rest, those that the runs of
@@ -128,10 +129,8 @@ contains
       adequacy%time_step = new_influence('time_step', 'limit of small time steps')
       call measure_time_step(solved, coarse, budget, adequacy%time_step, listener, error)
       if (allocated(error) .or. listener%is_stopping) return
-      ! of pilots there is none on n/4
-      if (.not. (coarse%is_known .or. adequacy%is_full)) coarse = fine
-      if (coarse%is_known) call measure_open(coarse, pack(list, is_open), budget, adequacy, &
-         listener, error)   ! error: the caller looks
+      call measure_open([fine, coarse], pack(list, is_open), budget, adequacy, listener, &
+         error)   ! error: the caller looks
    end subroutine measure_passage
 
    !> Measures all roughness, if the passage is known on the `fine` grids; `is_open`: which
@@ -157,29 +156,31 @@ contains
       is_open(i) = .not. is_known
    end subroutine measure_roughness
 
-   !> Measures what is `open`: the squeeze term within the `budget`, all others if all is to be
-   !> measured.
-   subroutine measure_open(pair, open, budget, adequacy, listener, error)
-      type(passage_pair_t), intent(inout) :: pair
+   !> Measures what is `open`: the squeeze term on the coarse pair within the `budget`, on the fine
+   !> one if there is no other, or all is to be measured; then all others on the coarse one.
+   subroutine measure_open(pairs, open, budget, adequacy, listener, error)
+      type(passage_pair_t), intent(in) :: pairs(2)
       type(ingredient_t), intent(in) :: open(:)
       real(wp), intent(in) :: budget
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
-      type(passage_pair_t) :: places
+      type(passage_pair_t) :: pair
       logical :: is_measured, is_known
       integer :: i
 
       do i = 1, size(open)
-         places = pair
+         pair = pairs(2)
          is_measured = adequacy%is_full
-         if (open(i)%kind == squeeze) call limit_places(places, budget, is_measured)
-         if (.not. is_measured) cycle
+         if (open(i)%kind == squeeze) then
+            if (pairs(1)%is_known .and. (adequacy%is_full .or. .not. pair%is_known)) pair = pairs(1)
+            call limit_places(pair, budget, is_measured)
+         end if
+         if (.not. (is_measured .and. pair%is_known)) cycle
          associate (row => adequacy%rows(findloc(adequacy%rows%name == open(i)%name, .true., 1)))
-            call measure_change(places, open(i), row, is_known, listener, error)
+            call measure_change(pair, open(i), row, is_known, listener, error)
          end associate
          if (allocated(error) .or. listener%is_stopping) return
-         pair%smooth = places%smooth
       end do
    end subroutine measure_open
 
@@ -239,6 +240,7 @@ contains
       if (.not. is_open) return
       larger = coarse%runs(2)
       larger%time%time_step = 2*larger%time%time_step
+      ! a quarter of the nodes, an eighth of the steps
       cost = march_weight*longer_steps*solved%newton_steps*solved%experiment%contact%domain &
          %intervals/32
       if (.not. coarse%is_known) row%unknown = &
@@ -283,7 +285,7 @@ contains
       integer :: i, k
 
       adequacy%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
-      if (.not. adequacy%is_full) adequacy%rows%unknown = only_full
+      adequacy%rows%unknown = merge(no_grids, only_full, adequacy%is_full)
       smooth = experiment
       associate (n => smooth%contact%domain%intervals)
          do while (modulo(n, 2) == 0 .and. n > most_at_rest &
