@@ -28,11 +28,12 @@
 !> it may be (`corner_top` of line_summary).
 module pressure_spike
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use flow_law, only: largest_exponent
    use kinds, only: wp
    use line_summary, only: crests_t
    use lubricant, only: fluid_density, fluid_t, fluid_viscosity
    use missing_value, only: not_known
-   use rheology, only: largest_exponent, ln_slip, thins, wall_stress
+   use rheology, only: ln_slip, thins, wall_stress
    implicit none (type, external)
    private
 

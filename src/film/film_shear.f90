@@ -9,14 +9,14 @@
 !> how much of the width oil fills there is not known.
 module film_shear
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use flow_law, only: block_size => slip_block, slip_t
+   use flow_law, only: block_size => slip_block, largest_exponent, slip_t
    use friction_sums, only: friction_t, stressed_share
    use kinds, only: wp
    use line_level, only: line_level_t
    use missing_value, only: not_known
    use quantities, only: exit_between_nodes
    use reynolds_line, only: mass_flux
-   use rheology, only: evaluate_stress, largest_exponent, thins
+   use rheology, only: evaluate_stress, thins
    use shear_stresses, only: evaluate_nodes, stress_block_t
    implicit none (type, external)
    private

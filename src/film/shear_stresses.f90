@@ -6,10 +6,10 @@
 !> tau_m -+ (h/2) dp/dx. The film pulls surface 1 with tau in +x and surface 2 with -tau. In units
 !> of p_h b/R.
 module shear_stresses
-   use flow_law, only: block_size => slip_block
+   use flow_law, only: block_size => slip_block, largest_exponent
    use kinds, only: wp
    use lubricant, only: fluid_t, fluid_viscosity
-   use rheology, only: evaluate_stress, flow_shapes, largest_exponent, ln_slip
+   use rheology, only: evaluate_stress, flow_shapes, ln_slip
    implicit none (type, external)
    private
 

@@ -178,8 +178,8 @@ contains
       case%accuracy%has_error_bars = values%logical_value('accuracy', 'error_bars')
    end subroutine fill_numerics
 
-   !> Findings: a load, given by `key`, whose contact is wider than the radius, where neither Hertz
-   !> nor the half-space holds; a contact outside the range of &moes.
+   !> Adds findings: a load, given by `key`, whose contact is wider than the radius, where neither
+   !> Hertz nor the half-space holds; a contact outside the range of &moes.
    subroutine check_regime(values, key, case)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: key

@@ -60,8 +60,8 @@ contains
       if (case%scaling%is_dimensional) settings%film_floor = case%film_floor/case%scaling%film
    end function scaled_solver
 
-   !> Findings: grid or time step, given or chosen, are too coarse for the surfaces, or the grid is
-   !> too fine. Determines how far it may be refined.
+   !> Adds findings: grid or time step, given or chosen, are too coarse for the surfaces, or the
+   !> grid is too fine. Determines how far it may be refined.
    subroutine check_resolution(values, case)
       type(input_values_t), intent(inout) :: values
       type(case_t), intent(inout) :: case

@@ -32,8 +32,8 @@ contains
          usual('roelands_p0'))
    end subroutine complete_alpha
 
-   !> Findings: parameters of Roelands' law that are too few or contradict each other; laws that
-   !> &moes excludes.
+   !> Adds findings: parameters of Roelands' law that are too few or contradict each other; laws
+   !> that &moes excludes.
    subroutine check_lubricant(values)
       type(input_values_t), intent(inout) :: values
 

@@ -43,6 +43,8 @@ module run_observer
       type(error_t), allocatable :: failure
       !> Seconds of the clock at the start and at the last checkpoint.
       real(wp), private :: start = 0.0_wp, last_checkpoint = 0.0_wp
+      !> More time steps follow.
+      logical, private :: is_marching = .false.
    contains
       procedure :: on_step
       procedure :: on_stage
@@ -70,7 +72,7 @@ contains
       type(march_state_t), intent(in) :: history
       type(report_t), intent(in) :: report
       real(wp) :: begin
-      logical :: is_due
+      logical :: is_due, is_asked
 
       begin = wall_seconds()
       call self%writer%store_step(step, steps, state, report)
@@ -86,12 +88,15 @@ contains
       if (report%breakdown%is_now .and. report%breakdown%count == 1) call self%log%say_error( &
          breakdown_sentence(report%breakdown, self%film_floor, self%log%scaling))
       self%is_stopping = self%writer%has_failed()
-      is_due = is_interrupted() .or. begin - self%last_checkpoint >= self%checkpoint_interval
+      is_asked = is_interrupted()
+      is_due = is_asked .or. begin - self%last_checkpoint >= self%checkpoint_interval
       if (step == steps) is_due = is_due .or. begin - self%start > long_run
       is_due = is_due .and. .not. self%is_stopping
       call set_patience(is_due .or. step < steps)
       self%output_seconds = self%output_seconds + wall_seconds() - begin
       if (is_due) call self%keep(state, history, report)
+      self%is_marching = step < steps
+      self%is_stopping = self%is_stopping .or. (is_asked .and. self%is_marching)
    end subroutine on_step
 
    !> Passes a cycle to the log; any other stage is printed after a few seconds.
@@ -150,12 +155,13 @@ contains
       self%output_seconds = self%output_seconds + self%last_checkpoint - begin
    end subroutine keep
 
-   !> Whether nothing can be written any more, or the run is interrupted.
+   !> Whether nothing can be written any more, or the run is interrupted: between time steps only if
+   !> the last one has kept a checkpoint for it, for a signal may come after that.
    function wants_stop(self)
       class(run_observer_t), intent(inout) :: self
       logical :: wants_stop
 
-      self%is_stopping = self%is_stopping .or. is_interrupted()
+      if (.not. self%is_marching) self%is_stopping = self%is_stopping .or. is_interrupted()
       wants_stop = self%is_stopping
    end function wants_stop
 
