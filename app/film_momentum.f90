@@ -12,7 +12,7 @@ module film_momentum
    use momentum_setup, only: walls_t
    use momentum_solver, only: solve_film_momentum
    use run_observer, only: run_observer_t
-   use scaling, only: film_slope, inertia_number
+   use scaling, only: inertia_number
    use signals, only: begin_activity
    use system_limits, only: peak_memory
    use text, only: to_text
@@ -42,7 +42,7 @@ contains
       type(run_observer_t), intent(in) :: listener
       type(walls_t) :: walls
 
-      walls%delta = film_slope(listener%log%scaling)
+      walls%delta = listener%log%scaling%slope
       if (case%has_inertia) walls%inertia = inertia_number(listener%log%scaling, &
          case%materials%density)
       walls%curvature_share = case%bodies%curvature_share

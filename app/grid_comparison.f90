@@ -7,7 +7,7 @@ module grid_comparison
       run_apart, copy_side_runs
    use error_bars, only: error_bars_t
    use errors, only: error_t
-   use experiment, only: experiment_t, new_experiment
+   use experiment, only: new_experiment
    use iteration_report, only: report_t
    use kinds, only: wp
    use line_contact, only: line_contact_t
@@ -31,19 +31,18 @@ contains
       real(wp), intent(out) :: seconds
       type(error_t), allocatable, intent(out) :: error
       type(error_bars_t) :: bars
-      type(experiment_t) :: experiment
       real(wp) :: start
 
       start = wall_seconds()
-      experiment = new_experiment(contact, case%solver, case%time)
       if (case%time%is_transient) then
          if (.not. allocated(side_runs)) then
-            side_runs = new_side_runs(experiment)
+            side_runs = new_side_runs(new_experiment(contact, case%solver, case%time))
             call make_side_runs(side_runs, listener)
          end if
          call copy_side_runs(side_runs, bars, error)   ! error: the caller looks
       else
-         call make_coarse_runs(bars, experiment, listener, error)   ! error: the caller looks
+         call make_coarse_runs(bars, new_experiment(contact, case%solver, case%time), listener, &
+            error)   ! error: the caller looks
       end if
       listener%writer%bars = bars
       seconds = wall_seconds() - start

@@ -110,7 +110,7 @@ def test_single_ridges_and_the_time_step(asperity, tmp_path):
             assert abs(full[quantity] / value - 1) <= row[quantity][()] <= group["grid"][quantity][()]
 
 
-@pytest.mark.parametrize("words", ["time_step = 0.02, scheme = 'backward_euler'", "scheme = 'bdf2'"])
+@pytest.mark.parametrize("words", ["time_step = 0.02, scheme = 'backward_euler'", "scheme = 'bdf2'", "scheme = 'backward_euler'"])
 def test_time_step_of_other_runs(solved_case, words):
     """Of first order by the scheme of second order; with a target by the coarse runs of that."""
     case = TRANSIENT.replace("time_step = 0.05", words)
@@ -120,6 +120,7 @@ def test_time_step_of_other_runs(solved_case, words):
         row, grid = file["adequacy/time_step"], file["adequacy/grid"]
         assert 0 < row["h_min"][()] <= grid["h_min"][()]
         assert row["h_min"].attrs["error_estimate"] == 0
+        assert "h_min" in file["adequacy/roughness"]
 
 
 def test_what_is_not_known_says_why(asperity, tmp_path):

@@ -148,7 +148,11 @@ contains
       logical :: is_resampled
       integer :: first, last
 
-      sweep = self%sweep
+      sweep%grid = self%sweep%grid
+      sweep%scaling = self%sweep%scaling
+      sweep%loads = self%sweep%loads
+      sweep%settings = self%sweep%settings
+      if (setting%without /= without_rows) sweep%height = self%sweep%height
       associate (grid => sweep%grid, old => self%sweep%grid, settings => sweep%settings)
          settings%method = method_conjugate_gradient
          settings%keeps_pressures = .false.
@@ -196,7 +200,8 @@ contains
                sweep%height, [grid%nx, grid%ny]), -(grid%nx/2), 1), -(grid%ny/2), 2), &
                [grid%nx*grid%ny])
          case (without_rows)
-            sweep%height = sweep%height(setting%number*grid%nx + 1:(setting%number + 1)*grid%nx)
+            sweep%height = self%sweep%height(setting%number*grid%nx + 1:(setting%number + 1) &
+               *grid%nx)
             grid = dry_grid_t(grid%nx, 1, 1.0_wp, grid%kernel)
             sweep%scaling = new_dry_scaling(sweep%height, sweep%scaling%length, &
                sweep%scaling%reduced_modulus)

@@ -23,7 +23,7 @@ module measured_adequacy
    use listener, only: listener_t
    use passage_pair, only: coarse_tolerance, limit_places, measure_change, new_pair, &
       passage_pair_t, run_pair, sees_all, solve_smooth, steps_to_start
-   use time_step_error, only: set_step_error, set_step_error_of_bars
+   use time_step_error, only: by_larger_step, by_scheme, set_split_step_error, set_step_error
    implicit none (type, external)
    private
 
@@ -124,7 +124,7 @@ contains
       if (allocated(error) .or. listener%is_stopping) return
       coarse%smooth(1) = fine%smooth(2)
       call decide_at_rest(list, adequacy, is_open)
-      if (adequacy%is_full) call complete(solved, coarse, adequacy, listener, error)
+      if (adequacy%is_full) call complete(coarse, adequacy, listener, error)
       if (allocated(error) .or. listener%is_stopping) return
       adequacy%time_step = new_influence('time_step', 'limit of small time steps')
       call measure_time_step(solved, coarse, budget, adequacy%time_step, listener, error)
@@ -194,8 +194,11 @@ contains
       if (factor == 1) then
          pair = new_pair(solved%experiment, [1, 2], own_widths)
          pair%full = [solved%full, solved%bars%coarser(1)]
-         if (solved%bars%is_first_order) pair%full(1) = solved%bars%second_order
-         if (solved%bars%apart%is_known) pair%full(2) = solved%bars%apart%half
+         if (solved%bars%apart%is_known) then
+            pair%full(2) = solved%bars%apart%half   ! by the scheme of the run
+         else if (solved%bars%is_first_order) then
+            pair%full(1) = solved%bars%second_order
+         end if
       else
          pair = new_pair(solved%experiment, [2, 4], coarse_widths)
          pair%full = solved%bars%coarser(:2)
@@ -207,16 +210,15 @@ contains
    end function pair_of
 
    !> Runs the passage on the grids of `coarse`, if its error bars have not, and both see all waves.
-   subroutine complete(solved, coarse, adequacy, listener, error)
-      type(solved_t), intent(in) :: solved
+   subroutine complete(coarse, adequacy, listener, error)
       type(passage_pair_t), intent(inout) :: coarse
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
 
       associate (grids => coarse%runs%contact%domain%intervals)
-         if (.not. coarse%is_known .and. sees_all(solved%experiment, grids(2))) call run_pair( &
-            coarse, listener, error)
+         if (.not. coarse%is_known .and. sees_all(coarse%runs(2))) call run_pair(coarse, &
+            listener, error)
          if (allocated(error)) return
          if (coarse%is_known) adequacy%in_time = grids
       end associate
@@ -233,24 +235,30 @@ contains
       type(experiment_t) :: larger
       type(outcome_t) :: outcome
       real(wp) :: cost
-      logical :: is_open
+      logical :: is_first_order
 
       row%is_numerical = .true.
-      call set_step_error_of_bars(solved%bars, solved%full, row, is_open)
-      if (.not. is_open) return
-      larger = coarse%runs(2)
-      larger%time%time_step = 2*larger%time%time_step
-      ! a quarter of the nodes, an eighth of the steps
-      cost = march_weight*longer_steps*solved%newton_steps*solved%experiment%contact%domain &
-         %intervals/32
-      if (.not. coarse%is_known) row%unknown = &
-         'there is no error estimate, or a coarse grid does not see all waves'
-      if (budget < cost .or. .not. coarse%is_known) return
-      call run_experiment(larger, listener, outcome, error)
-      if (allocated(error)) return
-      budget = budget - cost
-      row%unknown = 'a coarse grid has no solution with larger steps'
-      if (outcome%is_known) call set_step_error(coarse%full(2), outcome%summary, row)
+      is_first_order = solved%experiment%time%scheme == 'backward_euler'
+      if (solved%bars%forecast%is_known .and. solved%bars%apart%is_known) then
+         call set_split_step_error(solved%bars%apart, solved%full, row)
+      else if (.not. coarse%is_known .or. (is_first_order .and. solved%bars%grids < 2)) then
+         row%unknown = 'there is no error estimate, or a coarse grid does not see all waves'
+      else if (is_first_order) then
+         call set_step_error(solved%bars%second_order, solved%full, by_scheme, row)
+      else
+         ! a quarter of the nodes, an eighth of the steps
+         cost = march_weight*longer_steps*solved%newton_steps*solved%experiment%contact%domain &
+            %intervals/32
+         if (budget < cost) return
+         larger = coarse%runs(2)
+         larger%time%time_step = 2*larger%time%time_step
+         call run_experiment(larger, listener, outcome, error)
+         if (allocated(error)) return
+         budget = budget - cost
+         row%unknown = 'a coarse grid has no solution with larger steps'
+         if (outcome%is_known) call set_step_error(coarse%full(2), outcome%summary, &
+            by_larger_step, row)
+      end if
    end subroutine measure_time_step
 
    !> Marks ingredients that the smooth steady contact leaves undecided.

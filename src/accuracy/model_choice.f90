@@ -13,7 +13,7 @@ module model_choice
    use entry_zone, only: is_moving
    use errors, only: error_t
    use expected_film, only: film_estimate
-   use experiment, only: experiment_t
+   use experiment, only: coarser, experiment_t
    use features, only: rough_surface_t
    use kinds, only: wp
    use line_contact, only: line_contact_t, move_profiles
@@ -197,7 +197,7 @@ contains
          do while (1.25_wp*cost/factor**2 > max(cost_share*cost, least_cost))
             factor = 2*factor
          end do
-         if (.not. sees_all(experiment, n/(2*factor))) factor = 0
+         if (.not. sees_all(coarser(experiment, 2*factor))) factor = 0
       end associate
    end function coarsening
 

@@ -48,6 +48,8 @@ module passage_pair
       !> Its extremes, with everything.
       type(line_summary_t) :: full(2)
       logical :: is_known = .false.
+      !> Its period; 0: it has none.
+      real(wp) :: period = 0.0_wp
       !> The smooth steady contact on each grid; pressures are not allocated where it is not solved.
       type(film_state_t) :: smooth(2)
       !> The error of a change, as of `set_change`; whether what spikes may add is part of it.
@@ -67,11 +69,13 @@ contains
       type(passage_pair_t) :: pair
       type(passage_times_t) :: times
 
-      pair%runs = [coarser(experiment, factors(1)), coarser(experiment, factors(2))]
+      pair%runs(1) = coarser(experiment, factors(1))
+      pair%runs(2) = coarser(experiment, factors(2))
       pair%runs%time%scheme = 'bdf2'
       ! a leaner contact may count from another time
       times = new_passage_times(experiment%contact, experiment%time)
       pair%runs%time%statistics_from = times%counts_from
+      pair%period = times%period
       pair%widths = widths
    end function new_pair
 
@@ -93,17 +97,16 @@ contains
       end do
    end subroutine run_pair
 
-   !> Whether this many intervals carry the film and have nodes in every wave.
-   pure function sees_all(experiment, intervals)
+   !> Whether the grid of an experiment carries the film and has nodes in every wave.
+   pure function sees_all(experiment)
       type(experiment_t), intent(in) :: experiment
-      integer, intent(in) :: intervals
       logical :: sees_all
 
       ! divided: without waves the finest one is the largest number
       associate (domain => experiment%contact%domain)
-         sees_all = intervals >= coarsest_for_film(experiment%contact, min_intervals) &
+         sees_all = domain%intervals >= coarsest_for_film(experiment%contact, min_intervals) &
             .and. finest_wave(experiment%contact) >= least_nodes*(domain%x_outlet &
-            - domain%x_inlet)/max(intervals, 1)
+            - domain%x_inlet)/max(domain%intervals, 1)
       end associate
    end function sees_all
 
@@ -116,22 +119,23 @@ contains
       logical, intent(out) :: is_known
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
-      type(line_summary_t) :: lean, full
+      type(line_summary_t) :: lean(2), full
       real(wp), dimension(quantity_count, 2) :: changes, doubt
       integer :: g
 
       do g = 1, 2
-         call run_without(pair, g, ingredient, lean, is_known, listener, error)
+         call run_without(pair, g, ingredient, lean(g), is_known, listener, error)
          if (allocated(error) .or. .not. is_known) return
-         changes(:, g) = change_between(lean, pair%full(g))
-         if (g == 2) exit
-         full = pair%full(1)
-         call add_doubt(pair%runs(1), full)
-         call add_doubt(pair%runs(1), lean)
-         doubt = doubt_between(lean, full)
+         changes(:, g) = change_between(lean(g), pair%full(g))
          call start_from_finer(pair%smooth, pair%runs%contact%domain%intervals)
       end do
-      if (.not. pair%counts_spikes) doubt = 0.0_wp
+      doubt = 0.0_wp
+      if (pair%counts_spikes) then
+         full = pair%full(1)
+         call add_doubt(pair%runs(1), full)
+         call add_doubt(pair%runs(1), lean(1))
+         doubt = doubt_between(lean(1), full)
+      end if
       row%is_at_rest = .false.
       row%left_out = 1.0_wp
       call set_change(row, changes, doubt, pair%widths)
@@ -303,10 +307,9 @@ contains
       real(wp) :: from, share, start
       integer :: steps
 
-      associate (run => pair%runs(1), grids => pair%runs%contact%domain%intervals, &
-         times => new_passage_times(pair%runs(1)%contact, pair%runs(1)%time))
-         from = times%counts_from
-         if (times%period > 0.0_wp) from = max(from, run%time%end_time - times%period)
+      associate (run => pair%runs(1), grids => pair%runs%contact%domain%intervals)
+         from = run%time%statistics_from
+         if (pair%period > 0.0_wp) from = max(from, run%time%end_time - pair%period)
          ! only times that count are solved
          share = max(1 - from/run%time%end_time, epsilon(1.0_wp))
          start = 0.0_wp

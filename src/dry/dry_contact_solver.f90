@@ -161,7 +161,7 @@ contains
       allocate (p(size(problem%height)))
       call problem%elastic%apply_inverse(problem%height, p)
       self%full_range = [minval(p), maxval(p)]
-      if (mean_pressure + minval(p) < 0.0_wp .or. mean_pressure + maxval(p) &
+      if (mean_pressure + self%full_range(1) < 0.0_wp .or. mean_pressure + self%full_range(2) &
          > problem%hardness) return
       ! K of the mean is 0 but for its rounding, which a large mean would bring into v
       call problem%find_v(p, solution%v)

@@ -41,7 +41,8 @@ contains
       integer :: i, n
 
       call cpu_time(cpu_start)
-      solver%settings = settings
+      solver%settings = dry_settings_t(settings%method, settings%tolerance, settings%max_cycles, &
+         settings%is_rough)   ! without the pressures to start from
       outcome%scaling = scaling
       call new_dry_problem(problem, grid, z/scaling%height, error)
       if (allocated(error)) return

@@ -14,7 +14,7 @@ module scaling
    implicit none (type, external)
    private
 
-   public :: film_slope, inertia_number, new_scaling, new_moes_scaling, scaled_fluid
+   public :: inertia_number, new_scaling, new_moes_scaling, scaled_fluid
 
    !> Laws: mu whatever the shear; Eyring (module eyring). Their names in the input, by number.
    integer, parameter, public :: rheology_newtonian = 0, rheology_eyring = 1
@@ -117,14 +117,6 @@ contains
          scaling%hertz_pressure = scaling%alpha_bar/lubricant%pressure_viscosity
       end if
    end subroutine new_moes_scaling
-
-   !> delta = h_ref/b = b/R [-], the slope of the film in its scales. Dimensional scaling only.
-   pure function film_slope(scaling) result(slope)
-      type(scaling_t), intent(in) :: scaling
-      real(wp) :: slope
-
-      slope = scaling%half_width/scaling%reduced_radius
-   end function film_slope
 
    !> rho_0 u_s^2/p_h [-], the inertia of an oil of ambient `density` [kg/m3] over its pressure.
    !> Dimensional scaling only.

@@ -3,7 +3,7 @@ module momentum_setup
    use errors, only: error_t
    use eyring, only: eyring_t
    use features, only: surface_height
-   use film_equation, only: take_film
+   use film_equation, only: carried_load, take_film
    use kinds, only: wp
    use line_contact, only: line_contact_t
    use line_level, only: line_level_t, new_level, set_plain_problem
@@ -40,7 +40,7 @@ contains
       level%state%pressure(:) = state%pressure
       level%state%rigid_displacement = state%rigid_displacement
       ! what a tail in front of the inlet carries stays with it
-      level%rhs_load = level%dx*sum(state%pressure)
+      level%rhs_load = carried_load(level)
       call take_film(level)
    end subroutine pose_level
 
