@@ -1,5 +1,5 @@
-!> A dry case on its given grid, or on finer and finer grids until the contact area has the wanted
-!> accuracy.
+!> Solves a dry case on its grid, or on finer and finer grids until the contact area meets its
+!> target accuracy.
 module dry_target
    use dry_case, only: dry_case_t
    use dry_errors, only: estimate_dry_errors
@@ -26,10 +26,10 @@ module dry_target
 
 contains
 
-   !> Solves all loads of `dry` and estimates the errors of its quantities, if they are wanted. With
-   !> a target of the contact area the grid becomes the first one on which the estimate stays below
-   !> it, or the finest allowed one, with a note. Times are those of all grids. Errors as in
-   !> `solve_dry_sweep` and `refine_heights`.
+   !> Solves all loads of `dry` and estimates the errors of its quantities, if asked for. With a
+   !> target of the contact area, the grid becomes the first one whose estimate meets it, or the
+   !> finest allowed one, with a note. Times cover all grids. Errors as in `solve_dry_sweep` and
+   !> `refine_heights`.
    subroutine solve_to_target(dry, record, error)
       type(dry_case_t), intent(inout) :: dry
       type(dry_record_t), intent(out) :: record
@@ -67,8 +67,7 @@ contains
       if (.not. allocated(error)) call note_unmet(dry, trials(size(trials))%doubt, most)
    end subroutine solve_to_target
 
-   !> Solves the grid of `dry`, and estimates errors if they are wanted. Errors as in
-   !> `solve_dry_sweep`.
+   !> Solves the grid of `dry` and estimates errors, if asked for. Errors as in `solve_dry_sweep`.
    subroutine solve_grid(dry, record, error)
       type(dry_case_t), intent(in) :: dry
       type(dry_record_t), intent(out) :: record
@@ -109,8 +108,8 @@ contains
       end do
    end function max_nodes
 
-   !> Notes that the target is not met by an estimated error of `doubt` (without a solution that
-   !> is the reason elsewhere), and why.
+   !> Notes that the target is not met by an estimated error of `doubt`, and why (without a solution
+   !> the reason is told elsewhere).
    subroutine note_unmet(dry, doubt, most)
       type(dry_case_t), intent(inout) :: dry
       real(wp), intent(in) :: doubt

@@ -1,9 +1,7 @@
-!> What a steady lubricated contact is without one of its ingredients, on one and the same coarse
-!> grid as with it; how far off that change is, from a grid twice as coarse.
-!>
-!> The cost is bounded beforehand, in nodes times Newton steps, so that a repeated run measures the
-!> same: by a share of the run's own cost, or what a small run may take. What does not fit is not
-!> known.
+!> Changes of a steady lubricated contact without one of its ingredients, on the same coarse grid as
+!> with it; the error of a change comes from a grid twice as coarse.
+!> The cost is bounded beforehand in nodes times Newton steps, so that a repeated run measures the
+!> same. What does not fit is not known.
 module ablation_runs
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use ablations, only: ingredient_t
@@ -24,22 +22,23 @@ module ablation_runs
 
    public :: change_between, doubt_between, largest_change, measure_at_rest, set_change
 
-   !> The error of a change: this many times its own change from the coarser grid, a share of
-   !> itself, a share of the largest change of a film, and what iterations leave at least.
+   !> Error of a change: this many times its difference from the coarser grid, a share of the
+   !> change, a share of the largest change of a film, and at least the error of the iteration.
    real(wp), parameter :: widths(4) = [1.5_wp, 0.05_wp, 0.0_wp, 2.0e-5_wp]
-   !> Where only the finer grid carries the lean film, the error of films is this share of their
-   !> change; it tells only what is plainly needed.
+   !> If only the finer grid carries the lean film, the error of films is this share of their
+   !> change; that can only show what is plainly needed.
    real(wp), parameter :: width_on_one = 0.5_wp
-   !> Spikes that may add more to both pressures make their change not known.
+   !> If spikes may add more than this to both pressures, their change is not known.
    real(wp), parameter :: largest_doubt = 0.01_wp
-   !> Where only the lean contact has a spike, the change of its friction is at least this share of
-   !> the smaller one of both grids.
+   !> If only the lean contact has a spike, the change of its friction is at least this share of the
+   !> smaller one of both grids.
    real(wp), parameter :: least_share = 0.5_wp
-   !> Newton steps that a solution from a neighbour takes, about, with the cost of its grid.
+   !> Typical Newton steps from a neighbouring solution, with the cost of setting up its grid.
    real(wp), parameter :: usual_steps = 11.0_wp
-   !> Newton steps of one ingredient on a grid at most.
+   !> Most Newton steps of one ingredient on a grid.
    real(wp), parameter :: most_steps = 50.0_wp
-   !> The finer one of the two grids: this many intervals where the budget allows it, and no less.
+   !> Intervals of the finer of the two grids: at most the first where the budget allows, at least
+   !> the second.
    integer, parameter :: most_intervals = 256, least_intervals = 64
 
 contains
@@ -133,8 +132,8 @@ contains
       call set_change(row, changes, doubt, widths)
    end subroutine measure_one
 
-   !> The row of an ingredient, so much of which is `left_out`, by the `changes` of films on the
-   !> finer grid alone, if they say that it is plainly needed for the `accuracy`.
+   !> Sets the row of an ingredient, a fraction `left_out` of which was left out, from the `changes`
+   !> of films on the finer grid alone, if they show that it is plainly needed for `accuracy`.
    pure subroutine tell_by_one(changes, doubt, left_out, accuracy, row)
       real(wp), intent(in) :: changes(:), doubt(:, :), left_out, accuracy
       type(influence_t), intent(inout) :: row
@@ -152,9 +151,9 @@ contains
       if (is_plainly_needed(told, accuracy)) row = told
    end subroutine tell_by_one
 
-   !> The change of a row and its error from those on the finer (1) and the coarser grid; `factors`
-   !> are `widths`, `doubt` that of the lean and of the full contact, is added. What is in doubt is
-   !> not known; but a spike only adds to friction, without it there is less.
+   !> Sets the change of a row and its error from the changes on the finer (1) and the coarser grid;
+   !> `factors` are `widths`, and `doubt` (lean and full contact) is added. Uncertain changes are
+   !> not known, but a spike only adds to friction: without it there is less.
    pure subroutine set_change(row, changes, doubt, factors)
       type(influence_t), intent(inout) :: row
       real(wp), intent(in) :: changes(:, :), doubt(:, :), factors(4)
@@ -186,7 +185,7 @@ contains
       end do
    end subroutine set_change
 
-   !> The largest of the known changes of films.
+   !> The largest known change of a film.
    pure function largest_change(change) result(largest)
       real(wp), intent(in) :: change(:)
       real(wp) :: largest
@@ -195,8 +194,8 @@ contains
          .and. quantity_rows%field == 'film_thickness'))))
    end function largest_change
 
-   !> What spikes may add to the largest pressure and the sliding friction of the lean (:, 1) and
-   !> the full contact, relative; to other quantities 0; NaN: not known.
+   !> Relative amounts that spikes may add to the largest pressure and the sliding friction of the
+   !> lean (:, 1) and the full contact; 0 for other quantities, NaN: not known.
    pure function doubt_between(lean, full) result(doubt)
       type(line_summary_t), intent(in) :: lean, full
       real(wp) :: doubt(quantity_count, 2)
@@ -207,8 +206,8 @@ contains
       doubt(rows, 2) = quotient(full%of(rows)%error_grid, abs(full%of(rows)%value))
    end function doubt_between
 
-   !> Relative change of all quantities from the `full` contact to the lean one; NaN where there is
-   !> nothing to compare with.
+   !> Relative change of all quantities from the `full` contact to the lean one; NaN without a value
+   !> to compare with.
    pure function change_between(lean, full) result(change)
       type(line_summary_t), intent(in) :: lean, full
       real(wp) :: change(quantity_count)
@@ -223,8 +222,8 @@ contains
       end do
    end function change_between
 
-   !> The finer and the coarser one of two grids of n/2^k intervals on which this many solutions fit
-   !> into the budget; 0: there are none that carry the film.
+   !> The finer and the coarser of two grids of n/2^k intervals on which this many solutions fit
+   !> into the budget; 0: none that carry the film.
    pure function grids_for(contact, n, solutions, budget) result(grids)
       type(line_contact_t), intent(in) :: contact
       integer, intent(in) :: n, solutions

@@ -1,5 +1,5 @@
 !> The ingredients of a lubricated contact that could be left out, and the contact without one of
-!> them: what a user would have had with the leaner model.
+!> them: what a leaner model would have been.
 module ablations
    use features, only: rough_surface_t
    use kinds, only: wp
@@ -23,19 +23,19 @@ module ablations
    type :: ingredient_t
       !> One of the kinds.
       integer :: kind
-      !> Name in the result, and what is in its place.
+      !> Name in the result, and what replaces it.
       character(len=20) :: name
       character(len=64) :: text
-      !> Surface and feature that are meant, of the last two kinds.
+      !> Surface and feature, for the last two kinds.
       integer :: surface = 0, feature = 0
-      !> A quarter of it can be left out, where there is no solution without all of it.
+      !> Whether a quarter of it can be left out if there is no solution without all of it.
       logical :: can_reduce = .false.
    end type ingredient_t
 
 contains
 
-   !> The ingredients that a contact has, those first that are cheap to look at or matter most
-   !> often. A steady contact has no squeeze term.
+   !> Ingredients of a contact, first those cheap to measure or most often important. A steady
+   !> contact has no squeeze term.
    pure function ingredients_of(contact, is_transient) result(list)
       type(line_contact_t), intent(in) :: contact
       logical, intent(in) :: is_transient
@@ -67,7 +67,7 @@ contains
       list = [list, features_of(contact%surface_1, 1), features_of(contact%surface_2, 2)]
    end function ingredients_of
 
-   !> The features of a surface that has several.
+   !> The features of a surface with several.
    pure function features_of(surface, number) result(list)
       type(rough_surface_t), intent(in) :: surface
       integer, intent(in) :: number
@@ -83,7 +83,7 @@ contains
       end do
    end function features_of
 
-   !> Whether there is anything on a surface.
+   !> Whether a surface has features or a profile.
    pure function has_roughness(surface)
       type(rough_surface_t), intent(in) :: surface
       logical :: has_roughness
@@ -92,8 +92,8 @@ contains
       if (allocated(surface%features)) has_roughness = has_roughness .or. size(surface%features) > 0
    end function has_roughness
 
-   !> Whether an ingredient belongs to the surfaces or their motion: of a smooth contact nothing is
-   !> to be learnt about it.
+   !> Whether an ingredient belongs to the surfaces or their motion: a smooth contact says nothing
+   !> about it.
    pure elemental function is_of_surfaces(ingredient)
       type(ingredient_t), intent(in) :: ingredient
       logical :: is_of_surfaces
@@ -101,9 +101,9 @@ contains
       is_of_surfaces = any(ingredient%kind == [squeeze, roughness, one_surface, one_feature])
    end function is_of_surfaces
 
-   !> The contact without an ingredient, or with the `rest` of it (> 0 only where it can be
-   !> reduced): ln mu times the rest; of Roelands' law z on the way to 1; an Eyring stress higher by
-   !> its inverse; bodies stiffer by its inverse.
+   !> The contact without an ingredient, or with a fraction `rest` of it (> 0 only if it can be
+   !> reduced): ln mu times `rest`; Roelands' z moved towards 1; Eyring stress or stiffness divided
+   !> by `rest`.
    pure function contact_without(contact, ingredient, rest) result(lean)
       type(line_contact_t), intent(in) :: contact
       type(ingredient_t), intent(in) :: ingredient
@@ -156,7 +156,7 @@ contains
       call smoothen(smooth%surface_2)
    end function without_surfaces
 
-   !> Takes everything off a surface.
+   !> Removes features and profile from a surface.
    pure subroutine smoothen(surface)
       type(rough_surface_t), intent(inout) :: surface
 
@@ -165,7 +165,7 @@ contains
       allocate (surface%features(0))
    end subroutine smoothen
 
-   !> Takes one feature off a surface.
+   !> Removes one feature from a surface.
    pure subroutine leave_out(surface, feature)
       type(rough_surface_t), intent(inout) :: surface
       integer, intent(in) :: feature

@@ -1,8 +1,7 @@
 !> How much each ingredient of the model and each numerical choice changes the quantities of a
-!> result, and what follows: needed, of little weight, or irrelevant at the accuracy that counts.
-!>
+!> result, and the verdict: needed, small or irrelevant at the accuracy that counts.
 !> The change of a quantity is that by leaving the ingredient out, relative to its value with it.
-!> Changes of ingredients come from coarse runs (module ablation_runs), those of numerical choices
+!> Changes by ingredients come from coarse runs (module ablation_runs); those by numerical choices
 !> are the error estimates of the result.
 module adequacy
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -18,38 +17,38 @@ module adequacy
    public :: accuracy_for, adequacy_t, compared, influence_t, is_plainly_needed, judge, &
       new_influence, tell_at_rest
 
-   !> A change of the smooth steady contact that is this many times the accuracy, and so large, is
-   !> no less than the accuracy in a passage.
+   !> A change of the smooth steady contact this many times the accuracy, and this large, is no less
+   !> than the accuracy in a transient.
    real(wp), parameter :: plain_factor = 5.0_wp, plain_change = 0.05_wp
-   !> Without an ingredient roughness changes at most this many times as much as with it; it says
-   !> nothing where that is more than half of a quantity.
+   !> Without an ingredient roughness changes a quantity at most this many times as much as with it;
+   !> beyond half of the quantity nothing is known.
    real(wp), parameter :: other_roughness = 2.0_wp, largest_roughness = 0.5_wp
 
    !> One ingredient or numerical choice.
    type, extends(judged_t) :: influence_t
-      !> Relative change of each quantity and the error of that; NaN: not known.
+      !> Relative change of each quantity and its error; NaN: not known.
       real(wp) :: change(quantity_count), error(quantity_count)
-      !> Where the change is not known: so much it is at least; 0: nothing is known.
+      !> Lower bound of a change that is not known; 0: none.
       real(wp) :: least(quantity_count) = 0.0_wp
-      !> How much of it was left out.
+      !> Fraction that was left out.
       real(wp) :: left_out = 1.0_wp
-      !> Of a transient: measured on the smooth steady contact that it starts from, and what
-      !> roughness may do to it added to the error.
+      !> Of a transient: whether it was measured on the smooth steady contact, and whether the error
+      !> includes the effect of roughness.
       logical :: is_at_rest = .false., has_roughness = .false.
    end type influence_t
 
-   !> What is known of the adequacy of a model.
+   !> Adequacy of a model.
    type :: adequacy_t
       !> Not allocated: nothing was measured.
       type(influence_t), allocatable :: rows(:)
-      !> Of a transient the row of its time step.
+      !> Row of the time step of a transient.
       type(influence_t), allocatable :: time_step
       !> The relative error that counts.
       real(wp) :: accuracy = usual_accuracy
-      !> Of a transient: everything is measured, at any cost.
+      !> Whether everything of a transient is measured, at any cost.
       logical :: is_full = .false.
-      !> Intervals of the two grids on which changes were measured: at rest, and over a passage; 0:
-      !> none were.
+      !> Intervals of the two grids on which changes were measured, at rest and in time; 0: none
+      !> were.
       integer :: at_rest(2) = 0, in_time(2) = 0
    end type adequacy_t
 
@@ -64,7 +63,7 @@ contains
    end function new_influence
 
    !> Whether row `i` of the quantities is compared: those of the closing table, where the largest
-   !> pressure stands for that in the middle too.
+   !> pressure also stands for the central one.
    pure elemental function compared(i)
       integer, intent(in) :: i
       logical :: compared
@@ -73,7 +72,7 @@ contains
    end function compared
 
    !> The relative error that counts: `target` if there is one (> 0), else 1 %, or the estimate of
-   !> h_min in `summary` where that is larger.
+   !> h_min in `summary` if that is larger.
    pure function accuracy_for(target, summary) result(accuracy)
       real(wp), intent(in) :: target
       type(line_summary_t), intent(in) :: summary
@@ -87,8 +86,8 @@ contains
       if (target > 0.0_wp) accuracy = target
    end function accuracy_for
 
-   !> Completes the rows by the numerical choices, whose changes are the estimates in `summary`, and
-   !> gives all their verdict.
+   !> Adds the rows of the numerical choices, whose changes are the estimates in `summary`, and sets
+   !> all verdicts.
    pure subroutine judge(self, summary)
       type(adequacy_t), intent(inout) :: self
       type(line_summary_t), intent(in) :: summary
@@ -111,8 +110,8 @@ contains
       end do
    end subroutine judge
 
-   !> The row of the time step, bounded by the combined error of grid and step where that is known;
-   !> where nothing else is, anything between that and 0.
+   !> The row of the time step, bounded by the combined error of grid and step if that is known; if
+   !> only that is known, anything between it and 0.
    pure function bounded(time_step, grid) result(row)
       type(influence_t), intent(in) :: time_step, grid
       type(influence_t) :: row
@@ -130,7 +129,7 @@ contains
       end do
    end function bounded
 
-   !> A numerical choice whose estimated errors are `errors` (quantity_count).
+   !> A numerical choice with estimated errors `errors` (quantity_count).
    pure function numerical(name, text, errors, summary) result(row)
       character(*), intent(in) :: name, text
       real(wp), intent(in) :: errors(:)
@@ -144,7 +143,7 @@ contains
       where (ieee_is_finite(row%change)) row%error = 0.0_wp
    end function numerical
 
-   !> The verdict on a row by the quantities whose changes are known.
+   !> The verdict on a row by the quantities with known changes.
    pure function verdict_on(row, accuracy) result(verdict)
       type(influence_t), intent(in) :: row
       real(wp), intent(in) :: accuracy
@@ -160,19 +159,19 @@ contains
       else if (any(row%least > row%left_out*accuracy)) then
          verdict = verdict_needed
       else
-         ! of a part of an ingredient what all of it would change at that rate
+         ! a fraction of an ingredient is extrapolated at its rate to all of it
          verdict = verdict_of(pack(row%change, is_known)/row%left_out, &
             pack(row%error, is_known)/row%left_out, accuracy)
       end if
-      ! and all of it may matter more, or a change that is at least so large
+      ! all of it may matter more, or a change with a large lower bound
       if (verdict /= verdict_needed .and. (row%left_out < 1.0_wp &
          .or. any(row%least > irrelevant_share*accuracy))) verdict = verdict_unknown
    end function verdict_on
 
-   !> Whether a `row` of the smooth steady contact leaves open what holds for the passage: not if it
-   !> is too large to be small there, or if the influence of `roughness` cannot alter the verdict.
-   !> Changes c and r by both give (1 + c)(1 + r)/(1 + r') - 1 in the passage, r' that of roughness
-   !> without the ingredient; the error is then widened by that.
+   !> Decides whether a `row` of the smooth steady contact leaves the transient open: not if its
+   !> change is too large to be small there, nor if the influence of `roughness` cannot alter the
+   !> verdict. Changes c and r combine to (1 + c)(1 + r)/(1 + r') - 1 in the transient, r' that of
+   !> roughness without the ingredient; the error is widened accordingly.
    pure subroutine tell_at_rest(row, roughness, accuracy, is_open)
       type(influence_t), intent(inout) :: row
       type(influence_t), intent(in) :: roughness
@@ -200,7 +199,7 @@ contains
       worst = wider
       worst%change = abs(wider%change) + wider%error
       worst%error = 0.0_wp
-      ! it may be irrelevant there, too
+      ! it may be irrelevant in the transient, too
       if (verdict_on(worst, accuracy) == verdict_small .and. verdict_of_rest(row) &
          == verdict_irrelevant) return
       is_open = .false.
@@ -208,7 +207,7 @@ contains
 
    contains
 
-      !> What the row says of the contact at rest.
+      !> The verdict on the contact at rest.
       pure function verdict_of_rest(row) result(verdict)
          type(influence_t), intent(in) :: row
          integer :: verdict
@@ -221,7 +220,7 @@ contains
 
    end subroutine tell_at_rest
 
-   !> Whether a change of the smooth steady contact is too large for it to be small in a passage.
+   !> Whether a change of the smooth steady contact is too large to be small in a transient.
    pure function is_plainly_needed(row, accuracy) result(is_needed)
       type(influence_t), intent(in) :: row
       real(wp), intent(in) :: accuracy

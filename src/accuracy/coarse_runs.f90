@@ -1,5 +1,5 @@
-!> Runs of the same case on coarser grids, in a transient with larger time steps, where the run
-!> itself has not passed them on its way.
+!> Runs of the same case on coarser grids, with larger time steps or on longer domains, for its
+!> error bars.
 module coarse_runs
    use domain_choice, only: choose_inlet, farthest, inlet_error
    use error_bars, only: error_bars_t, new_error_bars
@@ -19,35 +19,35 @@ module coarse_runs
    public :: copy_side_runs, make_coarse_runs, make_side_runs, new_side_runs, run_apart, &
       run_farther, run_longer, run_other_scheme, side_runs_t
 
-   !> Up to this share of the film the rule of the inlet tells what it starves; beyond that the
-   !> change is measured, on a domain that is doubled this many times at most.
+   !> Up to this loss of film the inlet rule gives the error; beyond, the change is measured on a
+   !> domain doubled at most `max_doublings` times.
    real(wp), parameter :: small_loss = 0.05_wp
    integer, parameter :: max_doublings = 5
 
-   !> A coarse run of a transient, which does not depend on the run itself: another thread may make
-   !> it while that goes on. On `factor` times fewer intervals with time steps as much larger.
+   !> A coarse run of a transient on `factor` times fewer intervals with larger time steps. It does
+   !> not depend on the actual run: another thread may make it at the same time.
    type :: side_run_t
       integer :: factor
-      !> Without its solution the other ones are of no use.
+      !> Without its solution the others are useless.
       logical :: is_needed
       type(outcome_t) :: outcome
       type(error_t), allocatable :: error
    end type side_run_t
 
-   !> All of them, in the order in which they begin.
+   !> All coarse runs, in the order in which they begin.
    type :: side_runs_t
       type(experiment_t) :: experiment
       type(side_run_t), allocatable :: runs(:)
-      !> This many have begun.
+      !> Number begun so far.
       integer :: begun = 0
-      !> They are of no use any more.
+      !> Whether they have become useless.
       logical :: are_off = .false.
    end type side_runs_t
 
 contains
 
-   !> Runs a steady case on n/2 and n/4 intervals; in time `make_side_runs` does it. A run that
-   !> finds no solution, or that `listener` stops, leaves its quantities unknown.
+   !> Runs a steady case on n/2 and n/4 intervals (transients: `make_side_runs`). A run without a
+   !> solution, or stopped by `listener`, leaves its quantities unknown.
    subroutine make_coarse_runs(bars, experiment, listener, error)
       type(error_bars_t), intent(out) :: bars
       type(experiment_t), intent(in) :: experiment
@@ -65,8 +65,8 @@ contains
       call take_coarser(bars, [half%summary, quarter%summary])
    end subroutine make_coarse_runs
 
-   !> Of a transient on its grid and with its time steps: n/2 and n/4 intervals, with the scheme of
-   !> second order; of a transient of first order, first its own grid with that scheme.
+   !> Prepares runs of a transient on n/2 and n/4 intervals with the second-order scheme; for a
+   !> first-order scheme also on n, first.
    pure function new_side_runs(experiment) result(side_runs)
       type(experiment_t), intent(in) :: experiment
       type(side_runs_t) :: side_runs
@@ -77,9 +77,9 @@ contains
          [side_run_t(1, is_needed=.true.), side_runs%runs]
    end function new_side_runs
 
-   !> Makes the runs that are not begun yet, one after the other, while they are of use. Any number
-   !> of threads may call it; `listener` is that of the thread and may stop a run, whose quantities
-   !> are then unknown.
+   !> Makes the remaining runs one after the other while they are useful. Any number of threads may
+   !> call this; `listener` belongs to the thread and may stop a run, whose quantities are then
+   !> unknown.
    subroutine make_side_runs(side_runs, listener)
       type(side_runs_t), intent(inout) :: side_runs
       class(listener_t), intent(inout), target :: listener
@@ -106,7 +106,7 @@ contains
       end do
    end subroutine make_side_runs
 
-   !> What the runs are for; `error` is the first of theirs.
+   !> Copies the results into `bars`; `error` is the first one that occurred.
    subroutine copy_side_runs(side_runs, bars, error)
       type(side_runs_t), intent(in) :: side_runs
       type(error_bars_t), intent(out) :: bars
@@ -130,9 +130,8 @@ contains
       end do
    end subroutine copy_side_runs
 
-   !> Runs a transient whose resolution was chosen with twice the spacing, and with twice the time
-   !> step: errors of both often cancel, and together they would tell too little. Without a solution
-   !> of one of them neither is known.
+   !> Runs a transient of chosen resolution with twice the spacing and with twice the time step,
+   !> separately: both errors often cancel. If either finds no solution, neither is used.
    subroutine run_apart(bars, experiment, listener, error)
       type(error_bars_t), intent(inout) :: bars
       type(experiment_t), intent(in) :: experiment
@@ -165,9 +164,9 @@ contains
       end associate
    end subroutine run_apart
 
-   !> The case at the spacing of n/2 intervals on a domain that is longer behind the outlet: what
-   !> the outlet cuts off. Twice the length; of a steady contact up to eight times, until nothing is
-   !> cut off any more.
+   !> Runs the case at the spacing of n/2 intervals on a domain lengthened behind the outlet, to
+   !> measure what the outlet cuts off: twice the length; in steady contacts up to eight times,
+   !> until nothing is cut off.
    subroutine run_longer(bars, experiment, listener, error)
       type(error_bars_t), intent(inout) :: bars
       type(experiment_t), intent(in) :: experiment
@@ -197,11 +196,11 @@ contains
       end associate
    end subroutine run_longer
 
-   !> What the inlet of a steady contact changes that has a tail in front of it, or by the rule
-   !> starves the film by much (`inlet_error`): the case on a quarter of its intervals (half of
-   !> them, where that finds no solution), and at the same spacing on a domain twice as long;
-   !> without a tail on one with the inlet that would be chosen, at least, unless that takes more
-   !> intervals than a grid that is chosen may have.
+   !> Measures the influence of the inlet of a steady contact that has a tail in front of it or
+   !> loses much film by the inlet rule (`inlet_error`): the case on n/4 intervals (n/2 if that
+   !> finds no solution) and, at the same spacing, on a domain twice as long. Without a tail the
+   !> longer domain reaches at least the inlet that would be chosen, unless that takes too many
+   !> intervals.
    subroutine run_farther(bars, experiment, listener, error)
       type(error_bars_t), intent(inout) :: bars
       type(experiment_t), intent(in) :: experiment
@@ -234,7 +233,7 @@ contains
       end do
    end subroutine run_farther
 
-   !> Twice the length, by more in front, at the same spacing.
+   !> Doubles the length in front of the contact at the same spacing.
    pure subroutine double_in_front(domain)
       type(domain_t), intent(inout) :: domain
 
@@ -242,8 +241,8 @@ contains
       domain%intervals = 2*domain%intervals
    end subroutine double_in_front
 
-   !> Doubles the domain of `contact` until its inlet is as far out as a chosen one, and of that
-   !> kind; `is_out`: a few times suffice, with at most this many intervals.
+   !> Doubles the domain of `contact` until its inlet lies as far out as a chosen one, and takes the
+   !> kind of that; `is_out`: it does, within `max_doublings` and `max_intervals`.
    pure subroutine reach_out(contact, max_intervals, is_out)
       type(line_contact_t), intent(inout) :: contact
       integer, intent(in) :: max_intervals
@@ -264,8 +263,8 @@ contains
       is_out = contact%domain%x_inlet <= chosen%domain%x_inlet
    end subroutine reach_out
 
-   !> A steady case that the kappa scheme has solved, by that of the thesis on its own grid and on
-   !> those that it passes on the way.
+   !> Runs a steady case solved with kappa also with upwind2, on its grid and the coarser ones of
+   !> the nested start.
    subroutine run_other_scheme(bars, experiment, listener, error)
       type(error_bars_t), intent(inout) :: bars
       type(experiment_t), intent(in) :: experiment

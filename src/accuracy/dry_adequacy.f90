@@ -1,9 +1,7 @@
-!> Which ingredients of a dry contact matter: yielding, images, fine harmonics, the second direction
-!> of an area; and whether its grid is fine enough.
-!>
+!> Which ingredients of a dry contact matter (plasticity, periodic images, fine harmonics, the
+!> second direction of an area), and whether its grid is fine enough.
 !> The contact is solved with and without an ingredient under its largest load on the same grid, so
-!> that most of the error of the grid cancels; the same on a grid of twice the spacing shows how
-!> much does not.
+!> that most of the error of the grid cancels; a grid of twice the spacing shows how much remains.
 module dry_adequacy
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use dry_problem, only: kernel_open, no_hardness
@@ -38,7 +36,7 @@ module dry_adequacy
       type(dry_influence_t), allocatable :: rows(:)
       !> The relative error that counts.
       real(wp) :: accuracy = usual_accuracy
-      !> The mean pressure under which it was measured, the largest of the sweep [Pa].
+      !> Mean pressure of the measurement, the largest of the sweep [Pa].
       real(wp) :: mean_pressure = 0.0_wp
       !> Spacing of the first grid over that of the result.
       real(wp) :: ratio = 1.0_wp
@@ -46,38 +44,36 @@ module dry_adequacy
 
    !> Error measure to which contacts are solved.
    real(wp), parameter :: tolerance = 1.0e-6_wp
-   !> The error of a change is this many times its difference on both grids, which of first order is
-   !> the error, and a share of the change, for two grids may agree by chance; of the contact area
-   !> no less than this many standard deviations of what its edges do, which lie anywhere between
-   !> nodes; and no less than a share of the error of the grid.
+   !> Error of a change: this many times its difference between both grids (at first order, the
+   !> error itself), plus a share of the change, since two grids may agree by chance; for the
+   !> contact area at least this many standard deviations due to its edges, which lie anywhere
+   !> between nodes; and at least a share of the error of the grid.
    real(wp), parameter :: safety = 1.5_wp, change_share = 0.05_wp, deviations = 2.0_wp, &
       grid_share = 0.05_wp
-   !> Variance of a place between two nodes, in spacings.
+   !> Variance of a position between two nodes, in spacings.
    real(wp), parameter :: uniform_variance = 1.0_wp/12.0_wp
-   !> Profiles of an area that are solved as lines, and Student's t for this many: the mean of all
-   !> is within that many standard errors of theirs in 95 of 100 areas.
+   !> Profiles of an area that are solved as lines, and Student's t for this number: in 95 of 100
+   !> areas the mean of all profiles is within that many standard errors.
    integer, parameter :: profiles = 16
    real(wp), parameter :: students_t = 2.131_wp
-   !> Share of the work of the result that may be spent, and work that always may, of a line and of
-   !> an area, in pairs of transforms times nodes: a tenth of the run, which has error bars too, and
-   !> 20 ms (lines take 190 instructions each, on grids for which transforms are planned already;
-   !> areas 650).
+   !> Budget: share of the work of the result, and work allowed in any case for a line and an area,
+   !> in pairs of transforms times nodes: a tenth of the run with its error bars, and 20 ms (190
+   !> instructions each for lines whose transforms are planned, 650 for areas).
    real(wp), parameter :: work_share = 0.06_wp, free_work(2) = [3.5e5_wp, 8.0e4_wp]
    !> Why a change is not known.
    character(*), parameter :: no_solution = 'the grids that it may take have no solution without it'
-   !> How much larger the transforms of an open kernel are in each direction.
+   !> Size of the transforms of an open kernel in each direction, relative to the grid.
    real(wp), parameter :: padding = 2.0_wp
-   !> Share of the mean square height that harmonics beyond the last one hold; rows of an area in
-   !> which they are counted; fewest that are halved.
+   !> Share of the mean square height in harmonics beyond the last one counted; most rows of an area
+   !> in which they are counted; fewest harmonics that are halved.
    real(wp), parameter :: negligible_power = 1.0e-6_wp
    integer, parameter :: max_rows = 8, min_harmonics = 4
 
 contains
 
-   !> Measures the adequacy of the solution of a `record` under its largest load, with the wanted
-   !> accuracy `target` (0: none). Under given separations the load is the one that was found.
-   !> `has_parabola`: the contact is that of a body in the middle of the domain. Fails
-   !> (internal_error) if FFTW does.
+   !> Measures the adequacy of the solution of a `record` under its largest load, for an accuracy
+   !> `target` (0: none). With given separations the load is the one found. `has_parabola`: a body
+   !> touches in the middle of the domain. Fails (internal_error) if FFTW does.
    subroutine measure_dry_adequacy(record, target, has_parabola, adequacy, error)
       type(dry_record_t), intent(inout) :: record
       real(wp), intent(in) :: target
@@ -142,10 +138,10 @@ contains
 
    end subroutine measure_dry_adequacy
 
-   !> Fills the `row` of what leaving out `part` changes, on the grid of `setting` and a coarser
-   !> one; `doubt`: relative errors of the result because of its grid. Where nothing yields the
-   !> changes without a hardness are 0, with the share by which the largest pressure may exceed it
-   !> within its error bar. Fails (internal_error) if FFTW does.
+   !> Fills the `row` of leaving out `part` on the grid of `setting` and a coarser one; `doubt`:
+   !> relative errors of the result by its grid. If nothing yields, the changes without hardness are
+   !> 0, and their error is the share by which the largest pressure may exceed the hardness within
+   !> its error bar. Fails (internal_error) if FFTW does.
    subroutine ablate(record, part, setting, doubt, row, error)
       type(dry_record_t), intent(inout) :: record
       integer, intent(in) :: part
@@ -197,14 +193,14 @@ contains
       end if
       ! a grid on which nothing yields has another contact than the result
       if (part == without_yield .and. .not. yields(all_parts(1))) row%change = not_known()
-      ! changes of 0 that follow from the contact are exact
+      ! changes that follow as 0 from the contact are exact
       where (exceeds(row%error, 0.0_wp)) row%error = larger(row%error, grid_share*doubt)
    end subroutine ablate
 
-   !> Fills the `row` of an area in whose place profiles along x are solved, the mean of several,
-   !> each under the same mean pressure; the error is that of the mean, not known where all have the
-   !> same value though they differ in others: that says nothing of the profiles between them. Fails
-   !> (internal_error) if FFTW does.
+   !> Fills the `row` of replacing an area by profiles along x, each under the same mean pressure:
+   !> the change is that of their mean, the error its standard error, or not known for a quantity
+   !> equal in all profiles that differ in others, since that says nothing about the profiles in
+   !> between. Fails (internal_error) if FFTW does.
    subroutine compare_profiles(record, heaviest, row, error)
       type(dry_record_t), intent(inout) :: record
       integer, intent(in) :: heaviest
@@ -230,7 +226,7 @@ contains
       if (any(exceeds(row%error, spacing(1.0_wp)))) then
          where (.not. exceeds(row%error, spacing(1.0_wp))) row%error = not_known()
       end if
-      ! where all that touches yields, edges of all profiles may err alike, and make all of a change
+      ! where the whole contact yields, edges of all profiles may err alike and make up the change
       if (ieee_is_finite(row%error(1))) row%error(1) = larger(row%error(1), &
          min(deviations*edges, abs(row%change(1))))
       if (any(ieee_is_finite(row%error))) row%unknown = &
@@ -246,7 +242,7 @@ contains
       if (.not. row%is_converged) values = not_known()
    end function compared_of
 
-   !> Standard deviation of the contact area of a `row`, over that, by this many edges.
+   !> Relative standard deviation of the contact area of a `row` with this many edges.
    pure function edge_deviation(edges, row) result(deviation)
       integer, intent(in) :: edges
       type(dry_row_t), intent(in) :: row
@@ -255,7 +251,7 @@ contains
       deviation = quotient(sqrt(edges*uniform_variance), row%values(contact_area)*row%nodes)
    end function edge_deviation
 
-   !> Chooses the accuracy that counts, and fills all verdicts.
+   !> Sets the accuracy that counts and all verdicts.
    pure subroutine judge(adequacy, target)
       type(dry_adequacy_t), intent(inout) :: adequacy
       real(wp), intent(in) :: target
@@ -275,7 +271,7 @@ contains
       end associate
    end subroutine judge
 
-   !> The last harmonic along x that counts, in some rows of an area; 0: too few to halve. Fails
+   !> The last significant harmonic along x in some rows of an area; 0: too few to halve. Fails
    !> (internal_error) if FFTW does.
    subroutine count_harmonics(sweep, harmonics, error)
       type(dry_sweep_t), intent(in) :: sweep
@@ -298,10 +294,10 @@ contains
       harmonics = 0
    end subroutine count_harmonics
 
-   !> Spacing, over that of the result, of the finer one of two grids on which this many `parts` can
-   !> be left out under the `heaviest` load at the allowed cost; the other one has twice its
-   !> spacing. The given grid has been solved with all of them. A finer grid than that only where
-   !> error bars use one.
+   !> Spacing, relative to the result, of the finer of two grids on which this many `parts` can be
+   !> left out under the `heaviest` load within the budget; the other grid has twice the spacing.
+   !> The result has been solved with all of them. A grid finer than the result only if error bars
+   !> use one.
    pure function affordable_ratio(record, heaviest, parts) result(ratio)
       type(dry_record_t), intent(in) :: record
       integer, intent(in) :: heaviest, parts

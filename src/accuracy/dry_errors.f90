@@ -1,15 +1,14 @@
-!> How far off the quantities of a dry contact may be because of its grid.
-!>
-!> They are compared with those of the same heights on other grids, solved loosely: after a few
-!> iterations the change of grid shows. The difference to a finer grid is nearly the error. Where
-!> finer grids would cost too much, slightly coarser ones are used, which still resolve nearly all
-!> waves of the surface; differences to much coarser ones would measure the roughness. Edges of
-!> patches lie anywhere between nodes, so that one difference may vanish by chance; the weighted
-!> root mean square of several hardly does. Areas count nodes: a share of the nodes at the edges is
-!> added; of lines, whose edges are known between the nodes, what was counted beyond them. Largest
-!> pressures are compared by the crests between the nodes, and the height of the crest above the
-!> highest node is added. The error of a separation is a sum over all edges, each of either sign: of
-!> a periodic area with many nodes it follows from the pressures at the edges.
+!> Errors of the quantities of a dry contact by its grid.
+!> They are compared with those of the same heights on other grids, solved loosely, since the change
+!> of grid shows after a few iterations. The difference to a finer grid is nearly the error. If
+!> finer grids cost too much, slightly coarser ones are used, which still resolve nearly all waves
+!> of the surface; much coarser ones would measure the roughness. Edges of contact patches lie
+!> anywhere between nodes, so that one difference may vanish by chance; the weighted root mean
+!> square of several hardly does. Areas count nodes: a share of the edge nodes is added; for lines,
+!> whose edges are known between nodes, the excess of the count. Largest pressures are compared by
+!> crests between nodes, and the height of the crest above the highest node is added. The error of a
+!> separation is a sum over all edges, of either sign: for a periodic area with many nodes it
+!> follows from the pressures at the edges.
 module dry_errors
    use dry_problem, only: dry_grid_t, kernel_open, no_hardness
    use dry_quantities, only: compared_values, contact_area, corrected_area, datum, &
@@ -25,26 +24,26 @@ module dry_errors
 
    public :: estimate_dry_errors, goes_finer
 
-   !> Measure of waves that are short: 1 on a smooth surface, 1.37 for a wave of 8 nodes, 4 for one
-   !> of 4.
+   !> Threshold for short waves: the measure is 1 on a smooth surface, 1.37 for a wave of 8 nodes, 4
+   !> for one of 4.
    real(wp), parameter :: short_waves = 1.3_wp
-   !> Spacings of the grids of a comparison over the given one, and the weights of their squared
-   !> differences: with few nodes (a periodic elastic line: the first two), and with many (a
-   !> periodic elastic area: the first two). (With the third where one of these has no solution.)
+   !> Spacings of the compared grids over the given one, and the weights of the squared differences,
+   !> with few nodes and with many (a periodic elastic line or area uses the first two, and the
+   !> third if one of these has no solution).
    real(wp), parameter :: finer_ratios(3) = [0.5_wp, 2.0_wp/3.0_wp, 4.0_wp/3.0_wp], &
       finer_weights(3) = [1.0_wp, 1.0_wp, 0.1_wp], &
       coarser_ratios(3) = [4.0_wp/3.0_wp, 2.0_wp, 1.5_wp], &
       coarser_weights(3) = [1.0_wp, 0.1_wp, 0.3_wp]
-   !> Grids that are compared, and fewest for an estimate.
+   !> Number of compared grids, and the fewest for an estimate.
    integer, parameter :: usual_grids = 3, min_grids = 2
-   !> Error measure to which they are solved: of lines, of periodic areas with few nodes and with
-   !> many, of open areas, whose heights are those of the body; of lines and areas under a given
-   !> separation, whose load is found to about as much.
+   !> Error measures to reach: of lines; of periodic areas with few and with many nodes; of open
+   !> areas, whose heights are those of the body; of lines and areas with given separation, whose
+   !> load is found to about the same accuracy.
    real(wp), parameter :: line_tolerance = 1.0e-8_wp, &
       periodic_tolerances(2) = [3.0e-3_wp, 1.0e-3_wp], open_tolerance = 3.0e-5_wp, &
       separation_tolerances(2) = [1.0e-7_wp, 1.0e-5_wp]
-   !> Factors of the root mean square, by the column `factor` of the table of quantities; of
-   !> periodic and open lines, periodic and open areas by finer grids, then by coarser ones.
+   !> Factors on the root mean square, by the column `factor` of the table of quantities: periodic
+   !> and open lines, periodic and open areas by finer grids, then by coarser ones.
    real(wp), parameter :: safety(factor_count, 8) = reshape([ &
       1.0_wp, 1.5_wp, 2.6_wp, 2.3_wp, 2.3_wp, &
       1.0_wp, 1.5_wp, 2.3_wp, 3.0_wp, 2.3_wp, &
@@ -54,28 +53,28 @@ module dry_errors
       1.0_wp, 1.5_wp, 1.4_wp, 1.5_wp, 1.6_wp, &
       1.0_wp, 1.6_wp, 2.2_wp, 1.5_wp, 2.0_wp, &
       1.0_wp, 1.6_wp, 2.7_wp, 0.9_wp, 2.0_wp], [factor_count, 8])
-   !> Separations, whose errors by coarser grids are chance: factors of the chance and of the
-   !> differences, and beyond which share of the chance these count whole. Second: how much more
-   !> where all contact nodes yield.
+   !> Separations, whose errors by coarser grids are random: factors of the random part and of the
+   !> differences, and the share of the random part beyond which these count fully. Second column:
+   !> increase if all contact nodes yield.
    integer, parameter :: separations(3) = [mean_separation, separation, datum]
    real(wp), parameter :: chance(2) = [0.06_wp, 0.2_wp], differences_beside = 0.3_wp, &
       differences_beyond = 1.4_wp, differences_by_chance(2) = [0.1_wp, 0.33_wp]
-   !> Factors of the differences of the mean plastic deformation there, and of the chance in a
+   !> Factors of the differences of the mean plastic deformation, and of the random part of a
    !> separation over the plastic area.
    real(wp), parameter :: yielding = 1.4_wp, chance_of_yielding = 0.14_wp
-   !> Share of the nodes at the edges of patches that is added to the errors of areas: of a line, of
-   !> an area, of the corrected area of either.
+   !> Share of the edge nodes of patches that is added to the errors of areas: of a line, of an
+   !> area; of the corrected area of either.
    real(wp), parameter :: edge_share(2) = [0.4_wp, 0.1_wp], &
       corrected_share(2) = [0.06_wp, 0.03_wp]
-   !> Relative error of p_max over the violation of the contact conditions times the square root of
-   !> the nodes along x, at most. (A gap that is wrong at single nodes could do more; what
-   !> iterations leave is smooth.)
+   !> Bound on the relative error of p_max over the violation of the contact conditions times the
+   !> square root of the nodes along x. (A gap wrong at single nodes could do more, but iteration
+   !> errors are smooth.)
    real(wp), parameter :: pressure_noise = 2.0_wp
 
 contains
 
-   !> Estimates the errors of the solution of a `record`, which keeps its pressures; NaN where they
-   !> are not known. Fails (internal_error) if FFTW does.
+   !> Estimates the errors of the solution of a `record` that keeps its pressures; NaN: not known.
+   !> Fails (internal_error) if FFTW does.
    subroutine estimate_dry_errors(record, error)
       type(dry_record_t), intent(inout) :: record
       type(error_t), allocatable, intent(out) :: error
@@ -117,10 +116,9 @@ contains
       end associate
    end subroutine estimate_dry_errors
 
-   !> Whether a surface with the heights `z` (nx, ny) is compared with finer grids: where it has few
-   !> nodes, and with more of them where coarser grids would lose its shortest waves: over twice as
-   !> many spacings the squared second differences are 16 times as large where it is smooth, less
-   !> where it has short waves.
+   !> Whether a surface with heights `z` (nx, ny) is compared with finer grids: if it has few nodes,
+   !> or if coarser grids would lose its shortest waves. Over twice as many spacings, squared second
+   !> differences are 16 times as large on a smooth surface and less with short waves.
    pure function goes_finer(grid, z)
       type(dry_grid_t), intent(in) :: grid
       real(wp), intent(in) :: z(grid%nx, grid%ny)
@@ -132,7 +130,7 @@ contains
 
    contains
 
-      !> Sum of the squares of the second differences over this many spacings.
+      !> Sum of the squared second differences over this many spacings.
       pure function bending(s)
          integer, intent(in) :: s
          real(wp) :: bending
@@ -146,8 +144,8 @@ contains
 
    end function goes_finer
 
-   !> Estimated errors of the quantities of a `row` of `sweep` with these `differences` (root mean
-   !> squares) to other grids.
+   !> Estimated errors of the quantities of a `row` of `sweep` with these root mean square
+   !> `differences` to other grids.
    pure function estimates_of(sweep, row, is_finer, differences) result(errors)
       type(dry_sweep_t), intent(in) :: sweep
       type(dry_row_t), intent(in) :: row
@@ -162,8 +160,8 @@ contains
       if (sweep%grid%kernel /= kernel_open) column = column - 1
       errors = safety(dry_table%factor, column)*differences
       associate (values => row%values)
-         ! The load of each edge is wrong by chance; separations rise with the logarithm of the
-         ! load, so that a share of the load is that share of work over load.
+         ! Loads at edges err randomly. Separations rise with the logarithm of the load, so that a
+         ! share of the load is that share of work over load.
          if (.not. is_finer .and. kind == 2 .and. sweep%grid%kernel /= kernel_open &
             .and. allocated(sweep%loads%mean_pressure)) then
             by_chance = (values(elastic_energy) + values(dissipated_energy))/values(load) &

@@ -1,5 +1,5 @@
-!> A solved dry contact and its runs on other grids or with something left out of the model, each
-!> made once.
+!> A solved dry contact and its runs on other grids or with part of the model left out, each made
+!> once.
 module dry_record
    use, intrinsic :: iso_fortran_env, only: real32
    use dry_problem, only: dry_grid_t, kernel_element, kernel_open, no_hardness
@@ -17,15 +17,15 @@ module dry_record
 
    public :: has_few_nodes
 
-   !> What a run leaves out: nothing; yielding; the finer half of a number of harmonics; the images
-   !> of a periodic surface (an open one gets them), to compare with a periodic one with elements of
-   !> pressure; the second direction of an area, of which a row remains. The last three start from
-   !> no pressure.
+   !> What a run leaves out: nothing; plasticity; the finer half of a number of harmonics; the
+   !> images of a periodic surface (an open one gets them), to be compared with a periodic run with
+   !> pressure elements; the second direction of an area, of which one row remains. The last three
+   !> start from zero pressure.
    integer, parameter :: without_nothing = 0
    integer, parameter, public :: without_yield = 1, without_fine_harmonics = 2, &
       without_images = 3, with_elements = 4, without_rows = 5
 
-   !> What is solved, and how: arguments of `solve_dry_sweep`.
+   !> Arguments of `solve_dry_sweep`.
    type, public :: dry_sweep_t
       type(dry_grid_t) :: grid
       !> Heights (nx*ny) [m].
@@ -37,14 +37,14 @@ module dry_record
 
    !> One run.
    type, public :: dry_setting_t
-      !> Spacing over that of the contact; error measure to which it is solved, at least.
+      !> Spacing relative to the contact, and the error measure to reach.
       real(wp) :: ratio, tolerance
       integer :: without = without_nothing
-      !> The harmonics, or the row (0 ... ny - 1) that remains.
+      !> Number of harmonics, or the row (0 ... ny - 1) that remains.
       integer :: number = 0
       !> Number of the load; 0: all.
       integer :: load = 0
-      !> True: single precision is enough.
+      !> Whether single precision is enough.
       logical :: is_rough = .false.
    end type dry_setting_t
 
@@ -65,15 +65,15 @@ module dry_record
 
    !> Most nodes of a line and of an area that are compared with finer grids.
    integer, parameter :: max_nodes_for_finer(2) = [2**17, 2**14]
-   !> Fewest nodes a side.
+   !> Fewest nodes along a side.
    integer, parameter :: min_nodes = 8
-   !> Share of the mean contact pressure below which a resampled pressure is none.
+   !> Share of the mean contact pressure below which a resampled pressure is set to zero.
    real(wp), parameter :: least_pressure = 0.05_wp
 
 contains
 
-   !> The `rows` of a run, from the record if it was made before; not converged where nothing
-   !> touches, and where the grid is too coarse. Fails (internal_error) if FFTW does.
+   !> Returns the `rows` of a run, from the record if it was made before; not converged if nothing
+   !> touches or the grid is too coarse. Fails (internal_error) if FFTW does.
    subroutine run(self, setting, rows, error)
       class(dry_record_t), intent(inout) :: self
       type(dry_setting_t), intent(in) :: setting
@@ -116,7 +116,7 @@ contains
       call move_alloc(runs, self%runs)
    end subroutine run
 
-   !> Whether a run is one load of the result, before which no other load left another surface.
+   !> Whether a run is one load of the result that no earlier load has deformed.
    pure function is_result(self, setting)
       class(dry_record_t), intent(in) :: self
       type(dry_setting_t), intent(in) :: setting
@@ -127,7 +127,7 @@ contains
          .and. (setting%load == 1 .or. .not. self%sweep%loads%has_history)
    end function is_result
 
-   !> Whether two runs are one.
+   !> Whether two runs are the same.
    pure function is_same(a, b)
       type(dry_setting_t), intent(in) :: a, b
       logical :: is_same
@@ -137,8 +137,8 @@ contains
          .and. .not. any(abs([a%ratio - b%ratio, a%tolerance - b%tolerance]) > 0.0_wp)
    end function is_same
 
-   !> The `sweep` of a run, unless the grid is too coarse (`is_possible`). Fails (internal_error) if
-   !> FFTW does.
+   !> Prepares the `sweep` of a run, unless the grid is too coarse (`is_possible`). Fails
+   !> (internal_error) if FFTW does.
    subroutine prepare(self, setting, sweep, is_possible, error)
       class(dry_record_t), intent(in) :: self
       type(dry_setting_t), intent(in) :: setting
@@ -195,7 +195,7 @@ contains
             if (old%kernel /= kernel_open) grid%kernel = kernel_element
          case (without_images)
             grid%kernel = merge(kernel_element, kernel_open, old%kernel == kernel_open)
-            ! the body that touches at x = y = 0 goes to the middle of an open domain
+            ! a body that touches at x = y = 0 moves to the middle of an open domain
             if (old%kernel /= kernel_open) sweep%height = reshape(cshift(cshift(reshape( &
                sweep%height, [grid%nx, grid%ny]), -(grid%nx/2), 1), -(grid%ny/2), 2), &
                [grid%nx*grid%ny])
@@ -211,7 +211,7 @@ contains
       end associate
    end subroutine prepare
 
-   !> True if `grid` is compared with finer ones.
+   !> Whether `grid` is compared with finer ones.
    pure function has_few_nodes(grid)
       type(dry_grid_t), intent(in) :: grid
       logical :: has_few_nodes
@@ -241,8 +241,8 @@ contains
       end if
    end subroutine resample_field
 
-   !> The `pressures` (nx*ny, loads) of the grid `old` on `new`, `starts`: none where they ripple
-   !> about 0, and with the same loads. Fails (internal_error) if FFTW does.
+   !> Resamples the `pressures` (nx*ny, loads) of the grid `old` to `new` as `starts`: zero where
+   !> they ripple about 0, with the same loads. Fails (internal_error) if FFTW does.
    subroutine resample_pressures(old, new, pressures, starts, error)
       type(dry_grid_t), intent(in) :: old, new
       real(real32), intent(in) :: pressures(:, :)
@@ -260,14 +260,14 @@ contains
          call resample_field(old, new, p, error)
          if (allocated(error)) return
          where (p < least) p = 0.0_wp
-         ! a contact that is lost between the nodes starts from the mean
+         ! a contact lost between nodes starts from the mean
          if (sum(p) <= 0.0_wp) p = 1.0_wp
          starts(:, i) = real(p*(total/sum(p)*size(p)/size(pressures, 1)), real32)
       end do
    end subroutine resample_pressures
 
-   !> About `nodes`/`ratio` (1 of a line's single one): odd where they are, which decides whether a
-   !> node lies in the middle; else even, 64 to 128 times a power of two: such grids have good first
+   !> About `nodes`/`ratio` (1 for a single node): odd if `nodes` is, which decides whether a node
+   !> lies in the middle; else even and 64 to 128 times a power of two, which allows good first
    !> guesses and fast transforms.
    pure function other_count(nodes, ratio) result(count)
       integer, intent(in) :: nodes

@@ -1,8 +1,8 @@
-!> The grid of a dry contact for a wanted accuracy of its contact area: what the grids before show
-!> about the next one.
-!>
-!> Where a grid resolves the waves of the surface the estimated error of the area falls like dx, or
-!> with the order that the last two grids show; the next grid is the one that is predicted to do.
+!> Predicts the next grid of a dry contact with a target accuracy of its contact area from the grids
+!> before.
+!> Where a grid resolves the waves of the surface the estimated error of the area falls as dx, or
+!> with the order observed on the last two grids; the next grid is the one predicted to meet the
+!> target.
 module dry_resolution
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use dry_quantities, only: contact_area, dry_outcome_t
@@ -13,27 +13,27 @@ module dry_resolution
 
    public :: area_doubt, dry_trial_t, finer_nodes
 
-   !> The estimated error of a grid without a solution or estimate.
+   !> Estimated error of a grid without a solution or estimate.
    real(wp), parameter, public :: unknown_doubt = huge(1.0_wp)
 
    !> A grid that was solved.
    type :: dry_trial_t
-      !> Nodes in x and y (1 of a line).
+      !> Nodes in x and y (1 for a line).
       integer :: nodes(2) = 0
-      !> Largest estimated relative error of the contact area of all loads.
+      !> Largest estimated relative error of the contact area over all loads.
       real(wp) :: doubt = unknown_doubt
    end type dry_trial_t
 
-   !> How much finer the next grid is at most, of a line and of an area, and without a solution.
+   !> Largest refinement to the next grid, of a line and of an area, and without a solution.
    real(wp), parameter :: farthest(2) = [4.0_wp, 2.0_wp], doubling = 2.0_wp
-   !> Bounds of the order with which the estimate falls; of a first grid 1.
+   !> Bounds of the order of the estimate; 1 after the first grid.
    real(wp), parameter :: orders(2) = [0.7_wp, 1.3_wp]
-   !> The next grid is predicted to stay below the target by this factor.
+   !> The next grid is predicted to meet this share of the target.
    real(wp), parameter :: margin = 0.97_wp
 
 contains
 
-   !> Largest relative error of the contact area of all loads of an `outcome`.
+   !> Largest relative error of the contact area over all loads of an `outcome`.
    pure function area_doubt(outcome) result(doubt)
       type(dry_outcome_t), intent(in) :: outcome
       real(wp) :: doubt
@@ -44,8 +44,8 @@ contains
          maxval(outcome%errors(contact_area, :)/outcome%rows%values(contact_area))
    end function area_doubt
 
-   !> Nodes of the grid after `trials`, at least one, which do not keep the `target`; 0 if there is
-   !> none of up to `most` nodes, or if the last two grids have no solution.
+   !> Nodes of the grid after `trials` (at least one), none of which meet `target`; 0 if no grid of
+   !> up to `most` nodes is finer, or if the last two have no solution.
    pure function finer_nodes(trials, target, most) result(nodes)
       type(dry_trial_t), intent(in) :: trials(:)
       real(wp), intent(in) :: target

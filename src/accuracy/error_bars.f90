@@ -1,7 +1,6 @@
-!> How far off the quantities of a result may be: the errors of grid and time step (modules
-!> grid_estimates, split_errors), of the inlet (inlet_errors) and of an outlet that cuts the film
-!> off, of what the iteration left and of what was left out of the model, and their sum; or why that
-!> is not known.
+!> Error estimates of the quantities of a result: grid and time step (modules grid_estimates,
+!> split_errors), inlet (inlet_errors), an outlet that cuts off the film, iteration, and what was
+!> left out of the model; their sum, or the reason why it is not known.
 module error_bars
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use film_waves, only: doubt_lost_waves, film_waves_t, lost_waves, new_film_waves
@@ -25,22 +24,22 @@ module error_bars
 
    public :: apply_error_bars, error_bars_t, missing_estimate, new_error_bars, outlet_error
 
-   !> The coarse runs of a result and what else tells how far off it may be.
+   !> Coarse runs of a result, and everything else its error estimates use.
    type, extends(coarse_values_t) :: error_bars_t
-      !> How a pressure spike grows on finer grids, and a wave of the film dies.
+      !> How a pressure spike grows on finer grids and a wave of the film decays.
       type(spike_law_t) :: spike_law
       !> Waves that features leave in the film.
       type(film_waves_t) :: waves
-      !> Why coarse runs tell nothing of the error; empty or not allocated: they do.
+      !> Why coarse runs give no error estimate; empty or not allocated: they do.
       character(:), allocatable :: unseen
-      !> Whether the outlet cuts the film off, and quantities on n/2 intervals with one that does
-      !> not, at the same spacing.
+      !> Whether the outlet cuts off the film, and quantities on n/2 intervals with a longer outlet
+      !> at the same spacing.
       logical :: is_cut = .false., has_longer = .false.
       type(line_summary_t) :: longer
-      !> What an inlet with a tail changes, in place of the rule of the inlet.
+      !> Measured influence of the inlet; replaces the inlet rule.
       type(inlet_change_t) :: inlet
-      !> Of a transient whose resolution was chosen: what pilots foretold, and coarse runs with
-      !> twice the spacing and with twice the time step.
+      !> Transients of chosen resolution: predictions of trial runs, and coarse runs with twice the
+      !> spacing and with twice the time step.
       type(forecast_t) :: forecast
       type(apart_t) :: apart
       !> Bound on the relative change of each quantity by what was left out of the model; NaN: not
@@ -50,10 +49,9 @@ module error_bars
 
 contains
 
-   !> Error estimates and Richardson's values for the quantities of a converged result on n
-   !> intervals of width `dx`: of grid and time step from the coarse runs, of the length of the
-   !> domain and of what the iteration left from the report; their sum, which is not known without
-   !> the first.
+   !> Sets error estimates and extrapolated values of a converged result with spacing `dx`: grid and
+   !> time step from coarse runs, domain and iteration from the report, and their sum, which is
+   !> unknown without coarse runs.
    pure subroutine apply_error_bars(bars, report, dx, summary)
       type(error_bars_t), intent(in) :: bars
       type(report_t), intent(in) :: report
@@ -82,7 +80,7 @@ contains
       end do
    end subroutine apply_error_bars
 
-   !> Whether the surfaces have waves that coarse runs do not see; a forecast has seen them.
+   !> Whether the surfaces have waves that coarse runs do not resolve; a prediction resolves them.
    pure function has_unseen_waves(bars)
       type(error_bars_t), intent(in) :: bars
       logical :: has_unseen_waves
@@ -92,8 +90,8 @@ contains
          .and. .not. bars%forecast%is_known
    end function has_unseen_waves
 
-   !> Relative error because the outlet cuts the film off, of that quantity of the closing table for
-   !> which it is the largest: 0 if it does not, NaN where that is not known.
+   !> Largest relative error by the outlet among the quantities of the closing table: 0 if it cuts
+   !> off nothing, NaN if not known.
    pure function outlet_error(bars) result(error)
       type(error_bars_t), intent(in) :: bars
       real(wp) :: error
@@ -112,8 +110,8 @@ contains
       end do
    end function outlet_error
 
-   !> Error of row `i` because the outlet cuts the film off, from its values on n/2 intervals with
-   !> that outlet and with one farther out; NaN where these are not known.
+   !> Error of row `i` by the outlet, from its values on n/2 intervals with this and with a longer
+   !> outlet; NaN if these are not known.
    pure function cut_error(bars, i) result(error)
       type(error_bars_t), intent(in) :: bars
       integer, intent(in) :: i
@@ -126,7 +124,7 @@ contains
          - bars%longer%of(i)%value)
    end function cut_error
 
-   !> Why a quantity of the `summary` of a result on a grid of spacing `dx` has no estimate.
+   !> Why a quantity of `summary` on a grid of spacing `dx` has no estimate.
    pure function missing_estimate(bars, report, dx, summary) result(reason)
       type(error_bars_t), intent(in) :: bars
       type(report_t), intent(in) :: report
@@ -158,8 +156,7 @@ contains
       end if
    end function missing_estimate
 
-   !> Relative errors of inlet (`domain`) and iteration and what the outlet cuts off, beside the
-   !> error of the grid, and the sum.
+   !> Adds errors by the domain, the iteration and the outlet to that of the grid.
    pure subroutine add_up(quantity, domain, iteration, cut)
       type(quantity_t), intent(inout) :: quantity
       real(wp), intent(in) :: domain, iteration, cut
@@ -170,8 +167,7 @@ contains
          + quantity%error_iteration + quantity%error_start + quantity%error_model
    end subroutine add_up
 
-   !> Nothing is known yet but the orders of the schemes in time and space, and whether a spike is
-   !> to be feared.
+   !> Error bars before any coarse run: orders of the schemes, and laws of spikes and waves.
    pure function new_error_bars(contact, time, space_scheme) result(bars)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time

@@ -1,5 +1,5 @@
-!> One run of a variant of a lubricated contact: on another grid or domain, with another time step,
-!> scheme or model. Error bars, a wanted accuracy and adequacy compare such runs.
+!> One run of a variant of a lubricated contact: another grid, domain, time step, scheme or model.
+!> Error bars, target accuracies and adequacy compare such runs.
 module experiment
    use ehl_line_solver, only: solve_ehl_line
    use errors, only: error_t
@@ -19,22 +19,22 @@ module experiment
 
    public :: coarser, experiment_t, new_experiment, outcome_t, run_experiment
 
-   !> No run that another one is compared with has fewer intervals.
+   !> Runs for comparison have at least this many intervals.
    integer, parameter, public :: min_intervals = 32
 
-   !> A contact whose domain is complete, how it is solved, and its time step.
+   !> A contact on a complete domain, solver settings and time step.
    type :: experiment_t
       type(line_contact_t) :: contact
       type(solver_settings_t) :: settings
       type(time_settings_t) :: time
    end type experiment_t
 
-   !> What a run has found.
+   !> Result of a run.
    type :: outcome_t
-      !> There is a solution.
+      !> Whether there is a solution.
       logical :: is_known = .false.
-      !> Its quantities, of a passage their extremes; of a steady contact those on n/2, n/4 ...
-      !> intervals, which it has passed.
+      !> Its quantities (of a transient their extremes), and of a steady contact those on the n/2,
+      !> n/4 ... intervals of its nested start.
       type(line_summary_t) :: summary
       type(line_summary_t), allocatable :: coarser(:)
       !> Smallest film at each time step (0:steps); huge at times that do not count.
@@ -54,7 +54,7 @@ module experiment
 
 contains
 
-   !> The case itself on its complete domain, without what only an answer needs.
+   !> The case on its complete domain, without options that only its final result needs.
    pure function new_experiment(contact, settings, time) result(self)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -75,8 +75,8 @@ contains
       end associate
    end function new_experiment
 
-   !> The same on `factor` times fewer intervals with a time step as much larger; 0 intervals: there
-   !> are fewer than `min_intervals`.
+   !> The same on `factor` times fewer intervals with an equally larger time step; 0 intervals if
+   !> there would be fewer than `min_intervals`.
    pure function coarser(self, factor)
       type(experiment_t), intent(in) :: self
       integer, intent(in) :: factor
@@ -90,7 +90,7 @@ contains
       end associate
    end function coarser
 
-   !> Runs the experiment, unless it has no intervals; `state` is its last one. Error: memory or a
+   !> Runs the experiment unless it has no intervals; `state` is the last state. Error: memory or a
    !> library failed.
    subroutine run_experiment(self, listener, outcome, error, state)
       type(experiment_t), intent(in) :: self
@@ -119,7 +119,7 @@ contains
       if (present(state)) state = last
    end subroutine run_experiment
 
-   !> Says that it is not the run itself.
+   !> Forwards a stage, marked as one of a coarse run.
    recursive subroutine forward_coarse_run(self, words, cycle, residuals)
       class(collector_t), intent(inout) :: self
       character(*), intent(in) :: words

@@ -1,4 +1,5 @@
-!> How warm sliding would make a film: an estimate from its shear stress, which changes nothing.
+!> Estimate of the temperature rise of a film by sliding, from its shear stress; it does not change
+!> the solution.
 module film_heating
    use bodies, only: bodies_t
    use kinds, only: wp
@@ -9,9 +10,9 @@ module film_heating
 
    public :: heating_t, largest_rise, new_heating
 
-   !> What the temperature follows from.
+   !> Data of the estimate.
    type :: heating_t
-      !> Known only where there are SI scales.
+      !> Whether there are SI scales.
       logical :: is_known = .false.
       !> Units of X [m], H [m] and of the shear stress [Pa].
       real(wp) :: half_width = 0.0_wp, film = 0.0_wp, shear_stress = 0.0_wp
@@ -23,7 +24,7 @@ module film_heating
 
 contains
 
-   !> Of a contact with these scales, bodies and thermal constants.
+   !> Data of a contact with these scales, bodies and thermal constants.
    pure function new_heating(scaling, bodies, effusivity, conductivity) result(heating)
       type(scaling_t), intent(in) :: scaling
       type(bodies_t), intent(in) :: bodies
@@ -36,9 +37,9 @@ contains
          bodies%speed_2], effusivity, conductivity)
    end function new_heating
 
-   !> Largest temperature rise [K] in the middle of the film, of the surfaces and of the film above
-   !> them, by the heat that the mean shear `stress` [p_h b/R] makes in the `film` [b^2/R] on nodes
-   !> at the distance `dx` [b], each (nx).
+   !> Largest temperature rise [K] at mid-film, of the surfaces and of the film above them, by the
+   !> heat of the mean shear `stress` [p_h b/R] in the `film` [b^2/R] on nodes at distance `dx` [b],
+   !> each (nx).
    pure function largest_rise(heating, dx, stress, film) result(rise)
       type(heating_t), intent(in) :: heating
       real(wp), intent(in) :: dx

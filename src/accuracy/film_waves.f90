@@ -1,17 +1,13 @@
-!> What a grid and its time steps make of the waves that features leave in the film.
-!>
+!> Loss of the waves that features leave in the film, by grid and time step.
 !> A feature that enters a contact at the speed dX/dT = s modulates the film. The oil carries that
 !> modulation on at the mean speed, dX/dT = 1, so that its wavenumber is k = 2 pi s/wavelength. It
-!> dies on the way like exp(-l_flow^2 k^3 X) (module pressure_spike): between heavily loaded bodies
-!> hardly at all. Schemes of second order shift it, and at last lose it,
-!>
-!>     phase = k (k d)^2/3 min( 1, 1/(l_flow^2 k^3) ) ,   d the larger one of dX and dT ,
-!>
-!> over a half-width or as long as it lives. A film wave of height A makes pressures k A, so that
-!> the pressures err by up to k A min(1, 2 phase): 2, as a ridge is made of shorter waves too.
-!> Coarser grids lose the wave as well, and what changes from grid to grid tells it of the pressures
-!> only where the phase is small, of the film at X = 0 until the wave is lost altogether.
-!>
+!> decays as exp(-l_flow^2 k^3 X) (module pressure_spike): between heavily loaded bodies hardly at
+!> all. Second-order schemes shift it, and finally lose it,
+!> phase = k (k d)^2/3 min( 1, 1/(l_flow^2 k^3) ) ,   d the larger one of dX and dT ,
+!> over a half-width or its decay length. A film wave of height A makes pressures k A, so that
+!> pressures err by up to k A min(1, 2 phase); the factor 2 because a ridge contains shorter waves
+!> too. Coarser grids lose the wave as well: changes from grid to grid show the error of the
+!> pressures only while the phase is small, that of the film at X = 0 until the wave is lost.
 !> The numbers come from 22 contacts (M_sum 34 to 290, p_h 0.6 to 2.8 GPa, waves of 0.07 to 1 b and
 !> 7 to 51 % of the film).
 module film_waves
@@ -33,27 +29,26 @@ module film_waves
 
    public :: doubt_lost_waves, film_waves_t, lost_waves, new_film_waves
 
-   !> A pressure is not known where it may be off by more than this share of P at X = 0, and a wave
-   !> of less than this share of the film there is nothing to it.
+   !> A pressure is not known if it may err by more than this share of P at X = 0; a wave below this
+   !> share of the film does not matter to the film.
    real(wp), parameter :: large_share = 0.05_wp
-   !> Of the phase: by this many times it the pressures err; from where on their changes do not tell
-   !> it; where the wave is lost.
+   !> Errors of the pressures over the phase; the phase up to which grids show them; the phase at
+   !> which the wave is lost.
    real(wp), parameter :: safety = 2.0_wp, seen_phase = 0.1_wp, lost_phase = 0.5_wp
-   !> Steps of the search for a spacing that would do.
+   !> Steps of the search for a sufficient spacing.
    real(wp), parameter :: finer = 1.1_wp
 
-   !> The waves of a passage; none where nothing moves or the bodies are rigid.
+   !> Waves of a transient; none if nothing moves or the bodies are rigid.
    type :: film_waves_t
       !> k and A (waves), both > 0; not allocated: none.
       real(wp), allocatable :: wavenumber(:), height(:)
-      !> 0 where it is not known.
+      !> 0: not known.
       real(wp) :: time_step = 0.0_wp
    end type film_waves_t
 
 contains
 
-   !> Those of a `contact` in time; its profiles, whose waves have no height of their own, are left
-   !> out.
+   !> The waves of a `contact` in time, without those of profiles, which have no single height.
    pure function new_film_waves(contact, time) result(waves)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
@@ -66,7 +61,7 @@ contains
       call add_waves(contact%surface_2, waves)
    end function new_film_waves
 
-   !> Those of a surface.
+   !> Adds the waves of a surface.
    pure subroutine add_waves(surface, waves)
       type(rough_surface_t), intent(in) :: surface
       type(film_waves_t), intent(inout) :: waves
@@ -76,8 +71,8 @@ contains
       waves%height = [waves%height, abs(surface%features%amplitude)]
    end subroutine add_waves
 
-   !> The pressures of `summary` on a grid of spacing `dx` err by what may be lost of a wave, too;
-   !> they, and the film at X = 0, are not known where that is much.
+   !> Adds the loss of waves to the errors of the pressures of `summary` on a grid of spacing `dx`;
+   !> if the loss is large they, and the film at X = 0, are not known.
    pure subroutine doubt_lost_waves(waves, law, dx, summary)
       type(film_waves_t), intent(in) :: waves
       type(spike_law_t), intent(in) :: law
@@ -92,7 +87,7 @@ contains
 
    contains
 
-      !> To the error of a quantity.
+      !> Adds to the error of a quantity.
       pure subroutine add_doubt(doubt, quantity)
          real(wp), intent(in) :: doubt
          type(quantity_t), intent(inout) :: quantity
@@ -103,8 +98,8 @@ contains
 
    end subroutine doubt_lost_waves
 
-   !> That quantities are not known because of the waves, and which spacing and time step would do.
-   !> Empty: they are.
+   !> Says that quantities are not known because of lost waves, and which spacing and time step
+   !> would do; empty: they are known.
    pure function lost_waves(waves, law, dx, summary) result(words)
       type(film_waves_t), intent(in) :: waves
       type(spike_law_t), intent(in) :: law
@@ -123,8 +118,8 @@ contains
          rounded_down(spacing, 2)//' would keep it'
    end function lost_waves
 
-   !> By how much H and P at X = 0 may err because of the waves with this `spacing` and time step;
-   !> NaN where that is much, 0 where they are not known themselves.
+   !> Errors of H and P at X = 0 by waves with this `spacing` and time step; NaN if large, 0 if H
+   !> and P are not known themselves.
    pure function doubts(waves, law, spacing, summary) result(doubt)
       type(film_waves_t), intent(in) :: waves
       type(spike_law_t), intent(in) :: law

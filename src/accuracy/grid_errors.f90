@@ -1,8 +1,12 @@
-!> What values of a steady contact on n, n/2, n/4 and n/8 intervals tell of the error of the first.
-!>
-!> With Q1, Q2, Q4 on n, n/2, n/4 intervals and the observed order p = log2 |Q2 - Q4|/|Q1 - Q2| the
-!> error of Q1 is |Q1 - Q2|/(2^p - 1) (Roache, J. Fluids Eng. 116, 1994, 405). p is bounded: an
-!> order above the scheme's is chance.
+!> Error of a steady quantity from its values on n, n/2, n/4 and n/8 intervals.
+!> With Q1, Q2, Q4 on n, n/2, n/4 intervals and the observed order p = log2
+!> Q2 - Q4
+!> /
+!> Q1 - Q2
+!> the error of Q1 is
+!> Q1 - Q2
+!> /(2^p - 1) (Roache, J. Fluids Eng. 116, 1994, 405). p is bounded: an order above that of the
+!> scheme is chance.
 module grid_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -12,13 +16,13 @@ module grid_errors
 
    public :: error_from_levels, error_on_grids, observed_order
 
-   !> An estimate is widened by this factor: the observed order is uncertain.
+   !> Safety factor: the observed order is uncertain.
    real(wp), parameter, public :: safety = 1.5_wp
-   !> In its place where four grids change a quantity in one direction, the order being the lower
-   !> one of the two that they show.
+   !> The safety factor where a quantity changes monotonically over four grids; the order is then
+   !> the lower of the two observed.
    real(wp), parameter :: steady_safety = 1.3_wp
-   !> h_min of the kappa scheme errs by at most this share of what the thesis's scheme errs on the
-   !> same grid.
+   !> The error of h_min by the kappa scheme is at most this share of that by upwind2 on the same
+   !> grid.
    real(wp), parameter, public :: kappa_share = 0.35_wp
    !> Bounds of the observed order in space.
    real(wp), parameter, public :: orders(2) = [1.0_wp, 2.0_wp]
@@ -26,7 +30,7 @@ module grid_errors
 contains
 
    !> Estimated error and extrapolated value of the first of `values` on n, n/2, n/4, n/8 intervals
-   !> (NaN: not known), whose observed order has these `bounds`. An order that does not last may
+   !> (NaN: not known); `bounds` are those of the observed order. An order that does not persist may
    !> fall to the lowest one after one more grid.
    pure function error_on_grids(values, bounds, lasts) result(error_and_limit)
       real(wp), intent(in) :: values(4), bounds(2)
@@ -47,16 +51,19 @@ contains
       end if
       associate (error => error_and_limit(1))
          error = error_from_levels(values(1), values(2), order)
-         ! terms of two orders and opposite signs may make the last difference small by chance
+         ! two terms of different order and opposite sign may make the last difference small by
+         ! chance
          if (ieee_is_finite(values(3))) error = max(error, error_from_levels(values(2), values(3), &
             order)/2.0_wp**orders(2))
-         ! the next change 1/2^p of the last, those after it half of the one before: 2/2^p together
+         ! the next change 1/2^p of the last, each later one half of the one before: 2/2^p together
          if (.not. lasts) error = error*2*(1 - 0.5_wp**order)
          if (all(changes > 0.0_wp) .or. all(changes < 0.0_wp)) error = steady_safety/safety*error
       end associate
    end function error_on_grids
 
-   !> safety |q1 - q2|/(2^order - 1).
+   !> safety
+   !> q1 - q2
+   !> /(2^order - 1).
    pure elemental function error_from_levels(q1, q2, order) result(error)
       real(wp), intent(in) :: q1, q2, order
       real(wp) :: error

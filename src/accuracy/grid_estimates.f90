@@ -1,7 +1,7 @@
-!> The errors of grid and time step of every quantity: the same case on half and on a quarter of the
-!> intervals (in a transient with twice and four times the time step; of a scheme of first order in
-!> time also on its own grid with the second-order scheme, which the coarser grids have then too),
-!> and what the differences tell (modules grid_errors, transient_errors, pressure_errors).
+!> Errors of every quantity by grid and time step, from runs of the same case on n/2 and n/4
+!> intervals (transients: with twice and four times the time step; first-order schemes: these and
+!> one on n by the second-order scheme). Rules: modules grid_errors, transient_errors,
+!> pressure_errors.
 module grid_estimates
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use grid_errors, only: error_on_grids, kappa_share, orders, safety
@@ -20,26 +20,26 @@ module grid_estimates
    !> Error of the exit between two nodes, in spacings.
    real(wp), parameter, public :: exit_jitter = 0.2_wp
 
-   !> What coarse runs gave, and what is known of the order of the scheme.
+   !> Coarse runs of a result, and what is known of the order of the scheme.
    type :: coarse_values_t
-      !> Quantities on n/2, n/4 and, of a steady contact whose grid was chosen, n/8 intervals: on
-      !> this many of these grids.
+      !> Quantities on n/2, n/4 and, of a steady contact on a chosen grid, n/8 intervals; `grids` of
+      !> them are known.
       integer :: grids = 0
       type(line_summary_t) :: coarser(3)
-      !> Of a transient with a scheme of first order: quantities with that of second order on its
-      !> own grid, known if those on n/2 are.
+      !> Transients by a first-order scheme: quantities by the second-order scheme on the same grid,
+      !> known if those on n/2 are.
       type(line_summary_t) :: second_order
       logical :: is_first_order = .false.
-      !> Whether the scheme in space is kappa, whose orders have bounds of their own.
+      !> Whether the space scheme is kappa, whose orders have other bounds.
       logical :: is_kappa = .false.
-      !> Of a steady contact by the kappa scheme: quantities by that of the thesis on n, n/2 and n/4
-      !> intervals; not allocated where they are not known.
+      !> Steady contacts by the kappa scheme: quantities by upwind2 on n, n/2 and n/4 intervals; not
+      !> allocated: not known.
       type(line_summary_t), allocatable :: other_scheme(:)
    end type coarse_values_t
 
 contains
 
-   !> Copies the solutions on n/2, n/4 and n/8 intervals, as many as there are.
+   !> Copies the solutions on n/2, n/4 and n/8 intervals, as far as known.
    pure subroutine take_coarser(values, coarser)
       class(coarse_values_t), intent(inout) :: values
       type(line_summary_t), intent(in) :: coarser(:)
@@ -48,7 +48,7 @@ contains
       values%coarser(:values%grids) = coarser(:values%grids)
    end subroutine take_coarser
 
-   !> Estimated relative error of h_min of `summary` on its grid; huge without coarse runs.
+   !> Estimated relative error of h_min on its grid; huge without coarse runs.
    pure function estimated_error(values, summary) result(error)
       class(coarse_values_t), intent(in) :: values
       type(line_summary_t), intent(in) :: summary
@@ -61,7 +61,7 @@ contains
       if (ieee_is_finite(smallest%error_grid)) error = smallest%error_grid/smallest%value
    end function estimated_error
 
-   !> The part of grid and time step.
+   !> Sets the errors of all quantities by grid and time step.
    pure subroutine estimate_grid_errors(values, is_transient, dx, summary)
       type(coarse_values_t), intent(in) :: values
       logical, intent(in) :: is_transient
@@ -81,7 +81,7 @@ contains
       end do
    end subroutine estimate_grid_errors
 
-   !> Row `i` on n, n/2, n/4 and n/8 intervals, where it is known.
+   !> Row `i` on n, n/2, n/4 and n/8 intervals, as far as known.
    pure function on_levels(values, i, full) result(levels)
       type(coarse_values_t), intent(in) :: values
       integer, intent(in) :: i
@@ -93,7 +93,7 @@ contains
       levels(2:1 + values%grids) = values%coarser(:values%grids)%of(i)
    end function on_levels
 
-   !> Grid and time step of row `i` of a transient, from its values between the nodes.
+   !> Error of row `i` of a transient by grid and time step, from values between nodes.
    pure subroutine estimate_in_time(values, i, dx, quantity)
       type(coarse_values_t), intent(in) :: values
       integer, intent(in) :: i
@@ -115,7 +115,7 @@ contains
       end if
    end subroutine estimate_in_time
 
-   !> The largest pressure of a node, from maxima by parabolas.
+   !> Error of the largest nodal pressure, from maxima of parabolas.
    pure subroutine estimate_pressure(values, is_transient, summary)
       type(coarse_values_t), intent(in) :: values
       logical, intent(in) :: is_transient
@@ -138,8 +138,8 @@ contains
       end if
    end subroutine estimate_pressure
 
-   !> The grid of row `i` at rest. Where it shows a pressure spike, whose place it knows to a
-   !> spacing, an order of the smallest film does not last.
+   !> Error of row `i` of a steady contact by the grid. With a pressure spike, whose position is
+   !> known to one spacing, an observed order of the smallest film does not persist.
    pure subroutine estimate_at_rest(values, i, dx, is_spiked, quantity)
       type(coarse_values_t), intent(in) :: values
       integer, intent(in) :: i
@@ -170,9 +170,9 @@ contains
       quantity%extrapolated = own(2)
    end subroutine estimate_at_rest
 
-   !> Error of a value on the line between two nodes, from that of the one between the nodes and its
-   !> limit (NaN: not known), `between`: what the line is off changes with the place of the nodes,
-   !> and has a sign.
+   !> Error of a value interpolated between two nodes from that of the value between nodes and its
+   !> limit (`between`; NaN: not known): the interpolation error has a sign and depends on the
+   !> position of the nodes.
    pure function error_of_line(quantity, between) result(error)
       type(quantity_t), intent(in) :: quantity
       real(wp), intent(in) :: between(2)
@@ -183,8 +183,8 @@ contains
          + abs(quantity%value - between(2)) - abs(quantity%between - between(2)))
    end function error_of_line
 
-   !> Error of row `i` in the kappa scheme between the nodes: a share of that of the thesis's
-   !> scheme, which falls regularly.
+   !> Error of row `i` by the kappa scheme between nodes: a share of the error by upwind2, which
+   !> falls regularly.
    pure function error_by_other_scheme(values, i) result(error)
       type(coarse_values_t), intent(in) :: values
       integer, intent(in) :: i

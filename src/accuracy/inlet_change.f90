@@ -1,11 +1,10 @@
-!> What an inlet changes that has a tail in front of it or lies near the contact: quantities of the
-!> same contact on a coarser grid of the same domain, and on a longer one at the same spacing.
-!>
-!> What the tail leaves out (module inlet_tail) falls with the fourth power of its distance, so that
-!> the longer domain is as good as endless, and the change is that on the answer's own grid (40
-!> contacts, M 0.1-30, L 0-40, mostly Eyring: on a quarter of the intervals 0.8 to 1.1 times it, but
-!> where it passes through zero). Of a pressure spike, which jumps with the place of the nodes,
-!> nothing is compared: the largest pressure is that beside it.
+!> Measured influence of an inlet with a tail or close to the contact: quantities on a coarser grid
+!> of the same domain and, at the same spacing, on a longer domain.
+!> The remainder beyond the tail (module inlet_tail) falls with the fourth power of its distance, so
+!> that the longer domain is as good as infinite, and the change is that on the grid of the result
+!> (40 contacts, M 0.1-30, L 0-40, mostly Eyring: on a quarter of the intervals 0.8 to 1.1 times it,
+!> except where it passes through zero). A pressure spike, which jumps with the position of the
+!> nodes, is not compared: the largest pressure is that next to it.
 module inlet_change
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -17,15 +16,15 @@ module inlet_change
 
    public :: change_by_inlet, film_loss, inlet_change_t
 
-   !> An estimate is this many times the change, and this share of the largest one: a quantity may
-   !> change little by chance.
+   !> An estimate is this many times the change plus this share of the largest change, since a
+   !> single one may be small by chance.
    real(wp), parameter :: safety = 1.1_wp, doubt = 0.15_wp
 
-   !> Fields whose quantities may be not known, or 0, in a solution.
+   !> Fields whose quantities may be unknown or 0 in a solution.
    character(len=*), parameter :: may_be_unknown(3) = [character(len=20) :: 'x', &
       'friction_coefficient', 'power']
 
-   !> Those of the same domain and of the longer one.
+   !> Quantities on the same and on the longer domain.
    type :: inlet_change_t
       logical :: is_known = .false.
       type(line_summary_t) :: near, far
@@ -33,7 +32,7 @@ module inlet_change
 
 contains
 
-   !> Estimated errors of all quantities because of the inlet: relative, of positions in units of b.
+   !> Estimated errors of all quantities by the inlet: relative; of positions in units of b.
    pure function change_by_inlet(self) result(errors)
       type(inlet_change_t), intent(in) :: self
       real(wp) :: errors(quantity_count)
@@ -43,7 +42,7 @@ contains
       where (quantity_rows%field == 'pressure') errors = errors*(1 + doubt)
    end function change_by_inlet
 
-   !> Share of the central film that the inlet starves it of; 0 if it thickens it.
+   !> Share of the central film lost by starvation; 0 if the inlet thickens it.
    pure function film_loss(self) result(loss)
       type(inlet_change_t), intent(in) :: self
       real(wp) :: loss
@@ -52,8 +51,8 @@ contains
          h_central)), 0.0_wp)
    end function film_loss
 
-   !> The changes themselves, in parts of the value of the same domain; 0 where it is not known of a
-   !> position, or of forces.
+   !> Changes relative to the value on the same domain; 0 for positions or forces that are not
+   !> known.
    pure function changes(self)
       type(inlet_change_t), intent(in) :: self
       real(wp) :: changes(quantity_count)
@@ -73,8 +72,8 @@ contains
       end do
    end function changes
 
-   !> What is compared of row `i` of a `summary`, one of both: the value between the nodes, of
-   !> crests that beside a spike, where both have one.
+   !> The compared value of row `i` of a `summary`: that between nodes; of crests the one next to a
+   !> spike, if both have one.
    pure function compared_value(self, summary, i) result(value)
       type(inlet_change_t), intent(in) :: self
       type(line_summary_t), intent(in) :: summary

@@ -1,4 +1,4 @@
-!> The errors because of the length of the inlet.
+!> Errors by the length of the inlet.
 module inlet_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use inlet_change, only: change_by_inlet, inlet_change_t
@@ -13,18 +13,18 @@ module inlet_errors
 
    public :: domain_error, inlet_shares
 
-   !> Films err by up to twice the share by which the inlet starves them, and the exit by that share
-   !> as far as the film is thick (M 0.5-500, L 0-30, against four times the domain).
+   !> Films err by up to twice the share lost by starvation, and the exit by that share where the
+   !> film is thick (M 0.5-500, L 0-30, against four times the domain).
    real(wp), parameter :: film_safety = 2.0_wp
-   !> Forces err as films do, that of sliding by up to this many times the share of the pressures
-   !> more; that of a Newtonian oil as its viscosity does, where the largest pressure changes by a
+   !> Forces err as films do, sliding by up to this many times the share of the pressures in
+   !> addition; with a Newtonian oil as its viscosity does, where the largest pressure changes by a
    !> third of that share (M 2-70, L 3-9, against a domain twice as long).
    real(wp), parameter :: shear_safety = 1.5_wp, pressure_part = 1.0_wp/3.0_wp
 
 contains
 
-   !> Bound on the relative error of a film because of the length of the domain, from `inlet_error`
-   !> of its inlet.
+   !> Bound on the relative error of a film by the length of the domain, from the `inlet_error` of
+   !> its inlet.
    pure function domain_error(inlet_error) result(error)
       real(wp), intent(in) :: inlet_error
       real(wp) :: error
@@ -32,8 +32,8 @@ contains
       error = film_safety*inlet_error
    end function domain_error
 
-   !> Relative errors of all quantities because of the inlet: from the coarse runs of its
-   !> `change`, else by the rules in the report.
+   !> Relative errors of all quantities by the inlet: from the coarse runs of its `change`, else by
+   !> the rules in the report.
    pure function inlet_shares(change, fluid, report, summary) result(shares)
       type(inlet_change_t), intent(in) :: change
       type(fluid_t), intent(in) :: fluid
@@ -55,7 +55,7 @@ contains
          summary%of(p_max)%value)*report%inlet_pressure_error
    end function inlet_shares
 
-   !> By how many times the share of the pressures that an inlet is missing sliding errs.
+   !> Relative error of sliding over the share of pressures lost at the inlet.
    pure function shear_response(fluid, pressure) result(response)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: pressure

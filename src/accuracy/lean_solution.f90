@@ -1,5 +1,5 @@
-!> A steady contact on one coarse grid by Newton's method, from the pressure of a contact that
-!> differs from it by one ingredient.
+!> A steady contact on one coarse grid by Newton's method, started from the pressure of a contact
+!> that differs from it by one ingredient.
 module lean_solution
    use, intrinsic :: ieee_exceptions, only: ieee_get_halting_mode, ieee_set_halting_mode, &
       ieee_usual
@@ -26,18 +26,19 @@ module lean_solution
    public :: add_kappa, lean_level_t, place_film, pose, pressure_on, solve_from, solve_level_of, &
       solve_without
 
-   !> Last step of P, H0 and (ten times that) H: what it leaves is about the square of it.
+   !> Tolerance on the last step of P, H0 and (ten times that) H; the remaining error is about its
+   !> square.
    real(wp), parameter :: lean_tolerance = 1.0e-3_wp
-   !> Newton steps at most.
+   !> Most Newton steps.
    integer, parameter :: max_newton_steps = 18
-   !> How much of an ingredient is left where it cannot be left out.
+   !> Fraction of an ingredient that is kept if it cannot be left out.
    real(wp), parameter :: largest_rest = 0.75_wp
 
-   !> One grid, its solution and what it cost.
+   !> One grid, its solution and its cost.
    type :: lean_level_t
       type(line_level_t) :: level
       type(newton_t) :: newton
-      !> By the thesis's scheme and, if `has_kappa`, by the kappa scheme.
+      !> By upwind2 and, if `has_kappa`, by the kappa scheme.
       type(line_summary_t) :: summary, kappa
       logical :: is_solved = .false., has_kappa = .false.
       !> Nodes times Newton steps so far.
@@ -46,9 +47,8 @@ module lean_solution
 
 contains
 
-   !> Poses `contact`, whose domain is complete, on `intervals` with its surfaces of time 0, and
-   !> solves it from `start` (0:intervals) by the scheme of the thesis, in at most `work` nodes
-   !> times Newton steps.
+   !> Poses `contact`, on a complete domain, on `intervals` with its surfaces at time 0, and solves
+   !> it from `start` (0:intervals) by upwind2, in at most `work` nodes times Newton steps.
    subroutine solve_from(self, contact, intervals, start, work, listener, error)
       type(lean_level_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
@@ -66,8 +66,8 @@ contains
       if (self%is_solved) self%summary = summary_with_doubt(self%level)
    end subroutine solve_from
 
-   !> From a solution by the scheme of the thesis that by the kappa scheme, which errs less, if
-   !> there is one; the state stays.
+   !> Adds the quantities by the kappa scheme, which errs less, from a solution by upwind2, if there
+   !> are any; the state remains.
    subroutine add_kappa(self, work, listener)
       type(lean_level_t), intent(inout) :: self
       real(wp), intent(in) :: work
@@ -84,7 +84,7 @@ contains
       self%level%state = thesis
    end subroutine add_kappa
 
-   !> The steady problem on one grid, with the surfaces of `time`.
+   !> The steady problem on one grid with the surfaces at `time`.
    subroutine pose(self, contact, intervals, time, error)
       type(lean_level_t), intent(inout) :: self
       type(line_contact_t), intent(in) :: contact
@@ -103,7 +103,7 @@ contains
       end associate
    end subroutine pose
 
-   !> H0 for which the film of the present pressure is `smallest` at its thinnest place.
+   !> Sets H0 so that the film of the present pressure has the minimum `smallest`.
    subroutine place_film(level, smallest)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: smallest
@@ -114,15 +114,14 @@ contains
       level%state%film = level%state%film + level%state%rigid_displacement
    end subroutine place_film
 
-   !> Solves the problem posed on the level from its present state, in at most `work` nodes times
-   !> Newton steps.
+   !> Solves the posed problem from its present state, in at most `work` nodes times Newton steps.
    subroutine solve_level_of(self, work, listener)
       type(lean_level_t), intent(inout) :: self
       real(wp), intent(in) :: work
       class(listener_t), intent(inout) :: listener
       logical :: halts(size(ieee_usual))
 
-      ! A trial may diverge beyond all numbers, which is then no solution; checked builds go on too.
+      ! A trial may overflow, which is then no solution; checked builds must go on too.
       call ieee_get_halting_mode(ieee_usual, halts)
       call ieee_set_halting_mode(ieee_usual, .false.)
       call solve_newton(self%newton, self%level, lean_tolerance, &
@@ -133,7 +132,7 @@ contains
       if (self%is_solved) call evaluate_coefficients(self%level)
    end subroutine solve_level_of
 
-   !> The quantities of a solution; the error of the largest pressure is what a spike may add to it.
+   !> Quantities of a solution; the error of the largest pressure is what a spike may add to it.
    pure function summary_with_doubt(level) result(summary)
       type(line_level_t), intent(in) :: level
       type(line_summary_t) :: summary
@@ -174,7 +173,7 @@ contains
          full%level%state, work - lean%work, listener, error)   ! error: the caller looks
    end subroutine solve_without
 
-   !> Nothing is solved yet, but what it has cost so far stays.
+   !> Resets the solution but keeps the cost so far.
    subroutine start_anew(lean)
       type(lean_level_t), intent(inout) :: lean
       type(lean_level_t), allocatable :: fresh
@@ -184,7 +183,7 @@ contains
       lean = fresh
    end subroutine start_anew
 
-   !> Pressure and film of a state at every (n/intervals)-th of its nodes; `intervals` divides n.
+   !> Pressure and film of a state at every (n/intervals)-th node; `intervals` divides n.
    pure function pressure_on(state, intervals) result(coarse)
       type(line_state_t), intent(in) :: state
       integer, intent(in) :: intervals

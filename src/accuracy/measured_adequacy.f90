@@ -1,12 +1,11 @@
-!> The adequacy of the model of a lubricated result.
-!>
-!> Its cost is a share of what the run itself has taken, or what a small run may take, counted in
-!> nodes times Newton steps, not in seconds, so that a repeated run measures the same. Of a passage
-!> the ingredients of oil and bodies are left out of the smooth steady contact, which costs next to
-!> nothing. Its run has made passages with everything itself, on its own grid and for its error bars
-!> on n/2 and n/4 intervals: smooth surfaces take one steady solution a grid, steady solutions with
-!> the waves at their places follow each other. With `adequacy%is_full` what then stays open is run
-!> in time on n/2 and n/4, at any cost.
+!> Measures the adequacy of the model of a lubricated result.
+!> Its cost is bounded by a share of the cost of the run, or by that of a small run, in nodes times
+!> Newton steps rather than seconds, so that a repeated run measures the same. Ingredients of oil
+!> and bodies are left out of the smooth steady contact, at little cost. Transients with all
+!> ingredients are known already: the result, and the runs on n/2 and n/4 intervals for its error
+!> bars. Smooth surfaces take one steady solution on each grid; without the squeeze term, steady
+!> solutions follow the waves. With `adequacy%is_full` whatever remains open is run in time on n/2
+!> and n/4, at any cost.
 module measured_adequacy
    use ablation_runs, only: measure_at_rest
    use ablations, only: ingredient_t, ingredients_of, is_of_surfaces, roughness, squeeze, &
@@ -29,7 +28,7 @@ module measured_adequacy
 
    public :: full_cost, measure_adequacy, solved_t
 
-   !> What was solved: how, the quantities of it, its Newton steps and its error bars.
+   !> A solved case: its settings, quantities, Newton steps and error bars.
    type :: solved_t
       type(experiment_t) :: experiment
       type(line_summary_t) :: full
@@ -37,33 +36,33 @@ module measured_adequacy
       type(error_bars_t) :: bars
    end type solved_t
 
-   !> Share of the cost of the run, and what a small run may take: 20 ms, 2700 instructions each,
-   !> but what writing the rows takes.
+   !> Budget: share of the cost of the run, or the cost of a small run (20 ms at 2700 instructions a
+   !> node and step, output excluded).
    real(wp), parameter :: share = 0.1_wp, small_run = 5.0e4_wp
-   !> Newton steps of a steady run on its finest grid, coarser ones and error bars counted.
+   !> Newton steps of a steady run counted on its finest grid, with coarser grids and error bars.
    real(wp), parameter :: steady_steps = 12.0_wp
-   !> What a Newton step of a passage costs over one at rest, output included (valgrind: 3900 and
-   !> 2700 instructions a node).
+   !> Cost of a Newton step of a transient over a steady one, with output (valgrind: 3900 and 2700
+   !> instructions a node).
    real(wp), parameter :: march_weight = 1.45_wp
-   !> A time step on a coarse grid takes this many times the Newton steps of one of the run.
+   !> Newton steps of a time step on a coarse grid over those on the grid of the run.
    real(wp), parameter :: longer_steps = 1.3_wp
-   !> Coarse runs on n/2 and n/4 intervals over the cost of a passage.
+   !> Cost of coarse runs on n/2 and n/4 intervals over that of the transient.
    real(wp), parameter :: coarse_share = 0.3125_wp
-   !> Why an ingredient of a passage is not known.
+   !> Why an ingredient of a transient is not known.
    character(len=54), parameter :: only_full = "measured with &output adequacy = 'full' alone", &
       no_grids = 'coarse grids do not see all waves, or have no solution'
-   !> Intervals of the smooth steady contact, at most.
+   !> Most intervals of the smooth steady contact.
    integer, parameter :: most_at_rest = 128
-   !> The error of a change on n and n/2 intervals: this many times its own change from the grid
-   !> with twice the spacing, of first order 1.5 times the error; a share of itself; on n/2 and n/4
-   !> a share of the largest change of a film, for a wave passes the nodes of two coarse grids alike
-   !> by chance; and what iterations leave.
+   !> Error of a change on n and n/2 intervals: this many times its difference from the grid with
+   !> twice the spacing (at first order, the error itself); a share of the change; on n/2 and n/4
+   !> also a share of the largest change of a film, since a wave may miss the nodes of two coarse
+   !> grids alike; and the error of the iteration.
    real(wp), parameter :: own_widths(4) = [1.5_wp, 0.05_wp, 0.0_wp, 2.0e-5_wp], &
       coarse_widths(4) = [1.5_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
 
 contains
 
-   !> Measures every ingredient of a converged result whose last state is `state`, for the accuracy
+   !> Measures every ingredient of a converged result, whose last state is `state`, at the accuracy
    !> that counts.
    subroutine measure_adequacy(solved, state, adequacy, listener, error)
       type(solved_t), intent(in) :: solved
@@ -93,7 +92,7 @@ contains
       end associate
    end subroutine measure_adequacy
 
-   !> What a full measurement of a passage costs at most, over the passage itself.
+   !> Largest cost of a full measurement of a transient, over that of the transient.
    pure function full_cost(contact) result(cost)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: cost
@@ -103,8 +102,8 @@ contains
       cost = coarse_share*count(list%kind /= roughness .and. list%kind /= squeeze)
    end function full_cost
 
-   !> Measures the ingredients of a passage: those of oil and bodies at rest, those that the runs of
-   !> the error bars tell, and the others over the passage, if all is to be measured.
+   !> Measures the ingredients of a transient: those of oil and bodies at rest, those known from the
+   !> runs of the error bars, and the others in time if asked for.
    subroutine measure_passage(solved, list, budget, adequacy, listener, error)
       type(solved_t), intent(in) :: solved
       type(ingredient_t), intent(in) :: list(:)
@@ -133,8 +132,8 @@ contains
          error)   ! error: the caller looks
    end subroutine measure_passage
 
-   !> Measures all roughness, if the passage is known on the `fine` grids; `is_open`: which
-   !> ingredients are not known after that.
+   !> Measures the roughness, if the transient is known on the `fine` grids; `is_open`: which
+   !> ingredients remain unknown.
    subroutine measure_roughness(fine, list, budget, adequacy, is_open, listener, error)
       type(passage_pair_t), intent(inout) :: fine
       type(ingredient_t), intent(in) :: list(:)
@@ -156,8 +155,9 @@ contains
       is_open(i) = .not. is_known
    end subroutine measure_roughness
 
-   !> Measures what is `open`: the squeeze term on the coarse pair within the `budget`, on the fine
-   !> one if there is no other, or all is to be measured; then all others on the coarse one.
+   !> Measures the `open` ingredients: the squeeze term on the coarse pair within `budget` (on the
+   !> fine pair if there is no other, or for a full measurement), then all others on the coarse
+   !> pair.
    subroutine measure_open(pairs, open, budget, adequacy, listener, error)
       type(passage_pair_t), intent(in) :: pairs(2)
       type(ingredient_t), intent(in) :: open(:)
@@ -184,8 +184,8 @@ contains
       end do
    end subroutine measure_open
 
-   !> The passage on `factor` and twice as many times fewer intervals, as far as its run and its
-   !> error bars have made it, by the scheme of second order in time.
+   !> The transient on `factor` and 2 `factor` times fewer intervals by the second-order scheme, as
+   !> far as the result and its error bars know it.
    pure function pair_of(solved, factor) result(pair)
       type(solved_t), intent(in) :: solved
       integer, intent(in) :: factor
@@ -209,7 +209,8 @@ contains
          .and. solved%bars%unseen == ''
    end function pair_of
 
-   !> Runs the passage on the grids of `coarse`, if its error bars have not, and both see all waves.
+   !> Runs the transient on the grids of `coarse` if the error bars have not, and both resolve all
+   !> waves.
    subroutine complete(coarse, adequacy, listener, error)
       type(passage_pair_t), intent(inout) :: coarse
       type(adequacy_t), intent(inout) :: adequacy
@@ -224,7 +225,7 @@ contains
       end associate
    end subroutine complete
 
-   !> Measures the time step, within the `budget`.
+   !> Measures the time step within `budget`.
    subroutine measure_time_step(solved, coarse, budget, row, listener, error)
       type(solved_t), intent(in) :: solved
       type(passage_pair_t), intent(in) :: coarse
@@ -278,7 +279,7 @@ contains
       end do
    end subroutine decide_at_rest
 
-   !> The rows, with the ingredients of oil and bodies measured on the smooth steady contact.
+   !> Creates the rows and measures the ingredients of oil and bodies on the smooth steady contact.
    subroutine measure_smooth(experiment, list, budget, adequacy, listener, error)
       type(experiment_t), intent(in) :: experiment
       type(ingredient_t), intent(in) :: list(:)

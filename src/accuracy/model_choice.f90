@@ -1,11 +1,10 @@
-!> The leanest model that is adequate for a wanted accuracy, chosen before the run.
-!>
-!> Only what saves something is looked at. A steady contact is solved with every ingredient: that
-!> costs less than to find out what it could do without. So are oil and bodies of a passage, whose
-!> time steps cost as much, or more, with a leaner law (docs/decisions.md). What saves is a steady
-!> solution in place of a passage. Where nothing that is rough moves, d/dT is 0 as soon as the
-!> start is forgotten: that needs no measurement. Where low roughness moves, its influence is
-!> measured, by passages with and without it on two coarse grids.
+!> Chooses, before the run, the leanest model that is adequate for a target accuracy.
+!> Only savings are examined. A steady contact is solved with every ingredient, which costs less
+!> than finding out what it could do without. Transients keep all ingredients of oil and bodies:
+!> time steps cost as much with a leaner law (docs/decisions.md). What saves is a steady solution in
+!> place of a transient. If nothing rough moves, d/dT is 0 once the start is forgotten, and no
+!> measurement is needed. If low roughness moves, its influence is measured by transients with and
+!> without it on two coarse grids.
 module model_choice
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use ablations, only: has_roughness, ingredient_t, ingredients_of, roughness, squeeze
@@ -32,30 +31,30 @@ module model_choice
 
    public :: choose_model
 
-   !> What is left out may change a quantity by this share of the target, its error counted: the
-   !> rest is for grid, time step and domain.
+   !> What is left out may change a quantity by this share of the target, its error included; grid,
+   !> time step and domain use the remainder.
    real(wp), parameter :: leave_share = 0.25_wp
-   !> Roughness that is higher than this many times the target, over the film, is not looked at: of
-   !> 20 passages that could do without (seeds 12 and 13 of bench/auto.py) four had more, and so had
-   !> nearly all that could not.
+   !> Roughness higher than this many times the target times the film is not measured: of 20
+   !> transients that could do without it (seeds 12 and 13 of bench/auto.py) four were higher, and
+   !> so were nearly all that could not.
    real(wp), parameter :: highest = 0.75_wp
-   !> Cost of measuring over that of the passage on the default grid, and what it may be in any case
-   !> (nodes times Newton steps).
+   !> Budget of the measurement: share of the cost of the transient on the default grid, and at
+   !> least this many nodes times Newton steps.
    real(wp), parameter :: cost_share = 0.2_wp, least_cost = 2.0e4_wp
-   !> Newton steps of a time step, about.
+   !> Typical Newton steps of a time step.
    real(wp), parameter :: newton_per_step = 2.5_wp
-   !> The error of a change, as of `set_change`: on the coarser grid with twice the spacing; a share
-   !> of the largest change of a film, for a wave passes the nodes of two coarse grids alike by
-   !> chance; and what iterations leave of both.
+   !> Error of a change (`set_change`): times its difference from the coarser grid; a share of the
+   !> largest change of a film, since a wave may miss the nodes of two coarse grids alike; and the
+   !> iteration errors of both.
    real(wp), parameter :: widths(4) = [1.5_wp, 0.1_wp, 0.15_wp, 2*coarse_tolerance]
-   !> By which scheme a passage is run, and by which where that finds no solution: what errs least
-   !> on coarse grids, and what is solved most often.
+   !> The space scheme of a transient, which errs least on coarse grids, and the one to use if that
+   !> finds no solution.
    character(len=*), parameter :: schemes(2) = [character(len=7) :: 'kappa', 'upwind2']
 
 contains
 
-   !> Decides on every ingredient of an open `experiment` for a relative error `target` > 0;
-   !> `needs_passage`: a passage it stays.
+   !> Decides on every ingredient of an `experiment` for a relative error `target` > 0;
+   !> `needs_passage`: it must stay transient.
    subroutine choose_model(experiment, target, needs_passage, choice, listener, error)
       type(experiment_t), intent(in) :: experiment
       real(wp), intent(in) :: target
@@ -68,7 +67,7 @@ contains
       integer :: i
 
       list = ingredients_of(experiment%contact, experiment%time%is_transient)
-      ! of smooth surfaces it is not measured, but decided on
+      ! of smooth surfaces the squeeze term is decided on without a measurement
       if (experiment%time%is_transient .and. .not. any(list%kind == squeeze)) list = [list, &
          ingredient_t(squeeze, 'squeeze', 'the steady solution')]
       choice%rows = [(new_influence(trim(list(i)%name), trim(list(i)%text)), i=1, size(list))]
@@ -98,7 +97,7 @@ contains
       end if
    end subroutine choose_model
 
-   !> Whether the quantities of a passage count from when its start is forgotten.
+   !> Whether the quantities of a transient count only once its start is forgotten.
    pure function counts_late(experiment)
       type(experiment_t), intent(in) :: experiment
       logical :: counts_late
@@ -109,7 +108,7 @@ contains
       end associate
    end function counts_late
 
-   !> Leaves out the roughness of a passage, and its motion, if it is low and surely changes little.
+   !> Leaves out roughness and its motion if it is low and surely changes little.
    subroutine look_at_roughness(experiment, list, target, choice, listener, error)
       type(experiment_t), intent(in) :: experiment
       type(ingredient_t), intent(in) :: list(:)
@@ -138,7 +137,9 @@ contains
       choice%why(i) = changes_little
    end subroutine look_at_roughness
 
-   !> The largest |change| + error of a row; unknown values (NaN) are skipped.
+   !> The largest
+   !> change
+   !> + error of a row; unknown values (NaN) are skipped.
    pure function largest_influence(row) result(largest)
       type(influence_t), intent(in) :: row
       real(wp) :: largest
@@ -151,9 +152,9 @@ contains
       end do
    end function largest_influence
 
-   !> The change of all quantities without the roughness, on the two finest grids that the budget
-   !> allows, by the first scheme that finds all solutions. What a spike may add to both pressures
-   !> alike does not count.
+   !> Changes of all quantities without roughness, on the two finest grids within the budget, by the
+   !> first scheme that finds all solutions. What a spike may add to both pressures alike is not
+   !> counted.
    subroutine measure(experiment, ingredient, row, grids, listener, error)
       type(experiment_t), intent(in) :: experiment
       type(ingredient_t), intent(in) :: ingredient
@@ -184,8 +185,8 @@ contains
       end do
    end subroutine measure
 
-   !> How many times fewer intervals the finer one of two grids has that fit into the budget: 2, 4
-   !> ...; 0: none that sees all waves.
+   !> How many times fewer intervals the finer of two grids within the budget has: 2, 4 ...; 0: none
+   !> that resolves all waves.
    pure function coarsening(experiment) result(factor)
       type(experiment_t), intent(in) :: experiment
       integer :: factor
@@ -201,7 +202,7 @@ contains
       end associate
    end function coarsening
 
-   !> The largest height of both surfaces together [b^2/R], as far as it is at hand.
+   !> Largest height of both surfaces together [b^2/R], as far as known.
    pure function height_of(contact) result(height)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: height
@@ -209,7 +210,7 @@ contains
       height = height_on(contact%surface_1) + height_on(contact%surface_2)
    end function height_of
 
-   !> That of one surface.
+   !> Largest height of one surface.
    pure function height_on(surface) result(height)
       type(rough_surface_t), intent(in) :: surface
       real(wp) :: height

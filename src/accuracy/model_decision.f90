@@ -1,5 +1,5 @@
-!> What was decided of each ingredient of the model before a run, why, and what follows for the
-!> contact and for the errors of its result.
+!> Decisions on the ingredients of the model before a run, their reasons, and their consequences for
+!> the contact and for the errors of its result.
 module model_decision
    use ablations, only: without_surfaces
    use adequacy, only: influence_t
@@ -12,7 +12,7 @@ module model_decision
 
    public :: model_choice_t, number_choice_t, take_model
 
-   !> Why an ingredient is kept or left out: for the closing table, and in full.
+   !> Why an ingredient is kept or left out, short for the closing table and in full.
    type :: reason_t
       character(len=22) :: short
       character(len=72) :: text
@@ -34,24 +34,24 @@ module model_decision
       reason_t('at rest', 'nothing that is rough moves, and the start is forgotten'), &
       reason_t('the start counts', 'the quantities count from before the start is forgotten')]
 
-   !> What was chosen of one of the numbers of the solution.
+   !> A number of the solution that was chosen or given.
    type :: number_choice_t
-      !> Name, that of the numerical choice in /adequacy whose error belongs to it (blank: none),
-      !> whether it was chosen or given, and what it is.
+      !> Name; the numerical choice in /adequacy that its error belongs to (blank: none); whether it
+      !> was chosen or given; its value.
       character(len=9) :: name
       character(len=9) :: judged_as
       character(len=12) :: decision
       character(len=40) :: text
    end type number_choice_t
 
-   !> What was decided of each ingredient.
+   !> The decision on each ingredient.
    type :: model_choice_t
-      !> Not allocated: nothing was to be decided. Changes are known where they were measured.
+      !> Not allocated: there was nothing to decide. Changes are known if they were measured.
       type(influence_t), allocatable :: rows(:)
       logical, allocatable :: is_left_out(:)
       !> Rows of `reasons`.
       integer, allocatable :: why(:)
-      !> The passage is solved as a steady contact, and that with smooth surfaces.
+      !> Whether the transient is solved as a steady contact, and that with smooth surfaces.
       logical :: is_steady = .false., is_smooth = .false.
       !> Bound on the relative change of each quantity by what is left out; NaN: not known.
       real(wp) :: influence(quantity_count) = 0.0_wp
@@ -63,7 +63,7 @@ module model_decision
 
 contains
 
-   !> The contact and time of the model that was chosen.
+   !> Sets contact and time to the chosen model.
    pure subroutine take_model(choice, contact, time)
       type(model_choice_t), intent(in) :: choice
       type(line_contact_t), intent(inout) :: contact

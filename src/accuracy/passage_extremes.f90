@@ -1,5 +1,5 @@
-!> The quantities of a passage, gathered step by step: extremes over the times that count, and how
-!> far it is from periodic.
+!> Extremes of the quantities of a transient over the times that count, gathered step by step, and
+!> their distance from periodicity.
 module passage_extremes
    use kinds, only: wp
    use line_summary, only: keep_extremes, line_summary_t, quantity_t
@@ -14,14 +14,13 @@ module passage_extremes
    !> Extremes so far.
    type :: passage_extremes_t
       type(passage_times_t) :: times
-      !> Over the times that count, and over those before them of a periodic passage; known where
-      !> the logicals say so.
+      !> Over the times that count, and over the period before them; known if the logicals say so.
       type(line_summary_t) :: counted, earlier
       logical :: has_counted = .false., has_earlier = .false.
    contains
-      !> Takes the quantities of a time step.
+      !> Adds the quantities of a time step.
       procedure :: add
-      !> The extremes, with the part of their error that the start has.
+      !> The extremes, with the part of their error due to the start.
       procedure :: extremes
    end type passage_extremes_t
 
@@ -49,8 +48,7 @@ contains
       is_known = .true.
    end subroutine widen
 
-   !> The extremes. `last` are those of the last state, for a run that has ended before anything
-   !> counts.
+   !> The extremes; those of the `last` state for a run that ended before anything counts.
    pure function extremes(self, last) result(summary)
       class(passage_extremes_t), intent(in) :: self
       type(line_summary_t), intent(in) :: last
@@ -65,7 +63,7 @@ contains
 
    contains
 
-      !> What a quantity has changed since the period before; not known where the start is not
+      !> Sets the change of a quantity since the period before; not known if the start is not
       !> forgotten.
       pure subroutine tell_start(quantity, earlier)
          type(quantity_t), intent(inout) :: quantity

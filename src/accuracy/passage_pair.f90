@@ -1,4 +1,4 @@
-!> A passage on two grids, and what it is there without one of its ingredients.
+!> A transient on two grids, with all ingredients and without one of them.
 module passage_pair
    use ablation_runs, only: change_between, doubt_between, set_change
    use ablations, only: contact_without, has_roughness, ingredient_t, roughness, squeeze, &
@@ -28,40 +28,40 @@ module passage_pair
    public :: limit_places, measure_change, new_pair, passage_pair_t, run_pair, sees_all, &
       solve_smooth
 
-   !> Cycles of a steady solution, and the Newton steps that lead to it, coarser grids counted.
+   !> Most cycles of a steady solution, and the Newton steps that lead to it, with coarser grids.
    integer, parameter, public :: max_cycles = 40
    real(wp), parameter, public :: steps_to_start = 12.0_wp
    !> Bound on the residuals of time steps.
    real(wp), parameter, public :: coarse_tolerance = 1.0e-4_wp
-   !> Newton steps from one place of the waves to the next, and the times at which waves are solved
-   !> while the finest one passes its own length, at least.
+   !> Newton steps from one position of the waves to the next, and the fewest positions while the
+   !> finest wave moves by its own length.
    real(wp), parameter :: steps_to_next = 5.0_wp, least_places = 3.0_wp
-   !> What waves have made of the pressure moves with them to a place that is farther than this
-   !> share of the finest one; to a nearer one it stays: beside a spike not all of it moves.
+   !> The pressure of the waves is carried along if they move farther than this share of the finest
+   !> wave, and else left in place: near a spike not all of it moves.
    real(wp), parameter :: far_share = 0.2_wp
-   !> Nodes of the coarser grid in the finest wave, at least.
+   !> Fewest nodes of the coarser grid in the finest wave.
    real(wp), parameter :: least_nodes = 4.0_wp
 
-   !> A passage on the finer and the coarser grid.
+   !> A transient on the finer and the coarser grid.
    type :: passage_pair_t
       type(experiment_t) :: runs(2)
-      !> Its extremes, with everything.
+      !> Extremes with all ingredients.
       type(line_summary_t) :: full(2)
       logical :: is_known = .false.
-      !> Its period; 0: it has none.
+      !> Period; 0: none.
       real(wp) :: period = 0.0_wp
-      !> The smooth steady contact on each grid; pressures are not allocated where it is not solved.
+      !> Smooth steady contact on each grid; pressures are not allocated if it is not solved.
       type(film_state_t) :: smooth(2)
-      !> The error of a change, as of `set_change`; whether what spikes may add is part of it.
+      !> Factors of the error of a change (`set_change`); whether that includes what spikes may add.
       real(wp) :: widths(4) = 0.0_wp
       logical :: counts_spikes = .true.
-      !> What has been spent, in nodes times Newton steps.
+      !> Nodes times Newton steps spent so far.
       real(wp) :: work = 0.0_wp
    end type passage_pair_t
 
 contains
 
-   !> The passage of `experiment` on `factors` times fewer intervals, not run yet.
+   !> The transient of `experiment` on `factors` times fewer intervals, not run yet.
    pure function new_pair(experiment, factors, widths) result(pair)
       type(experiment_t), intent(in) :: experiment
       integer, intent(in) :: factors(2)
@@ -72,14 +72,14 @@ contains
       pair%runs(1) = coarser(experiment, factors(1))
       pair%runs(2) = coarser(experiment, factors(2))
       pair%runs%time%scheme = 'bdf2'
-      ! a leaner contact may count from another time
+      ! a leaner contact might count from another time
       times = new_passage_times(experiment%contact, experiment%time)
       pair%runs%time%statistics_from = times%counts_from
       pair%period = times%period
       pair%widths = widths
    end function new_pair
 
-   !> Runs the passage with everything on both grids.
+   !> Runs the transient with all ingredients on both grids.
    subroutine run_pair(pair, listener, error)
       type(passage_pair_t), intent(inout) :: pair
       class(listener_t), intent(inout), target :: listener
@@ -97,7 +97,7 @@ contains
       end do
    end subroutine run_pair
 
-   !> Whether the grid of an experiment carries the film and has nodes in every wave.
+   !> Whether the grid of an experiment carries the film and resolves every wave.
    pure function sees_all(experiment)
       type(experiment_t), intent(in) :: experiment
       logical :: sees_all
@@ -110,8 +110,8 @@ contains
       end associate
    end function sees_all
 
-   !> The change of a passage without an ingredient and its error, if both grids have a solution
-   !> without it (`is_known`).
+   !> Measures the change without an ingredient and its error; `is_known`: both grids have a
+   !> solution without it.
    subroutine measure_change(pair, ingredient, row, is_known, listener, error)
       type(passage_pair_t), intent(inout) :: pair
       type(ingredient_t), intent(in) :: ingredient
@@ -141,7 +141,7 @@ contains
       call set_change(row, changes, doubt, pair%widths)
    end subroutine measure_change
 
-   !> Adds what a spike may add to the largest pressure of a passage.
+   !> Adds what a spike may add to the largest pressure of a transient.
    pure subroutine add_doubt(experiment, summary)
       type(experiment_t), intent(in) :: experiment
       type(line_summary_t), intent(inout) :: summary
@@ -152,8 +152,7 @@ contains
       end associate
    end subroutine add_doubt
 
-   !> Where only the finer one of two grids has its smooth contact, the other one starts from its
-   !> nodes.
+   !> If the smooth contact is known on the finer grid only, the coarser one starts from its nodes.
    pure subroutine start_from_finer(smooth, intervals)
       type(film_state_t), intent(inout) :: smooth(2)
       integer, intent(in) :: intervals(2)
@@ -165,7 +164,7 @@ contains
       end associate
    end subroutine start_from_finer
 
-   !> The extremes on grid `g` without an ingredient: of another passage, or of steady solutions.
+   !> Extremes on grid `g` without an ingredient, from another transient or from steady solutions.
    subroutine run_without(pair, g, ingredient, summary, is_known, listener, error)
       type(passage_pair_t), intent(inout) :: pair
       integer, intent(in) :: g
@@ -193,7 +192,7 @@ contains
                pair%work = pair%work + steps_to_start*lean%contact%domain%intervals
                smooth = pressure_on(state, size(state%x) - 1)
             end if
-            ! smooth surfaces: at all times the same
+            ! smooth surfaces: the same at all times
             if (ingredient%kind == roughness) lean%time%time_step = lean%time%end_time
             call follow_waves(lean, smooth, outcome, listener, error)   ! error: the caller looks
          end associate
@@ -205,7 +204,7 @@ contains
       summary = outcome%summary
    end subroutine run_without
 
-   !> The smooth steady contact of an experiment, and its `state`.
+   !> Solves the smooth steady contact of an experiment; `state` is its solution.
    subroutine solve_smooth(experiment, listener, outcome, state, error)
       type(experiment_t), intent(in) :: experiment
       class(listener_t), intent(inout), target :: listener
@@ -219,9 +218,9 @@ contains
          state)   ! error: the caller looks
    end subroutine solve_smooth
 
-   !> Extremes over the times of a passage that count, of steady solutions with the surfaces of an
-   !> `experiment` where they are then, at every time step; each from the one before, the first from
-   !> `start`, the solution of the thesis's scheme for smooth surfaces.
+   !> Extremes of steady solutions with the surfaces where they are at each time step that counts.
+   !> Each starts from the previous one, the first from `start`, the upwind2 solution for smooth
+   !> surfaces.
    subroutine follow_waves(experiment, start, outcome, listener, error)
       type(experiment_t), intent(in) :: experiment
       type(film_state_t), intent(in) :: start
@@ -269,7 +268,7 @@ contains
       outcome%summary = passage%extremes(level_summary(lean%level))
    end subroutine follow_waves
 
-   !> Speed dX/dT of the only surface that is rough; 0 where both are.
+   !> Speed dX/dT of the only rough surface; 0 if both are rough.
    pure function wave_speed(contact) result(speed)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: speed
@@ -279,7 +278,7 @@ contains
       if (.not. has_roughness(contact%surface_2)) speed = contact%surface_1%speed
    end function wave_speed
 
-   !> Moves what waves have made of the `smooth` pressure by a `distance`, as they move.
+   !> Moves the difference from the `smooth` pressure by `distance`, along with the waves.
    pure subroutine carry_waves(level, smooth, distance)
       type(line_level_t), intent(inout) :: level
       real(wp), intent(in) :: smooth(0:), distance
@@ -296,10 +295,10 @@ contains
       end do
    end subroutine carry_waves
 
-   !> Limits the times at which the waves of a pair are solved, the same on both grids, to what the
-   !> `budget` allows (nodes times Newton steps): no more than time steps. `is_enough`: at least
-   !> `least_places` times while the finest wave passes its own length. One period is enough where
-   !> all repeats itself.
+   !> Limits the number of positions at which the waves of a pair are solved, equal on both grids,
+   !> to `budget` (nodes times Newton steps) and to the number of time steps; of a periodic
+   !> transient to its last period. `is_enough`: at least `least_places` positions while the finest
+   !> wave moves by its own length.
    pure subroutine limit_places(pair, budget, is_enough)
       type(passage_pair_t), intent(inout) :: pair
       real(wp), intent(in) :: budget

@@ -1,4 +1,4 @@
-!> Predicts from coarse pilot runs of a transient which resolution meets a target.
+!> Predicts from coarse trial runs of a transient which resolution meets a target.
 module pilots
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use grid_errors, only: kappa_share
@@ -16,32 +16,32 @@ module pilots
    public :: add_other_scheme, add_pilot, begun_anew, cheapest_resolution, forecast_at, &
       has_forecast, new_pilots, next_direction, pilots_t, refined, resolution_t
 
-   !> What a pilot refines.
+   !> What the next trial run refines.
    integer, parameter, public :: nothing = 0, space = 1, time_step = 2
 
-   !> Intervals of the first pilot at least, and the spacing of its time step at most: that of this
-   !> many intervals.
+   !> Fewest intervals of the first trial run; its time step is at most the spacing of `first_steps`
+   !> intervals.
    integer, parameter :: min_intervals = 16, first_steps = 32
-   !> Spacing and time step are foretold up to this many times finer than in the last pilot, without
-   !> and with an observed order.
+   !> Predictions reach up to this many times finer than the last trial run, without and with an
+   !> observed order.
    real(wp), parameter :: reaches(2) = [2.0_wp, 4.0_wp]
-   !> Intervals that may be chosen are these times a power of two, time steps these powers of two
-   !> times those of the last pilot.
+   !> Candidates: these numbers of intervals times a power of two, and these powers of two times the
+   !> steps of the last trial run.
    integer, parameter :: families(4) = [4, 5, 6, 7], doublings = 2, max_parts = 8
    real(wp), parameter :: part = 0.25_wp
-   !> Intervals in the finest wave at least, in the first pilot and in what is chosen, and steps in
-   !> which it passes a place there.
+   !> Fewest intervals in the finest wave, of the first trial run and of the choice, and fewest
+   !> steps in which that wave moves by its own length.
    integer, parameter :: pilot_in_wave = 2, nodes_in_wave = 4, steps_in_wave = 4
-   !> Steps in its passage from which on a single change by the time step is believed.
+   !> A single change by the time step is trusted from this many steps a passage of the wave.
    integer, parameter :: believed_steps = 8
-   !> After this many refinements of one direction the other one is looked at again.
+   !> After this many refinements in one direction the other one is refined.
    integer, parameter :: max_in_a_row = 2
-   !> Whole numbers of steps are known to so much.
+   !> Tolerance on whole numbers of steps.
    real(wp), parameter :: rounding = 1.0e-6_wp
-   !> The time of a run grows like n steps^power: shorter steps need fewer cycles.
+   !> Cost grows as n steps^power: shorter steps need fewer cycles.
    real(wp), parameter :: power_of_steps = 0.65_wp
-   !> Two pilots are compared at all times at which the smallest film is not above the least by more
-   !> than this fraction.
+   !> Trial runs are compared at all times at which the smallest film exceeds its minimum by at most
+   !> this fraction.
    real(wp), parameter :: nearly_least = 0.2_wp
 
    !> Intervals and time steps.
@@ -49,36 +49,37 @@ module pilots
       integer :: intervals = 0, steps = 0
    end type resolution_t
 
-   !> What is known of the pilots.
+   !> Results of the trial runs so far.
    type :: pilots_t
-      !> Resolution of the last one, or where there is none yet of the first.
+      !> Resolution of the last one; before the first, the resolution of that.
       type(resolution_t) :: last
-      !> Values of the last one; NaN: not known.
+      !> Quantities of the last one; NaN: not known.
       real(wp) :: values(quantity_count) = 0.0_wp
-      !> Their last change and the one before, by space and by time step; NaN: not known.
+      !> The last and the previous change, by spacing and by time step; NaN: not known.
       real(wp) :: changes(quantity_count, 2, 2) = 0.0_wp
-      !> Size of what the thesis's scheme finds less what the kappa scheme does, on the grid of the
-      !> last one, if that is known.
+      !>
+      !> upwind2 - kappa
+      !> on the grid of the last one, if known.
       real(wp) :: beside(quantity_count) = 0.0_wp
       logical :: is_beside_known = .false.
-      !> Size of the changes of h_min (the last, the one before; by space, by time step), over time;
-      !> 0: not known.
+      !> Size of the changes of h_min over time (last, previous; by spacing, by time step); 0: not
+      !> known.
       real(wp) :: sizes(2, 2) = 0.0_wp
-      !> Smallest film of the last one at each time step (0:steps); not allocated: there is none.
+      !> Smallest film of the last one at each time step (0:steps); not allocated: none yet.
       real(wp), allocatable :: films(:)
-      !> Pilots since the last that has refined space, the time step; below 0: none has yet.
+      !> Trial runs since spacing and time step were last refined; negative: never.
       integer :: age(2) = -1
-      !> Passages of the finest wave, one after the other, that the whole time would hold.
+      !> Passages of the finest wave within the end time.
       real(wp) :: passages = 0.0_wp
-      !> Intervals that see every wave, and most intervals of a pilot and of the run.
+      !> Intervals that resolve every wave, and most intervals allowed.
       integer :: for_waves = 1, max_intervals = 0
-      !> Order of the scheme in time where none is observed, and the bounds of an observed one.
+      !> Assumed order in time, and the bounds of an observed one.
       real(wp) :: time_orders(3) = [1.0_wp, 1.5_wp, 2.0_wp]
    end type pilots_t
 
 contains
 
-   !> Where the pilots of a contact on a complete domain begin.
+   !> Starts the search for a contact on a complete domain.
    pure function new_pilots(contact, time, max_intervals) result(pilots)
       type(line_contact_t), intent(in) :: contact
       type(time_settings_t), intent(in) :: time
@@ -99,7 +100,7 @@ contains
       end associate
    end function new_pilots
 
-   !> The same without any pilot, to begin with `first`.
+   !> Discards all trial runs and starts again from `first`.
    pure function begun_anew(pilots, first) result(anew)
       type(pilots_t), intent(in) :: pilots
       type(resolution_t), intent(in) :: first
@@ -109,7 +110,7 @@ contains
          max_intervals=pilots%max_intervals, time_orders=pilots%time_orders)
    end function begun_anew
 
-   !> A resolution with twice the intervals or twice the steps.
+   !> Doubles the intervals or the steps.
    pure function refined(resolution, direction) result(finer)
       type(resolution_t), intent(in) :: resolution
       integer, intent(in) :: direction
@@ -120,8 +121,8 @@ contains
       if (direction == time_step) finer%steps = 2*finer%steps
    end function refined
 
-   !> A pilot has found `values` and the smallest `films` at its time steps, on twice the resolution
-   !> of the last one in `direction`.
+   !> Adds a trial run on twice the resolution of the last one in `direction`: its quantities and
+   !> the smallest films at its time steps.
    pure subroutine add_pilot(pilots, direction, values, films)
       type(pilots_t), intent(inout) :: pilots
       integer, intent(in) :: direction
@@ -148,8 +149,8 @@ contains
       pilots%films = films
    end subroutine add_pilot
 
-   !> What the thesis's scheme has found at the resolution of the last pilot, which took the kappa
-   !> scheme; NaN: it has no solution there.
+   !> Adds the quantities of the upwind2 scheme at the resolution of the last trial run, which used
+   !> kappa; NaN: no solution.
    pure subroutine add_other_scheme(pilots, values)
       type(pilots_t), intent(inout) :: pilots
       real(wp), intent(in) :: values(quantity_count)
@@ -159,9 +160,9 @@ contains
       where (ieee_is_finite(values)) pilots%beside = abs(values - pilots%values)
    end subroutine add_other_scheme
 
-   !> Root mean square of the relative change from `old` to `new` smallest films of the same times,
-   !> where these are nearly the least one, times that: the smallest of all may have changed by
-   !> little by chance, while a wave passes between the nodes.
+   !> Root mean square of the relative change between smallest films at the same times, over the
+   !> times at which the film is nearly smallest, times that film. The minimum alone may change
+   !> little by chance when a wave passes between nodes.
    pure function size_of_change(old, new) result(change)
       real(wp), intent(in) :: old(:), new(:)
       real(wp) :: change, least
@@ -172,8 +173,8 @@ contains
       end associate
    end function size_of_change
 
-   !> What the next pilot refines: what has not been refined yet or for long, else what leaves the
-   !> larger doubt where the forecast ends.
+   !> What to refine next: the direction never or long not refined, else the one with the larger
+   !> uncertainty at the end of the prediction.
    pure function next_direction(pilots) result(direction)
       type(pilots_t), intent(in) :: pilots
       integer :: direction
@@ -194,8 +195,7 @@ contains
       end if
    end function next_direction
 
-   !> Whether the time step is understood: its order has been observed, or the waves pass in many
-   !> steps.
+   !> Whether the time step is understood: its order is observed, or waves pass in many steps.
    pure function sees_passages(pilots)
       type(pilots_t), intent(in) :: pilots
       logical :: sees_passages
@@ -204,7 +204,7 @@ contains
          .or. pilots%last%steps >= believed_steps*pilots%passages
    end function sees_passages
 
-   !> What the pilots tell of the errors of a row of the table of quantities.
+   !> Errors of one row of the table of quantities.
    pure function error_of(pilots, row) result(error)
       type(pilots_t), intent(in) :: pilots
       integer, intent(in) :: row
@@ -219,7 +219,7 @@ contains
          *pilots%beside(row)
    end function error_of
 
-   !> How many times finer than the last pilot the forecast goes, in space and in time.
+   !> How many times finer than the last trial run predictions reach, in space and in time.
    pure function reach_of(pilots) result(reach)
       type(pilots_t), intent(in) :: pilots
       real(wp) :: reach(2)
@@ -227,7 +227,7 @@ contains
       reach = merge(reaches(2), reaches(1), ieee_is_finite(pilots%changes(h_min, 2, :)))
    end function reach_of
 
-   !> Whether anything can be foretold: both directions have been refined.
+   !> Whether predictions are possible: both directions have been refined.
    pure function has_forecast(pilots)
       type(pilots_t), intent(in) :: pilots
       logical :: has_forecast
@@ -235,7 +235,7 @@ contains
       has_forecast = all(pilots%age >= 0)
    end function has_forecast
 
-   !> The forecast of all quantities at a resolution.
+   !> Predicts all quantities at a resolution.
    pure function forecast_at(pilots, resolution) result(forecast)
       type(pilots_t), intent(in) :: pilots
       type(resolution_t), intent(in) :: resolution
@@ -257,8 +257,8 @@ contains
       end do
    end function forecast_at
 
-   !> The resolution that costs least among those whose foretold relative error of h_min is not
-   !> above `target`; no intervals if there is none within reach, or nothing can be foretold yet.
+   !> The cheapest resolution whose predicted relative error of h_min is at most `target`; 0
+   !> intervals if none is within reach or nothing can be predicted yet.
    pure function cheapest_resolution(pilots, target) result(cheapest)
       type(pilots_t), intent(in) :: pilots
       real(wp), intent(in) :: target
@@ -272,7 +272,7 @@ contains
       error = error_of(pilots, h_min)
       min_cost = huge(1.0_wp)
       do i = 0, size(families)*doublings
-         ! as many intervals as the pilot to four times as many
+         ! one to four times the intervals of the trial run
          candidate%intervals = pilots%last%intervals/4*families(1 + modulo(i, size(families))) &
             *2**(i/size(families))
          if (.not. is_within_reach(pilots, candidate%intervals)) cycle
@@ -286,7 +286,7 @@ contains
       end do
    end function cheapest_resolution
 
-   !> Whether this many intervals see the waves, may be taken and are foretold.
+   !> Whether this many intervals resolve the waves, are allowed and can be predicted.
    pure function is_within_reach(pilots, intervals)
       type(pilots_t), intent(in) :: pilots
       integer, intent(in) :: intervals
@@ -299,7 +299,7 @@ contains
          *reach(space) >= 1.0_wp
    end function is_within_reach
 
-   !> The fewest steps with this many intervals whose foretold error is not above `bound`; 0: none.
+   !> The fewest steps on this grid whose predicted error is at most `bound`; 0: none.
    pure function steps_needed(pilots, error, intervals, bound) result(steps)
       type(pilots_t), intent(in) :: pilots
       type(split_error_t), intent(in) :: error

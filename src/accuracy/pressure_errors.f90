@@ -1,4 +1,5 @@
-!> The error of the largest pressure: from crests on coarser grids, and what a spike may grow.
+!> Errors of the largest pressure and of sliding friction, from crests on coarser grids and from the
+!> growth of spikes.
 module pressure_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use constants, only: pi
@@ -18,16 +19,16 @@ module pressure_errors
    public :: allow_for_spike, doubt_shear, doubt_spike, estimate_crest, estimate_crest_in_time, &
       shear_doubt, top_of
 
-   !> An estimate is widened by this factor in place of `safety`.
+   !> Factor on an estimate, in place of `safety`.
    real(wp), parameter :: pressure_safety = 2.0_wp
-   !> Sliding friction is off by up to this many times what a spike may add to it, and not known
-   !> where that is more than the second share of it.
+   !> Sliding friction errs by up to this many times what a spike may add to it; not known if that
+   !> exceeds the second share of it.
    real(wp), parameter :: shear_safety = 12.0_wp, largest_shear_growth = 0.02_wp
 
 contains
 
-   !> The maximum of P that is followed from grid to grid: the largest beside a spike that is below
-   !> it, else the largest.
+   !> The maximum of P that is compared between grids: the largest one next to a spike that is
+   !> lower, else the largest.
    pure function top_of(crests) result(top)
       type(crests_t), intent(in) :: crests
       real(wp) :: top
@@ -37,10 +38,10 @@ contains
       if (crests%spike < crests%other) top = crests%other
    end function top_of
 
-   !> Error of a nodal maximum: that of the parabola's, `values` on n, n/2, n/4 intervals, and what
-   !> the node is below it. Where the nodal maxima themselves, `nodes`, rise from grid to grid their
-   !> error is the least: a parabola through the nodes of a narrow spike overshoots, by less and
-   !> less, so that its vertex rises too little.
+   !> Error of a nodal maximum: that of the parabola (`values` on n, n/2, n/4 intervals) plus the
+   !> distance of the node below it. If the nodal maxima `nodes` themselves rise from grid to grid,
+   !> their error is a lower bound: a parabola through the nodes of a narrow spike overshoots, less
+   !> on finer grids, so that its vertex rises too little.
    pure subroutine estimate_crest(values, nodes, quantity)
       real(wp), intent(in) :: values(3), nodes(3)
       type(quantity_t), intent(inout) :: quantity
@@ -57,8 +58,8 @@ contains
       quantity%error_grid = max(quantity%error_grid, error_from_levels(nodes(1), nodes(2), order))
    end subroutine estimate_crest
 
-   !> Error of a nodal maximum of a transient: that of the parabola's, `top`, from those of the
-   !> second-order scheme on n, n/2, n/4 intervals, and what the node is off.
+   !> Error of a nodal maximum of a transient: that of the parabola, `top`, from those of the
+   !> second-order scheme on n, n/2, n/4 intervals, plus the distance of the node.
    pure subroutine estimate_crest_in_time(is_first_order, highest, top, quantity)
       logical, intent(in) :: is_first_order
       real(wp), intent(in) :: highest(3), top
@@ -73,8 +74,8 @@ contains
       quantity%extrapolated = limit
    end subroutine estimate_crest_in_time
 
-   !> Where the grid has a pressure spike the largest pressure may be off by what the spike may grow
-   !> above it; not known where that is not.
+   !> With a pressure spike, adds to the error of the largest pressure what the spike may grow above
+   !> it; not known if that is not.
    pure subroutine allow_for_spike(law, dx, summary)
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: dx
@@ -95,10 +96,9 @@ contains
       end associate
    end subroutine allow_for_spike
 
-   !> Error of the sliding friction of `summary` because a spike may grow on grids finer than that
-   !> of spacing `dx`, relative: it may carry most of the stress of a Newtonian oil, which rises
-   !> like the viscosity. 0 where nothing slides or the viscosity does not rise so, NaN where it is
-   !> not known.
+   !> Relative error of the sliding friction of `summary` by growth of a spike on grids finer than
+   !> `dx`: it may carry most of the stress of a Newtonian oil, which rises with the viscosity. 0 if
+   !> nothing slides or the viscosity does not rise so, NaN: not known.
    pure function shear_doubt(law, dx, summary) result(doubt)
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: dx
@@ -123,7 +123,7 @@ contains
       end associate
    end function shear_doubt
 
-   !> The error of the sliding friction of `summary` is no less than what a spike may do to it.
+   !> Raises the error of the sliding friction of `summary` to what a spike may add to it.
    pure subroutine doubt_shear(law, dx, summary)
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: dx
@@ -146,8 +146,8 @@ contains
       end do each_row
    end subroutine doubt_shear
 
-   !> Makes the errors of largest pressure and sliding friction of a `summary` what a spike may add
-   !> to them on finer grids than that of `dx`; NaN: not known.
+   !> Sets the errors of largest pressure and sliding friction of a `summary` to what a spike may
+   !> add on grids finer than `dx`; NaN: not known.
    pure subroutine doubt_spike(fluid, lambda, dx, summary)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: lambda, dx

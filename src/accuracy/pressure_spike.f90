@@ -1,31 +1,23 @@
-!> How high a pressure spike may become on finer grids.
-!>
-!> Where the oil leaves high pressure the half-spaces let the pressure rise like A/sqrt(distance),
-!> as at the edge of a punch, and the top node of a grid is of the height A/sqrt(dX) times a number:
-!> with each doubling it grows by up to sqrt(2). For a small wave of wavenumber k about a state P, H
-!> the terms of Reynolds' equation are as
-!>
-!>     flow by pressure e k  :  change of film by deformation lambda rho/k
-!>        :  change of density lambda rho' H .
-!>
-!> The deformation makes the spike; it ends at the longer one of two lengths, below which another
-!> term is the larger one:
-!>
-!>     l_flow = sqrt( e/(lambda rho) ) = sqrt( H^3 S/(mu lambda) ) ,    l_density = H rho'/rho .
-!>
+!> Predicts how high a pressure spike may become on finer grids.
+!> Where the oil leaves high pressure the half-spaces let the pressure rise as A/sqrt(distance), as
+!> at the edge of a punch, and the top node of a grid has the height A/sqrt(dX) times a number: each
+!> doubling of the grid raises it by up to sqrt(2). For a small wave of wavenumber k about a state
+!> P, H the terms of Reynolds' equation are as
+!> flow by pressure e k  :  change of film by deformation lambda rho/k :  change of density lambda
+!> rho' H .
+!> The deformation makes the spike; it ends at the longer of two lengths, below which another term
+!> dominates:
+!> l_flow = sqrt( e/(lambda rho) ) = sqrt( H^3 S/(mu lambda) ) ,    l_density = H rho'/rho .
 !> S is that of the top or of the flank, of the slope P/l_flow: without sliding an Eyring oil thins
-!> there alone.
-!>
-!> Both fall as the pressure of the spike rises, l_flow like exp(-ln mu/2). So its height in the end
+!> only there.
+!> Both fall as the pressure of the spike rises, l_flow as exp(-ln mu/2). Its final height therefore
 !> solves
-!>
-!>     P^2 = P_node^2 ( 1 + min( c_flow dX/l_flow(P) , c_density (dX/l_density(P))^(2/3) ) ) ,
-!>
-!> or there is none. The numbers come from 90 contacts (M_sum 0.1 to 2000, L_sum 0.5 to 35, all
-!> laws) on 64 to 262144 intervals. Where an oil thins P/l_flow is the slope of the flanks, which
-!> meet in a corner: the top is up to half a spacing from the node, hence c_flow = 1/2, half of it
-!> by the factor of safety. Where such a corner is less steep than a spike the grid tells how high
-!> it may be (`corner_top` of line_summary).
+!> P^2 = P_node^2 ( 1 + min( c_flow dX/l_flow(P) , c_density (dX/l_density(P))^(2/3) ) ) ,
+!> or does not exist. The numbers come from 90 contacts (M_sum 0.1 to 2000, L_sum 0.5 to 35, all
+!> laws) on 64 to 262144 intervals. If an oil thins, P/l_flow is the slope of the flanks, which meet
+!> in a corner: the top is up to half a spacing from the node, hence c_flow = 1/2, half of it by the
+!> safety factor. If such a corner is less steep than a spike, the grid shows how high it may be
+!> (`corner_top` of line_summary).
 module pressure_spike
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use flow_law, only: largest_exponent
@@ -39,27 +31,26 @@ module pressure_spike
 
    public :: ceiling_of_spike, final_height, shear_of_spike, smoothing_lengths, spike_law_t
 
-   !> c_flow, that of an oil that thins, c_density and the power of it.
+   !> c_flow, that of an oil that thins, c_density and its power.
    real(wp), parameter :: flow_growth = 0.15_wp, corner_growth = 0.5_wp, density_growth = 1.1_wp, &
       density_power = 2.0_wp/3.0_wp
-   !> A spike may grow this many times as much.
+   !> Safety factor on the growth of a spike.
    real(wp), parameter :: safety = 2.0_wp
-   !> A spike below the crest of the contact is taken to pass it if this share of its growth does.
+   !> A spike below the crest of the contact counts as passing it if this share of its growth would.
    real(wp), parameter :: sure_share = 1.0_wp/3.0_wp
-   !> A in units of H_c^(2/3): the top node of a spike of which a grid shows nothing would be so
-   !> high.
+   !> A in units of H_c^(2/3): height of the top node of a spike that a grid does not show.
    real(wp), parameter :: edge_strength = 0.5_wp
-   !> No height beyond this many times that of the node is looked for, in this many steps, and none
-   !> beyond `max_claimed` times it is claimed.
+   !> Largest final height over that of the node that is searched for, steps of that search, and the
+   !> largest one that is claimed (`max_claimed`).
    real(wp), parameter :: highest_growth = 20.0_wp, max_claimed = 3.0_wp
    integer, parameter :: max_steps = 200
    !> Halvings of the bracket of ln l_flow.
    integer, parameter :: bisections = 40
    !> Intervals of the integral over a spike.
    integer, parameter :: parts = 40
-   !> A height beyond all bounds.
+   !> A height without bound.
    real(wp), parameter, public :: endless = huge(1.0_wp)
-   !> Accuracy of a height, relative.
+   !> Relative accuracy of a height.
    real(wp), parameter :: accuracy = 1.0e-6_wp
 
    !> What the height of a spike depends on: the lubricant and lambda of (2.55).
@@ -70,10 +61,9 @@ module pressure_spike
 
 contains
 
-   !> The largest pressure that a spike of a grid of spacing `dx` may reach on finer ones; 0 if it
-   !> stays below the other crests, or the grid shows none and would resolve it; NaN where that is
-   !> not known.
-   !> `film`: H at X = 0.
+   !> The largest pressure that a spike may reach on grids finer than `dx`; 0 if it stays below the
+   !> other crests, or if the grid shows none and would resolve it; NaN: not known. `film`: H at X =
+   !> 0.
    pure function ceiling_of_spike(law, crests, film, dx) result(ceiling)
       type(spike_law_t), intent(in) :: law
       type(crests_t), intent(in) :: crests
@@ -81,7 +71,7 @@ contains
       real(wp) :: ceiling, start, height, crest
       logical :: is_corner
 
-      ! of several times one or another has the corner at a node
+      ! at one of several times the corner lies at a node
       is_corner = thins(law%fluid) .and. crests%corner_top >= 0.0_wp
       ceiling = 0.0_wp
       if (law%lambda <= 0.0_wp) return
@@ -125,14 +115,12 @@ contains
 
    end function ceiling_of_spike
 
-   !> By how much a spike may raise Int (mu/mu_0)/H dX, the shear of a Newtonian oil, on grids finer
-   !> than that of spacing `dx`; `endless` where there is no bound, 0 where the grid would resolve
-   !> it. `film`: H at X = 0.
-   !>
-   !> P = P_node sqrt(dX/distance) from the distance dX, where the top node of the grid is, to that
-   !> of the height in the end, and from there on constant:
-   !>
-   !>     dX/H ( q^2 mu(P_node/q) + 2 Int_q^1 mu(P_node/r) r dr - mu(P_node) ) ,  q = P_node/P_end
+   !> Largest increase by a spike of Int (mu/mu_0)/H dX, the shear of a Newtonian oil, on grids
+   !> finer than `dx`; `endless` without a bound, 0 if the grid would resolve it. `film`: H at X =
+   !> 0.
+   !> P = P_node sqrt(dX/distance) from the distance dX, that of the top node, to that of the final
+   !> height, and constant closer to the edge:
+   !> dX/H ( q^2 mu(P_node/q) + 2 Int_q^1 mu(P_node/r) r dr - mu(P_node) ) ,  q = P_node/P_end
    pure function shear_of_spike(law, crests, film, dx) result(growth)
       type(spike_law_t), intent(in) :: law
       type(crests_t), intent(in) :: crests
@@ -164,8 +152,8 @@ contains
       growth = dx/gap*(share**2*mu(0) - mu(parts) + 2*(1 - share)/(3*parts)*sum(weights*mu*place))
    end function shear_of_spike
 
-   !> Height in the end of a spike whose top node on a grid of spacing `dx` has this `pressure` and
-   !> `film`; `endless` where none is found. `is_corner`: its flanks may meet in one.
+   !> Final height of a spike whose top node on a grid of spacing `dx` has this `pressure` and
+   !> `film`; `endless` if none is found. `is_corner`: its flanks may meet in a corner.
    pure function final_height(law, pressure, film, dx, is_corner) result(height)
       type(spike_law_t), intent(in) :: law
       real(wp), intent(in) :: pressure, film, dx
@@ -207,8 +195,8 @@ contains
       lengths(2) = film*drho(1)/rho(1)
    end function smoothing_lengths
 
-   !> l_flow of an oil that thins from that of its viscosity alone, `thick`: with S of the top or,
-   !> if that is larger, of the slope P/l_flow of the flank, by bisection.
+   !> l_flow of an oil that thins from that by its viscosity alone, `thick`: with S of the top or,
+   !> if larger, of the slope P/l_flow of the flank, by bisection.
    pure function thinned_length(fluid, pressure, film, ln_mu, thick) result(length)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: pressure, film, ln_mu, thick

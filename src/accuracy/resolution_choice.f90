@@ -1,18 +1,16 @@
-!> Grid and time step of a transient for a wanted accuracy of h_min.
-!>
-!> Pilot runs tell the errors of grid and of time step apart (module split_errors): the first on the
-!> coarsest grid that carries a film, with dT = dX or less; each further one has either half the
-!> spacing or half the time step of the one before, whichever leaves the larger doubt. As soon as
-!> they foretell a resolution, from that of the last pilot to four times as fine (twice where no
-!> order is observed yet), that is good enough, the cheapest one of these is taken: the run itself
-!> is done once. A pilot may not take more than `max_work` times the nodes and steps of the first
-!> one; if that does not do, the last resolution is taken, and its forecast says how far it may be
-!> off. Unless the user wants another one, all use the kappa space scheme, whose error is the
-!> smaller one; where only the thesis's scheme finds a solution, they go on with that. Before a
-!> forecast of the kappa scheme is believed its last pilot is run with the thesis's scheme too.
-!>
-!> How often the target is met and at what cost is measured by `make accuracy-time`; what else was
-!> tried is in docs/decisions.md.
+!> Chooses grid and time step of a transient for a target accuracy of h_min.
+!> Trial runs separate the errors of grid and time step (module split_errors). The first uses the
+!> coarsest grid that carries a film and dT <= dX; each further one halves the spacing or the time
+!> step, whichever leaves the larger uncertainty. As soon as a resolution up to four times finer
+!> than the last trial run (two times without an observed order) is predicted to meet the target,
+!> the cheapest such resolution is chosen, and the actual run is made once. A trial run costs at
+!> most `max_work` times the nodes and steps of the first one; if the target is still not met, the
+!> last resolution is used and its prediction states the error. Trial runs use the kappa scheme,
+!> which errs less, unless the user asks for another one or only upwind2 finds a solution. A
+!> prediction of the kappa scheme is trusted only after the last trial run has been repeated with
+!> upwind2.
+!> `make accuracy-time` measures how often the target is met and at what cost; docs/decisions.md
+!> lists the alternatives tried.
 module resolution_choice
    use domain_choice, only: inlet_error
    use error_bars, only: error_bars_t, new_error_bars
@@ -34,23 +32,21 @@ module resolution_choice
 
    public :: choose_resolution, settle_tolerance
 
-   !> Bounds of the tolerance of time steps, its fraction of the wanted accuracy, and how much less
-   !> pilots need.
+   !> Bounds on the tolerance of time steps, its share of the target, and the factor for trial runs.
    real(wp), parameter :: tightest = 1.0e-6_wp, loosest = 1.0e-3_wp, &
       tolerance_fraction = 0.1_wp, looser = 10.0_wp
-   !> Nodes times steps of a pilot, at most, over those of the first.
+   !> Largest nodes times steps of a trial run, over those of the first.
    real(wp), parameter :: max_work = 2.0_wp**14
 
-   !> The search for a resolution.
+   !> State of the search.
    type :: search_t
-      !> The next pilot, but for its resolution.
+      !> The next trial run, apart from its resolution.
       type(experiment_t) :: pilot
-      !> Whether it may take the other space scheme if it finds no solution.
+      !> Whether upwind2 may be tried if it finds no solution.
       logical :: may_change_scheme = .false.
-      !> What the next pilot refines.
+      !> What the next trial run refines.
       integer :: direction = nothing
-      !> What the pilots have found, what the last one has, and nodes times steps of the next at
-      !> most.
+      !> Results so far, the last one, and the largest nodes times steps of the next.
       type(pilots_t) :: pilots
       type(outcome_t) :: last
       real(wp) :: work_limit = 0.0_wp
@@ -58,8 +54,7 @@ module resolution_choice
 
 contains
 
-   !> The tolerance of the time steps follows from the wanted accuracy, if there is one, unless it
-   !> is given.
+   !> Sets a missing tolerance of time steps from the target, if there is one.
    pure subroutine settle_tolerance(settings)
       type(solver_settings_t), intent(inout) :: settings
 
@@ -67,10 +62,9 @@ contains
       settings%tolerance = min(max(tolerance_fraction*settings%target, tightest), loosest)
    end subroutine settle_tolerance
 
-   !> Sets `contact%domain%intervals`, the time step, the tolerance and an open space scheme of a
-   !> transient to the cheapest choice that is foretold to keep the relative error of h_min below
-   !> `settings%target`, or to the finest pilot if none is; `bars` hold what was foretold of its
-   !> quantities.
+   !> Sets `contact%domain%intervals`, the time step, the tolerance and an unspecified space scheme
+   !> of a transient to the cheapest choice predicted to keep the relative error of h_min below
+   !> `settings%target`, else to the finest trial run; `bars` receive the predictions.
    subroutine choose_resolution(bars, contact, settings, time, listener, error)
       type(error_bars_t), intent(out) :: bars
       type(line_contact_t), intent(inout) :: contact
@@ -115,8 +109,8 @@ contains
       if (has_forecast(search%pilots)) bars%forecast = forecast_at(search%pilots, chosen)
    end subroutine choose_resolution
 
-   !> Before the first pilot of a contact on a complete domain. An open space scheme is kappa first;
-   !> pilots need not be solved as well as the run.
+   !> Prepares the first trial run of a contact on a complete domain: kappa if no scheme is given,
+   !> with a looser tolerance than the actual run.
    function new_search(contact, settings, time) result(search)
       type(line_contact_t), intent(in) :: contact
       type(solver_settings_t), intent(in) :: settings
@@ -136,7 +130,7 @@ contains
       end associate
    end function new_search
 
-   !> Error (input_error): the coarsest pilot has more intervals than there may be.
+   !> Error (input_error): the coarsest trial run needs more intervals than allowed.
    pure subroutine check_first(pilots, method, error)
       type(pilots_t), intent(in) :: pilots
       character(*), intent(in) :: method
@@ -148,7 +142,7 @@ contains
          " with method = '"//trim(method)//"' and this memory")
    end subroutine check_first
 
-   !> Whether the methods of the settings solve the kappa space scheme.
+   !> Whether the chosen methods solve the kappa scheme.
    pure function allows_kappa(settings)
       type(solver_settings_t), intent(in) :: settings
       logical :: allows_kappa
@@ -156,8 +150,8 @@ contains
       allows_kappa = settings%smoother == 'auto' .and. index(settings%method, 'block_jacobi') == 0
    end function allows_kappa
 
-   !> Runs the next pilot; without a solution again with the thesis's scheme, if that is open. If
-   !> that finds one, all goes on with it, anew from here.
+   !> Makes the next trial run. Without a solution it is repeated with upwind2, if allowed; if that
+   !> succeeds, the search starts again from here with upwind2.
    subroutine run_pilot(search, listener, error)
       type(search_t), intent(inout) :: search
       class(listener_t), intent(inout), target :: listener
@@ -185,7 +179,7 @@ contains
       end associate
    end subroutine run_pilot
 
-   !> What the last pilot has found tells where to go next; one without a solution, to begin anew
+   !> Adds the last trial run and decides on the next; without a solution the search starts again
    !> twice as fine.
    pure subroutine learn(search)
       type(search_t), intent(inout) :: search
@@ -202,8 +196,8 @@ contains
       search%direction = next_direction(search%pilots)
    end subroutine learn
 
-   !> Runs the last pilot, which took the kappa scheme, with the thesis's scheme, if that is not
-   !> known on its grid yet: whether the kappa scheme only seems to change nothing any more.
+   !> Repeats the last trial run with upwind2, if that is not known on its grid: changes of the
+   !> kappa scheme may be small although it still errs.
    subroutine run_other_scheme(search, listener, error)
       type(search_t), intent(inout) :: search
       class(listener_t), intent(inout), target :: listener
@@ -223,7 +217,7 @@ contains
       call add_other_scheme(search%pilots, values)
    end subroutine run_other_scheme
 
-   !> Whether there may be no pilot of twice as many intervals.
+   !> Whether a trial run of twice the intervals is not allowed.
    pure function is_finest(pilots)
       type(pilots_t), intent(in) :: pilots
       logical :: is_finest
@@ -231,7 +225,7 @@ contains
       is_finest = 2*pilots%last%intervals > pilots%max_intervals
    end function is_finest
 
-   !> Whether a pilot of twice the resolution takes more than it may.
+   !> Whether a trial run of twice the resolution would cost too much.
    pure function is_dear(search)
       type(search_t), intent(in) :: search
       logical :: is_dear

@@ -1,25 +1,22 @@
-!> Errors of a transient because of the grid and because of the time step, apart: from the changes
-!> of its quantities where the spacing alone, and the time step alone, is halved.
+!> Separate errors of a transient by grid and by time step, from changes when only the spacing or
+!> only the time step is halved.
+!> Refined together, the two errors often cancel: they have opposite signs and different rates, so
+!> that their sum says little about finer resolutions. The last change of each gives its error and
+!> sign, the previous change its order. At another resolution (dX', dT' relative to the last run)
+!> the error is
 !>
-!> Refined together the two errors often cancel, with opposite signs and rates of their own, so that
-!> their sum tells little of finer resolutions. The last change of each tells its error and the sign
-!> of it, the one before the order. Elsewhere (dX', dT' over those of the last run) the error is
-!> then
-!>
-!>     | e_X dX'^p + e_T dT'^q |  +  d_X s_X dX'^(3 p/4)  +  d_T s_T dT'^(q/2)
-!>
-!> with the doubts d, which fade more slowly than the errors e: orders seen on coarse runs are not
-!> yet those of the scheme. s is the size of e, not below what the change before leaves of it: a
-!> last change may be small by chance. So may be both where a wave passes between the nodes: of the
-!> smallest film the size is that of the changes at all times at which it is nearly as small.
-!>
-!> On a coarse grid a wave hides what the time step does, and with large steps what the grid does:
-!> the run itself has then larger errors than were foretold. So it has coarse runs, one with twice
-!> the spacing and one with twice the time step, whose changes take the place of those foretold.
-!>
-!> The smallest film of the kappa scheme stands still over one or two halvings of the spacing, where
-!> the pressure spike comes into sight of the grid, while it still errs. What the thesis's scheme
-!> finds at the resolution of a pilot says what the doubt about the grid is at least.
+!> e_X dX'^p + e_T dT'^q
+!> +  d_X s_X dX'^(3 p/4)  +  d_T s_T dT'^(q/2)
+!> where the uncertainties d decay more slowly than the errors e, since orders observed on coarse
+!> runs are not yet asymptotic. s is the size of e, at least what the previous change implies: a
+!> single change may be small by chance. When a wave passes between nodes both may be; the size for
+!> the smallest film therefore uses all times at which the film is nearly smallest.
+!> Waves hide the error of the time step on a coarse grid, and large steps that of the grid, so that
+!> the actual run errs more than predicted. It therefore gets two coarse runs, one with twice the
+!> spacing and one with twice the time step; their changes replace the predicted ones.
+!> The smallest film of the kappa scheme hardly changes over one or two halvings where the grid
+!> begins to resolve the pressure spike, although it still errs. The upwind2 result at the
+!> resolution of a trial run bounds the uncertainty of the grid from below.
 module split_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -31,63 +28,63 @@ module split_errors
    public :: apart_t, apply_forecast, doubts_at, error_at, forecast_t, foretold_values, &
       least_doubt_at, new_split_error, orders_in_time, shift_at, split_error_t, time_errors
 
-   !> The doubts about the error of the grid, without and with an observed order, and about that of
-   !> the time step, and how they fade: as this power of the error (chosen with the numbers of
+   !> Uncertainties of the errors of grid (without and with an observed order) and time step, and
+   !> their decay as a power of the error (calibrated together with the constants of
    !> resolution_choice).
    real(wp), parameter :: space_doubts(2) = [0.75_wp, 0.55_wp], time_doubt = 1.4_wp
    real(wp), parameter :: space_fading = 0.75_wp, time_fading = 0.5_wp
-   !> The error of the time step is not believed to be less than this share of that of the grid.
+   !> The error of the time step is taken to be at least this share of that of the grid.
    real(wp), parameter :: least_time_share = 0.25_wp
-   !> The order in space where none is observed, and the bounds of an observed one.
+   !> Assumed order in space, and the bounds of an observed one.
    real(wp), parameter :: space_orders(3) = [1.5_wp, 1.5_wp, 2.0_wp]
-   !> The doubts about both errors of a run with coarse runs of its own.
+   !> Uncertainties of both errors where the run has coarse runs.
    real(wp), parameter :: own_doubts(2) = [1.1_wp, 0.4_wp]
-   !> The error that the coarse runs of a run show is not believed to be less than this share of the
-   !> one foretold, and what is doubtful at least not less than this share.
+   !> The error from coarse runs is taken to be at least the first share of the predicted error, and
+   !> its uncertainty at least the second share of the predicted one.
    real(wp), parameter :: least_foretold_share = 0.4_wp, own_least_doubt = 0.25_wp
-   !> Estimates of all quantities but the smallest film, for which the resolution is chosen, are
-   !> wider by this factor.
+   !> Factor on the estimates of all quantities other than the smallest film, for which the
+   !> resolution was chosen.
    real(wp), parameter :: unaimed = 1.3_wp
 
-   !> Errors of one quantity in the last run, limit less value, and the orders with which they fall.
+   !> Errors (limit minus value) of one quantity in the last run, and their orders.
    type :: split_error_t
-      !> As the last changes tell.
+      !> From the last changes.
       real(wp) :: space, time
-      !> Their size, not less than the changes before leave of it: a change may be small by chance.
+      !> Their sizes, at least what the previous changes imply.
       real(wp) :: space_size, time_size
       real(wp) :: space_order, time_order
-      !> Parts of the sizes that are doubtful.
+      !> Relative uncertainties of the sizes.
       real(wp) :: space_doubt, time_doubt
-      !> What is doubtful of it at least, whatever its changes.
+      !> Lower bound of the uncertainty, independent of the changes.
       real(wp) :: least_doubt = 0.0_wp
    end type split_error_t
 
-   !> What pilot runs foretell of the quantities of a run; NaN: nothing.
+   !> Predictions from trial runs for the quantities of a run; NaN: none.
    type :: forecast_t
       logical :: is_known = .false.
-      !> Values of the finest pilot, and the estimates of their errors.
+      !> Quantities of the finest trial run, and estimates of their errors.
       real(wp) :: pilot(quantity_count) = 0.0_wp, pilot_error(quantity_count) = 0.0_wp
-      !> Estimates for the run, and what leads from its values to the limits.
+      !> Error estimates for the run, and the corrections from its values to the limits.
       real(wp) :: error(quantity_count) = 0.0_wp, shift(quantity_count) = 0.0_wp
-      !> What is doubtful of the errors of its grid at least.
+      !> Lower bound of the uncertainty of the grid.
       real(wp) :: least_doubt(quantity_count) = 0.0_wp
    end type forecast_t
 
-   !> What the coarse runs of a run show; its own changes are those to them.
+   !> Coarse runs of a run with a chosen resolution.
    type :: apart_t
       logical :: is_known = .false.
-      !> Values with twice the spacing, and with a time step that is `step_ratio` times as large.
+      !> Values with twice the spacing, and with a time step `step_ratio` times as large.
       real(wp) :: coarse(quantity_count) = 0.0_wp, slow(quantity_count) = 0.0_wp
       !> Quantities with twice the spacing.
       type(line_summary_t) :: half
       real(wp) :: step_ratio = 2.0_wp
-      !> Order in time: the least one that pilots may show.
+      !> Order in time: the lowest that trial runs may show.
       real(wp) :: time_order = 1.5_wp
    end type apart_t
 
 contains
 
-   !> Order of a scheme in time where none is observed, and the bounds of an observed one.
+   !> Assumed order in time of a scheme, and the bounds of an observed one.
    pure function orders_in_time(scheme) result(orders)
       character(*), intent(in) :: scheme
       real(wp) :: orders(3)
@@ -96,7 +93,7 @@ contains
       if (scheme == 'backward_euler') orders = [0.7_wp, 0.7_wp, 1.0_wp]
    end function orders_in_time
 
-   !> The values of a run that are foretold: between the nodes, but of a node its own.
+   !> The predicted values of a run: those between nodes, except for quantities of a node.
    pure function foretold_values(summary) result(values)
       type(line_summary_t), intent(in) :: summary
       real(wp) :: values(quantity_count)
@@ -106,8 +103,8 @@ contains
       where (quantity_rows%rule == rule_node) values = summary%of%value
    end function foretold_values
 
-   !> Estimates and extrapolated values of a run from its forecast and its coarse runs.
-   !> `node_jitter`: by how much the exit jitters with the place of the nodes.
+   !> Error estimates and extrapolated values of a run from its prediction and its coarse runs.
+   !> `node_jitter`: variation of the exit with the position of the nodes.
    pure subroutine apply_forecast(forecast, apart, node_jitter, summary)
       type(forecast_t), intent(in) :: forecast
       type(apart_t), intent(in) :: apart
@@ -126,8 +123,8 @@ contains
       end do
    end subroutine apply_forecast
 
-   !> Row `i`: the estimate, and what its node is off. Without coarse runs it is wider where `value`
-   !> is farther from that of the pilot than both estimates allow.
+   !> Row `i`: the estimate, including the distance to the nodal value. Without coarse runs it
+   !> widens where `value` differs from that of the trial run by more than both estimates.
    pure subroutine apply_to_row(forecast, apart, i, value, nodal, quantity)
       type(forecast_t), intent(in) :: forecast
       type(apart_t), intent(in) :: apart
@@ -154,7 +151,7 @@ contains
       quantity%extrapolated = value + shift
    end subroutine apply_to_row
 
-   !> Errors of all quantities of a run because of its time step alone, from its coarse runs.
+   !> Errors of all quantities of a run by its time step alone, from its coarse runs.
    pure function time_errors(apart, summary) result(errors)
       type(apart_t), intent(in) :: apart
       type(line_summary_t), intent(in) :: summary
@@ -170,7 +167,7 @@ contains
       end do
    end function time_errors
 
-   !> The errors of row `i` of a run from its changes to the coarse runs.
+   !> Errors of row `i` of a run from the changes to its coarse runs.
    pure function own_error(apart, i, value) result(self)
       type(apart_t), intent(in) :: apart
       integer, intent(in) :: i
@@ -187,10 +184,10 @@ contains
       self%time_doubt = own_doubts(2)
    end function own_error
 
-   !> The errors of a quantity from its last change and the one before (NaN where not known) with
-   !> half the spacing, `space`, and with half the time step, `time`. `time_orders`: the order in
-   !> time where none is observed, and the bounds of an observed one. `sizes`: what the changes by
-   !> space, (:, 1), and by time are at least.
+   !> Errors of a quantity from the last and the previous change (NaN: not known) when `space`
+   !> halves the spacing and `time` the time step. `time_orders`: assumed order in time and the
+   !> bounds of an observed one. `sizes`: lower bounds of the changes by spacing, (:, 1), and by
+   !> time step.
    pure function new_split_error(space, time, time_orders, sizes) result(self)
       real(wp), intent(in) :: space(2), time(2), time_orders(3)
       real(wp), intent(in), optional :: sizes(2, 2)
@@ -208,8 +205,7 @@ contains
       end if
    end function new_split_error
 
-   !> The error of one direction from its last change and the one before, of which `sizes` says what
-   !> they are at least.
+   !> Error in one direction from the last and the previous change, with lower bounds `sizes`.
    pure subroutine split(changes, sizes, orders, error, size, order)
       real(wp), intent(in) :: changes(2), sizes(2), orders(3)
       real(wp), intent(out) :: error, size, order
@@ -234,8 +230,8 @@ contains
       size = size/(2.0_wp**order - 1.0_wp)
    end subroutine split
 
-   !> Estimate of the error where spacing and time step are `dx_ratio` and `dt_ratio` times those of
-   !> the last run.
+   !> Error estimate where spacing and time step are `dx_ratio` and `dt_ratio` times those of the
+   !> last run.
    pure function error_at(self, dx_ratio, dt_ratio) result(error)
       type(split_error_t), intent(in) :: self
       real(wp), intent(in) :: dx_ratio, dt_ratio
@@ -245,7 +241,7 @@ contains
       error = abs(shift_at(self, dx_ratio, dt_ratio)) + doubts(1) + doubts(2)
    end function error_at
 
-   !> What of it is doubt, about the error of the grid and about that of the time step.
+   !> The uncertainties in it, by grid and by time step.
    pure function doubts_at(self, dx_ratio, dt_ratio) result(doubts)
       type(split_error_t), intent(in) :: self
       real(wp), intent(in) :: dx_ratio, dt_ratio
@@ -256,7 +252,7 @@ contains
       doubts(2) = self%time_doubt*self%time_size*dt_ratio**(time_fading*self%time_order)
    end function doubts_at
 
-   !> What of it is doubt about the error of the grid, whatever the changes.
+   !> Lower bound of the uncertainty by grid.
    pure function least_doubt_at(self, dx_ratio) result(doubt)
       type(split_error_t), intent(in) :: self
       real(wp), intent(in) :: dx_ratio
@@ -265,7 +261,7 @@ contains
       doubt = self%least_doubt*dx_ratio**space_orders(2)
    end function least_doubt_at
 
-   !> What leads from the value there to the limit.
+   !> Correction from the value there to the limit.
    pure function shift_at(self, dx_ratio, dt_ratio) result(shift)
       type(split_error_t), intent(in) :: self
       real(wp), intent(in) :: dx_ratio, dt_ratio

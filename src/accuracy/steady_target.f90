@@ -1,6 +1,6 @@
-!> The grid of a steady contact for a wanted accuracy of h_min, and of p_max where that is wanted:
-!> exact solutions on level after level, each the start of the next and a coarse run of its error
-!> estimate, until the estimate is small enough. Nothing is solved twice.
+!> Chooses the grid of a steady contact for a target accuracy of h_min, and of p_max if asked for:
+!> exact solutions on one level after the other, each of which starts the next and serves as a
+!> coarse run of its error estimate, until the estimate meets the target.
 module steady_target
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use domain_choice, only: choose_intervals
@@ -32,9 +32,9 @@ module steady_target
 
    !> When the climb may end.
    type :: goal_t
-      !> Relative error of h_min because of the grid.
+      !> Relative error of h_min by the grid.
       real(wp) :: film = 0.0_wp
-      !> With the relative error of p_max, of the inlet too; zero: any will do.
+      !> With the target of p_max, which includes the error of the inlet; 0: none.
       type(solver_settings_t) :: settings
       !> What is known of the inlet.
       type(report_t) :: report
@@ -42,8 +42,8 @@ module steady_target
 
 contains
 
-   !> Solves one contact as `solve_ehl_line` does; a steady one with `settings%target` on a grid
-   !> that is chosen for that accuracy of h_min, and so is its inlet, unless it is given: then the
+   !> Solves one contact as `solve_ehl_line` does. With `settings%target` the grid of a steady
+   !> contact is chosen for that accuracy of h_min, and so is its inlet unless given: then the
    !> accuracy is that on the given domain.
    subroutine solve_contact(contact, settings, time, listener, state, report, error)
       type(line_contact_t), intent(inout) :: contact
@@ -63,10 +63,9 @@ contains
       end if
    end subroutine solve_contact
 
-   !> Solves the steady contact on the coarsest grid of 2^k intervals whose estimated relative error
-   !> of h_min is below `settings%target`, of which an inlet of the program takes a part, and that
-   !> of p_max below `settings%target_p_max`, or on the finest that there is;
-   !> `contact%domain%intervals` becomes its number.
+   !> Solves the steady contact on the coarsest grid of 2^k intervals that meets `settings%target`
+   !> for h_min, of which a chosen inlet takes a part, and `settings%target_p_max` for p_max, else
+   !> on the finest grid allowed; sets `contact%domain%intervals`.
    subroutine solve_to_accuracy(hierarchy, contact, settings, listener, report, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact
@@ -113,9 +112,9 @@ contains
          is_started=settings%levels == 0)
    end subroutine solve_to_accuracy
 
-   !> Exact solutions on level after level, from the coarsest that carries a film, until the
-   !> `goal` is reached; the hierarchy grows as far as that needs, or as it can. `is_sound`
-   !> is false if a level finds no solution and the next finer ones neither.
+   !> Finds exact solutions on one level after the other, from the coarsest that carries a film,
+   !> until the `goal` is reached or the hierarchy cannot grow. `is_sound` is false if a level and
+   !> the next finer ones have no solution.
    subroutine climb(hierarchy, contact, goal, listener, bars, is_sound, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(in) :: contact
@@ -153,8 +152,8 @@ contains
       end do
    end subroutine climb
 
-   !> Where the climb fails: solutions of their own on grids doubled from the program's choice,
-   !> until the goal is reached.
+   !> If the climb fails: independent solutions on grids doubled from the default choice, until the
+   !> goal is reached.
    subroutine double_grid(hierarchy, contact, goal, listener, bars, report, error)
       type(line_hierarchy_t), intent(inout) :: hierarchy
       type(line_contact_t), intent(inout) :: contact

@@ -1,8 +1,7 @@
-!> How far off the quantities of a passage may be because of its time step alone.
-!>
-!> A run for a target has a coarse run with a larger step already; one of first order in time has
-!> the scheme of second order beside it. Else one more passage on n/4 intervals, with twice the step
-!> of that of the error bars, tells what a larger step does there.
+!> Error of the quantities of a transient by its time step alone.
+!> A run with a target already has a coarse run with a larger step, and a first-order run one by the
+!> second-order scheme. Otherwise one more run on n/4 intervals, with twice the step of that of the
+!> error bars, shows the effect of a larger step.
 module time_step_error
    use ablation_runs, only: change_between, largest_change
    use adequacy, only: influence_t
@@ -15,16 +14,16 @@ module time_step_error
 
    public :: set_split_step_error, set_step_error
 
-   !> The error because of the time step: this many times the change from twice the step on n/4, or
-   !> from the scheme of first order to that of second, and a share of the largest change of a film,
-   !> for changes vanish by chance.
+   !> The error by the time step: this many times the change from twice the step on n/4, or from the
+   !> first-order to the second-order scheme, plus a share of the largest change of a film, since a
+   !> single change may vanish by chance.
    real(wp), parameter, public :: by_larger_step(2) = [0.2_wp, 0.2_wp], by_scheme(2) = [2.0_wp, &
       0.3_wp]
 
 contains
 
-   !> Fills the `row` of the time step of a result with these `full` quantities from its coarse runs
-   !> with twice the spacing, and with twice the step.
+   !> Sets the `row` of the time step of a result with the quantities `full` from its coarse runs
+   !> with twice the spacing and with twice the step.
    pure subroutine set_split_step_error(apart, full, row)
       type(apart_t), intent(in) :: apart
       type(line_summary_t), intent(in) :: full
@@ -34,7 +33,7 @@ contains
       row%error = 0.0_wp*row%change
    end subroutine set_split_step_error
 
-   !> Fills it from the change from an `other` run to a `better` one, with these `factors`.
+   !> Sets it from the change from an `other` run to a `better` one, with these `factors`.
    pure subroutine set_step_error(better, other, factors, row)
       type(line_summary_t), intent(in) :: better, other
       real(wp), intent(in) :: factors(2)

@@ -1,9 +1,8 @@
-!> Whether a solution of the lubricated contact lies within the limits of its model: each row of
-!> `validity_table` with its value and whether it is passed.
-!>
-!> This is about the model, not about the numbers, which the error estimates judge. Of a transient
-!> the extremes over the times that count are used where there are any (films, pressure, stress,
-!> temperature, T_max and slope), else the last time.
+!> Whether a solution of the lubricated contact lies within the limits of its model: the value of
+!> each row of `validity_table`, and whether it is passed.
+!> Limits concern the model; the numerical errors are estimated elsewhere. Transients use extremes
+!> over the times that count where available (films, pressure, stress, temperature, T_max and
+!> slope), else the last time.
 module validity
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use bodies, only: bodies_t
@@ -31,7 +30,7 @@ module validity
 
    public :: limits_of
 
-   !> What is known of bodies and oil beyond what the solution needs; 0: not given.
+   !> Data of bodies and oil that only the limits need; 0: not given.
    type, public :: materials_t
       !> H [Pa], `length` of the contact across the flow [m].
       real(wp) :: hardness = 0.0_wp, length = 0.0_wp
@@ -41,19 +40,19 @@ module validity
       real(wp) :: density = 0.0_wp, conductivity = 0.0_wp, thermal_viscosity = 0.0_wp
    end type materials_t
 
-   !> A limit as it stands for one solution.
+   !> A limit for one solution.
    type, public :: limit_t
-      !> NaN: not known, `missing` says why (else it is not allocated).
+      !> NaN: not known, and `missing` says why (else not allocated).
       real(wp) :: value
       real(wp) :: threshold
       logical :: is_passed = .false.
-      !> Of the heat of sliding: share of its viscosity that the film loses, and share of its
-      !> thickness, if the oil were so warm where the film builds up; 0 of other limits.
+      !> For the heat of sliding: share of viscosity and share of film lost if the oil were so warm
+      !> where the film builds up; 0 for other limits.
       real(wp) :: viscosity_loss = 0.0_wp, film_loss = 0.0_wp
       character(:), allocatable :: missing
    end type limit_t
 
-   !> Everything that the rows are evaluated from.
+   !> Data of all rows.
    type, public :: circumstances_t
       type(scaling_t) :: scaling
       type(bodies_t) :: bodies
@@ -62,9 +61,9 @@ module validity
       type(line_contact_t) :: contact
       !> Extremes over the times that count.
       type(line_summary_t) :: summary
-      !> Share of the film that the inlet starves it of.
+      !> Share of the film lost by starvation.
       real(wp) :: film_loss = 0.0_wp
-      !> The full momentum equations of the film are solved too.
+      !> Whether the full momentum equations of the film are solved too.
       logical :: has_momentum = .false.
    end type circumstances_t
 
@@ -73,9 +72,9 @@ module validity
    !> Yield stress in shear of a perfectly plastic body over its hardness, and the shakedown limit
    !> of a line contact over that stress.
    real(wp), parameter :: shear_strength = 1.0_wp/6.0_wp, shakedown_factor = 4.0_wp
-   !> Share of its viscosity that an oil may lose to heat.
+   !> Tolerable loss of viscosity by heat.
    real(wp), parameter :: tolerable_thinning = 0.1_wp
-   !> An oil that keeps less than exp of minus this of its viscosity is lost anyway.
+   !> Beyond this exponent the viscosity counts as lost.
    real(wp), parameter :: largest_exponent = 20.0_wp
 
 contains
@@ -101,7 +100,7 @@ contains
       end do
    end function limits_of
 
-   !> Value of row `i`, or why it is missing, and the threshold where that depends on the case.
+   !> Evaluates row `i`, or states why it is missing, and its threshold if that depends on the case.
    pure subroutine evaluate(i, of, state, limit)
       integer, intent(in) :: i
       type(circumstances_t), intent(in) :: of
@@ -124,7 +123,7 @@ contains
       end select
    end subroutine evaluate
 
-   !> The rows that need SI units.
+   !> Evaluates the rows that need SI units.
    pure subroutine evaluate_in_si(i, of, state, limit)
       integer, intent(in) :: i
       type(circumstances_t), intent(in) :: of
@@ -192,8 +191,8 @@ contains
       end associate
    end subroutine evaluate_in_si
 
-   !> What the temperature rise of a limit, its value, does to the oil, whose viscosity falls with
-   !> exp(-`beta` times it), and to its film.
+   !> Sets the losses of viscosity, which falls as exp(-`beta` times the temperature rise), and of
+   !> film at the temperature rise of a limit.
    pure subroutine tell_losses(contact, beta, limit)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: beta
@@ -206,7 +205,7 @@ contains
       limit%film_loss = max(1 - share_with_viscosity(contact, rest), 0.0_wp)
    end subroutine tell_losses
 
-   !> Largest pressure against the data behind the law of viscosity.
+   !> Compares the largest pressure with the data behind the viscosity law.
    pure subroutine compare_viscosity_data(of, limit)
       type(circumstances_t), intent(in) :: of
       type(limit_t), intent(inout) :: limit
@@ -221,7 +220,7 @@ contains
       end if
    end subroutine compare_viscosity_data
 
-   !> Pressures against the strength of the bodies.
+   !> Compares pressures with the strength of the bodies.
    pure subroutine compare_strength(i, of, limit)
       integer, intent(in) :: i
       type(circumstances_t), intent(in) :: of
@@ -239,8 +238,8 @@ contains
       end if
    end subroutine compare_strength
 
-   !> Composite rms height [b^2/R] of what is rough over the whole of both surfaces: sinusoids and
-   !> profiles (of these the window that is held); 0 if there is none.
+   !> Composite rms height [b^2/R] of roughness over the full length of both surfaces: sinusoids and
+   !> profiles (the part that is loaded); 0: none.
    pure function composite_rms(contact) result(rms)
       type(line_contact_t), intent(in) :: contact
       real(wp) :: rms

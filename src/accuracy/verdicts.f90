@@ -1,5 +1,5 @@
-!> What follows from how much a quantity changes where something is left out: needed, of little
-!> weight, or irrelevant at the accuracy that counts.
+!> The verdict on a change by leaving something out: needed, small or irrelevant at the accuracy
+!> that counts.
 module verdicts
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -13,8 +13,8 @@ module verdicts
    integer, parameter, public :: verdict_unknown = 0, verdict_needed = 1, verdict_small = 2, &
       verdict_irrelevant = 3
 
-   !> Relative error that counts where no target is given, and the share of it below which a change
-   !> is irrelevant.
+   !> Relative error that counts without a target, and the share of it below which a change is
+   !> irrelevant.
    real(wp), parameter, public :: usual_accuracy = 0.01_wp
    real(wp), parameter, public :: irrelevant_share = 0.1_wp
 
@@ -25,13 +25,13 @@ module verdicts
    !> An ingredient or a numerical choice, and the verdict on it.
    type :: judged_t
       character(len=20) :: name = ''
-      !> What was in its place.
+      !> What replaced it.
       character(len=64) :: text = ''
-      !> A numerical choice, whose change is the error estimate of the result.
+      !> Whether it is a numerical choice, whose change is the error estimate of the result.
       logical :: is_numerical = .false.
       integer :: verdict = verdict_unknown
-      !> Why the change of a quantity is not known, where one is not; and the verdict, where all are
-      !> known.
+      !> Why the change of some quantity is not known, and why the verdict is not although all
+      !> changes are.
       character(len=80) :: unknown = 'measuring it would cost more than is allowed'
       character(len=80) :: doubt = &
          'with their errors the changes lie on both sides of the accuracy'
@@ -51,9 +51,9 @@ contains
       error = not_known()
    end subroutine begin_row
 
-   !> The verdict on relative changes with their errors: needed where one surely is larger than the
-   !> `accuracy`, not known where one may be, or is not known; else irrelevant where all are less
-   !> than a tenth of it, with what may be `unseen` of each (default: 0) but whatever their errors.
+   !> The verdict on relative changes with their errors: needed if one surely exceeds `accuracy`;
+   !> not known if one may, or is unknown; else irrelevant if all are below a tenth of it, with
+   !> `unseen` (default 0) added to each but not their errors.
    pure function verdict_of(change, error, accuracy, unseen) result(verdict)
       real(wp), intent(in) :: change(:), error(:), accuracy
       real(wp), intent(in), optional :: unseen(:)
@@ -74,7 +74,7 @@ contains
       end if
    end function verdict_of
 
-   !> A verdict in words; of a numerical choice that is needed, a finer one is.
+   !> A verdict in words; a numerical choice that is needed reads as one to be refined.
    pure function verdict_text(verdict, is_numerical) result(text)
       integer, intent(in) :: verdict
       logical, intent(in) :: is_numerical
@@ -93,8 +93,8 @@ contains
       end select
    end function verdict_text
 
-   !> Why a `row` has not the change of each of `quantities`, of which `is_told` are known, or no
-   !> verdict; empty: it has.
+   !> Why a `row` lacks the change of some of `quantities` (`is_told`: those known) or a verdict;
+   !> empty: it lacks nothing.
    pure function why_unknown(row, quantities, is_told) result(text)
       class(judged_t), intent(in) :: row
       character(*), intent(in) :: quantities(:)

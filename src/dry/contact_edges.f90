@@ -1,5 +1,5 @@
 !> Errors of areas and loads because a contact ends anywhere between its last node and the next one:
-!> counted nodes do not show where, and the load of the last node is wrong by a share of its
+!> the count of nodes does not show where, and the load of the last node errs by a share of its
 !> pressure.
 module contact_edges
    use kinds, only: wp
@@ -8,20 +8,19 @@ module contact_edges
 
    public :: find_edges, line_excess
 
-   !> Nodes that are counted beyond the edge of a contact of a line, against the pressure of its
-   !> last node over that of the one before: a polynomial through Hertz contacts of 60 to 1800 nodes
-   !> (bench/family_dry.py), at most 0.004 off. Pressures rise like a root from the edge, so that
-   !> all edges are alike.
+   !> Nodes counted beyond the edge of a line contact, as a function of the pressure of its last
+   !> node over that of the node before: a polynomial through Hertz contacts of 60 to 1800 nodes
+   !> (bench/family_dry.py), within 0.004. Pressures rise as a root from every edge, so that all
+   !> edges are alike.
    real(wp), parameter :: excess(0:3) = [0.6747_wp, -0.9940_wp, -0.4311_wp, -0.2298_wp]
-   !> The largest such ratio, and the excess of an edge whose place is not known: the mean.
+   !> The largest such ratio, and the mean excess, for an edge of unknown position.
    real(wp), parameter :: largest_ratio = 0.71_wp, mean_excess = 0.17_wp
 
 contains
 
-   !> Neighbours in x and y on the periodic grid: pairs one of which is in contact and the other
-   !> not, and one at the `hardness` and the other not (`edges`); the share of the load that is
-   !> chance if that of each edge of contact is: the root of the sum of squares of the differences
-   !> of pressure there, over the load.
+   !> Counts pairs of neighbours in x and y on the periodic grid of which only one is in contact, or
+   !> only one at the `hardness` (`edges`), and the random share of the load: the root of the sum of
+   !> squared pressure differences at the edges of contact, over the load.
    subroutine find_edges(nx, ny, pressure, hardness, edges, share)
       integer, intent(in) :: nx, ny
       real(wp), intent(in) :: pressure(nx, ny), hardness
@@ -53,7 +52,7 @@ contains
 
    end subroutine find_edges
 
-   !> Number of nodes in contact beyond the edges of contact, on a periodic line of this `pressure`.
+   !> Number of nodes in contact beyond the edges, on a periodic line of this `pressure`.
    pure function line_excess(pressure) result(nodes)
       real(wp), intent(in) :: pressure(0:)
       real(wp) :: nodes
