@@ -1,5 +1,6 @@
 !> Changes of a steady lubricated contact without one of its ingredients, on the same coarse grid as
 !> with it; the error of a change comes from a grid twice as coarse.
+!>
 !> The cost is bounded beforehand in nodes times Newton steps, so that a repeated run measures the
 !> same. What does not fit is not known.
 module ablation_runs

@@ -1,5 +1,6 @@
 !> How much each ingredient of the model and each numerical choice changes the quantities of a
 !> result, and the verdict: needed, small or irrelevant at the accuracy that counts.
+!>
 !> The change of a quantity is that by leaving the ingredient out, relative to its value with it.
 !> Changes by ingredients come from coarse runs (module ablation_runs); those by numerical choices
 !> are the error estimates of the result.

@@ -1,5 +1,6 @@
 !> Which ingredients of a dry contact matter (plasticity, periodic images, fine harmonics, the
 !> second direction of an area), and whether its grid is fine enough.
+!>
 !> The contact is solved with and without an ingredient under its largest load on the same grid, so
 !> that most of the error of the grid cancels; a grid of twice the spacing shows how much remains.
 module dry_adequacy

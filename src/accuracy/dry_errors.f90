@@ -1,4 +1,5 @@
 !> Errors of the quantities of a dry contact by its grid.
+!>
 !> They are compared with those of the same heights on other grids, solved loosely, since the change
 !> of grid shows after a few iterations. The difference to a finer grid is nearly the error. If
 !> finer grids cost too much, slightly coarser ones are used, which still resolve nearly all waves

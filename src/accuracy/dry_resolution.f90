@@ -1,5 +1,6 @@
 !> Predicts the next grid of a dry contact with a target accuracy of its contact area from the grids
 !> before.
+!>
 !> Where a grid resolves the waves of the surface the estimated error of the area falls as dx, or
 !> with the order observed on the last two grids; the next grid is the one predicted to meet the
 !> target.

@@ -1,12 +1,8 @@
 !> Error of a steady quantity from its values on n, n/2, n/4 and n/8 intervals.
-!> With Q1, Q2, Q4 on n, n/2, n/4 intervals and the observed order p = log2
-!> Q2 - Q4
-!> /
-!> Q1 - Q2
-!> the error of Q1 is
-!> Q1 - Q2
-!> /(2^p - 1) (Roache, J. Fluids Eng. 116, 1994, 405). p is bounded: an order above that of the
-!> scheme is chance.
+!>
+!> With Q1, Q2, Q4 on n, n/2, n/4 intervals and the observed order p = log2 |Q2 - Q4|/|Q1 - Q2| the
+!> error of Q1 is |Q1 - Q2|/(2^p - 1) (Roache, J. Fluids Eng. 116, 1994, 405). p is bounded: an
+!> order above that of the scheme is chance.
 module grid_errors
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kinds, only: wp
@@ -61,9 +57,7 @@ contains
       end associate
    end function error_on_grids
 
-   !> safety
-   !> q1 - q2
-   !> /(2^order - 1).
+   !> safety |q1 - q2|/(2^order - 1).
    pure elemental function error_from_levels(q1, q2, order) result(error)
       real(wp), intent(in) :: q1, q2, order
       real(wp) :: error

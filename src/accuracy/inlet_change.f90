@@ -1,5 +1,6 @@
 !> Measured influence of an inlet with a tail or close to the contact: quantities on a coarser grid
 !> of the same domain and, at the same spacing, on a longer domain.
+!>
 !> The remainder beyond the tail (module inlet_tail) falls with the fourth power of its distance, so
 !> that the longer domain is as good as infinite, and the change is that on the grid of the result
 !> (40 contacts, M 0.1-30, L 0-40, mostly Eyring: on a quarter of the intervals 0.8 to 1.1 times it,

@@ -1,4 +1,5 @@
 !> Measures the adequacy of the model of a lubricated result.
+!>
 !> Its cost is bounded by a share of the cost of the run, or by that of a small run, in nodes times
 !> Newton steps rather than seconds, so that a repeated run measures the same. Ingredients of oil
 !> and bodies are left out of the smooth steady contact, at little cost. Transients with all

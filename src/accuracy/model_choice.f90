@@ -1,4 +1,5 @@
 !> Chooses, before the run, the leanest model that is adequate for a target accuracy.
+!>
 !> Only savings are examined. A steady contact is solved with every ingredient, which costs less
 !> than finding out what it could do without. Transients keep all ingredients of oil and bodies:
 !> time steps cost as much with a leaner law (docs/decisions.md). What saves is a steady solution in
@@ -137,9 +138,7 @@ contains
       choice%why(i) = changes_little
    end subroutine look_at_roughness
 
-   !> The largest
-   !> change
-   !> + error of a row; unknown values (NaN) are skipped.
+   !> The largest |change| + error of a row; unknown values (NaN) are skipped.
    pure function largest_influence(row) result(largest)
       type(influence_t), intent(in) :: row
       real(wp) :: largest

@@ -57,9 +57,7 @@ module pilots
       real(wp) :: values(quantity_count) = 0.0_wp
       !> The last and the previous change, by spacing and by time step; NaN: not known.
       real(wp) :: changes(quantity_count, 2, 2) = 0.0_wp
-      !>
-      !> upwind2 - kappa
-      !> on the grid of the last one, if known.
+      !> |upwind2 - kappa| on the grid of the last one, if known.
       real(wp) :: beside(quantity_count) = 0.0_wp
       logical :: is_beside_known = .false.
       !> Size of the changes of h_min over time (last, previous; by spacing, by time step); 0: not

@@ -1,18 +1,26 @@
 !> Predicts how high a pressure spike may become on finer grids.
+!>
 !> Where the oil leaves high pressure the half-spaces let the pressure rise as A/sqrt(distance), as
 !> at the edge of a punch, and the top node of a grid has the height A/sqrt(dX) times a number: each
 !> doubling of the grid raises it by up to sqrt(2). For a small wave of wavenumber k about a state
 !> P, H the terms of Reynolds' equation are as
-!> flow by pressure e k  :  change of film by deformation lambda rho/k :  change of density lambda
-!> rho' H .
+!>
+!>     flow by pressure e k  :  change of film by deformation lambda rho/k
+!>        :  change of density lambda rho' H .
+!>
 !> The deformation makes the spike; it ends at the longer of two lengths, below which another term
 !> dominates:
-!> l_flow = sqrt( e/(lambda rho) ) = sqrt( H^3 S/(mu lambda) ) ,    l_density = H rho'/rho .
+!>
+!>     l_flow = sqrt( e/(lambda rho) ) = sqrt( H^3 S/(mu lambda) ) ,    l_density = H rho'/rho .
+!>
 !> S is that of the top or of the flank, of the slope P/l_flow: without sliding an Eyring oil thins
 !> only there.
+!>
 !> Both fall as the pressure of the spike rises, l_flow as exp(-ln mu/2). Its final height therefore
 !> solves
-!> P^2 = P_node^2 ( 1 + min( c_flow dX/l_flow(P) , c_density (dX/l_density(P))^(2/3) ) ) ,
+!>
+!>     P^2 = P_node^2 ( 1 + min( c_flow dX/l_flow(P) , c_density (dX/l_density(P))^(2/3) ) ) ,
+!>
 !> or does not exist. The numbers come from 90 contacts (M_sum 0.1 to 2000, L_sum 0.5 to 35, all
 !> laws) on 64 to 262144 intervals. If an oil thins, P/l_flow is the slope of the flanks, which meet
 !> in a corner: the top is up to half a spacing from the node, hence c_flow = 1/2, half of it by the
@@ -118,9 +126,11 @@ contains
    !> Largest increase by a spike of Int (mu/mu_0)/H dX, the shear of a Newtonian oil, on grids
    !> finer than `dx`; `endless` without a bound, 0 if the grid would resolve it. `film`: H at X =
    !> 0.
+   !>
    !> P = P_node sqrt(dX/distance) from the distance dX, that of the top node, to that of the final
    !> height, and constant closer to the edge:
-   !> dX/H ( q^2 mu(P_node/q) + 2 Int_q^1 mu(P_node/r) r dr - mu(P_node) ) ,  q = P_node/P_end
+   !>
+   !>     dX/H ( q^2 mu(P_node/q) + 2 Int_q^1 mu(P_node/r) r dr - mu(P_node) ) ,  q = P_node/P_end
    pure function shear_of_spike(law, crests, film, dx) result(growth)
       type(spike_law_t), intent(in) :: law
       type(crests_t), intent(in) :: crests

@@ -1,4 +1,5 @@
 !> Chooses grid and time step of a transient for a target accuracy of h_min.
+!>
 !> Trial runs separate the errors of grid and time step (module split_errors). The first uses the
 !> coarsest grid that carries a film and dT <= dX; each further one halves the spacing or the time
 !> step, whichever leaves the larger uncertainty. As soon as a resolution up to four times finer
@@ -9,6 +10,7 @@
 !> which errs less, unless the user asks for another one or only upwind2 finds a solution. A
 !> prediction of the kappa scheme is trusted only after the last trial run has been repeated with
 !> upwind2.
+!>
 !> `make accuracy-time` measures how often the target is met and at what cost; docs/decisions.md
 !> lists the alternatives tried.
 module resolution_choice

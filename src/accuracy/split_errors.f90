@@ -1,19 +1,22 @@
 !> Separate errors of a transient by grid and by time step, from changes when only the spacing or
 !> only the time step is halved.
+!>
 !> Refined together, the two errors often cancel: they have opposite signs and different rates, so
 !> that their sum says little about finer resolutions. The last change of each gives its error and
 !> sign, the previous change its order. At another resolution (dX', dT' relative to the last run)
 !> the error is
 !>
-!> e_X dX'^p + e_T dT'^q
-!> +  d_X s_X dX'^(3 p/4)  +  d_T s_T dT'^(q/2)
+!>     | e_X dX'^p + e_T dT'^q |  +  d_X s_X dX'^(3 p/4)  +  d_T s_T dT'^(q/2)
+!>
 !> where the uncertainties d decay more slowly than the errors e, since orders observed on coarse
 !> runs are not yet asymptotic. s is the size of e, at least what the previous change implies: a
 !> single change may be small by chance. When a wave passes between nodes both may be; the size for
 !> the smallest film therefore uses all times at which the film is nearly smallest.
+!>
 !> Waves hide the error of the time step on a coarse grid, and large steps that of the grid, so that
 !> the actual run errs more than predicted. It therefore gets two coarse runs, one with twice the
 !> spacing and one with twice the time step; their changes replace the predicted ones.
+!>
 !> The smallest film of the kappa scheme hardly changes over one or two halvings where the grid
 !> begins to resolve the pressure spike, although it still errs. The upwind2 result at the
 !> resolution of a trial run bounds the uncertainty of the grid from below.

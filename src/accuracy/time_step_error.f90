@@ -1,4 +1,5 @@
 !> Error of the quantities of a transient by its time step alone.
+!>
 !> A run with a target already has a coarse run with a larger step, and a first-order run one by the
 !> second-order scheme. Otherwise one more run on n/4 intervals, with twice the step of that of the
 !> error bars, shows the effect of a larger step.

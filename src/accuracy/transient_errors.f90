@@ -1,5 +1,6 @@
 !> Errors of a transient from its quantities on n, n/2 and n/4 intervals with one, two and four time
 !> steps.
+!>
 !> Quantities are extremes over time, and the errors of grid and time step fall at different rates,
 !> often with opposite signs: an order from three values is mostly chance. A first-order scheme has
 !> two errors of different orders, so that its changes say even less: its result is compared with
@@ -26,11 +27,8 @@ module transient_errors
 contains
 
    !> Error of Q1 by the second-order scheme from Q1, Q2, Q4 (`values`; NaN: not known, then none):
-   !> twice the larger of
-   !> Q1 - Q2
-   !> and
-   !> Q2 - Q4
-   !> /4; half of that if both changes have the same sign.
+   !> twice the larger of |Q1 - Q2| and |Q2 - Q4|/4; half of that if both changes have the same
+   !> sign.
    pure function error_in_time(values) result(error)
       real(wp), intent(in) :: values(3)
       real(wp) :: error

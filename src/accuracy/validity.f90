@@ -1,5 +1,6 @@
 !> Whether a solution of the lubricated contact lies within the limits of its model: the value of
 !> each row of `validity_table`, and whether it is passed.
+!>
 !> Limits concern the model; the numerical errors are estimated elsewhere. Transients use extremes
 !> over the times that count where available (films, pressure, stress, temperature, T_max and
 !> slope), else the last time.
