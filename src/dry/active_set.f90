@@ -332,8 +332,8 @@ contains
       if (is_found) self%datum = self%datum + sum(total)/sum(free)
    end subroutine follow_datum
 
-   !> Copies datum, counts and error of the last survey. Only here is a dry contact found solved:
-   !> its error is at most the `tolerance`.
+   !> Copies datum, counts and error of the last survey. Only this routine declares a dry contact
+   !> solved: its error is at most the `tolerance`.
    pure subroutine copy_survey(set, tolerance, solution)
       type(active_set_t), intent(in) :: set
       real(wp), intent(in) :: tolerance

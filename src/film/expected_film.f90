@@ -28,8 +28,8 @@ contains
       film = central_film(contact%moes_m_sum, contact%moes_l_sum, contact%elasticity)
    end function newtonian_film
 
-   !> Central film of a contact with `factor` > 0 times its viscosity, relative to that with all of
-   !> it: M ~ mu_0^(-1/2), L ~ mu_0^(1/4) at the same alpha; lambda and Eyring's B ~ mu_0.
+   !> Central film of a contact with `factor` > 0 times its viscosity, relative to that at its full
+   !> viscosity: M ~ mu_0^(-1/2), L ~ mu_0^(1/4) at the same alpha; lambda and Eyring's B ~ mu_0.
    pure function share_with_viscosity(contact, factor) result(share)
       type(line_contact_t), intent(in) :: contact
       real(wp), intent(in) :: factor

@@ -169,8 +169,8 @@ contains
       times%settled_from = max(times%settled_from, settled)
    end subroutine settle_surface
 
-   !> How much later the film comes from a complete wave than from T = 0 on, if the wave rises
-   !> behind a front or with time.
+   !> Delay until the film comes from a complete wave, which rises behind a front or with time,
+   !> against a wave that is present at T = 0.
    pure function entering_time(surface, zone) result(time)
       type(rough_surface_t), intent(in) :: surface
       type(zone_t), intent(in) :: zone

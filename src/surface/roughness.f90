@@ -21,7 +21,7 @@ module roughness
       real(wp) :: ra = 0.0_wp
       !> Root of the mean of z^2.
       real(wp) :: rq = 0.0_wp
-      !> Profile: mean of highest less lowest over five equal parts. Area: highest less lowest.
+      !> Highest less lowest height; for a profile the mean of that over five equal parts.
       real(wp) :: rz = 0.0_wp
       !> Skewness and kurtosis, (4.2), (4.3); 0 for a flat surface.
       real(wp) :: rsk = 0.0_wp, rku = 0.0_wp
