@@ -5,7 +5,6 @@ module case_limits
    use formulas_section, only: formulas_of
    use inlet_change, only: film_loss
    use iteration_report, only: report_t
-   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use run_observer, only: run_observer_t
    use validity, only: circumstances_t, limits_of
@@ -18,9 +17,8 @@ contains
 
    !> Hands the limits of a converged solution to the writer of its result, and of a steady one what
    !> formulas need.
-   subroutine judge_limits(case, contact, state, report, listener)
+   subroutine judge_limits(case, state, report, listener)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
       type(report_t), intent(in) :: report
       type(run_observer_t), intent(inout) :: listener
@@ -31,14 +29,14 @@ contains
       of%bodies = case%bodies
       of%lubricant = case%lubricant
       of%materials = case%materials
-      of%contact = contact
+      of%contact = case%contact
       of%summary = listener%writer%quantities_at_end(state, report)
       ! the rule gives the change over the film that is starved
       of%film_loss = report%inlet_error/(1 + report%inlet_error)
       if (listener%writer%bars%inlet%is_known) of%film_loss = film_loss(listener%writer%bars%inlet)
       of%has_momentum = case%equations == 'stokes'
       listener%writer%limits = limits_of(of, state)
-      if (.not. case%time%is_transient) listener%writer%formulas = formulas_of(contact)
+      if (.not. case%time%is_transient) listener%writer%formulas = formulas_of(case%contact)
    end subroutine judge_limits
 
 end module case_limits

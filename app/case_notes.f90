@@ -7,7 +7,6 @@ module case_notes
    use inlet_errors, only: domain_error
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use progress_log, only: progress_log_t
@@ -60,23 +59,22 @@ contains
 
    !> Adds to `note` where grid or time step are too coarse for the waves of the surfaces. With a
    !> wanted accuracy both are chosen by their effect on h_min.
-   subroutine note_coarse_waves(case, contact, listener, note)
+   subroutine note_coarse_waves(case, listener, note)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       character(:), allocatable, intent(inout) :: note
       character(:), allocatable :: words
 
       if (case%accuracy%target > 0.0_wp) return
-      words = coarse_waves(contact, case%time)
-      if (len(words) == 0 .and. case%accuracy%has_error_bars) words = long_steps(contact, case%time)
+      words = coarse_waves(case%contact, case%time)
+      if (len(words) == 0 .and. case%accuracy%has_error_bars) words = &
+         long_steps(case%contact, case%time)
       call add_note(case, listener, words, note)
    end subroutine note_coarse_waves
 
    !> Adds to `note` where the coarser runs of a transient do not predict its wanted accuracy.
-   subroutine note_missed_target(case, contact, listener, note)
+   subroutine note_missed_target(case, listener, note)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       character(:), allocatable, intent(inout) :: note
       character(:), allocatable :: words
@@ -88,7 +86,7 @@ contains
          if (forecast%is_known) then
             predicted = forecast%error(h_min)/forecast%pilot(h_min)
             if (.not. case%domain%has_inlet) predicted = predicted &
-               + domain_error(inlet_error(contact))
+               + domain_error(inlet_error(case%contact))
             if (predicted <= (1.0_wp + rounding)*case%accuracy%target) return
             words = 'the wanted accuracy is beyond the finest pilot run: of h_min a relative '// &
                'error of '//to_text(predicted, 2)// &

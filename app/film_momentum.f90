@@ -5,7 +5,6 @@ module film_momentum
    use errors, only: error_t
    use film_fields, only: compare_passage
    use iteration_report, only: report_t
-   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use momentum_march, only: momentum_march_t
    use field_sections, only: difference_sentence
@@ -51,9 +50,8 @@ contains
    !> Where the case asks for it, goes on from `state`, a converged steady solution of the Reynolds
    !> equation, which becomes that of the momentum equations, or closes their march; what they
    !> change is noted.
-   subroutine follow_momentum(case, contact, listener, state, report, error)
+   subroutine follow_momentum(case, listener, state, report, error)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(inout) :: state
       type(report_t), intent(inout) :: report
@@ -75,7 +73,7 @@ contains
          end if
          writer%reynolds = state
          allocate (writer%momentum)
-         call solve_film_momentum(contact, walls_of(case, listener), case%layers, state, &
+         call solve_film_momentum(case%contact, walls_of(case, listener), case%layers, state, &
             writer%momentum, report, error)
          if (allocated(error)) return
          report%peak_memory = peak_memory()

@@ -10,7 +10,6 @@ module grid_comparison
    use experiment, only: new_experiment
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use run_observer, only: run_observer_t
    use wall_clock, only: wall_seconds
@@ -23,9 +22,8 @@ contains
 
    !> Coarse runs, unless the `side_runs` of a transient have been made already, and the `seconds`
    !> that they took. Error: memory or a library failed.
-   subroutine compare_grids(case, contact, listener, side_runs, seconds, error)
+   subroutine compare_grids(case, listener, side_runs, seconds, error)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       type(side_runs_t), allocatable, intent(inout) :: side_runs
       real(wp), intent(out) :: seconds
@@ -36,23 +34,22 @@ contains
       start = wall_seconds()
       if (case%time%is_transient) then
          if (.not. allocated(side_runs)) then
-            side_runs = new_side_runs(new_experiment(contact, case%solver, case%time))
+            side_runs = new_side_runs(new_experiment(case%contact, case%solver, case%time))
             call make_side_runs(side_runs, listener)
          end if
          call copy_side_runs(side_runs, bars, error)   ! error: the caller looks
       else
-         call make_coarse_runs(bars, new_experiment(contact, case%solver, case%time), listener, &
-            error)   ! error: the caller looks
+         call make_coarse_runs(bars, new_experiment(case%contact, case%solver, case%time), &
+            listener, error)   ! error: the caller looks
       end if
       listener%writer%bars = bars
       seconds = wall_seconds() - start
    end subroutine compare_grids
 
-   !> Whether a solution is as good as wanted: by coarse runs where pilots chose the grid of its
-   !> `contact` and its time step.
-   subroutine check_forecast(case, contact, listener, state, report, seconds, error)
+   !> Whether a solution is as good as wanted: by coarse runs where pilots chose its grid and
+   !> time step.
+   subroutine check_forecast(case, listener, state, report, seconds, error)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
@@ -64,7 +61,7 @@ contains
       if (.not. (case%accuracy%has_error_bars .and. listener%writer%bars%forecast%is_known &
          .and. report%converged)) return
       start = wall_seconds()
-      call run_apart(listener%writer%bars, new_experiment(contact, case%solver, case%time), &
+      call run_apart(listener%writer%bars, new_experiment(case%contact, case%solver, case%time), &
          listener, error)
       if (allocated(error)) return
       seconds = seconds + wall_seconds() - start

@@ -26,12 +26,11 @@ module outlet_check
 
 contains
 
-   !> Both ends of the domain of the solved `contact`, for its error bars. A note where
+   !> Both ends of the domain of the solved contact, for its error bars. A note where
    !> the outlet cuts the film off, unless that is known to change the quantities only a little.
    !> Error: memory or a library failed.
-   subroutine check_ends(case, contact, listener, report, error)
+   subroutine check_ends(case, listener, report, error)
       type(case_t), intent(in) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
@@ -43,10 +42,10 @@ contains
       if (.not. report%converged) return
       bars = listener%writer%bars
       if (case%accuracy%has_error_bars) then
-         at_rest = new_experiment(contact, case%solver, time_settings_t())
+         at_rest = new_experiment(case%contact, case%solver, time_settings_t())
          if (case%time%is_transient) then   ! roughness passes, the inlet stays
-            at_rest%contact%surface_1 = rough_surface_t(speed=contact%surface_1%speed)
-            at_rest%contact%surface_2 = rough_surface_t(speed=contact%surface_2%speed)
+            at_rest%contact%surface_1 = rough_surface_t(speed=case%contact%surface_1%speed)
+            at_rest%contact%surface_2 = rough_surface_t(speed=case%contact%surface_2%speed)
          end if
          call run_farther(bars, at_rest, listener, error)
          if (allocated(error)) return
@@ -58,13 +57,14 @@ contains
       if (report%outlet_pressure > 0.0_wp) then
          bars%is_cut = .true.
          if (case%accuracy%has_error_bars) then
-            call run_longer(bars, new_experiment(contact, case%solver, case%time), listener, error)
+            call run_longer(bars, new_experiment(case%contact, case%solver, case%time), &
+               listener, error)
             if (allocated(error)) return
          end if
          change = outlet_error(bars)
          is_small = ieee_is_finite(change)
          if (is_small) is_small = change <= largest_change
-         if (.not. is_small) call add_note(case, listener, outlet_note(contact, change), &
+         if (.not. is_small) call add_note(case, listener, outlet_note(case%contact, change), &
             report%note)
       end if
       listener%writer%bars = bars

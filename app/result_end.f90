@@ -13,7 +13,6 @@ module result_end
    use adequacy_section, only: model_line
    use iteration_report, only: report_t
    use kinds, only: wp
-   use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use run_observer, only: run_observer_t
    use signals, only: take_last_words
@@ -25,11 +24,10 @@ module result_end
 
 contains
 
-   !> Ends the result of a case, whose `contact` has all of its roughness: as an `error` has it, as
-   !> an interrupted run, or with a last `state`.
-   subroutine end_result(case, contact, listener, state, report, error, outcome)
+   !> Ends the result of a case, whose contact has all of its roughness: as an `error` has it, as an
+   !> interrupted run, or with a last `state`.
+   subroutine end_result(case, listener, state, report, error, outcome)
       type(case_t), intent(inout) :: case
-      type(line_contact_t), intent(in) :: contact
       type(run_observer_t), intent(inout) :: listener
       type(line_state_t), intent(in) :: state
       type(report_t), intent(inout) :: report
@@ -42,10 +40,10 @@ contains
          .and. .not. listener%writer%has_failed()) then
          call suspend_result(listener, outcome)
       else
-         call judge_limits(case, contact, state, report, listener)
+         call judge_limits(case, state, report, listener)
          if (case%output_settings%velocity_layers > 0 .and. allocated(state%shear_stress_mean)) then
-            listener%writer%velocity = velocity_profile(contact%fluid, contact%lambda, &
-               contact%slide_to_roll, state%x, state%pressure, state%film_thickness, &
+            listener%writer%velocity = velocity_profile(case%contact%fluid, case%contact%lambda, &
+               case%contact%slide_to_roll, state%x, state%pressure, state%film_thickness, &
                case%output_settings%velocity_layers)
          end if
          call finish_result(case, listener, state, report, outcome)

@@ -76,7 +76,7 @@ contains
       character(len=field_name_length), allocatable :: names(:)
 
       names = [character(len=field_name_length) :: case%output_settings%fields]
-      if (case%film_floor > 0.0_wp) names = [character(len=field_name_length) :: names, &
+      if (case%solver%film_floor > 0.0_wp) names = [character(len=field_name_length) :: names, &
          breakdown_name]
       if (ieee_is_finite(scaling%slide_to_roll)) names = [character(len=field_name_length) :: &
          names, sliding_names]

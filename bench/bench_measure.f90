@@ -8,7 +8,6 @@ module bench_measure
    use findings, only: findings_t
    use iteration_report, only: phase_setup, phase_steady, phase_transient, report_t
    use kinds, only: wp
-   use line_case, only: build_line_contact
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use missing_value, only: not_known
@@ -70,7 +69,7 @@ contains
          call fail(error, input_error, findings%report(job%name))
          return
       end if
-      call build_line_contact(case, outcome%contact)
+      outcome%contact = case%contact
       allocate (times(timed_phases, job%runs))
       start = wall_seconds()
       call cpu_time(processor_start)

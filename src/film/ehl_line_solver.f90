@@ -1,7 +1,7 @@
 !> The lubricated line contact from its data to its fields: the page to read beside chapter 2 of the
 !> thesis.
 module ehl_line_solver
-   use domain_choice, only: choose_domain, farthest, inlet_error, inlet_pressure_error, reopen
+   use domain_choice, only: choose_anew, choose_domain, farthest, inlet_error, inlet_pressure_error
    use ehl_line_steady, only: blame_grid, blame_surfaces, solve_steady
    use ehl_line_transient, only: march
    use errors, only: error_t
@@ -98,9 +98,8 @@ contains
             if (report%converged .and. report%outlet_pressure > 0.0_wp &
                .and. contact%domain%may_lengthen .and. contact%domain%x_outlet < farthest) then
                ! at twice the distance from the end of the contact; all else is chosen anew
-               call reopen(contact%domain)
-               contact%domain%x_outlet = min(2*contact%domain%x_outlet - 1, farthest)
-               contact%domain%has_outlet = .true.
+               call choose_anew(contact, settings%target, min(2*contact%domain%x_outlet - 1, &
+                  farthest))
                call solve_ehl_line(contact, settings, time, listener, state, report, error, &
                   find_steady)
                return

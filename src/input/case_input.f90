@@ -10,7 +10,7 @@ module case_input
    use input_values, only: input_values_t, value_t
    use key_row, only: is_in_range, lubricated
    use key_rules, only: find_unusual, unusual_t
-   use line_case, only: check_resolution
+   use line_case, only: plan_line_case
    use line_profiles, only: make_surface
    use lubricant_input, only: complete_alpha, fill_lubricant
    use moes, only: moes_m_mean_from_sum, moes_l_mean_from_sum
@@ -117,7 +117,7 @@ contains
       call list_effective(values, case)
       call make_surface(values, 'surface_1', case)
       call make_surface(values, 'surface_2', case)
-      if (values%findings%count == 0) call check_resolution(values, case)
+      if (values%findings%count == 0) call plan_line_case(values, case)
    end subroutine fill_line_case
 
    !> &domain, &time, &solver, &film, &output and &accuracy; 0 where the program chooses.
@@ -153,6 +153,7 @@ contains
          solver%coarse_sweeps = values%integer_value('solver', 'coarse_sweeps')
          solver%relaxation = values%real_value('solver', 'relaxation')
          solver%load_relaxation = values%real_value('solver', 'load_relaxation')
+         solver%film_floor = values%real_value('solver', 'film_floor')   ! [m] before it is planned
          solver%on_film_breakdown = values%word_value('solver', 'on_film_breakdown')
       end associate
       case%equations = values%word_value('case', 'equations')
@@ -161,7 +162,6 @@ contains
          case%has_inertia = values%logical_value('film', 'inertia')
          case%solver%space_scheme = 'kappa'
       end if
-      case%film_floor = values%real_value('solver', 'film_floor')
       fields = values%slot('output', 'fields')
       thresholds = values%slot('output', 'film_thresholds')
       associate (output => case%output_settings)

@@ -6,6 +6,7 @@ module case_record
    use input_keys, only: find_key, key_rows
    use key_rules, only: unusual_t
    use kinds, only: wp
+   use line_contact, only: line_contact_t
    use lubricant, only: lubricant_t
    use scaling, only: scaling_t
    use solver_settings, only: domain_t, time_settings_t, solver_settings_t, word_length
@@ -93,12 +94,12 @@ module case_record
       type(scaling_t) :: scaling
       !> Amplitude and wavelength [m], position [half-widths], speed [m/s].
       type(rough_surface_t) :: surface_1, surface_2
+      !> As it is given.
       type(domain_t) :: domain
+      !> As it is solved; domain, grid and, in `time`, time step are complete.
+      type(line_contact_t) :: contact
       type(time_settings_t) :: time
-      !> `film_floor` is not here but below, in SI.
       type(solver_settings_t) :: solver
-      !> A film below it is a breakdown [m]; 0: not given.
-      real(wp) :: film_floor = 0.0_wp
       type(output_settings_t) :: output_settings
       !> Filled for dry problems, which use nothing of the above but title, problem, model, output,
       !> file and namelist.
