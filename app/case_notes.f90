@@ -65,9 +65,9 @@ contains
       character(:), allocatable, intent(inout) :: note
       character(:), allocatable :: words
 
-      if (case%accuracy%target > 0.0_wp) return
+      if (case%solver%target > 0.0_wp) return
       words = coarse_waves(case%contact, case%time)
-      if (len(words) == 0 .and. case%accuracy%has_error_bars) words = &
+      if (len(words) == 0 .and. case%solver%wants_coarse_runs) words = &
          long_steps(case%contact, case%time)
       call add_note(case, listener, words, note)
    end subroutine note_coarse_waves
@@ -80,17 +80,17 @@ contains
       character(:), allocatable :: words
       real(wp) :: predicted
 
-      if (.not. (case%accuracy%target > 0.0_wp .and. case%time%is_transient)) return
+      if (.not. (case%solver%target > 0.0_wp .and. case%time%is_transient)) return
       words = 'no error of h_min is foretold: pilot runs on coarser grids found no solution'
       associate (forecast => listener%writer%bars%forecast)
          if (forecast%is_known) then
             predicted = forecast%error(h_min)/forecast%pilot(h_min)
             if (.not. case%domain%has_inlet) predicted = predicted &
                + domain_error(inlet_error(case%contact))
-            if (predicted <= (1.0_wp + rounding)*case%accuracy%target) return
+            if (predicted <= (1.0_wp + rounding)*case%solver%target) return
             words = 'the wanted accuracy is beyond the finest pilot run: of h_min a relative '// &
                'error of '//to_text(predicted, 2)// &
-               ' is foretold, '//to_text(case%accuracy%target, 2)//' was wanted'
+               ' is foretold, '//to_text(case%solver%target, 2)//' was wanted'
          end if
       end associate
       call add_note(case, listener, words, note)
@@ -114,9 +114,9 @@ contains
          measured = measured/film%value
       end associate
       if (.not. ieee_is_finite(measured)) return
-      if (measured <= (1.0_wp + rounding)*case%accuracy%target) return
+      if (measured <= (1.0_wp + rounding)*case%solver%target) return
       call add_note(case, listener, 'the wanted accuracy is not shown: a relative error of '// &
-         'h_min of '//to_text(measured, 2)//' is estimated, '//to_text(case%accuracy%target, 2)// &
+         'h_min of '//to_text(measured, 2)//' is estimated, '//to_text(case%solver%target, 2)// &
          ' was wanted', report%note)
    end subroutine note_measured_error
 
@@ -130,19 +130,19 @@ contains
       type(line_summary_t) :: summary
       character(:), allocatable :: found
 
-      if (.not. (case%accuracy%target_p_max > 0.0_wp .and. report%converged)) return
+      if (.not. (case%solver%target_p_max > 0.0_wp .and. report%converged)) return
       summary = listener%writer%quantities_at_end(state, report)
       found = 'no error is estimated'
       associate (largest => summary%of(p_max))
          if (ieee_is_finite(largest%error_estimate)) then
-            if (largest%error_estimate <= (1.0_wp + rounding)*case%accuracy%target_p_max &
+            if (largest%error_estimate <= (1.0_wp + rounding)*case%solver%target_p_max &
                *largest%value) return
             found = 'a relative error of '//to_text(largest%error_estimate/largest%value, 2) &
                //' is estimated'
          end if
       end associate
       call add_note(case, listener, 'the wanted accuracy of p_max is not shown: '//found//', ' &
-         //to_text(case%accuracy%target_p_max, 2)//' was wanted', report%note)
+         //to_text(case%solver%target_p_max, 2)//' was wanted', report%note)
    end subroutine note_pressure_error
 
    !> Logs `words`, if there are any, and adds them to `note`.

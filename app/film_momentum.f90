@@ -29,7 +29,7 @@ contains
       type(run_observer_t), intent(inout) :: listener
       type(momentum_march_t) :: march
 
-      if (.not. (case%equations == 'stokes' .and. case%time%is_transient)) return
+      if (case%layers == 0 .or. .not. case%time%is_transient) return
       march%walls = walls_of(case, listener)
       march%layers = case%layers
       allocate (listener%follower, source=march)
@@ -57,7 +57,7 @@ contains
       type(report_t), intent(inout) :: report
       type(error_t), allocatable, intent(out) :: error
 
-      if (case%equations /= 'stokes' .or. .not. report%converged) return
+      if (case%layers == 0 .or. .not. report%converged) return
       call begin_activity('full momentum equations of the film')
       associate (writer => listener%writer)
          if (allocated(listener%follower)) then
@@ -68,7 +68,7 @@ contains
                call add_note(case, listener, march_sentence(march)//'; ' &
                   //difference_sentence(writer%momentum), report%note)
             end select
-            report%peak_memory = peak_memory()
+            report%cost%peak_memory = peak_memory()
             return
          end if
          writer%reynolds = state
@@ -76,7 +76,7 @@ contains
          call solve_film_momentum(case%contact, walls_of(case, listener), case%layers, state, &
             writer%momentum, report, error)
          if (allocated(error)) return
-         report%peak_memory = peak_memory()
+         report%cost%peak_memory = peak_memory()
          if (report%converged) then
             call add_note(case, listener, difference_sentence(writer%momentum), report%note)
          else

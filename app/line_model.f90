@@ -33,11 +33,11 @@ contains
       if (case%model /= 'auto') return
       associate (choice => listener%writer%choice)
          call choose_model(experiment_t(case%contact, case%solver, case%time), &
-            case%accuracy%target, allocated(case%time%resume_from) &
+            case%solver%target, allocated(case%time%resume_from) &
             .or. size(case%output_settings%film_thresholds) > 0, choice, listener, error)
          if (allocated(error) .or. .not. choice%is_steady) return
          call take_model(choice, case%contact, case%time)
-         call choose_anew(case%contact, case%accuracy%target)
+         call choose_anew(case%contact, case%solver%target)
          call listener%log%say(case%file//': solves '//solved_text(choice))
       end associate
       call set_effective(case, 'time', 'transient', text='.false.')
@@ -66,7 +66,7 @@ contains
       start = wall_seconds()
       associate (writer => listener%writer)
          writer%adequacy%is_full = case%output_settings%adequacy == 'full'
-         writer%adequacy%accuracy = accuracy_for(case%accuracy%target, &
+         writer%adequacy%accuracy = accuracy_for(case%solver%target, &
             writer%quantities_at_end(state, report))
          call measure_adequacy(solved_t(new_experiment(case%contact, case%solver, case%time), &
             writer%run%passage%extremes(summary_of(state)), real(report%cycles, wp), writer%bars), &
@@ -74,7 +74,7 @@ contains
       end associate
       if (allocated(error)) return
       report%converged = .not. listener%is_stopping
-      report%phase_seconds(phase_adequacy) = wall_seconds() - start
+      report%cost%phase_seconds(phase_adequacy) = wall_seconds() - start
    end subroutine measure_model
 
 end module line_model

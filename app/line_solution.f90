@@ -7,12 +7,11 @@ module line_solution
    use coarse_runs, only: side_runs_t
    use error_bars, only: error_bars_t, new_error_bars
    use errors, only: error_t
-   use grid_comparison, only: check_forecast, compare_grids
+   use grid_comparison, only: check_ends, check_forecast, compare_grids
    use grid_estimates, only: take_coarser
    use iteration_report, only: phase_error_bars, phase_output, phase_transient, report_t
    use kinds, only: wp
    use line_state, only: all_finite, line_state_t
-   use outlet_check, only: check_ends
    use passage_times, only: new_passage_times, passage_note
    use resolution_choice, only: choose_resolution, settle_tolerance
    use run_observer, only: run_observer_t
@@ -41,16 +40,13 @@ contains
 
       seconds = 0.0_wp
       listener%writer%run%passage%times = new_passage_times(case%contact, case%time)
-      case%solver%target = case%accuracy%target
-      case%solver%target_p_max = case%accuracy%target_p_max
-      case%solver%wants_coarse_runs = case%accuracy%has_error_bars
       ! the solver chooses the grid
-      is_open = case%accuracy%target > 0.0_wp .and. .not. case%time%is_transient
-      listener%has_coarse_runs = case%accuracy%has_error_bars &
-         .and. (is_open .or. .not. case%accuracy%target > 0.0_wp)
+      is_open = case%solver%target > 0.0_wp .and. .not. case%time%is_transient
+      listener%has_coarse_runs = case%solver%wants_coarse_runs &
+         .and. (is_open .or. .not. case%solver%target > 0.0_wp)
       if (allocated(case%time%resume_from)) then
          call restore_resolution(case, listener)
-      else if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
+      else if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
          call choose_grid(case, listener, seconds, error)
          if (allocated(error) .or. listener%is_stopping) return
       end if
@@ -69,8 +65,8 @@ contains
       listener%writer%run%space_scheme = case%solver%space_scheme
       call solve_with_coarse_runs(case, side_runs, listener, state, report, error)
       if (allocated(error)) return
-      report%nodes_per_wave = nodes_in_wave(case%contact)
-      report%steps_per_wave = steps_in_wave(case%contact, case%time)
+      report%fit%nodes_per_wave = nodes_in_wave(case%contact)
+      report%fit%steps_per_wave = steps_in_wave(case%contact, case%time)
       call move_alloc(note, report%note)
       call refuse_nonsense(state, report)
       call keep_coarser(listener)
@@ -96,7 +92,7 @@ contains
       type(error_bars_t) :: bars
 
       case%time%time_step = listener%writer%run%time_step
-      if (case%accuracy%target > 0.0_wp) then   ! as before pilot runs chose the rest
+      if (case%solver%target > 0.0_wp) then   ! as before pilot runs chose the rest
          bars = new_error_bars(case%contact, case%time, case%solver%space_scheme)
          bars%unseen = ''
          bars%forecast = listener%writer%bars%forecast
@@ -145,7 +141,7 @@ contains
       if (index(report%reason, 'film breakdown') == 1 &
          .and. listener%log%scaling%is_dimensional) report%reason = &
          breakdown_sentence(report%breakdown, listener%film_floor, listener%log%scaling)
-      associate (phases => report%phase_seconds)
+      associate (phases => report%cost%phase_seconds)
          phases(phase_error_bars) = phases(phase_error_bars) + seconds
          phases(phase_output) = listener%output_seconds
          phases(phase_transient) = max(phases(phase_transient) - listener%output_seconds, 0.0_wp)

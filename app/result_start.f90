@@ -98,8 +98,8 @@ contains
          error%message = 'cannot resume: '//error%message
          return
       end if
-      listener%earlier_seconds = checkpoint%march%report%wall_seconds
-      listener%output_seconds = checkpoint%march%report%phase_seconds(phase_output)
+      listener%earlier_seconds = checkpoint%march%report%cost%wall_seconds
+      listener%output_seconds = checkpoint%march%report%cost%phase_seconds(phase_output)
       call listener%writer%name%expect_interruption(checkpoint%march%step)
       listener%writer%run = checkpoint%run_record_t
       listener%writer%bars%forecast = checkpoint%forecast

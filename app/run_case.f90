@@ -62,7 +62,8 @@ contains
       if (case%problem == lubricated) then
          call run_lubricated_case(case, path, command%is_resume, command%threads, log, outcome)
       else
-         call solve_and_write(case, path, log, command%threads, outcome)
+         call solve_and_write(case, path, log, command%threads, outcome, error)
+         if (allocated(error)) call give_up(error, log, outcome)
       end if
       if (case%has_xdmf .and. any(outcome%status == [status_converged, status_not_converged])) then
          call write_xdmf(path, error)
@@ -102,7 +103,11 @@ contains
       end if
       rough%domain = case%contact%domain
       case%contact = rough
-      call end_result(case, listener, state, report, error, outcome)
+      if (allocated(error)) then
+         call give_up(error, listener%log, outcome)
+      else
+         call end_result(case, listener, state, report, outcome)
+      end if
    end subroutine run_lubricated_case
 
 end module run_case

@@ -115,15 +115,14 @@ contains
          .or. case%time%is_transient), job%limit)
       start = wall_seconds()
       settings = case%solver
-      settings%target = case%accuracy%target
       settings%wants_coarse_runs = job%has_bars
-      if (case%accuracy%target > 0.0_wp .and. case%time%is_transient) then
+      if (case%solver%target > 0.0_wp .and. case%time%is_transient) then
          call choose_resolution(bars, contact, settings, time, listener, error)
          if (allocated(error)) return
       end if
       call solve_contact(contact, settings, time, listener, state, report, error)
       if (allocated(error)) return
-      times = [report%phase_seconds([phase_setup, phase_steady, phase_transient]), &
+      times = [report%cost%phase_seconds([phase_setup, phase_steady, phase_transient]), &
          wall_seconds() - start]
       if (.not. is_first) return
       if (.not. case%time%is_transient) then

@@ -39,7 +39,7 @@ contains
       call choose_time_step(case%contact, case%time)
       if (case%scaling%is_dimensional) case%solver%film_floor = case%solver%film_floor &
          /case%scaling%film
-      if (.not. (case%has_moes .or. case%accuracy%target > 0.0_wp)) then
+      if (case%scaling%is_dimensional .and. .not. case%solver%target > 0.0_wp) then
          call check_wave(values, 'surface_1', case%contact%surface_1, case)
          call check_wave(values, 'surface_2', case%contact%surface_2, case)
       end if
@@ -65,7 +65,7 @@ contains
             contact%surface_1%speed = 1.0_wp
             contact%surface_2%speed = 1.0_wp
          end if
-         call choose_domain(contact, case%accuracy%target)
+         call choose_domain(contact, case%solver%target)
          call place_surface(contact%surface_1, contact%domain%x_inlet, contact%domain%x_outlet)
          call place_surface(contact%surface_2, contact%domain%x_inlet, contact%domain%x_outlet)
          if (case%time%is_transient) call place_features(contact)
