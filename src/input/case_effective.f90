@@ -65,7 +65,7 @@ contains
    subroutine list_derived(case)
       type(case_t), intent(inout) :: case
 
-      if (.not. case%has_moes) then
+      if (case%scaling%is_dimensional) then
          call set_effective(case, 'bodies', 'reduced_radius', [case%bodies%reduced_radius])
          call set_effective(case, 'bodies', 'reduced_modulus', [case%bodies%reduced_modulus])
          call set_effective(case, 'load', 'load_per_length', [case%load_per_length])

@@ -13,8 +13,8 @@ module dry_case
 
    public :: dry_case_t
 
-   !> Made by `fill_dry_case` of module dry_input.
-   type :: dry_case_t
+   !> From what the heights are made on any grid.
+   type :: dry_bodies_t
       !> What its namelist says, from which the heights are made on any grid, and the findings.
       type(input_values_t) :: values
       !> Folder of the namelist, with its slash.
@@ -25,10 +25,14 @@ module dry_case
       type(trend_t) :: trends(2)
       !> R of a parabola [m]; 0: there is none.
       real(wp) :: radius = 0.0_wp
-      type(dry_grid_t) :: grid
       !> The first grid, on which synthetic heights are made; finer ones have the same Fourier
       !> series.
       integer :: first_nodes(2) = 0
+   end type dry_bodies_t
+
+   !> Made by `fill_dry_case` of module dry_input.
+   type, extends(dry_bodies_t) :: dry_case_t
+      type(dry_grid_t) :: grid
       !> Lx, Ly [m]; a line has Ly = 0.
       real(wp) :: lengths(2)
       logical :: is_periodic

@@ -258,13 +258,13 @@ contains
       if (file%is_read) call report%restore(residuals, load_errors)
       report%converged = .true.
       call file%visit_text('/report/method', report%method)
-      call file%visit('/report/outlet_pressure', report%outlet_pressure)
+      call file%visit('/report/outlet_pressure', report%fit%outlet_pressure)
       call file%visit('/report/tolerance_effective', report%tolerance_effective)
-      call file%visit('/report/uncut_steps', report%uncut_steps)
-      call file%visit('/report/work_units', report%work_units)
-      call file%visit('/report/fft_pairs', report%fft_pairs)
-      call file%visit('/report/wall_seconds', report%wall_seconds)
-      call file%visit('/report/phase_seconds', report%phase_seconds)
+      call file%visit('/report/uncut_steps', report%fit%uncut_steps)
+      call file%visit('/report/work_units', report%cost%work_units)
+      call file%visit('/report/fft_pairs', report%cost%fft_pairs)
+      call file%visit('/report/wall_seconds', report%cost%wall_seconds)
+      call file%visit('/report/phase_seconds', report%cost%phase_seconds)
       call visit_breakdown(file, report%breakdown)
    end subroutine visit_report
 

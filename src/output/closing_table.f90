@@ -141,11 +141,11 @@ contains
       if (.not. report%converged .and. is_short) return
       outcome = outcome//', '//counted(report%cycles, 'cycle')
       if (report%steps > 0) outcome = outcome//' in '//counted(report%steps, 'time step')
-      if (report%uncut_steps > 0) outcome = outcome//' (' &
-         //number_text(real(report%uncut_steps, wp), 9)//' of the start not cut into parts)'
-      outcome = outcome//', '//number_text(report%wall_seconds, 3)//' s'
-      if (report%peak_memory > 0.0_wp) outcome = outcome//', ' &
-         //prefixed_text(report%peak_memory, 'B')
+      if (report%fit%uncut_steps > 0) outcome = outcome//' (' &
+         //number_text(real(report%fit%uncut_steps, wp), 9)//' of the start not cut into parts)'
+      outcome = outcome//', '//number_text(report%cost%wall_seconds, 3)//' s'
+      if (report%cost%peak_memory > 0.0_wp) outcome = outcome//', ' &
+         //prefixed_text(report%cost%peak_memory, 'B')
    end function outcome_text
 
    !> Whether a quantity of the table has its row: not friction where nothing slides, nor the

@@ -42,7 +42,7 @@ contains
          if (solution%report%converged) then
             call log%add_to_summary(name // ': converged, ' &
                // counted(solution%report%cycles, 'iteration') // ', ' &
-               // to_text(solution%report%wall_seconds, 3) // ' s')
+               // to_text(solution%report%cost%wall_seconds, 3) // ' s')
          else
             if (log%prints_errors_apart()) call log%say_error(name // ': NOT CONVERGED: ' &
                // solution%report%reason)

@@ -192,25 +192,25 @@ contains
       call write_dataset(file, group//'method', method, new_label('method of solution', '1'))
       call put_count('cycles', report%cycles, 'cycles on the finest level, time steps included')
       call put_count('steps', report%steps, 'time steps')
-      call put_count('uncut_steps', report%uncut_steps, &
+      call put_count('uncut_steps', report%fit%uncut_steps, &
          'steps of the start taken whole: parts without a solution')
-      call put_count('levels', report%levels, 'grid levels, the finest counted')
-      call write_dataset(file, group//'fft_pairs', report%fft_pairs, &
+      call put_count('levels', report%numbers%levels, 'grid levels, the finest counted')
+      call write_dataset(file, group//'fft_pairs', report%cost%fft_pairs, &
          new_label('pairs of forward and backward transforms', '1'))
-      call put('work_units', report%work_units, &
+      call put('work_units', report%cost%work_units, &
          'sweeps, each weighted by its share of the nodes of the finest level')
       call put('residual', report%residual, &
          'last residual, unit of d(rho H)/dX; dry: violation of the contact conditions')
       call put('load_error', report%load_error, &
          'last |dX sum P - pi/2|; dry: relative error of the load')
-      call put('inlet_error', report%inlet_error, 'relative error of the film thickness '// &
+      call put('inlet_error', report%fit%inlet_error, 'relative error of the film thickness '// &
          'because the domain ends at its inlet (estimate)')
       call put('tolerance_effective', report%tolerance_effective, &
          'bound on residual and load error: max(tolerance, 5 x round-off floor)')
-      if (report%nodes_per_wave < huge(1.0_wp)) call put('nodes_per_wave', report%nodes_per_wave, &
-         'nodes of the grid in the finest wave of the surfaces')
-      if (report%steps_per_wave < huge(1.0_wp)) call put('steps_per_wave', report%steps_per_wave, &
-         'time steps in which the finest moving wave passes a place')
+      if (report%fit%nodes_per_wave < huge(1.0_wp)) call put('nodes_per_wave', &
+         report%fit%nodes_per_wave, 'nodes of the grid in the finest wave of the surfaces')
+      if (report%fit%steps_per_wave < huge(1.0_wp)) call put('steps_per_wave', &
+         report%fit%steps_per_wave, 'time steps in which the finest moving wave passes a place')
       if (allocated(report%note)) call write_dataset(file, group//'note', report%note, &
          new_label('what should be known about this result', '1'))
       call make_counter(file, group//'cycle', size(report%residual_history()), &
@@ -219,12 +219,12 @@ contains
          new_label('residual after each cycle', '1'), 'cycle')
       call write_field(file, group//'load_error_history', report%load_error_history(), &
          new_label('load error after each cycle', '1'), 'cycle')
-      call put('wall_seconds', report%wall_seconds, 'wall time of the solution', 's')
+      call put('wall_seconds', report%cost%wall_seconds, 'wall time of the solution', 's')
       call make_counter(file, group//'phase', size(phase_names), 'number of: '//phases)
-      call write_field(file, group//'phase_seconds', report%phase_seconds, &
+      call write_field(file, group//'phase_seconds', report%cost%phase_seconds, &
          new_label('wall time of: '//phases, 's'), 'phase')
       call write_attribute(file, group//'phase_seconds', 'phases', phases)
-      if (report%peak_memory > 0.0_wp) call put('peak_memory', report%peak_memory, &
+      if (report%cost%peak_memory > 0.0_wp) call put('peak_memory', report%cost%peak_memory, &
          'most memory of the process', 'B')
 
    contains

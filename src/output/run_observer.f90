@@ -132,11 +132,11 @@ contains
       if (allocated(self%follower)) checkpoint%momentum = self%follower%kept()
       checkpoint%part_digits = self%writer%store%sums%digits()
       associate (kept => checkpoint%march%report)
-         kept%wall_seconds = self%earlier_seconds + begin - self%start
-         kept%phase_seconds(phase_output) = self%output_seconds
-         kept%phase_seconds(phase_transient) = 0.0_wp
-         kept%phase_seconds(phase_transient) = max(kept%wall_seconds &
-            - sum(kept%phase_seconds), 0.0_wp)
+         kept%cost%wall_seconds = self%earlier_seconds + begin - self%start
+         kept%cost%phase_seconds(phase_output) = self%output_seconds
+         kept%cost%phase_seconds(phase_transient) = 0.0_wp
+         kept%cost%phase_seconds(phase_transient) = max(kept%cost%wall_seconds &
+            - sum(kept%cost%phase_seconds), 0.0_wp)
       end associate
       if (allocated(self%failure)) deallocate (self%failure)
       if (self%writer%sync()) then
