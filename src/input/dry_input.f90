@@ -13,7 +13,6 @@ module dry_input
    use input_values, only: value_t
    use dry_settings, only: method_conjugate_gradient, method_steepest_descent
    use kinds, only: wp
-   use large_pages, only: prefer_large_pages
    use surface_keys, only: has_shape, surfaces
    use system_limits, only: memory_fault
    use text, only: add_sentence, to_text
@@ -76,11 +75,7 @@ contains
       fault = memory_fault('a grid', dry%memory_on([dry%grid%nx, dry%grid%ny]))
       if (nodes > max_nodes) fault = 'found ' // to_text(nodes) // ' nodes, expected at most ' &
          // to_text(max_nodes)
-      if (fault /= '') then
-         call dry%values%refuse('domain', key, fault)
-      else if (dry%grid%ny > 1) then
-         call prefer_large_pages(nodes)
-      end if
+      if (fault /= '') call dry%values%refuse('domain', key, fault)
    end subroutine check_size
 
    !> Mean pressures and hardness. Finding: a load above hardness times area.

@@ -11,9 +11,7 @@ module checksum
    type :: checksum_t
       integer(int64), private :: first = 0_int64, second = 0_int64
    contains
-      !> Adds numbers.
       procedure :: add
-      !> 16 hexadecimal digits.
       procedure :: digits => digits_of
    end type checksum_t
 
