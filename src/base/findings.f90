@@ -22,7 +22,6 @@ module findings
       character(len=64), allocatable :: set_keys(:)
       integer, public :: count = 0
    contains
-      !> From now on findings about this key, or about its group as a whole, are about --set.
       procedure, public :: set_apart
       procedure, public :: add => add_finding
       procedure, public :: report => findings_report
@@ -37,7 +36,7 @@ module findings
 
 contains
 
-   !> Notes that the command line gives a key.
+   !> From now on findings about a key, or about its group as a whole, are about --set.
    subroutine set_apart(self, group, key)
       class(findings_t), intent(inout) :: self
       character(*), intent(in) :: group, key

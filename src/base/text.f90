@@ -10,9 +10,7 @@ module text
 
    !> A number or logical as short text without surrounding blanks.
    interface to_text
-      module procedure :: integer_to_text
-      module procedure :: long_to_text
-      module procedure :: real_to_text
+      module procedure :: integer_to_text, long_to_text, real_to_text
    end interface to_text
 
 contains

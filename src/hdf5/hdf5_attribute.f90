@@ -14,9 +14,7 @@ module hdf5_attribute
 
    !> Stores an attribute of an existing group or dataset, named by its path.
    interface write_attribute
-      module procedure :: write_reals
-      module procedure :: write_integer
-      module procedure :: write_string
+      module procedure :: write_reals, write_integer, write_string
    end interface write_attribute
 
 contains

@@ -32,15 +32,12 @@ module hdf5_dataset
       !> Follows `long_name` where the stored number is another one than in SI.
       character(:), allocatable :: definition
    contains
-      !> Whether the values are other numbers in SI, and their label there.
       procedure :: has_scale, in_si
    end type label_t
 
    !> Stores a labelled dataset; groups above it are made as needed.
    interface write_dataset
-      module procedure :: write_reals
-      module procedure :: write_integers
-      module procedure :: write_string
+      module procedure :: write_reals, write_integers, write_string
    end interface write_dataset
 
 contains

@@ -66,22 +66,9 @@ module hdf5_file
       character(:), allocatable, private :: group_path
       integer(hid_t), private :: group = -1_hid_t
    contains
-      !> Keeps a new group or dataset open for its attributes.
-      procedure :: keep_object
-      !> Where to make a dataset.
-      procedure :: find_parent
-      !> The identifier of a group or dataset for its attributes.
-      procedure :: object_at
-      !> The HDF5 type of a string.
-      procedure :: string_type
-      !> Looks at numbers that are written.
-      procedure :: check_values
-      !> Makes a group, and those above it.
-      procedure :: create_group
-      !> Closes the file, whatever its state; `error` is the first failure of its whole life.
+      procedure :: keep_object, find_parent, object_at, string_type, check_values, create_group, &
+         check
       procedure :: close => close_file
-      !> Keeps the first failure.
-      procedure :: check
    end type hdf5_file_t
 
 contains

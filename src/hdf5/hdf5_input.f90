@@ -32,28 +32,9 @@ module hdf5_input
       integer(hid_t), private :: id = -1_hid_t
       logical, private :: is_open = .false.
    contains
-      !> Whether there is a dataset or group of this path.
-      procedure :: has
-      !> Opens a dataset, or an attribute of a dataset or group.
+      procedure :: has, reals, real_value, integer_value, number_of, read_numbers, text, text_of, &
+         scale_of, check, refuse
       procedure :: open => open_source
-      !> All numbers of a dataset, one after another.
-      procedure :: reals
-      !> The number of a dataset, or of an attribute of a dataset or group.
-      procedure :: real_value
-      procedure :: integer_value
-      !> The number of an attribute that may be missing.
-      procedure :: number_of
-      !> All numbers of a dataset or attribute, of which there must be this many, to an address.
-      procedure :: read_numbers
-      !> The text of a dataset, or of an attribute of a dataset or group, of a fixed length.
-      procedure :: text
-      !> The text of an attribute that may be missing, or be something else.
-      procedure :: text_of
-      !> The path of the dataset that is attached to a dimension as its scale.
-      procedure :: scale_of
-      procedure :: check
-      procedure :: refuse
-      !> Closes the file; `error` is the first failure.
       procedure :: close => close_reader
    end type hdf5_input_t
 

@@ -22,9 +22,7 @@ module hdf5_series
       character(:), allocatable, private :: path
       integer(hid_t), private :: id = -1_hid_t
    contains
-      !> Appends records: rows (row_length, n), or numbers (1, n).
       procedure :: append
-      !> Gives the library's memory for the series back; nothing can be appended afterwards.
       procedure :: close => close_series
    end type series_t
 

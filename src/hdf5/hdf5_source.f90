@@ -53,8 +53,8 @@ module hdf5_source
       integer, private :: class = -1
       logical :: is_variable = .false.
    contains
-      procedure :: fault, fault_of_size, fault_of_storage
-      procedure :: read_into, read_reference, read_variable
+      procedure :: fault, fault_of_size, fault_of_storage, read_into, read_reference, &
+         read_variable
       procedure :: close => close_source
    end type hdf5_source_t
 

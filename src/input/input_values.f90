@@ -42,13 +42,9 @@ module input_values
       !> What is wrong with the file.
       type(findings_t) :: findings
    contains
-      !> What a key has.
-      procedure :: slot, real_value, integer_value, logical_value, word_value, text_value
-      !> What is there, and where.
-      procedure :: is_given, has_value, has_group, line_of
-      !> Give a key a value; add a finding.
-      procedure :: give
-      procedure :: refuse, refuse_missing, refuse_unused
+      procedure :: slot, real_value, integer_value, logical_value, word_value, text_value, &
+         is_given, has_value, has_group, line_of, give, refuse, refuse_missing, &
+         refuse_unused
    end type input_values_t
 
 contains

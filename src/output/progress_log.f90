@@ -54,20 +54,8 @@ module progress_log
       !> Step at which they started; -1: they have not.
       integer, private :: first_step = -1
    contains
-      procedure :: on_cycle
-      procedure :: on_step
-      !> A new case begins.
-      procedure :: start_case
-      !> A line about the case, unless quiet.
-      procedure :: say
-      !> Something went wrong; said in any case.
-      procedure :: say_error
-      !> A summary: its lines, unless quiet, and its end.
-      procedure :: add_to_summary, print_summary
-      !> Whether errors are printed apart from the summary.
-      procedure :: prints_errors_apart
-      !> Removes the updating line; writes lines, in any case.
-      procedure :: clear, write_line
+      procedure :: on_cycle, on_step, start_case, say, say_error, add_to_summary, print_summary, &
+         prints_errors_apart, clear, write_line
       procedure, private :: update
    end type progress_log_t
 

@@ -56,24 +56,8 @@ module result_file
       character(:), allocatable, private :: problem, title, namelist
       logical, private :: is_scaled = .false.
    contains
-      !> Keeps what is known before the run.
-      procedure :: describe
-      !> Appends a time step to /transient.
-      procedure :: append_step
-      !> Brings NAME.part to the disk as far as it is written.
-      procedure :: sync
-      !> Whether something could not be written.
-      procedure :: has_failed
-      !> Makes the file ready for what is known at the end only.
-      procedure :: begin_end
-      !> Copies the time steps into /transient.
-      procedure :: copy_steps
-      !> Writes input and report, closes, and gives the file its name.
-      procedure :: publish
-      !> Closes NAME.part and leaves it for a later run to go on with.
-      procedure :: suspend
-      !> Gives the file up; nothing of it stays, but NAME.part if there is a checkpoint.
-      procedure :: discard
+      procedure :: describe, append_step, sync, has_failed, begin_end, copy_steps, publish, &
+         suspend, discard
       procedure, private :: keep_failure
    end type result_file_t
 
@@ -250,7 +234,7 @@ contains
       call self%discard()
    end subroutine publish
 
-   !> Closes NAME.part and lets others write it.
+   !> Closes NAME.part, which stays for a run that resumes, and lets others write it.
    subroutine suspend(self)
       class(result_file_t), intent(inout) :: self
 
@@ -258,7 +242,7 @@ contains
       call self%name%release()
    end subroutine suspend
 
-   !> Closes the files whatever their state and removes them.
+   !> Closes the files whatever their state and removes them, but NAME.part with a checkpoint.
    subroutine discard(self)
       class(result_file_t), intent(inout) :: self
       type(error_t), allocatable :: error

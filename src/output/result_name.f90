@@ -35,22 +35,8 @@ module result_name
       !> Lock on NAME.part.
       type(lock_t) :: lock
    contains
-      !> Prepares for an end by force: the message, and the files that are removed then. `step`: of
-      !> the last checkpoint.
-      procedure :: expect_interruption
-      !> That message.
-      procedure :: interruption_text
-      !> Seals the complete NAME.tmp and gives it the name; the checkpoint goes.
-      procedure :: give_to
-      !> Removes the checkpoint and what an interrupted run may have left of the next one, and of
-      !> the result.
-      procedure :: remove_checkpoint
-      !> Gives the name back without using it.
-      procedure :: give_back
-      !> Removes NAME.part.
-      procedure :: remove_part
-      !> Lets others write the result.
-      procedure :: release
+      procedure :: expect_interruption, interruption_text, give_to, remove_checkpoint, give_back, &
+         remove_part, release
    end type result_name_t
 
 contains

@@ -53,12 +53,7 @@ module result_writer
       !> The model that the program has chosen, if it was to.
       type(model_choice_t) :: choice
    contains
-      !> Adds a time step.
-      procedure :: store_step
-      !> The quantities of the run, with what is known of their errors.
-      procedure :: quantities_at_end
-      !> Writes solution, summary and report, closes, and gives the file its name.
-      procedure :: finish
+      procedure :: store_step, quantities_at_end, finish
    end type result_writer_t
 
 contains

@@ -46,17 +46,13 @@ module run_observer
       !> More time steps follow.
       logical, private :: is_marching = .false.
    contains
-      procedure :: on_step
-      procedure :: on_stage
-      procedure :: wants_stop
+      procedure :: on_step, on_stage, start_clock, wants_stop
       procedure, private :: keep
-      !> The run begins.
-      procedure :: start_clock
    end type run_observer_t
 
 contains
 
-   !> Sets the clocks.
+   !> Sets the clocks: the run begins.
    subroutine start_clock(self)
       class(run_observer_t), intent(inout) :: self
 

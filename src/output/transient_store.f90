@@ -69,10 +69,7 @@ module transient_store
       character(:), allocatable, private :: line
       type(checksum_t) :: sums
    contains
-      !> Appends one time step.
-      procedure :: append
-      !> Writes the series into another file.
-      procedure :: copy_into
+      procedure :: append, copy_into
    end type transient_store_t
 
 contains
