@@ -13,22 +13,13 @@ module hdf5_axes
       h5t_compound_f, h5t_native_integer, h5t_std_ref_obj, h5t_str_nullterm_f, h5tclose_f, &
       h5tcopy_f, h5tcreate_f, h5tinsert_f, h5tset_size_f, h5tset_strpad_f, h5tvlen_create_f, &
       hid_t, hobj_ref_t_f, hvl_t, size_t
-   use hdf5_attribute, only: attach_values
-   use hdf5_dataset, only: label_t, new_label, write_dataset, write_values
+   use hdf5_dataset, only: attach_values, label_t, new_label, write_dataset, write_values
    use hdf5_file, only: axis_t, axis_use_t, hdf5_file_t
    use kinds, only: wp
    implicit none (type, external)
    private
 
    public :: link_object, make_counter, name_axes, write_field, write_users
-
-   !> An element of REFERENCE_LIST.
-   type, bind(c) :: use_t
-      integer(c_int64_t) :: user
-      integer(c_int) :: dimension
-      !> Fills the 16 bytes, so that equal contents make equal files.
-      integer(c_int) :: nothing = 0_c_int
-   end type use_t
 
 contains
 
@@ -147,7 +138,8 @@ contains
       if (k == 0) call file%check(-1, path//': no coordinate')
       if (allocated(file%failure)) return
       place = file%axes(k)%place
-      file%uses = [file%uses, axis_use_t(user, dimension, k)]
+      file%uses = [file%uses, axis_use_t(user, dimension)]
+      file%used = [file%used, place]
    end subroutine use_axis
 
    !> The dataset or group at `path`, a coordinate or not, under a second name: a soft link, so that
@@ -172,10 +164,10 @@ contains
    !> Lists in every coordinate the datasets that use it: once, before the file is closed.
    subroutine write_users(file)
       class(hdf5_file_t), intent(inout) :: file
-      type(use_t), allocatable, target :: uses(:)
-      type(use_t), target :: one
+      type(axis_use_t), allocatable, target :: uses(:)
+      type(axis_use_t), target :: one
       integer(hid_t) :: use_type
-      integer :: i, k, status
+      integer :: i, status
 
       if (allocated(file%failure) .or. size(file%axes) == 0) return
       call h5tcreate_f(h5t_compound_f, c_sizeof(one), use_type, status)
@@ -188,10 +180,7 @@ contains
          associate (axis => file%axes(i))
             if (axis%object < 0_hid_t) cycle   ! another name
             call file%keep_object(axis%path, axis%object)
-            uses = [use_t ::]
-            do k = i, size(file%axes)
-               if (file%axes(k)%place == axis%place) uses = [uses, uses_of(file, k)]
-            end do
+            uses = pack(file%uses, file%used == axis%place)
             if (size(uses) > 0) call attach_values(file, axis%path, 'REFERENCE_LIST', use_type, &
                shape(uses), c_loc(uses))
          end associate
@@ -199,19 +188,6 @@ contains
       call h5tclose_f(use_type, status)
       file%axes = file%axes(:0)
    end subroutine write_users
-
-   !> What uses the coordinate number `k` by that name.
-   pure function uses_of(file, k) result(uses)
-      class(hdf5_file_t), intent(in) :: file
-      integer, intent(in) :: k
-      type(use_t), allocatable :: uses(:)
-      type(axis_use_t), allocatable :: found(:)
-
-      found = pack(file%uses, file%uses%axis == k)
-      allocate (uses(size(found)))
-      uses%user = found%user
-      uses%dimension = int(found%dimension, c_int)
-   end function uses_of
 
    !> Number of the coordinate at `path`; 0: there is none.
    pure function axis_at(file, path) result(k)

@@ -1,20 +1,20 @@
-!> An HDF5 file being written: open, groups, close. Attributes are in `hdf5_attribute`,
-!> datasets in `hdf5_dataset`, series that are written block by block in `hdf5_series`.
+!> An HDF5 file being written: open, groups, close. Datasets and attributes are in `hdf5_dataset`,
+!> series that are written block by block in `hdf5_series`.
 !>
 !> Every return code is checked. The first failure stays in `file%failure` (with HDF5's reason and
 !> the name of the file); what follows it does nothing, so a writer checks once, at `close`. No
 !> object carries a time stamp: equal contents make equal files.
 module hdf5_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
+   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_int64_t, c_loc
    use, intrinsic :: iso_fortran_env, only: int64, real32
    use errors, only: error_t, fail, output_error
    use file_bytes, only: open_positional_file, positional_file_t
    use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_trunc_f, h5f_scope_global_f, &
       h5fclose_f, h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5gopen_f, h5kind_to_type, &
       h5oclose_f, h5oopen_f, hid_t
-   use hdf5_library, only: get_string_type, hdf5_shared_t, shared_hdf5, start_hdf5
-   use hdf5_reason, only: keep_hdf5_failure
+   use hdf5_library, only: get_string_type, hdf5_shared_t, keep_hdf5_failure, shared_hdf5, &
+      start_hdf5
    use kinds, only: wp
    use own_file, only: any_mark, early_place, early_words, place_fault
    implicit none (type, external)
@@ -31,11 +31,13 @@ module hdf5_file
       integer(int64) :: place = 0
    end type axis_t
 
-   !> A dataset, by its address, whose dimension of this number (0 = the slowest) has the coordinate
-   !> number `axis`.
-   type :: axis_use_t
-      integer(int64) :: user
-      integer :: dimension, axis
+   !> An element of REFERENCE_LIST: a dataset, by its address, and the number of a dimension of it
+   !> that has a coordinate (0 = the slowest).
+   type, bind(c) :: axis_use_t
+      integer(c_int64_t) :: user
+      integer(c_int) :: dimension
+      !> Fills the 16 bytes, so that equal contents make equal files.
+      integer(c_int) :: nothing = 0_c_int
    end type axis_use_t
 
    !> An open file for writing.
@@ -51,9 +53,10 @@ module hdf5_file
       integer(hid_t) :: real_type = -1_hid_t
       integer(hid_t) :: single_type = -1_hid_t
       integer(hid_t) :: integer_type = -1_hid_t
-      !> Coordinates so far, and what uses them.
+      !> Coordinates so far, what uses them, and which one, by its address.
       type(axis_t), allocatable :: axes(:)
       type(axis_use_t), allocatable :: uses(:)
+      integer(int64), allocatable :: used(:)
       !> The first dataset whose values are no answer, and why; unallocated: none so far.
       character(:), allocatable :: nonsense
       logical, private :: is_open = .false.
@@ -84,7 +87,7 @@ contains
       integer :: status
 
       file%path = path
-      allocate (file%axes(0), file%uses(0))
+      allocate (file%axes(0), file%uses(0), file%used(0))
       fault = place_fault(path, any_mark)
       if (fault /= '') call fail(file%failure, output_error, 'cannot write '//path//fault)
       call start_hdf5(status)

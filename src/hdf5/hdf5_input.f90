@@ -10,8 +10,7 @@ module hdf5_input
    use hdf5, only: h5aexists_by_name_f, h5aopen_by_name_f, h5dopen_f, h5f_acc_rdonly_f, &
       h5fclose_f, h5fis_hdf5_f, h5fopen_f, h5kind_to_type, h5_integer_kind, h5_real_kind, &
       h5lexists_f, hid_t
-   use hdf5_library, only: start_hdf5
-   use hdf5_reason, only: keep_hdf5_failure
+   use hdf5_library, only: keep_hdf5_failure, start_hdf5
    use hdf5_source, only: hdf5_source_t, new_source, number_class, text_class
    use kinds, only: wp
    use text, only: to_text

@@ -3,8 +3,7 @@
 module adequacy_section
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use adequacy, only: adequacy_t, compared, influence_t
-   use hdf5_attribute, only: write_attribute
-   use hdf5_dataset, only: new_label, write_dataset
+   use hdf5_dataset, only: new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use quantities, only: quantity_count, quantity_rows

@@ -10,7 +10,7 @@ module checkpoint
    use checkpoint_file, only: checkpoint_file_t
    use errors, only: error_t, fail, input_error, output_error
    use file_bytes, only: seal_fault, seal_file
-   use hdf5_attribute, only: write_attribute
+   use hdf5_dataset, only: write_attribute
    use hdf5_file, only: create_hdf5_file
    use file_path, only: folder_of
    use hdf5_input, only: hdf5_input_t, open_hdf5_input

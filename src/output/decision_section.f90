@@ -2,7 +2,7 @@
 module decision_section
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use adequacy, only: adequacy_t, compared, influence_t, new_influence
-   use hdf5_attribute, only: write_attribute
+   use hdf5_dataset, only: write_attribute
    use hdf5_file, only: hdf5_file_t
    use adequacy_section, only: write_changes
    use kinds, only: wp

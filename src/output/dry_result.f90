@@ -13,9 +13,8 @@ module dry_result
    use dry_quantities, only: describe, dry_count, dry_fields_t, dry_outcome_t, dry_table, load, &
       mean_pressure
    use errors, only: error_t
-   use hdf5_attribute, only: write_attribute
    use hdf5_axes, only: link_object, make_counter, name_axes, write_field
-   use hdf5_dataset, only: label_t, new_label, write_dataset, write_zeros
+   use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset, write_zeros
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use missing_value, only: not_known
@@ -94,24 +93,12 @@ contains
       real(wp), intent(in) :: mean_pressure
 
       call file%create_group('/scaling')
-      call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus)
-      call write_attribute(file, '/scaling', 'reduced_modulus_units', 'Pa')
+      call write_attribute(file, '/scaling', 'reduced_modulus', dry%reduced_modulus, 'Pa')
       if (.not. dry%is_periodic .or. scaling%is_flat .or. .not. mean_pressure > 0.0_wp) return
-      call write_number('similarity_number', load_number(scaling%pressure, mean_pressure))
-      if (dry%loads%hardness < no_hardness) call write_number('hardness_number', &
-         load_number(dry%loads%hardness, mean_pressure))
-
-   contains
-
-      !> A number without unit.
-      subroutine write_number(name, value)
-         character(*), intent(in) :: name
-         real(wp), intent(in) :: value
-
-         call write_attribute(file, '/scaling', name, value)
-         call write_attribute(file, '/scaling', name//'_units', '1')
-      end subroutine write_number
-
+      call write_attribute(file, '/scaling', 'similarity_number', load_number(scaling%pressure, &
+         mean_pressure), '1')
+      if (dry%loads%hardness < no_hardness) call write_attribute(file, '/scaling', &
+         'hardness_number', load_number(dry%loads%hardness, mean_pressure), '1')
    end subroutine write_scaling
 
    !> /solution.

@@ -4,9 +4,8 @@ module field_sections
    use film_fields, only: film_fields_t
    use film_passage, only: film_passage_t
    use film_statistics, only: bins_per_decade, film_first, film_statistics_t, pressure_first
-   use hdf5_attribute, only: write_attribute
    use hdf5_axes, only: link_object, write_field
-   use hdf5_dataset, only: label_t, new_label, write_dataset
+   use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use line_state, only: line_state_t

@@ -2,8 +2,7 @@
 !> give for the contact, with the computed film.
 module formulas_section
    use film_formulas, only: film_by_formula, formula_rows, formulas_hold, known_bias
-   use hdf5_attribute, only: write_attribute
-   use hdf5_dataset, only: label_t, new_label, write_dataset
+   use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
    use hdf5_file, only: hdf5_file_t
    use kinds, only: wp
    use line_contact, only: finest_wave, line_contact_t

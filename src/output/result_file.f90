@@ -8,9 +8,8 @@ module result_file
    use build_info, only: git_commit, program_name, program_version
    use case_record, only: effective_t
    use errors, only: error_t, fail, input_error
-   use hdf5_attribute, only: write_attribute
    use hdf5_axes, only: write_users
-   use hdf5_dataset, only: new_label, write_dataset
+   use hdf5_dataset, only: new_label, write_attribute, write_dataset
    use hdf5_file, only: create_hdf5_file, hdf5_file_t
    use input_section, only: write_inputs
    use iteration_report, only: report_t
