@@ -16,7 +16,7 @@ module result_end
    use line_contact, only: line_contact_t
    use line_state, only: line_state_t
    use run_observer, only: run_observer_t
-   use signals, only: take_last_words
+   use signals, only: disarm_exit_message
    use text, only: to_text
    implicit none (type, external)
    private
@@ -96,7 +96,7 @@ contains
       if (allocated(listener%failure)) outcome%status = status_not_written
       words = listener%writer%name%interruption_text()
       outcome%reason = words
-      call take_last_words()
+      call disarm_exit_message()
       call listener%log%say_error(words)
       if (listener%writer%name%has_checkpoint) then
          call listener%writer%suspend()

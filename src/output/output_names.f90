@@ -5,7 +5,7 @@ module output_names
    use build_info, only: program_name
    use case_record, only: path_from_namelist, case_t, result_path
    use file_path, only: file_identity_t, folder_of, kind_missing, kind_other, kind_regular, &
-      look_at_file
+      file_at
    use own_file, only: any_mark, hdf5_mark, place_fault, xdmf_mark
    use result_name, only: working_endings
    use xdmf_file, only: xdmf_path
@@ -114,12 +114,12 @@ contains
       type(file_identity_t) :: found
 
       key = path
-      found = look_at_file(path, follows=.true.)
+      found = file_at(path, follows=.true.)
       if (found%kind /= kind_missing) then
          key = found%word
          return
       end if
-      found = look_at_file(folder_of(path), follows=.true.)
+      found = file_at(folder_of(path), follows=.true.)
       if (found%kind /= kind_missing) key = found%word//path(index('/'//path, '/', back=.true.):)
    end function key_of
 
@@ -182,12 +182,12 @@ contains
       found = ''
       is_temporary = output%what == 'temporary file'
       if (is_temporary) then
-         file = look_at_file(output%path, follows=.false.)
+         file = file_at(output%path, follows=.false.)
          is_taken = file%kind == kind_regular .and. place_fault(output%path, any_mark) /= ''
          if (is_resume) is_taken = is_taken .and. index(output%path, '.tmp', back=.true.) &
             == len(output%path) - 3
       else
-         file = look_at_file(output%path, follows=.true.)
+         file = file_at(output%path, follows=.true.)
          is_taken = file%kind == kind_other .or. place_fault(output%path, merge(hdf5_mark, &
             xdmf_mark, output%what == 'result')) /= ''
       end if

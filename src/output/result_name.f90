@@ -9,9 +9,9 @@ module result_name
    use errors, only: error_t, fail, output_error
    use file_bytes, only: seal_file
    use file_path, only: file_fault, file_identity_t, folder_of, is_folder, kind_link, kind_other, &
-      look_at_file
+      file_at
    use own_file, only: hdf5_mark, lock_t, place_fault, remove_file, rename_file, sync_file
-   use signals, only: forget_last_words, lay_down_last_words, set_patience
+   use signals, only: clear_exit_message, set_exit_message, set_patience
    use text, only: to_text
    implicit none (type, external)
    private
@@ -75,7 +75,7 @@ contains
          if (file_fault(folder_of(path)) == '') fault = folder_of(path)//' is a file, not a folder'
       else
          do i = 1, size(working_endings)
-            file = look_at_file(path//trim(working_endings(i)), follows=.false.)
+            file = file_at(path//trim(working_endings(i)), follows=.false.)
             if (file%kind == kind_link) fault = ' is a link'
             if (file%kind == kind_other) fault = ' is no regular file'
             if (fault /= '') then
@@ -107,7 +107,7 @@ contains
 
       self%kept_step = step
       first = merge(2, 1, self%has_checkpoint)   ! a checkpoint needs NAME.part
-      call lay_down_last_words(program_name//': '//self%interruption_text(), &
+      call set_exit_message(program_name//': '//self%interruption_text(), &
          self%path//working_endings(first:3))
    end subroutine expect_interruption
 
@@ -173,7 +173,7 @@ contains
    subroutine release(self)
       class(result_name_t), intent(inout) :: self
 
-      call forget_last_words()
+      call clear_exit_message()
       call self%lock%release()
    end subroutine release
 

@@ -6,7 +6,7 @@ module file_path
    implicit none (type, external)
    private
 
-   public :: file_fault, folder_of, is_folder, look_at_file, look_at_open_file, make_folder
+   public :: file_fault, folder_of, is_folder, file_at, file_of_descriptor, make_folder
 
    !> What a path leads to; `kind_other`: a pipe, a device, a socket.
    integer, parameter, public :: kind_missing = 0, kind_regular = 1, kind_link = 3, kind_other = 4
@@ -29,24 +29,24 @@ module file_path
 contains
 
    !> What `path` leads to, or with `follows` false a link itself.
-   function look_at_file(path, follows) result(identity)
+   function file_at(path, follows) result(identity)
       character(*), intent(in) :: path
       logical, intent(in) :: follows
       type(file_identity_t) :: identity
 
-      if (len(path) > 0) identity = look(current_folder, path, merge(0_c_int, no_follow, follows))
-   end function look_at_file
+      if (len(path) > 0) identity = query(current_folder, path, merge(0_c_int, no_follow, follows))
+   end function file_at
 
    !> The file of an open descriptor.
-   function look_at_open_file(descriptor) result(identity)
+   function file_of_descriptor(descriptor) result(identity)
       integer(c_int), intent(in) :: descriptor
       type(file_identity_t) :: identity
 
-      identity = look(descriptor, '', empty_path)
-   end function look_at_open_file
+      identity = query(descriptor, '', empty_path)
+   end function file_of_descriptor
 
    !> Asks the operating system.
-   function look(folder, path, flags) result(identity)
+   function query(folder, path, flags) result(identity)
       integer(c_int), intent(in) :: folder, flags
       character(*), intent(in) :: path
       type(file_identity_t) :: identity
@@ -65,7 +65,7 @@ contains
       case default   ! all others
          identity%kind = kind_other
       end select
-   end function look
+   end function query
 
    !> Why `path` cannot be read, in words (only regular files have an end); empty if it can.
    function file_fault(path) result(fault)
@@ -73,7 +73,7 @@ contains
       character(:), allocatable :: fault
       type(file_identity_t) :: identity
 
-      identity = look_at_file(path, follows=.true.)
+      identity = file_at(path, follows=.true.)
       select case (identity%kind)
       case (kind_regular)
          fault = ''

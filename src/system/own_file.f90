@@ -7,8 +7,8 @@ module own_file
    use build_info, only: program_name
    use c_library, only: c_close, c_fcntl, c_fsync, c_lseek, c_open, c_pread, c_rename, &
       c_unlink, file_lock_t
-   use file_path, only: file_identity_t, kind_missing, kind_regular, look_at_file, &
-      look_at_open_file
+   use file_path, only: file_identity_t, kind_missing, kind_regular, file_at, &
+      file_of_descriptor
    implicit none (type, external)
    private
 
@@ -37,7 +37,7 @@ module own_file
    integer, parameter :: head_bytes = 4096
    !> O_RDONLY, O_RDWR; O_RDONLY + O_NONBLOCK, so that a pipe does not wait for a writer; SEEK_END.
    integer(c_int), parameter :: read_only = 0_c_int, read_and_write = 2_c_int, &
-      look_only = 2048_c_int, from_end = 2_c_int
+      read_at_once = 2048_c_int, from_end = 2_c_int
    !> F_OFD_SETLK of fcntl(2): a lock of the open file, which the end of another descriptor does not
    !> end; F_WRLCK, F_UNLCK.
    integer(c_int), parameter :: set_lock = 37_c_int
@@ -62,7 +62,7 @@ contains
       integer :: found
 
       fault = ''
-      file = look_at_file(path, follows=.true.)
+      file = file_at(path, follows=.true.)
       if (file%kind /= kind_regular) return
       found = mark_of(path//c_null_char)
       if (found == mark .or. (mark == any_mark .and. found /= no_mark)) return
@@ -80,7 +80,7 @@ contains
       integer :: length, place
 
       mark = no_mark
-      descriptor = c_open(path, look_only)
+      descriptor = c_open(path, read_at_once)
       if (descriptor < 0_c_int) return
       bytes = c_lseek(descriptor, 0_c_int64_t, from_end)
       length = int(c_pread(descriptor, c_loc(head), int(head_bytes, c_size_t), 0_c_int64_t))
@@ -167,8 +167,8 @@ contains
       logical :: holds
       type(file_identity_t) :: locked, there
 
-      locked = look_at_open_file(self%descriptor)
-      there = look_at_file(path, follows=.true.)
+      locked = file_of_descriptor(self%descriptor)
+      there = file_at(path, follows=.true.)
       holds = there%kind /= kind_missing .and. locked%word == there%word
    end function holds
 

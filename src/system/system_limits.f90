@@ -146,10 +146,10 @@ contains
          second = first + index(line(first + 1:), ':')
          if (second == first) cycle
          if (line(:second) == '0::') then
-            call look_around(mount, 'memory.max')
-            call look_around(mount//'/unified', 'memory.max')
+            call read_limits(mount, 'memory.max')
+            call read_limits(mount//'/unified', 'memory.max')
          else if (index(','//line(first + 1:second - 1)//',', ',memory,') > 0) then
-            call look_around(mount//'/memory', 'memory.limit_in_bytes')
+            call read_limits(mount//'/memory', 'memory.limit_in_bytes')
          end if
       end do
       close (unit, iostat=status)
@@ -157,7 +157,7 @@ contains
    contains
 
       !> Looks into the files `name` of the group in `folder` and of all groups around it.
-      subroutine look_around(folder, name)
+      subroutine read_limits(folder, name)
          character(*), intent(in) :: folder, name
          character(:), allocatable :: path
 
@@ -167,7 +167,7 @@ contains
             if (len(path) <= 1) exit
             path = path(:index(path(:len(path) - 1), '/', back=.true.))
          end do
-      end subroutine look_around
+      end subroutine read_limits
 
    end function group_memory
 
