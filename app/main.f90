@@ -6,8 +6,8 @@ program asperity
    use case_outcome, only: case_outcome_t, count_outcome, status_interrupted, status_not_written
    use case_record, only: case_t
    use command_line, only: command_t, help_text, read_command_line
+   use disk_file, only: make_folder
    use errors, only: error_t, output_error
-   use file_path, only: make_folder
    use input_manual, only: keys_markdown, keys_text, template_text
    use progress_log, only: new_progress_log, progress_log_t
    use read_cases, only: read_all_cases, refused_t, status_bad_input, report_good, report_refused

@@ -10,8 +10,7 @@ module quantity_text
 
 contains
 
-   !> A number with `digits` significant digits; whole numbers up to 1e9 without a point; 'unknown'
-   !> if it is not finite.
+   !> A number with `digits` digits; whole ones up to 1e9 without a point; 'unknown' if not finite.
    pure function number_text(value, digits) result(string)
       real(wp), intent(in) :: value
       integer, intent(in) :: digits
@@ -29,8 +28,7 @@ contains
       end if
    end function number_text
 
-   !> A quantity with four digits and the SI prefix that leaves 1 to 3 of them before the point, as
-   !> in 433.6 nm; 'unknown' if it is not finite.
+   !> A quantity with four digits and an SI prefix, as 433.6 nm; 'unknown' if not finite.
    pure function prefixed_text(value, unit) result(string)
       real(wp), intent(in) :: value
       character(*), intent(in) :: unit
@@ -85,8 +83,7 @@ contains
       character(*), intent(in) :: string
       integer, intent(in) :: length
       integer, intent(in), optional :: indent
-      character(:), allocatable :: lines
-      character(:), allocatable :: margin, rest
+      character(:), allocatable :: lines, margin, rest
       integer :: blank, first
 
       margin = '  '

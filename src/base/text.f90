@@ -33,8 +33,7 @@ contains
       string = trim(buffer)
    end function long_to_text
 
-   !> A real with `digits` significant digits (default 6, at most 17): fixed point for
-   !> 1e-3 <= |value| < 1e6, else scientific.
+   !> A real with `digits` (default 6, at most 17): fixed for 1e-3 <= |value| < 1e6, else es.
    pure function real_to_text(value, digits) result(string)
       real(wp), intent(in) :: value
       integer, intent(in), optional :: digits
@@ -146,8 +145,7 @@ contains
    pure function count_of(mark, words) result(number)
       character(len=1), intent(in) :: mark
       character(*), intent(in) :: words
-      integer :: number
-      integer :: i
+      integer :: number, i
 
       number = 0
       do i = 1, len(words)

@@ -1,10 +1,8 @@
-!> Axes of datasets: dimension scales of HDF5, as netCDF-4 has them, so that readers know the
-!> coordinates of every array.
+!> Axes of datasets as HDF5 dimension scales (as in netCDF-4): readers know all coordinates.
 !>
 !> The attributes are those of the HDF5 Dimension Scale Specification 1.0: CLASS and NAME of a
-!> scale, DIMENSION_LIST of a dataset with axes, REFERENCE_LIST of a scale in use. NetCDF looks for
-!> a scale in the group of the dataset, so a coordinate that is stored once is linked where else it
-!> is used.
+!> scale, DIMENSION_LIST of its users, REFERENCE_LIST of a scale in use. NetCDF looks for scales in
+!> the group of the dataset, so a coordinate is linked where else it is used.
 module hdf5_axes
    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_int64_t, c_loc, &
       c_null_char, c_sizeof
@@ -123,8 +121,7 @@ contains
       call h5tclose_f(list_type, status)
    end subroutine name_axes
 
-   !> Adds a user, of which it is the dimension of this number, to the coordinate at `path`, whose
-   !> place is `place`.
+   !> Adds a user, by one of its dimensions, to the coordinate at `path`, whose place is `place`.
    subroutine use_axis(file, path, user, dimension, place)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
@@ -139,7 +136,7 @@ contains
       if (allocated(file%failure)) return
       place = file%axes(k)%place
       file%uses = [file%uses, axis_use_t(user, dimension)]
-      file%used = [file%used, place]
+      file%used = [file%used, k]
    end subroutine use_axis
 
    !> The dataset or group at `path`, a coordinate or not, under a second name: a soft link, so that
@@ -167,7 +164,7 @@ contains
       type(axis_use_t), allocatable, target :: uses(:)
       type(axis_use_t), target :: one
       integer(hid_t) :: use_type
-      integer :: i, status
+      integer :: i, k, status
 
       if (allocated(file%failure) .or. size(file%axes) == 0) return
       call h5tcreate_f(h5t_compound_f, c_sizeof(one), use_type, status)
@@ -180,7 +177,10 @@ contains
          associate (axis => file%axes(i))
             if (axis%object < 0_hid_t) cycle   ! another name
             call file%keep_object(axis%path, axis%object)
-            uses = pack(file%uses, file%used == axis%place)
+            uses = [axis_use_t ::]
+            do k = i, size(file%axes)
+               if (file%axes(k)%place == axis%place) uses = [uses, pack(file%uses, file%used == k)]
+            end do
             if (size(uses) > 0) call attach_values(file, axis%path, 'REFERENCE_LIST', use_type, &
                shape(uses), c_loc(uses))
          end associate

@@ -15,8 +15,7 @@ module hdf5_dataset
    public :: attach_values, create_labelled, label_t, new_label, write_attribute, write_dataset, &
       write_string, write_values, write_zeros
 
-   !> Numbers that are stored in the header of their dataset, at most: no place in the file to look
-   !> up and to write.
+   !> Numbers at most that are stored in the header of their dataset, with no place of their own.
    integer, parameter :: few = 16
    !> Zeros that are written, at most.
    integer, parameter :: many = 4096
@@ -154,9 +153,8 @@ contains
       call write_values(file, path, file%string_type(len(copy)), [integer ::], c_loc(copy), label)
    end subroutine write_string
 
-   !> Creates, writes and closes a dataset of the `extents` (none: one value), and labels it. HDF5
-   !> converts the values from their type to `stored_type`, which is the same if absent. Null in
-   !> place of `values`: they stay unwritten.
+   !> Creates, writes and labels a dataset of the `extents` (none: one value), stored as
+   !> `stored_type` if present. Null in place of `values`: they stay unwritten.
    subroutine write_values(file, path, type_id, extents, values, label, stored_type)
       class(hdf5_file_t), intent(inout) :: file
       character(*), intent(in) :: path
@@ -284,8 +282,7 @@ contains
       call file%check(status, name)
    end subroutine attach_values
 
-   !> The HDF5 dataspace of values with these `extents` (none: one value), for `close_space`;
-   !> `status` < 0: failed.
+   !> The dataspace of these `extents` (none: one value), for `close_space`; `status` < 0: failed.
    subroutine new_space(file, extents, space, status)
       class(hdf5_file_t), intent(in) :: file
       integer, intent(in) :: extents(:)

@@ -8,6 +8,7 @@ module hdf5_file
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_int64_t, c_loc
    use, intrinsic :: iso_fortran_env, only: int64, real32
+   use disk_file, only: any_mark, early_place, early_words, place_fault
    use errors, only: error_t, fail, output_error
    use file_bytes, only: open_positional_file, positional_file_t
    use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_trunc_f, h5f_scope_global_f, &
@@ -16,7 +17,6 @@ module hdf5_file
    use hdf5_library, only: get_string_type, hdf5_shared_t, keep_hdf5_failure, shared_hdf5, &
       start_hdf5
    use kinds, only: wp
-   use own_file, only: any_mark, early_place, early_words, place_fault
    implicit none (type, external)
    private
 
@@ -50,22 +50,18 @@ module hdf5_file
       integer(hid_t) :: id = -1_hid_t
       type(hdf5_shared_t) :: shared
       !> HDF5 types of real(wp), real(real32) and integer(int64).
-      integer(hid_t) :: real_type = -1_hid_t
-      integer(hid_t) :: single_type = -1_hid_t
-      integer(hid_t) :: integer_type = -1_hid_t
-      !> Coordinates so far, what uses them, and which one, by its address.
+      integer(hid_t) :: real_type = -1_hid_t, single_type = -1_hid_t, integer_type = -1_hid_t
+      !> Coordinates so far, what uses them, and which of them.
       type(axis_t), allocatable :: axes(:)
       type(axis_use_t), allocatable :: uses(:)
-      integer(int64), allocatable :: used(:)
+      integer, allocatable :: used(:)
       !> The first dataset whose values are no answer, and why; unallocated: none so far.
       character(:), allocatable :: nonsense
       logical, private :: is_open = .false.
-      !> The group or dataset that got the last attribute, which stays open for the next one: to
-      !> look up its path costs as much as an attribute.
+      !> The object of the last attribute, kept open: to look up its path costs as much as one.
       character(:), allocatable, private :: object_path
       integer(hid_t), private :: object = -1_hid_t
-      !> The group, with a slash at its end, in which the last dataset was made, and its identifier
-      !> if it was not the first there.
+      !> The group, with a slash, of the last dataset, and its identifier if that was not the first.
       character(:), allocatable, private :: group_path
       integer(hid_t), private :: group = -1_hid_t
    contains
@@ -110,8 +106,7 @@ contains
       if (allocated(file%failure)) error = file%failure
    end subroutine create_hdf5_file
 
-   !> The type of UTF-8 strings of `length` > 0 bytes, to be left open; nothing sensible after a
-   !> failure.
+   !> The type of UTF-8 strings of `length` > 0 bytes, to be left open; undefined after a failure.
    function string_type(self, length) result(type_id)
       class(hdf5_file_t), intent(inout) :: self
       integer, intent(in) :: length
@@ -253,8 +248,7 @@ contains
       deallocate (self%object_path)
    end subroutine close_object
 
-   !> Closes the file and all that is open in it; `error` is the first failure of its whole life.
-   !> Closing twice does nothing.
+   !> Closes the file, once, and all in it; `error` is the first failure of its whole life.
    subroutine close_file(self, error)
       class(hdf5_file_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error

@@ -26,8 +26,7 @@ module hdf5_library
       !> Properties of new links: groups above are made as well.
       integer(hid_t) :: link_creation = -1_hid_t
       !> Properties of new datasets, and of small ones, whose values stand in their header.
-      integer(hid_t) :: creation = -1_hid_t
-      integer(hid_t) :: small_creation = -1_hid_t
+      integer(hid_t) :: creation = -1_hid_t, small_creation = -1_hid_t
       !> The dataspace of one value.
       integer(hid_t) :: scalar_space = -1_hid_t
    end type hdf5_shared_t
@@ -167,8 +166,7 @@ contains
       call fail(failure, kind, what // ' (' // doing // ')' // reason)
    end subroutine keep_hdf5_failure
 
-   !> The operating system's words ('No space left on device') where the library passes them on,
-   !> else its own; '' if it has none.
+   !> The system's words ('No space left on device') where passed on, else the library's, or ''.
    function last_hdf5_reason() result(reason)
       character(:), allocatable :: reason
       character(len=*), parameter :: marker = "error message = '"
@@ -186,8 +184,7 @@ contains
       if (length > 0) reason = reason(:length)
    end function last_hdf5_reason
 
-   !> Visits one stack entry: keeps the description of entry 0, the most specific one. Returns
-   !> 0 = go on.
+   !> Keeps the description of stack entry 0, the most specific one; returns 0 = go on.
    function keep_first(number, entry, client) bind(c) result(status)
       integer(c_int), value :: number
       type(stack_entry_t), intent(in) :: entry

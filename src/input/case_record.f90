@@ -49,8 +49,7 @@ module case_record
 
    !> What is asked of the accuracy.
    type :: accuracy_t
-      !> Relative error of h_min for which the program chooses intervals and time step; 0: not
-      !> asked.
+      !> Relative error of h_min for which intervals and time step are chosen; 0: not asked.
       real(wp) :: target
       !> The same of p_max of a steady contact; 0: not asked.
       real(wp) :: target_p_max
@@ -100,8 +99,7 @@ module case_record
       !> A film below it is a breakdown [m]; 0: not given.
       real(wp) :: film_floor = 0.0_wp
       type(output_settings_t) :: output_settings
-      !> Filled for dry problems, which use nothing of the above but title, problem, model, output,
-      !> file and namelist.
+      !> Of dry problems, which of the above use only title, problem, model, output, file, namelist.
       type(dry_case_t) :: dry
       type(accuracy_t) :: accuracy
       !> Values outside the typical ranges of their keys.
@@ -114,9 +112,8 @@ module case_record
 
 contains
 
-   !> File of the result: `output` of the case, relative to the namelist, else the namelist's
-   !> stem + .h5 in the current folder. A folder `output_dir` (empty: none) replaces the folder of
-   !> either.
+   !> File of the result: `output` of the case, relative to the namelist, else the namelist's stem +
+   !> .h5 in the current folder. A folder `output_dir` (empty: none) replaces the folder of either.
    pure function result_path(case, output_dir) result(path)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: output_dir
@@ -145,8 +142,7 @@ contains
       if (index(path, '/') /= 1) path = case%file(:index(case%file, '/', back=.true.)) // path
    end function path_from_namelist
 
-   !> The values that decide about the result of a case, one a line. Before anything is chosen by
-   !> the program.
+   !> The values that decide about the result, one a line, before the program chooses anything.
    pure function case_identity(case) result(lines)
       type(case_t), intent(in) :: case
       character(:), allocatable :: lines
@@ -155,9 +151,8 @@ contains
       lines = '&case problem = '//trim(case%problem)
       do i = 1, size(case%effective)
          associate (entry => case%effective(i))
-            if (entry%group == 'case' .or. entry%key == 'checkpoint_interval' &
-               .or. entry%key == 'adequacy' .or. entry%key == 'si_copies' &
-               .or. entry%key == 'xdmf') cycle
+            if (entry%group == 'case' .or. entry%key == 'checkpoint_interval' .or. entry%key == &
+               'adequacy' .or. entry%key == 'si_copies' .or. entry%key == 'xdmf') cycle
             lines = lines//new_line('a')//'&'//trim(entry%group)//' '//trim(entry%key) &
                //' = '//effective_text(entry)
          end associate
@@ -183,9 +178,8 @@ contains
       end if
    end function effective_text
 
-   !> Sets or adds a value in the list of effective values, for instance one that the program has
-   !> chosen: `reals` (at least one), `integer` or `text`. Its unit is that of the key table; `unit`
-   !> is that of a value which is no key.
+   !> Sets or adds a value in the list of effective values: `reals` (at least one), `integer` or
+   !> `text`. Its unit is that of the key table, or `unit` where it is no key.
    pure subroutine set_effective(case, group, key, reals, integer, text, unit)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: group, key

@@ -1,5 +1,4 @@
-!> What the values of a case must have in common: missing, contradictory and unused keys, physical
-!> nonsense.
+!> Checks over several values of a case: missing, contradictory and unused keys, physical nonsense.
 !>
 !> Each check adds its findings and goes on, so that one report has them all.
 module case_validation

@@ -26,8 +26,7 @@ module dry_case
       !> R of a parabola [m]; 0: there is none.
       real(wp) :: radius = 0.0_wp
       type(dry_grid_t) :: grid
-      !> The first grid, on which synthetic heights are made; finer ones have the same Fourier
-      !> series.
+      !> The first grid, of synthetic heights; finer ones have the same Fourier series.
       integer :: first_nodes(2) = 0
       !> Lx, Ly [m]; a line has Ly = 0.
       real(wp) :: lengths(2)
@@ -63,8 +62,7 @@ contains
       is_compared = self%has_error_bars .or. self%wants_adequacy
    end function is_compared
 
-   !> The memory that the case needs at most on this many nodes [bytes]: with a target on coarser
-   !> grids first, each compared with finer ones.
+   !> The memory needed at most on so many nodes [bytes]; a target compares coarser grids first.
    pure function memory_on(self, nodes) result(bytes)
       class(dry_case_t), intent(in) :: self
       integer, intent(in) :: nodes(2)

@@ -21,16 +21,14 @@ module dry_input
 
    public :: fill_dry_case
 
-   !> Most nodes of an area: the padded transforms of an open one count four times as many in 32
-   !> bits.
+   !> Most nodes of an area: the transforms of an open one count four times as many in 32 bits.
    integer, parameter :: max_nodes = 536870911
    !> Images of a parabola on either side that are summed.
    integer, parameter :: images = 60
 
 contains
 
-   !> Fills `dry` from its values; `folder` is that of the namelist, with its slash. Findings:
-   !> grids, surfaces and loads that cannot be.
+   !> Fills `dry` from its values; `folder` of the namelist. Findings: grids, surfaces, loads.
    subroutine fill_dry_case(folder, dry)
       character(*), intent(in) :: folder
       type(dry_case_t), intent(inout) :: dry
@@ -106,8 +104,7 @@ contains
          // ' Pa, expected at most the hardness, ' // to_text(dry%loads%hardness) // ' Pa')
    end subroutine fill_loads
 
-   !> Separations. Findings: an open line; nothing touches; an elastic periodic surface pressed
-   !> further than flat.
+   !> Separations. Findings: an open line; nothing touches; an elastic surface pressed beyond flat.
    subroutine fill_separations(dry)
       type(dry_case_t), intent(inout) :: dry
       type(value_t) :: given
@@ -159,8 +156,7 @@ contains
       end associate
    end subroutine fill_solver
 
-   !> Findings about a parabola: there are two; the open domain ends inside its contact. On a
-   !> periodic domain a note: what the images do.
+   !> Findings: two parabolas; an open domain inside the contact. Note: what periodic images do.
    subroutine check_parabola(dry)
       type(dry_case_t), intent(inout) :: dry
       logical :: is_one(2)
@@ -176,8 +172,7 @@ contains
       end if
    end subroutine check_parabola
 
-   !> Finds an open domain that is shorter than the contact of Hertz under the largest load (what
-   !> yields is wider still).
+   !> Finds an open domain shorter than the contact of Hertz (what yields is wider still).
    subroutine check_room(dry)
       type(dry_case_t), intent(inout) :: dry
       real(wp) :: growth, length, load, needed, width

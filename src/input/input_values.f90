@@ -43,8 +43,7 @@ module input_values
       type(findings_t) :: findings
    contains
       procedure :: slot, real_value, integer_value, logical_value, word_value, text_value, &
-         is_given, has_value, has_group, line_of, give, refuse, refuse_missing, &
-         refuse_unused
+         is_given, has_value, has_group, line_of, give, refuse, refuse_missing, refuse_unused
    end type input_values_t
 
 contains

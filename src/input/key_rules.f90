@@ -180,8 +180,7 @@ contains
       end select
    end function opposite
 
-   !> The given keys of `values` outside the typical range of their row of the key table, one entry
-   !> each, with the first value that is.
+   !> Given keys outside the typical range of their row, each with the first value that is.
    pure function find_unusual(values) result(unusual)
       type(input_values_t), intent(in) :: values
       type(unusual_t), allocatable :: unusual(:)
@@ -199,8 +198,7 @@ contains
             if (question == '') question = '; is the unit right?'
             unusual = [unusual, unusual_t(slot%line, '&'//trim(row%group)//' '//trim(row%key) &
                //': '//number_text(slot%reals(place), 3)//' '//trim(row%unit) &
-               //' is unusual, typical is '//trim(row%typical)//' '//trim(row%unit), &
-               question)]
+               //' is unusual, typical is '//trim(row%typical)//' '//trim(row%unit), question)]
          end associate
       end do
    end function find_unusual

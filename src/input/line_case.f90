@@ -121,8 +121,7 @@ contains
          case%solver%method == 'newton_dense', case%layers), of_blas)
    end function memory_fault_on
 
-   !> Finds a wave that falls between the nodes of the grid (lengths over `half_width` [m]), or
-   !> passes within two of the given time steps.
+   !> Finds waves between the nodes (lengths over `half_width` [m]) or passing within two steps.
    subroutine check_wave(values, group, surface, contact, half_width, time_step)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group

@@ -105,8 +105,7 @@ contains
       end do
    end subroutine put_entries
 
-   !> Makes findings about `entries` (n), and about a group that has no others in `pieces`, name
-   !> --set as their source.
+   !> Lets findings name --set: those about `entries` (n) and about groups without others.
    subroutine mark_entries(entries, pieces, findings)
       type(set_entry_t), intent(in) :: entries(:)
       type(namelist_text_t), intent(in) :: pieces

@@ -5,7 +5,7 @@ module dry_result
    use, intrinsic :: iso_fortran_env, only: int64
    use analytic_heights, only: node_positions
    use adequacy_section, only: from_estimates, write_influence
-   use dry_adequacy, only: coarsening, compared, dry_adequacy_t, dry_influence_t
+   use dry_adequacy, only: coarsening, compared, dry_adequacy_t
    use dry_case, only: dry_case_t
    use dry_problem, only: no_hardness
    use dry_scaling, only: dry_scaling_t, load_number
@@ -234,13 +234,17 @@ contains
    subroutine write_dry_adequacy(file, adequacy)
       class(hdf5_file_t), intent(inout) :: file
       type(dry_adequacy_t), intent(in) :: adequacy
+      character(:), allocatable :: source
       integer :: i
 
       if (.not. allocated(adequacy%rows)) return
       do i = 1, size(adequacy%rows)
          associate (row => adequacy%rows(i))
-            call write_influence(file, row, dry_source_of(adequacy, row), &
-               dry_table(compared)%name, row%change, row%error)
+            source = 'grids with '//number_text(adequacy%ratio, 3)//' and ' &
+               //number_text(coarsening*adequacy%ratio, 3)//' times the spacing'
+            if (row%name == 'area') source = 'the nodes of the result'
+            if (row%is_numerical) source = from_estimates
+            call write_influence(file, row, source, dry_table(compared)%name, row%change, row%error)
          end associate
       end do
       if (size(adequacy%rows) == 0) call file%create_group('/adequacy')
@@ -250,20 +254,7 @@ contains
          'of the change; no dataset: not known')
       call write_attribute(file, '/adequacy', 'accuracy', adequacy%accuracy)
       call write_attribute(file, '/adequacy', 'mean_pressure', adequacy%mean_pressure)
-      call write_attribute(file, '/adequacy', 'judged_by', joined(dry_table(compared) &
-         %name, ', '))
+      call write_attribute(file, '/adequacy', 'judged_by', joined(dry_table(compared)%name, ', '))
    end subroutine write_dry_adequacy
-
-   !> Where the changes of a row of /adequacy come from.
-   pure function dry_source_of(adequacy, row) result(text)
-      type(dry_adequacy_t), intent(in) :: adequacy
-      type(dry_influence_t), intent(in) :: row
-      character(:), allocatable :: text
-
-      text = 'grids with '//number_text(adequacy%ratio, 3)//' and ' &
-         //number_text(coarsening*adequacy%ratio, 3)//' times the spacing'
-      if (row%name == 'area') text = 'the nodes of the result'
-      if (row%is_numerical) text = from_estimates
-   end function dry_source_of
 
 end module dry_result

@@ -28,8 +28,7 @@ module field_sections
 
 contains
 
-   !> /solution: the fields of the last time over x; with `has_si` in /si/solution those that are
-   !> other numbers in SI.
+   !> /solution: the fields of the last time; with `has_si` in /si/solution those that differ in SI.
    subroutine write_solution(file, state, scaling, has_si)
       class(hdf5_file_t), intent(inout) :: file
       type(line_state_t), intent(in) :: state
@@ -233,8 +232,7 @@ contains
 
    contains
 
-      !> The occupied classes of a distribution: edges (n+1) and shares of the time between them
-      !> (n).
+      !> The occupied classes of a distribution: edges (n+1), shares of the time between them (n).
       subroutine write_distribution(name, what, bins, first, scale, units)
          character(*), intent(in) :: name, what, units
          real(wp), intent(in) :: bins(:), scale

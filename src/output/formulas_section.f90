@@ -1,5 +1,4 @@
-!> /formulas of a result file and lines of the closing table: what the film formulas of handbooks
-!> give for the contact, with the computed film.
+!> /formulas of a result and lines of the closing table: handbook films beside the computed one.
 module formulas_section
    use film_formulas, only: film_by_formula, formula_rows, formulas_hold, known_bias
    use hdf5_dataset, only: label_t, new_label, write_attribute, write_dataset
@@ -31,8 +30,7 @@ module formulas_section
 
 contains
 
-   !> What the formulas need to know of a steady `contact`: they hold for smooth ones within the
-   !> ranges of module film_formulas.
+   !> What formulas need of a steady `contact`: they hold for smooth ones in certain ranges.
    pure function formulas_of(contact) result(known)
       type(line_contact_t), intent(in) :: contact
       type(formula_contact_t) :: known
@@ -44,8 +42,7 @@ contains
       known%fluid = contact%fluid
    end function formulas_of
 
-   !> Writes /formulas: a film for each formula, with how much it lies above the computed one;
-   !> nothing where none is meant for the contact.
+   !> Writes /formulas: films, and how far above the computed one; nothing if none is meant for it.
    subroutine write_formulas(file, contact, summary, scaling)
       class(hdf5_file_t), intent(inout) :: file
       type(formula_contact_t), intent(in) :: contact

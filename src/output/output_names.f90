@@ -4,9 +4,8 @@
 module output_names
    use build_info, only: program_name
    use case_record, only: path_from_namelist, case_t, result_path
-   use file_path, only: file_identity_t, folder_of, kind_missing, kind_other, kind_regular, &
-      file_at
-   use own_file, only: any_mark, hdf5_mark, place_fault, xdmf_mark
+   use disk_file, only: any_mark, file_at, file_identity_t, folder_of, hdf5_mark, kind_missing, &
+      kind_other, kind_regular, place_fault, xdmf_mark
    use result_name, only: working_endings
    use xdmf_file, only: xdmf_path
    implicit none (type, external)
@@ -29,9 +28,8 @@ module output_names
 
 contains
 
-   !> All objections to the results of `cases` in the folder `output_dir` (empty: where the
-   !> cases say), a line each. A run that goes on with a checkpoint looks at it, and at NAME.part,
-   !> itself.
+   !> All objections to the results of `cases` in the folder `output_dir` (empty: where the cases
+   !> say), a line each. A run that goes on with a checkpoint looks at it, and at NAME.part, itself.
    function output_findings(cases, output_dir, is_resume) result(problems)
       type(case_t), intent(in) :: cases(:)
       character(*), intent(in) :: output_dir
@@ -53,8 +51,7 @@ contains
       end do
    end function output_findings
 
-   !> Namelists and height files, this many `inputs`; behind them results, each followed by what is
-   !> written during its run.
+   !> Namelists and height files (`inputs`), then results, each with what its run writes.
    subroutine list_places(cases, output_dir, places, inputs)
       type(case_t), intent(in) :: cases(:)
       character(*), intent(in) :: output_dir
@@ -162,8 +159,7 @@ contains
          if (output%first <= inputs) then
             found = 'found the '//trim(other%what)//' '//other%path//' as its ' &
                //trim(output%what)//', expected another &case output'
-         else if (other%owner /= output%owner .and. any([other%what, output%what] &
-            == 'result')) then
+         else if (other%owner /= output%owner .and. any([other%what, output%what] == 'result')) then
             found = 'found the '//trim(output%what)//' '//output%path//', which is also that of ' &
                //cases(other%owner)%file//', expected different names'
          end if

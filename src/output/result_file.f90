@@ -1,12 +1,12 @@
 !> A result file from its first line to its final name, whatever it holds.
 !>
-!> While the case runs NAME.part in the same folder holds its place. The time steps of a transient
-!> are appended to it, so that memory does not grow with their number. At the end the result is
-!> put together in NAME.tmp, which is then renamed. An interrupted or failed run leaves an older
-!> NAME as it was.
+!> While the case runs NAME.part in the same folder holds its place and the time steps, so that
+!> memory does not grow with them. At the end the result is put together in NAME.tmp, which is then
+!> renamed. An interrupted or failed run leaves an older NAME as it was.
 module result_file
    use build_info, only: git_commit, program_name, program_version
    use case_record, only: effective_t
+   use disk_file, only: remove_file, sync_file
    use errors, only: error_t, fail, input_error
    use hdf5_axes, only: write_users
    use hdf5_dataset, only: new_label, write_attribute, write_dataset
@@ -15,7 +15,6 @@ module result_file
    use iteration_report, only: report_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
-   use own_file, only: remove_file, sync_file
    use result_labels, only: field_names
    use result_name, only: hold_name, result_name_t
    use result_sections, only: write_breakdown, write_report, write_scaling
@@ -28,8 +27,7 @@ module result_file
 
    public :: open_result, reopen_result, result_file_t
 
-   !> Layout of result files: 2 = axes, `units` and the group /si (CHANGELOG.md); without the
-   !> attribute: 1.
+   !> Layout of result files (CHANGELOG.md): 2 has axes, `units` and /si; no attribute: 1.
    integer, parameter :: layout = 3
    !> Longest name of a field or series.
    integer, parameter, public :: field_name_length = max(len(field_names), len(sliding_names))
@@ -62,8 +60,7 @@ module result_file
 
 contains
 
-   !> Starts a `new` result `path` under its temporary name; `error` says why that cannot be. A
-   !> checkpoint of an earlier run is removed.
+   !> Starts a `new` result `path` under its temporary name, without an old checkpoint, or `error`.
    subroutine open_result(new, path, error)
       class(result_file_t), intent(inout) :: new
       character(*), intent(in) :: path
@@ -81,9 +78,8 @@ contains
       call new%name%give_back(is_complete=.false.)
    end subroutine open_result
 
-   !> Goes on, in a `new` one, with the result `path` of an interrupted run, behind the first
-   !> `records` time steps with profiles of `nx` nodes. Error: NAME.part is not what the checkpoint
-   !> says, its checksum not `digits`.
+   !> Goes on with the result `path` of an interrupted run, behind the first `records` time steps
+   !> with profiles of `nx` nodes. Error: NAME.part is not that of the checkpoint, by its `digits`.
    subroutine reopen_result(new, path, fields, nx, records, digits, error)
       class(result_file_t), intent(inout) :: new
       character(*), intent(in) :: path, fields(:), digits
@@ -109,8 +105,7 @@ contains
       new%name%has_checkpoint = .true.
    end subroutine reopen_result
 
-   !> Keeps problem and title (UTF-8), the text of the input; the reference values of a lubricated
-   !> contact.
+   !> Keeps problem, title (UTF-8), input text, and reference values of a lubricated contact.
    subroutine describe(self, problem, title, namelist, scaling)
       class(result_file_t), intent(inout) :: self
       character(*), intent(in) :: problem, title, namelist

@@ -1,16 +1,14 @@
-!> The name of a result while a run holds it: who may write it, which files belong to it, and what
-!> happens to them when the run ends.
+!> The name of a result while a run holds it: who may write it, its files, and their end.
 !>
 !> NAME.part keeps other runs away and holds the time steps of a transient, NAME.tmp is the result
 !> that is put together at the end, NAME.ckpt a checkpoint and NAME.ckpt.tmp the next one. An
 !> interrupted or failed run leaves an older NAME as it was, and every run what is not its own.
 module result_name
    use build_info, only: program_name
+   use disk_file, only: file_at, file_fault, file_identity_t, folder_of, hdf5_mark, is_folder, &
+      kind_link, kind_other, lock_t, place_fault, remove_file, rename_file, sync_file
    use errors, only: error_t, fail, output_error
    use file_bytes, only: seal_file
-   use file_path, only: file_fault, file_identity_t, folder_of, is_folder, kind_link, kind_other, &
-      file_at
-   use own_file, only: hdf5_mark, lock_t, place_fault, remove_file, rename_file, sync_file
    use signals, only: clear_exit_message, set_exit_message, set_patience
    use text, only: to_text
    implicit none (type, external)
@@ -41,8 +39,7 @@ module result_name
 
 contains
 
-   !> Takes the name of the result `path`, so that nobody else writes it until `release`. Error:
-   !> somebody does; it cannot be the name of a result.
+   !> Takes the name `path` until `release`. Error: another run has it; it cannot be a result.
    subroutine hold_name(name, path, error)
       type(result_name_t), intent(out) :: name
       character(*), intent(in) :: path
@@ -59,8 +56,7 @@ contains
       if (fault /= '') call fail(error, output_error, 'cannot write '//path//': '//fault)
    end subroutine hold_name
 
-   !> Why a result cannot have this name; empty: it can. What is written beside it must not go
-   !> through a link, or into a pipe or device.
+   !> Why a result cannot have this name, or be written through a link or pipe; empty: it can.
    function fault_of_name(path) result(fault)
       character(*), intent(in) :: path
       character(:), allocatable :: fault
@@ -150,8 +146,7 @@ contains
       self%has_checkpoint = .false.
    end subroutine remove_checkpoint
 
-   !> Gives the name back. Where the result `is_complete`, what a run that was killed in its last
-   !> moments left beside it is removed.
+   !> Gives the name back; beside a complete result what a killed run left is removed.
    subroutine give_back(self, is_complete)
       class(result_name_t), intent(inout) :: self
       logical, intent(in) :: is_complete

@@ -12,7 +12,7 @@ module result_sections
    use missing_value, only: not_known
    use moes, only: moes_m_sum_from_mean
    use passage_times, only: passage_times_t
-   use quantities, only: quantity_count, quantity_row_t, quantity_rows, sliding_rows
+   use quantities, only: quantity_count, quantity_rows, sliding_rows
    use result_labels, only: row_label, scaled_label
    use scaling, only: scaling_t
    use text, only: joined
@@ -24,8 +24,7 @@ module result_sections
 
 contains
 
-   !> /scaling: reference values as attributes, each with its unit in `<name>_units`; what is
-   !> unknown is left out.
+   !> /scaling: reference values as attributes, with units; what is unknown is left out.
    subroutine write_scaling(file, scaling)
       class(hdf5_file_t), intent(inout) :: file
       type(scaling_t), intent(in) :: scaling
@@ -66,6 +65,7 @@ contains
       type(scaling_t), intent(in) :: scaling
       logical, intent(in) :: is_transient
       character(*), intent(in) :: missing
+      character(:), allocatable :: extreme
       integer :: i
 
       call file%create_group('/summary')
@@ -77,7 +77,10 @@ contains
       do i = 1, quantity_count
          if (any(i == sliding_rows) .and. .not. ieee_is_finite(scaling%slide_to_roll)) cycle
          associate (row => quantity_rows(i), quantity => summary%of(i))
-            call write_quantity(trim(row%name), trim(row%text)//over_time(row), quantity, 1.0_wp, &
+            extreme = ''   ! where there are several times and the text does not say which it is
+            if (is_transient .and. index(row%text, trim(row%extreme)) == 0) extreme = ', ' &
+               //trim(row%extreme)//' over time'
+            call write_quantity(trim(row%name), trim(row%text)//extreme, quantity, 1.0_wp, &
                row_label(trim(row%field), scaling))
             if (row%field == 'film_thickness' .and. len_trim(row%short) > 0) call &
                write_quantity(trim(row%name)//'_moes', trim(row%name)// &
@@ -104,18 +107,7 @@ contains
             'it says how far the model holds: /adequacy/validity has its threshold')
       end subroutine write_limit
 
-      !> Which extreme a quantity is, if there are several times and its text does not say so.
-      pure function over_time(row) result(words)
-         type(quantity_row_t), intent(in) :: row
-         character(:), allocatable :: words
-
-         words = ''
-         if (is_transient .and. index(row%text, trim(row%extreme)) == 0) words = ', ' &
-            //trim(row%extreme)//' over time'
-      end function over_time
-
-      !> One quantity times `factor`, what it tends to and when it was reached; `scale` gives its
-      !> unit.
+      !> One quantity times `factor`, its limit and its time; `scale` gives its unit.
       subroutine write_quantity(name, long_name, quantity, factor, scale)
          character(*), intent(in) :: name, long_name
          type(quantity_t), intent(in) :: quantity

@@ -15,8 +15,7 @@ module checksum
       procedure :: digits => digits_of
    end type checksum_t
 
-   !> The largest prime below 2^32: with 2^32 - 1 itself, bits all set would count like bits all
-   !> clear.
+   !> The largest prime below 2^32: modulo 2^32 - 1 all bits set would count like all bits clear.
    integer(int64), parameter :: modulus = 4294967291_int64
    !> Numbers after which the sums are reduced: below 2^60 by then.
    integer, parameter :: stretch = 4096

@@ -7,9 +7,8 @@
 !> it: it prints the message prepared for that, removes the files named with it, and exits with
 !> status 4. A second SIGINT or SIGTERM does the same at once.
 !>
-!> Another timer counts the processor time since the last line of progress: where the program would
-!> be silent for long, in calls of libraries and loops without progress lines, its handler writes
-!> what is being done, and for how many seconds.
+!> Another timer counts the processor time since the last line: where the program would be silent
+!> for long, its handler writes what is being done, and for how many seconds.
 !>
 !> Requests and words are module variables: a signal handler has no arguments through which it could
 !> reach anything else. It only calls what POSIX allows there (poll, write, unlink, open, lseek,
@@ -20,7 +19,7 @@ module signals
       c_null_char, c_null_ptr, c_short, c_size_t
    use c_library, only: c_exit, c_poll, c_setitimer, c_signal, c_time, c_unlink, c_write, poll_t, &
       standard_error
-   use own_file, only: mark_of, no_mark
+   use disk_file, only: mark_of, no_mark
    use quantity_text, only: shortened
    implicit none (type, external)
    private
@@ -29,8 +28,7 @@ module signals
       is_interrupted, set_exit_message, listen_to_signals, set_patience, stop_listening, &
       disarm_exit_message, watch_silence
 
-   !> Signals with the same number on every POSIX system; SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ and
-   !> SIGPROF as on Linux.
+   !> Numbers of signals; SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ and SIGPROF as on Linux.
    integer(c_int), parameter :: signal_hangup = 1_c_int, signal_interrupt = 2_c_int, &
       signal_user_1 = 10_c_int, signal_user_2 = 12_c_int, signal_pipe = 13_c_int, &
       signal_alarm = 14_c_int, signal_terminate = 15_c_int, signal_processor_time = 24_c_int, &
@@ -65,8 +63,7 @@ module signals
    logical, volatile :: is_patient = .false., is_waiting = .false.
    !> The program prints the message itself: the handlers only end it.
    logical, volatile :: is_taken = .false.
-   !> The message and the files that go with it, twice: one set is valid while the other one is
-   !> written.
+   !> The message and its files, twice: one set is valid while the other is written.
    type :: exit_message_t
       integer :: length = 0, files = 0
       character(kind=c_char, len=longest_message) :: words = ''
@@ -88,10 +85,9 @@ module signals
 
 contains
 
-   !> From now on the first request is recorded instead of ending the program. A signal that was
-   !> ignored (nohup, a job in the background) stays ignored. A closed pipe on the output (SIGPIPE)
-   !> and a write beyond the allowed file size (SIGXFSZ, `ulimit -f`) fail instead of ending the
-   !> program without a message.
+   !> From now on the first request is recorded instead of ending the program; a signal that was
+   !> ignored (nohup, a job in the background) stays ignored. A closed pipe (SIGPIPE) and a write
+   !> beyond the allowed size (SIGXFSZ, `ulimit -f`) fail instead of ending the program silently.
    subroutine listen_to_signals()
       integer(c_int), parameter :: requests(*) = [signal_hangup, signal_interrupt, &
          signal_terminate, signal_user_1, signal_user_2, signal_processor_time]
@@ -147,8 +143,7 @@ contains
       is_taken = .true.
    end subroutine stop_listening
 
-   !> Whether what is going on is worth waiting for: a time step, after which a checkpoint is kept,
-   !> or the writing of a result.
+   !> Whether to wait for a time step with its checkpoint, or for the writing of a result.
    subroutine set_patience(is_worth_it)
       logical, intent(in) :: is_worth_it
 

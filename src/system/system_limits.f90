@@ -17,8 +17,7 @@ module system_limits
    real(wp), parameter :: of_program = 20.0e6_wp
    !> Address space that OpenBLAS reserves for its thread; it uses little of it [bytes].
    real(wp), parameter, public :: of_blas = 136.0e6_wp
-   !> Stack that the program needs; stack of a thread where that of the process is unlimited
-   !> [bytes].
+   !> Least stack of the program; stack of a thread where that of the process is unlimited [bytes].
    integer(c_long), parameter :: least_stack = 1048576_c_long
    real(wp), parameter :: usual_stack = 2097152.0_wp
    !> RLIMIT_DATA, RLIMIT_STACK, RLIMIT_AS.
@@ -125,9 +124,8 @@ contains
       if (limit%present_value >= 0_c_long) bytes = real(limit%present_value, wp)
    end function limit_of
 
-   !> The least memory limit of the control group of this process and of those around it
-   !> (cgroups(7), version 1 and 2), as batch systems and containers set them [bytes]; huge: none.
-   !> `root` stands before /proc and /sys.
+   !> The least memory limit of the control groups around this process (cgroups(7), versions 1 and
+   !> 2) [bytes]; huge: none. `root` stands before /proc and /sys.
    function group_memory(root) result(bytes)
       character(*), intent(in) :: root
       real(wp) :: bytes
@@ -171,8 +169,7 @@ contains
 
    end function group_memory
 
-   !> The number behind `label` in the first line of a file of the system that begins with it, in
-   !> bytes if the line has kB; huge: there is none.
+   !> The number behind `label` in a file of the system, in bytes if its line has kB; huge: none.
    function number_in(file, label) result(number)
       character(*), intent(in) :: file, label
       real(wp) :: number
@@ -200,8 +197,7 @@ contains
       close (unit, iostat=status)
    end function number_in
 
-   !> Most physical memory of the process at one time so far [bytes], all of its cases together; 0:
-   !> not known.
+   !> Most physical memory of the process so far, all of its cases together [bytes]; 0: not known.
    function peak_memory() result(bytes)
       real(wp) :: bytes
       real(wp), save :: most = 0.0_wp   ! of the counters of Linux a later sum may be less
@@ -211,11 +207,10 @@ contains
       bytes = most
    end function peak_memory
 
-   !> Prepares the libraries for what there is. Where the address space is not limited, freed memory
-   !> is kept for the next block, since the system would clear each page of it again. Where it is,
-   !> the C library takes one pool for all threads instead of 64 MB for each. Errors (input_error):
-   !> there is no room even for the program; an OpenBLAS with threads, which hang without 134 MB
-   !> each.
+   !> Prepares the libraries. Without a limit of address space freed memory is kept, since the
+   !> system would clear each page again; with one the C library takes one pool for all threads, not
+   !> 64 MB for each. Errors (input_error): no room even for the program; an OpenBLAS with threads,
+   !> which hang without 134 MB each.
    subroutine settle_memory(error)
       type(error_t), allocatable, intent(out) :: error
       integer(c_int), parameter :: large_block = 1073741824_c_int
