@@ -59,9 +59,8 @@ contains
    end function new_label
 
    !> Whether the values are other numbers in SI.
-   elemental function has_scale(self)
+   elemental logical function has_scale(self)
       class(label_t), intent(in) :: self
-      logical :: has_scale
 
       has_scale = abs(self%si_scale - 1.0_wp) > 0.0_wp
    end function has_scale
@@ -118,9 +117,8 @@ contains
    end subroutine write_zeros
 
    !> Whether all `values` are zero.
-   pure function are_zero(values)
+   pure logical function are_zero(values)
       real(wp), intent(in) :: values(:)
-      logical :: are_zero
       integer :: i
 
       are_zero = .false.
@@ -192,14 +190,12 @@ contains
       integer(hid_t), intent(in) :: type_id, space, properties
       type(label_t), intent(in), optional :: label
       integer(hid_t), intent(out) :: dataset
-      integer(hid_t) :: parent
-      integer :: first, references, status
+      integer :: references, status
 
       dataset = -1_hid_t
       if (allocated(file%failure)) return
-      call file%find_parent(path, parent, first)
-      call h5dcreate_f(parent, path(first:), type_id, space, dataset, status, &
-         dcpl_id=properties, lcpl_id=file%shared%link_creation)
+      call h5dcreate_f(file%id, path, type_id, space, dataset, status, dcpl_id=properties, &
+         lcpl_id=file%shared%link_creation)
       call file%check(status, path)
       if (.not. present(label) .or. allocated(file%failure)) return
       call h5iinc_ref_f(dataset, references, status)   ! the caller has one, the file another

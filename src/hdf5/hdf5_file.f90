@@ -12,8 +12,7 @@ module hdf5_file
    use errors, only: error_t, fail, output_error
    use file_bytes, only: open_positional_file, positional_file_t
    use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_trunc_f, h5f_scope_global_f, &
-      h5fclose_f, h5fcreate_f, h5fflush_f, h5gclose_f, h5gcreate_f, h5gopen_f, h5kind_to_type, &
-      h5oclose_f, h5oopen_f, hid_t
+      h5fclose_f, h5fcreate_f, h5fflush_f, h5gcreate_f, h5kind_to_type, h5oclose_f, h5oopen_f, hid_t
    use hdf5_library, only: get_string_type, hdf5_shared_t, keep_hdf5_failure, shared_hdf5, &
       start_hdf5
    use kinds, only: wp
@@ -61,12 +60,8 @@ module hdf5_file
       !> The object of the last attribute, kept open: to look up its path costs as much as one.
       character(:), allocatable, private :: object_path
       integer(hid_t), private :: object = -1_hid_t
-      !> The group, with a slash, of the last dataset, and its identifier if that was not the first.
-      character(:), allocatable, private :: group_path
-      integer(hid_t), private :: group = -1_hid_t
    contains
-      procedure :: keep_object, find_parent, object_at, string_type, check_values, create_group, &
-         check
+      procedure :: keep_object, object_at, string_type, check_values, create_group, check
       procedure :: close => close_file
    end type hdf5_file_t
 
@@ -147,9 +142,8 @@ contains
    end subroutine check_values
 
    !> Whether all `values` are finite. (Without a way out the loop takes several at a time.)
-   pure function are_finite(values)
+   pure logical function are_finite(values)
       real(wp), contiguous, intent(in) :: values(:)
-      logical :: are_finite
       integer(int64) :: others
       integer :: i
 
@@ -200,43 +194,6 @@ contains
       if (.not. allocated(self%failure)) call self%keep_object(path, object)
    end function object_at
 
-   !> What a new dataset at `path` is made in: `parent`, under the name path(first:). That is the
-   !> file, and the group where several datasets are made one after another.
-   subroutine find_parent(self, path, parent, first)
-      class(hdf5_file_t), intent(inout) :: self
-      character(*), intent(in) :: path
-      integer(hid_t), intent(out) :: parent
-      integer, intent(out) :: first
-      integer :: slash, status
-
-      parent = self%id
-      first = 1
-      slash = index(path, '/', back=.true.)
-      if (slash < 2) return
-      if (.not. allocated(self%group_path)) self%group_path = ''
-      if (self%group_path /= path(:slash)) then
-         call close_group(self)
-         self%group_path = path(:slash)
-         return
-      end if
-      status = 0
-      if (self%group < 0_hid_t) call h5gopen_f(self%id, path(:slash), self%group, status)
-      call self%check(status, path)
-      parent = self%group
-      first = slash + 1
-   end subroutine find_parent
-
-   !> Closes the group that was kept open.
-   subroutine close_group(self)
-      class(hdf5_file_t), intent(inout) :: self
-      integer :: status
-
-      if (self%group < 0_hid_t) return
-      call h5gclose_f(self%group, status)
-      self%group = -1_hid_t
-      call self%check(status, self%group_path)
-   end subroutine close_group
-
    !> Closes the object that was kept open.
    subroutine close_object(self)
       class(hdf5_file_t), intent(inout) :: self
@@ -260,7 +217,6 @@ contains
          call self%check(status, 'writing to the disk')
          self%is_open = .false.
          call close_object(self)
-         call close_group(self)
          call h5fclose_f(self%id, status)
          call self%check(status, 'closing the file')
       end if
