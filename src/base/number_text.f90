@@ -94,16 +94,15 @@ contains
    end subroutine read_short
 
    !> True for [+-]digits[.digits] with at least one digit.
-   pure function is_mantissa(string)
+   pure logical function is_mantissa(string)
       character(*), intent(in) :: string
-      logical :: is_mantissa
       integer :: start, point
 
       start = 1
       if (index(string, '+') == 1 .or. index(string, '-') == 1) start = 2
       point = index(string, '.')
-      is_mantissa = scan(string, '0123456789') > 0 .and. verify(string(start:), '0123456789.') == &
-         0 .and. index(string, '.', back=.true.) == point
+      is_mantissa = scan(string, '0123456789') > 0 .and. index(string, '.', back=.true.) == point &
+         .and. verify(string(start:), '0123456789.') == 0
    end function is_mantissa
 
    !> Reads an exponent with its letter, or only with its sign: e-8, D+3, +3.

@@ -190,10 +190,9 @@ contains
    end subroutine write_users
 
    !> Number of the coordinate at `path`; 0: there is none.
-   pure function axis_at(file, path) result(k)
+   pure integer function axis_at(file, path) result(k)
       class(hdf5_file_t), intent(in) :: file
       character(*), intent(in) :: path
-      integer :: k
 
       do k = size(file%axes), 1, -1
          if (file%axes(k)%path == path) return

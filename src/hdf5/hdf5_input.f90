@@ -89,10 +89,9 @@ contains
    end subroutine refuse
 
    !> Whether the whole path exists.
-   function has(self, path)
+   logical function has(self, path)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path
-      logical :: has
       integer :: last, slash, status
 
       has = .not. allocated(self%failure)
@@ -107,10 +106,9 @@ contains
    end function has
 
    !> Whether the object at `path` has this `attribute`.
-   function has_attribute(self, path, attribute) result(has)
+   logical function has_attribute(self, path, attribute) result(has)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path, attribute
-      logical :: has
       integer :: status
 
       has = .false.
@@ -198,11 +196,10 @@ contains
    end function integer_value
 
    !> The number of the `attribute` of the object at `path`; `default` if there is none.
-   function number_of(self, path, attribute, default) result(value)
+   real(wp) function number_of(self, path, attribute, default) result(value)
       class(hdf5_input_t), intent(inout) :: self
       character(*), intent(in) :: path, attribute
       real(wp), intent(in) :: default
-      real(wp) :: value
 
       value = default
       if (self%has_attribute(path, attribute)) value = self%real_value(path, attribute)

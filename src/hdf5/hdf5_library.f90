@@ -55,30 +55,27 @@ module hdf5_library
 
    interface
       !> Calls `visit` for every entry of the error stack.
-      function h5ewalk2(stack, direction, visit, client) bind(c, name='H5Ewalk2') result(status)
+      integer(c_int) function h5ewalk2(stack, direction, visit, client) bind(c, name='H5Ewalk2')
          import :: c_funptr, c_int, c_int64_t, c_ptr
          implicit none (type, external)
          integer(c_int64_t), value :: stack
          integer(c_int), value :: direction
          type(c_funptr), value :: visit
          type(c_ptr), value :: client
-         integer(c_int) :: status
       end function h5ewalk2
 
       !> Length of a C string.
-      pure function strlen(string) bind(c, name='strlen') result(length)
+      pure integer(c_size_t) function strlen(string) bind(c, name='strlen')
          import :: c_ptr, c_size_t
          implicit none (type, external)
          type(c_ptr), value :: string
-         integer(c_size_t) :: length
       end function strlen
 
       !> Removes the class of links, so that they cannot be followed.
-      function h5lunregister(class) bind(c, name='H5Lunregister') result(status)
+      integer(c_int) function h5lunregister(class) bind(c, name='H5Lunregister')
          import :: c_int
          implicit none (type, external)
          integer(c_int), value :: class
-         integer(c_int) :: status
       end function h5lunregister
    end interface
 

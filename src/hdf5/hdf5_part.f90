@@ -90,9 +90,8 @@ contains
    end subroutine unpack
 
    !> Whether a number is one of the marks or not valid; comparing what is not finite would trap.
-   pure function is_missing(z, marks, valid)
+   pure logical function is_missing(z, marks, valid)
       real(wp), intent(in) :: z, marks(2), valid(2)
-      logical :: is_missing
       integer :: i
 
       is_missing = .false.

@@ -52,17 +52,15 @@ module height_limits
 contains
 
    !> Whether `z` [m] can be a height: finite, not too large, zero or with all digits of a number.
-   pure elemental function is_height(z)
+   pure elemental logical function is_height(z)
       real(wp), intent(in) :: z
-      logical :: is_height
 
       is_height = lies_within(abs(z), tiny(z), largest_height) .or. lies_within(z, 0.0_wp, 0.0_wp)
    end function is_height
 
    !> Number of the first of the heights `z` [m] that cannot be one; 0: all can.
-   pure function first_fault(z) result(place)
+   pure integer function first_fault(z) result(place)
       real(wp), intent(in) :: z(:)
-      integer :: place
 
       do place = 1, size(z)
          if (.not. is_height(z(place))) return
@@ -71,17 +69,15 @@ contains
    end function first_fault
 
    !> Whether `x` [m] can be a position.
-   pure elemental function is_position(x)
+   pure elemental logical function is_position(x)
       real(wp), intent(in) :: x
-      logical :: is_position
 
       is_position = lies_within(abs(x), 0.0_wp, largest_position)
    end function is_position
 
    !> Whether a value is finite and in [lowest, highest]; comparing NaN would trap.
-   pure elemental function lies_within(value, lowest, highest)
+   pure elemental logical function lies_within(value, lowest, highest)
       real(wp), intent(in) :: value, lowest, highest
-      logical :: lies_within
 
       lies_within = .false.
       if (ieee_is_finite(value)) lies_within = value >= lowest .and. value <= highest
@@ -229,9 +225,8 @@ contains
    end subroutine add_position
 
    !> Distance of neighbouring positions [m], of two or more; positive if they rise or fall.
-   pure function distance(self)
+   pure real(wp) function distance(self)
       class(position_range_t), intent(in) :: self
-      real(wp) :: distance
 
       distance = (self%last - self%first)/(self%count - 1)
       if (self%falls) distance = -distance

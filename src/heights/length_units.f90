@@ -108,9 +108,8 @@ contains
    end subroutine find_unit
 
    !> Whether the last part of a name is a unit.
-   pure function is_unit_behind_mark(part) result(is_unit)
+   pure logical function is_unit_behind_mark(part) result(is_unit)
       character(*), intent(in) :: part
-      logical :: is_unit
       character(:), allocatable :: plain, word
       real(wp) :: per_metre
 

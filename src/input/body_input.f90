@@ -150,9 +150,8 @@ contains
    end subroutine check_radius
 
    !> Whether one body has a radius and the other is a plane.
-   pure function has_plane(values)
+   pure logical function has_plane(values)
       type(input_values_t), intent(in) :: values
-      logical :: has_plane
 
       has_plane = values%logical_value('bodies', 'plane') .and. (values%is_given('bodies', &
          'radius_1') .neqv. values%is_given('bodies', 'radius_2'))
@@ -244,9 +243,8 @@ contains
    end subroutine find_load
 
    !> R [m], given or that of both bodies; 0 if there is none.
-   function radius_of(values) result(radius)
+   real(wp) function radius_of(values) result(radius)
       type(input_values_t), intent(in) :: values
-      real(wp) :: radius
 
       radius = values%real_value('bodies', 'reduced_radius')
       if (radius > 0.0_wp) return
@@ -260,9 +258,8 @@ contains
    end function radius_of
 
    !> E' [Pa]: given, of both bodies, or of the first against a rigid one; 0 if there is none.
-   function modulus_of(values) result(modulus)
+   real(wp) function modulus_of(values) result(modulus)
       type(input_values_t), intent(in) :: values
-      real(wp) :: modulus
 
       modulus = values%real_value('bodies', 'reduced_modulus')
       if (values%is_given('bodies', 'youngs_modulus_2')) then

@@ -151,8 +151,8 @@ contains
       lines = '&case problem = '//trim(case%problem)
       do i = 1, size(case%effective)
          associate (entry => case%effective(i))
-            if (entry%group == 'case' .or. entry%key == 'checkpoint_interval' .or. entry%key == &
-               'adequacy' .or. entry%key == 'si_copies' .or. entry%key == 'xdmf') cycle
+            if (entry%group == 'case' .or. any(entry%key == [character(len=19) :: &
+               'checkpoint_interval', 'adequacy', 'si_copies', 'xdmf'])) cycle
             lines = lines//new_line('a')//'&'//trim(entry%group)//' '//trim(entry%key) &
                //' = '//effective_text(entry)
          end associate

@@ -55,9 +55,8 @@ module dry_case
 contains
 
    !> Whether other grids are solved for error bars or for the adequacy of the model.
-   pure function is_compared(self)
+   pure logical function is_compared(self)
       class(dry_case_t), intent(in) :: self
-      logical :: is_compared
 
       is_compared = self%has_error_bars .or. self%wants_adequacy
    end function is_compared

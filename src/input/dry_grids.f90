@@ -159,10 +159,9 @@ contains
    end subroutine check_waves
 
    !> The shortest wave that the keys of a surface give [m]; huge: none.
-   pure elemental function finest_wave(values, group) result(wave)
+   pure elemental real(wp) function finest_wave(values, group) result(wave)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      real(wp) :: wave
       type(value_t) :: slot
 
       slot = values%slot(group, trim(merge('wavelength_short', 'wavelength      ', &

@@ -53,9 +53,8 @@ contains
    end subroutine refine_heights
 
    !> False where a file without a period gives the heights at its nodes only: no Fourier series.
-   pure function is_refinable(dry)
+   pure logical function is_refinable(dry)
       type(dry_case_t), intent(in) :: dry
-      logical :: is_refinable
 
       is_refinable = dry%is_periodic .or. .not. any(has_shape(dry%values, surfaces, 'file'))
    end function is_refinable

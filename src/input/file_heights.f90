@@ -103,8 +103,8 @@ contains
       if (fault == '') deallocate (source)
    end subroutine hold_heights
 
-   !> Findings: heights above the length of the file, or steeper than a half-space can be, whose
-   !> units no keys state. A note on heights that are steep or metres long.
+   !> Finds heights above the length of the file, or steeper than a half-space can be, if no keys
+   !> state their units. A note on heights that are steep or metres long.
    subroutine check_heights(values, group, heights, note)
       type(input_values_t), intent(inout) :: values
       character(*), intent(in) :: group
@@ -189,10 +189,9 @@ contains
    end function trend_words
 
    !> Whether the surface `group` has a cut-off.
-   pure function is_filtered(values, group)
+   pure logical function is_filtered(values, group)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      logical :: is_filtered
 
       is_filtered = values%is_given(group, 'cutoff_short') .or. values%is_given(group, &
          'cutoff_long')

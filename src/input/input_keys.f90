@@ -465,10 +465,9 @@ module input_keys
 contains
 
    !> Row of a key in `key_rows` for a problem (default: ehl_line); 0: the problem has no such key.
-   pure function find_key(group, key, problem) result(row)
+   pure integer function find_key(group, key, problem) result(row)
       character(*), intent(in) :: group, key
       character(*), intent(in), optional :: problem
-      integer :: row
       character(len=16) :: wanted
       character(len=len(key_rows%group)) :: padded_group
       character(len=len(key_rows%key)) :: padded_key
@@ -486,9 +485,8 @@ contains
    end function find_key
 
    !> Row of a group in `group_rows`; 0: not there.
-   pure function find_group(group) result(row)
+   pure integer function find_group(group) result(row)
       character(*), intent(in) :: group
-      integer :: row
 
       do row = size(group_rows), 1, -1
          if (group_rows(row)%group == group) return

@@ -106,9 +106,8 @@ contains
    end function split_words
 
    !> True if `word` is one of the blank-separated `words`: asked 4000 times a case, so no copies.
-   pure function has_word(words, word)
+   pure logical function has_word(words, word)
       character(*), intent(in) :: words, word
-      logical :: has_word
       integer :: before, first, found, next
 
       has_word = .false.
@@ -126,9 +125,8 @@ contains
    contains
 
       !> Whether there is no letter of `words` at a place.
-      pure function is_blank(place)
+      pure logical function is_blank(place)
          integer, intent(in) :: place
-         logical :: is_blank
 
          is_blank = place < 1 .or. place > len(words)
          if (.not. is_blank) is_blank = words(place:place) == ' '
@@ -137,10 +135,9 @@ contains
    end function has_word
 
    !> True if `value` fulfils every comparison of the comma-separated `range`, which may be empty.
-   pure function is_in_range(value, range) result(inside)
+   pure logical function is_in_range(value, range) result(inside)
       real(wp), intent(in) :: value
       character(*), intent(in) :: range
-      logical :: inside
       integer :: start, length
 
       inside = .true.
@@ -154,10 +151,9 @@ contains
    end function is_in_range
 
    !> True if `value` is 0, or its magnitude within the `typical` range "LOWEST to LARGEST".
-   pure elemental function is_typical(value, typical) result(inside)
+   pure elemental logical function is_typical(value, typical) result(inside)
       real(wp), intent(in) :: value
       character(*), intent(in) :: typical
-      logical :: inside
       real(wp) :: lowest, largest
       integer :: middle
       logical :: good(2)
@@ -170,10 +166,9 @@ contains
    end function is_typical
 
    !> One comparison: "> 0", ">= 0", "< 1", "<= 1", "/= 0" or "a power of two (times 3 or 5 or 7)".
-   pure function holds(value, comparison)
+   pure logical function holds(value, comparison)
       real(wp), intent(in) :: value
       character(*), intent(in) :: comparison
-      logical :: holds
       real(wp) :: bound
       integer :: blank, number
       logical :: good

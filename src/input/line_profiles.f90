@@ -229,10 +229,9 @@ contains
    end subroutine synthesise
 
    !> Length of a surface that passes through the domain or lies in it [m]; `speed` [m/s].
-   function passage(case, speed) result(length)
+   real(wp) function passage(case, speed) result(length)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: speed
-      real(wp) :: length
 
       length = usual_domain
       if (case%domain%has_inlet .and. case%domain%has_outlet) length = case%domain%x_outlet &

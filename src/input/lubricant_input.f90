@@ -150,9 +150,8 @@ contains
    end subroutine fill_lubricant
 
    !> The usual value of a parameter, that with &moes where none is given.
-   function usual(key) result(value)
+   real(wp) function usual(key) result(value)
       character(*), intent(in) :: key
-      real(wp) :: value
       logical :: good
 
       call read_real(trim(key_rows(find_key('lubricant', key))%moes_default), value, good)

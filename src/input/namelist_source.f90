@@ -74,10 +74,9 @@ contains
    end subroutine new_source
 
    !> Position of the next `=` outside strings from `first` on; last + 1: none.
-   pure function next_equals(source, first, last) result(position)
+   pure integer function next_equals(source, first, last) result(position)
       type(source_t), intent(in) :: source
       integer, intent(in) :: first, last
-      integer :: position
 
       do position = first, last
          if (source%text(position:position) == '=' .and. .not. source%in_string(position)) return
@@ -101,10 +100,9 @@ contains
    end function key_start
 
    !> Last character of the name that starts at `first`; first - 1: no name there.
-   pure function name_end(text, first) result(last)
+   pure integer function name_end(text, first) result(last)
       character(*), intent(in) :: text
       integer, intent(in) :: first
-      integer :: last
 
       last = first - 2 + verify(text(first:), name_characters)
       if (last < first - 1) last = len(text)

@@ -70,9 +70,8 @@ contains
    end function with_quotes
 
    !> Whether a value has nothing that would end it, a comment or a group in it.
-   pure function is_one_value(value)
+   pure logical function is_one_value(value)
       character(*), intent(in) :: value
-      logical :: is_one_value
       character(len=1) :: mark
       integer :: i
 

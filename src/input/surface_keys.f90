@@ -17,10 +17,9 @@ module surface_keys
 contains
 
    !> True if the surface `group` has the shape `word`.
-   pure elemental function has_shape(values, group, word)
+   pure elemental logical function has_shape(values, group, word)
       type(input_values_t), intent(in) :: values
       character(*), intent(in) :: group, word
-      logical :: has_shape
       type(value_t) :: shape
 
       shape = values%slot(group, 'shape')

@@ -37,9 +37,8 @@ contains
 
    !> Whether a text is one number but for its one comma: digits in front of it, digits and an
    !> exponent behind it.
-   pure function has_decimal_comma(text) result(has)
+   pure logical function has_decimal_comma(text) result(has)
       character(*), intent(in) :: text
-      logical :: has
       integer :: comma, last
 
       has = .false.
@@ -53,10 +52,9 @@ contains
 
    !> Whether a text is one number but for commas between its digits, three by three: several
    !> commas, one in front of a decimal point, or one in a whole number.
-   pure function has_groups(text, is_whole) result(has)
+   pure logical function has_groups(text, is_whole) result(has)
       character(*), intent(in) :: text
       logical, intent(in) :: is_whole
-      logical :: has
       character(:), allocatable :: rest
       integer :: commas
 

@@ -84,8 +84,8 @@ contains
       difference = ''
       version = reader%text('/', 'version')
       commit = reader%text('/', 'git_commit')
-      if (reader%integer_value('/', 'checkpoint_format') /= format_number .or. version /= &
-         program_version .or. commit /= git_commit()) difference = &
+      if (reader%integer_value('/', 'checkpoint_format') /= format_number .or. &
+         version /= program_version .or. commit /= git_commit()) difference = &
          ' was written by another version, '//program_name//' '//version//' (commit '//commit &
          //'), this is '//program_version//' (commit '//git_commit()//')'//way_out
       if (allocated(reader%failure)) difference = ''

@@ -103,11 +103,10 @@ contains
    end subroutine visit_numbers
 
    !> Whether there is something at `path`.
-   function has(self, path, is_kept)
+   logical function has(self, path, is_kept)
       class(checkpoint_file_t), intent(inout) :: self
       character(*), intent(in) :: path
       logical, intent(in) :: is_kept
-      logical :: has
 
       has = is_kept
       if (self%is_read) has = self%reader%has(path)

@@ -140,10 +140,9 @@ contains
 
    !> Whether a quantity of the table has its row: not friction where nothing slides, nor the
    !> central pressure where the largest one is well known.
-   pure function is_in_table(summary, i)
+   pure logical function is_in_table(summary, i)
       type(line_summary_t), intent(in) :: summary
       integer, intent(in) :: i
-      logical :: is_in_table
 
       is_in_table = .true.
       if (i == friction_coefficient) is_in_table = exceeds(summary%of(i)%value, 0.0_wp)
@@ -177,9 +176,8 @@ contains
    end function times_text
 
    !> Whether p_central is shown: p_max is not known to 1 %, nor half as well as p_central.
-   pure function is_central_shown(summary) result(is_shown)
+   pure logical function is_central_shown(summary) result(is_shown)
       type(line_summary_t), intent(in) :: summary
-      logical :: is_shown
 
       associate (central => summary%of(p_central), largest => summary%of(p_max))
          is_shown = ieee_is_finite(central%error_estimate)

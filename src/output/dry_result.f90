@@ -207,27 +207,20 @@ contains
       integer, intent(in) :: k
       type(roughness_t), intent(in) :: roughness(:)
       logical, intent(in) :: is_line
-      character(:), allocatable :: height
+      character(*), parameter :: names(*) = [character(len=3) :: 'ra', 'rq', 'rz', 'rsk', 'rku']
+      character(len=44) :: texts(size(names))
+      real(wp) :: values(size(roughness), size(names))
+      integer :: i
 
-      height = 'highest less lowest'
-      if (is_line) height = height//', mean of five parts'
-      call write_one('ra', roughness%ra, 'arithmetic mean height', 'm')
-      call write_one('rq', roughness%rq, 'rms height', 'm')
-      call write_one('rz', roughness%rz, height, 'm')
-      call write_one('rsk', roughness%rsk, 'skewness', '1')
-      call write_one('rku', roughness%rku, 'kurtosis', '1')
-
-   contains
-
-      !> One parameter.
-      subroutine write_one(name, values, text, unit)
-         character(*), intent(in) :: name, text, unit
-         real(wp), intent(in) :: values(:)
-
-         call write_column(file, name//'_'//trim(states(k)), values, &
-            new_label(text//' '//trim(times(k)), unit))
-      end subroutine write_one
-
+      texts = [character(len=44) :: 'arithmetic mean height', 'rms height', &
+         'highest less lowest'//merge(', mean of five parts', repeat(' ', 20), is_line), &
+         'skewness', 'kurtosis']
+      values = reshape([roughness%ra, roughness%rq, roughness%rz, roughness%rsk, roughness%rku], &
+         shape(values))
+      do i = 1, size(names)
+         call write_column(file, trim(names(i))//'_'//trim(states(k)), values(:, i), &
+            new_label(trim(texts(i))//' '//trim(times(k)), merge('m', '1', i <= 3)))
+      end do
    end subroutine write_roughness
 
    !> /adequacy: a group for each ingredient, with a dataset for each known change.

@@ -107,11 +107,10 @@ contains
    end function formula_lines
 
    !> By how much `film` lies above a computed quantity, relative to that.
-   pure function difference(film, quantity, summary) result(share)
+   pure real(wp) function difference(film, quantity, summary) result(share)
       real(wp), intent(in) :: film
       character(*), intent(in) :: quantity
       type(line_summary_t), intent(in) :: summary
-      real(wp) :: share
 
       share = film/summary%of(findloc(quantity_rows%name == quantity, .true., 1))%value - 1
    end function difference

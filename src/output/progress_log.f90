@@ -149,9 +149,8 @@ contains
    end function step_text
 
    !> Whether errors are printed apart from the summary, which may be quiet or have another reader.
-   function prints_errors_apart(self)
+   logical function prints_errors_apart(self)
       class(progress_log_t), intent(in) :: self
-      logical :: prints_errors_apart
 
       prints_errors_apart = self%is_quiet
       if (self%has_summary_apart .and. .not. prints_errors_apart) prints_errors_apart = &

@@ -158,17 +158,15 @@ contains
    end subroutine keep_failure
 
    !> Whether something could not be written.
-   pure function has_failed(self)
+   pure logical function has_failed(self)
       class(result_file_t), intent(in) :: self
-      logical :: has_failed
 
       has_failed = allocated(self%file%failure)
    end function has_failed
 
    !> Waits until NAME.part is on the disk; true if that worked.
-   function sync(self) result(is_done)
+   logical function sync(self) result(is_done)
       class(result_file_t), intent(inout) :: self
-      logical :: is_done
 
       call self%keep_failure()
       is_done = .not. allocated(self%file%failure)

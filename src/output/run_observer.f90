@@ -150,9 +150,8 @@ contains
 
    !> Whether nothing can be written any more, or the run is interrupted: between time steps only if
    !> the last one has kept a checkpoint for it, for a signal may come after that.
-   function wants_stop(self)
+   logical function wants_stop(self)
       class(run_observer_t), intent(inout) :: self
-      logical :: wants_stop
 
       if (.not. self%is_marching) self%is_stopping = self%is_stopping .or. is_interrupted()
       wants_stop = self%is_stopping

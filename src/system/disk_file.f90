@@ -86,9 +86,8 @@ contains
    end function place_fault
 
    !> The mark of the file `path` (with a zero at its end), found without allocating: for handlers.
-   recursive function mark_of(path) result(mark)
+   recursive integer function mark_of(path) result(mark)
       character(kind=c_char), intent(in) :: path(*)
-      integer :: mark
       character(kind=c_char, len=head_bytes), target :: head
       integer(c_int64_t) :: bytes
       integer(c_int) :: descriptor, status
@@ -117,18 +116,16 @@ contains
    end function mark_of
 
    !> Renames a file in one step, replacing only one of this program; true if that worked.
-   function rename_file(old, new) result(is_done)
+   logical function rename_file(old, new) result(is_done)
       character(*), intent(in) :: old, new
-      logical :: is_done
 
       is_done = place_fault(new, mark_of(old//c_null_char)) == ''
       if (is_done) is_done = c_rename(old//c_null_char, new//c_null_char) == 0_c_int
    end function rename_file
 
    !> Removes a file that this program has written; true if that worked.
-   function remove_file(path) result(is_done)
+   logical function remove_file(path) result(is_done)
       character(*), intent(in) :: path
-      logical :: is_done
 
       is_done = place_fault(path, any_mark) == ''
       if (is_done) is_done = c_unlink(path//c_null_char) == 0_c_int
@@ -136,9 +133,8 @@ contains
 
    !> Waits until everything written to a file, or the names in a folder, are on the disk; true if
    !> that worked (some file systems cannot do it for folders).
-   function sync_file(path) result(is_done)
+   logical function sync_file(path) result(is_done)
       character(*), intent(in) :: path
-      logical :: is_done
       integer(c_int) :: descriptor, status
 
       descriptor = c_open(path//c_null_char, read_only)
@@ -151,10 +147,9 @@ contains
    !> Takes the lock on `path` for writing, making the file if there is none; false if another run
    !> has it. A file system that knows no locks counts as taken. If the file was renamed or removed
    !> between opening and locking, the lock is tried again.
-   function acquire(self, path) result(is_taken)
+   logical function acquire(self, path) result(is_taken)
       class(lock_t), intent(inout) :: self
       character(*), intent(in) :: path
-      logical :: is_taken
       integer :: status, unit
 
       is_taken = .true.
@@ -175,10 +170,9 @@ contains
    end function acquire
 
    !> Whether `path` still leads to the locked file.
-   function holds(self, path)
+   logical function holds(self, path)
       class(lock_t), intent(in) :: self
       character(*), intent(in) :: path
-      logical :: holds
       type(file_identity_t) :: locked, there
 
       locked = file_of_descriptor(self%descriptor)
@@ -254,9 +248,8 @@ contains
    end function file_fault
 
    !> Whether `path` is an existing folder.
-   function is_folder(path) result(answer)
+   logical function is_folder(path) result(answer)
       character(*), intent(in) :: path
-      logical :: answer
 
       inquire (file=path//'/.', exist=answer)
    end function is_folder

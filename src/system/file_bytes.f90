@@ -116,9 +116,8 @@ contains
    end subroutine seal_file
 
    !> Whether `path` ends with a seal, right or wrong.
-   function has_seal(path)
+   logical function has_seal(path)
       character(*), intent(in) :: path
-      logical :: has_seal
       type(positional_file_t) :: file
       integer(int64) :: bytes
       character(len=16) :: digits

@@ -151,8 +151,7 @@ contains
    end subroutine set_patience
 
    !> Whether the program was asked to end.
-   function is_interrupted() result(answer)
-      logical :: answer
+   logical function is_interrupted() result(answer)
 
       answer = noted /= 0_c_int
    end function is_interrupted
@@ -302,10 +301,9 @@ contains
 
    !> Writes `text` of `length` characters to standard error as far as it is taken within `time`
    !> [ms] for each 4096: a handler must not wait for a reader that no longer reads.
-   recursive function write_error_text(text, length, time) result(is_taken)
+   recursive logical function write_error_text(text, length, time) result(is_taken)
       character(kind=c_char), intent(in) :: text(*)
       integer, intent(in) :: length, time
-      logical :: is_taken
       type(poll_t) :: place
       integer :: done, written
 

@@ -53,9 +53,8 @@ contains
    end subroutine settle_standard_streams
 
    !> Whether a file descriptor is a terminal.
-   function is_terminal(descriptor) result(answer)
+   logical function is_terminal(descriptor) result(answer)
       integer(c_int), intent(in) :: descriptor
-      logical :: answer
 
       answer = c_isatty(descriptor) == 1_c_int
    end function is_terminal

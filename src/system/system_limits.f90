@@ -34,11 +34,10 @@ contains
    !> The memory of a dry case with nodes(1) times nodes(2) nodes, at most [bytes]: above the
    !> highest peaks of processes of every size (docs/decisions.md). `refined`: nodes of the largest
    !> grid beside which one of up to twice as many in each direction is solved; 0: none.
-   pure function dry_memory(nodes, is_periodic, refined) result(bytes)
+   pure real(wp) function dry_memory(nodes, is_periodic, refined) result(bytes)
       integer, intent(in) :: nodes(2)
       logical, intent(in) :: is_periodic
       real(wp), intent(in) :: refined
-      real(wp) :: bytes
       real(wp), parameter :: of_node = 460.0_wp, of_node_periodic = 330.0_wp, &
          of_refined_node = 1300.0_wp
 
@@ -51,12 +50,11 @@ contains
    !> matrix. `layers` (0: none): layers across the film, m of them with 3 m - 1 unknowns an
    !> interval, each with a column of a band matrix that reaches 4 m + 3 to both sides, and pressure
    !> and film of all times.
-   pure function lubricated_memory(intervals, steps, is_dense, layers) result(bytes)
+   pure real(wp) function lubricated_memory(intervals, steps, is_dense, layers) result(bytes)
       integer, intent(in) :: intervals
       real(wp), intent(in) :: steps
       logical, intent(in) :: is_dense
       integer, intent(in) :: layers
-      real(wp) :: bytes
       real(wp), parameter :: of_interval = 1400.0_wp, of_step = 1000.0_wp, of_entry = 9.0_wp, &
          of_profile = 16.0_wp
       real(wp) :: m, n
@@ -114,9 +112,8 @@ contains
    end function megabytes
 
    !> The value of a limit [bytes]; huge: none.
-   function limit_of(resource) result(bytes)
+   real(wp) function limit_of(resource) result(bytes)
       integer(c_int), intent(in) :: resource
-      real(wp) :: bytes
       type(limit_t) :: limit
 
       bytes = huge(bytes)
@@ -126,9 +123,8 @@ contains
 
    !> The least memory limit of the control groups around this process (cgroups(7), versions 1 and
    !> 2) [bytes]; huge: none. `root` stands before /proc and /sys.
-   function group_memory(root) result(bytes)
+   real(wp) function group_memory(root) result(bytes)
       character(*), intent(in) :: root
-      real(wp) :: bytes
       character(*), parameter :: mount = '/sys/fs/cgroup'
       character(len=4096) :: line
       integer :: first, second, status, unit
@@ -170,9 +166,8 @@ contains
    end function group_memory
 
    !> The number behind `label` in a file of the system, in bytes if its line has kB; huge: none.
-   function number_in(file, label) result(number)
+   real(wp) function number_in(file, label) result(number)
       character(*), intent(in) :: file, label
-      real(wp) :: number
       character(*), parameter :: blanks = ' '//achar(9)
       character(len=200) :: line
       real(wp) :: value
@@ -198,8 +193,7 @@ contains
    end function number_in
 
    !> Most physical memory of the process so far, all of its cases together [bytes]; 0: not known.
-   function peak_memory() result(bytes)
-      real(wp) :: bytes
+   real(wp) function peak_memory() result(bytes)
       real(wp), save :: most = 0.0_wp   ! of the counters of Linux a later sum may be less
 
       bytes = number_in(process_status, 'VmHWM:')
@@ -233,9 +227,8 @@ contains
    end subroutine settle_memory
 
    !> Address space that `threads` threads of the program take beside that of the first [bytes].
-   function thread_memory(threads) result(bytes)
+   real(wp) function thread_memory(threads) result(bytes)
       integer, intent(in) :: threads
-      real(wp) :: bytes
 
       bytes = limit_of(limit_stack)
       if (bytes >= huge(bytes)) bytes = usual_stack
@@ -243,8 +236,7 @@ contains
    end function thread_memory
 
    !> Processors that work, at least 1.
-   function processors() result(number)
-      integer :: number
+   integer function processors() result(number)
 
       number = max(int(c_sysconf(online_processors)), 1)
    end function processors
