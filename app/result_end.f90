@@ -15,7 +15,7 @@ module result_end
    use kinds, only: wp
    use line_state, only: line_state_t
    use run_observer, only: run_observer_t
-   use signals, only: take_last_words
+   use signals, only: disarm_exit_message
    use text, only: to_text
    use validity, only: circumstances_t, limits_of
    implicit none (type, external)
@@ -116,7 +116,7 @@ contains
       if (allocated(listener%failure)) outcome%status = status_not_written
       words = listener%writer%name%interruption_text()
       outcome%reason = words
-      call take_last_words()
+      call disarm_exit_message()
       call listener%log%say_error(words)
       if (listener%writer%name%has_checkpoint) then
          call listener%writer%suspend()

@@ -1,6 +1,5 @@
 !> A transient on one thread, and on another one the coarse runs for its error bars.
 module side_by_side
-   use case_memory, only: lubricated_memory
    use case_record, only: case_t
    use coarse_runs, only: side_runs_t, make_side_runs, new_side_runs
    use errors, only: error_t
@@ -12,7 +11,7 @@ module side_by_side
    use run_observer, only: run_observer_t
    use signals, only: begin_activity, is_interrupted
    use steady_target, only: solve_contact
-   use system_limits, only: memory_fault, of_blas, processors, thread_memory
+   use system_limits, only: lubricated_memory, memory_fault, of_blas, processors, thread_memory
    implicit none (type, external)
    private
 

@@ -19,8 +19,7 @@ module case_effective
 
 contains
 
-   !> Fills `case%effective` in the order of the key table. A value that the program chooses later
-   !> is listed as such.
+   !> Fills `case%effective` in the order of the key table; what the program chooses later says so.
    subroutine list_effective(values, case)
       type(input_values_t), intent(in) :: values
       type(case_t), intent(inout) :: case

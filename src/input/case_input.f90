@@ -29,9 +29,8 @@ contains
 
    !> Reads the namelist `content` of the file `file` (a name for paths and messages only).
    !>
-   !> `entries` of the command line are in it already; findings about them name --set. `case` is
-   !> filled if `findings` stays empty. Findings: everything that is wrong, see modules
-   !> namelist_text, value_reader and case_validation.
+   !> `entries` of the command line are in it already; findings about them name --set. Findings: all
+   !> that is wrong, see namelist_text, value_reader and case_validation; else `case` is filled.
    subroutine read_case(content, file, case, findings, entries)
       character(*), intent(in) :: content, file
       type(case_t), intent(out) :: case

@@ -102,9 +102,8 @@ module case_record
 
 contains
 
-   !> File of the result: `output` of the case, relative to the namelist, else the namelist's
-   !> stem + .h5 in the current folder. A folder `output_dir` (empty: none) replaces the folder of
-   !> either.
+   !> File of the result: `output` of the case, relative to the namelist, else the namelist's stem +
+   !> .h5 in the current folder. A folder `output_dir` (empty: none) replaces the folder of either.
    pure function result_path(case, output_dir) result(path)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: output_dir
@@ -133,8 +132,7 @@ contains
       if (index(path, '/') /= 1) path = case%file(:index(case%file, '/', back=.true.)) // path
    end function path_from_namelist
 
-   !> The values that decide about the result of a case, one a line. Before anything is chosen by
-   !> the program.
+   !> The values that decide about the result, one a line, before the program chooses anything.
    pure function case_identity(case) result(lines)
       type(case_t), intent(in) :: case
       character(:), allocatable :: lines
@@ -143,9 +141,8 @@ contains
       lines = '&case problem = '//trim(case%problem)
       do i = 1, size(case%effective)
          associate (entry => case%effective(i))
-            if (entry%group == 'case' .or. entry%key == 'checkpoint_interval' &
-               .or. entry%key == 'adequacy' .or. entry%key == 'si_copies' &
-               .or. entry%key == 'xdmf') cycle
+            if (entry%group == 'case' .or. any(entry%key == [character(len=19) :: &
+               'checkpoint_interval', 'adequacy', 'si_copies', 'xdmf'])) cycle
             lines = lines//new_line('a')//'&'//trim(entry%group)//' '//trim(entry%key) &
                //' = '//effective_text(entry)
          end associate
@@ -171,9 +168,8 @@ contains
       end if
    end function effective_text
 
-   !> Sets or adds a value in the list of effective values, for instance one that the program has
-   !> chosen: `reals` (at least one), `integer` or `text`. Its unit is that of the key table; `unit`
-   !> is that of a value which is no key.
+   !> Sets or adds a value in the list of effective values: `reals` (at least one), `integer` or
+   !> `text`. Its unit is that of the key table, or `unit` where it is no key.
    pure subroutine set_effective(case, group, key, reals, integer, text, unit)
       type(case_t), intent(inout) :: case
       character(*), intent(in) :: group, key

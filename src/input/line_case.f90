@@ -3,7 +3,6 @@
 !> sinusoids and fit into memory. (The finest waves of measured and synthetic profiles may be noise:
 !> they get a note only.)
 module line_case
-   use case_memory, only: lubricated_memory
    use case_record, only: case_t
    use domain_choice, only: choose_domain
    use features, only: rough_surface_t
@@ -16,7 +15,7 @@ module line_case
    use scaling, only: scaled_fluid
    use solver_settings, only: max_intervals_of, max_refined_intervals, time_settings_t
    use surface_scaling, only: scaled_surface
-   use system_limits, only: memory_fault, of_blas
+   use system_limits, only: lubricated_memory, memory_fault, of_blas
    use text, only: to_text
    use wave_resolution, only: choose_time_step, intervals_at_least, min_in_a_wave
    implicit none (type, external)
