@@ -27,7 +27,7 @@ DEBUG := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fcheck=all,no-array-temps -
 # that is used for more than that ends in a report of the other sanitizer.
 SANITIZE := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize=null
 
-BENCH := bench/bench_recorder.f90 bench/bench_measure.f90 bench/asperity_bench.f90
+BENCH := bench/bench_measure.f90 bench/asperity_bench.f90
 DEMO_CASES := input/case3_demo.nml input/case1.nml input/dry_profile.nml input/dry_area.nml
 DEMO := results/demo
 
