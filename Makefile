@@ -3,6 +3,7 @@
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export OPENBLAS_NUM_THREADS := 1
+export FPM_FC := tools/gfortran
 # The HDF5 of the serial library, also where an MPI library has put itself in front.
 export PKG_CONFIG_PATH := $(CURDIR)/.pc:$(PKG_CONFIG_PATH)
 
@@ -26,7 +27,7 @@ DEBUG := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fcheck=all,no-array-temps -
 # that is used for more than that ends in a report of the other sanitizer.
 SANITIZE := $(COMMON) -fmax-stack-var-size=1048576 -O1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize=null
 
-BENCH := bench/bench_recorder.f90 bench/bench_measure.f90 bench/asperity_bench.f90
+BENCH := bench/bench_measure.f90 bench/asperity_bench.f90
 DEMO_CASES := input/case3_demo.nml input/case1.nml input/dry_profile.nml input/dry_area.nml
 DEMO := results/demo
 
@@ -91,7 +92,7 @@ lint: ## style of Fortran, Python and shell, types of the Python package, order 
 	ruff check --quiet .
 	ruff format --quiet --check .
 	$(PYTHON) -m mypy --no-error-summary python/asperity
-	shellcheck bootstrap .ci/run .ci/nightly tools/asperity-heights $(wildcard tools/*.sh python/packaging/*.sh batch/*.sh batch/*.sbatch)
+	shellcheck bootstrap .ci/run .ci/nightly tools/asperity-heights tools/gfortran $(wildcard tools/*.sh python/packaging/*.sh batch/*.sh batch/*.sbatch)
 	@echo "lint: no findings"
 
 demo: build ## the main job: a ridge passing through an oil film, a rough profile and area; results and figures in results/demo/

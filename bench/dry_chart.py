@@ -16,10 +16,10 @@ from pathlib import Path
 import dry
 import numpy as np
 from bench_program import ROOT, new_parser, output_folder, run_program, save
-from dry_runs import METHODS, Case, Outcome, run
 from family_dry import PROBLEMS, height_file, heights, sizes
 from matplotlib.ticker import LogLocator, NullFormatter
-from namelists import namelist
+from namelists import Groups, namelist
+from stability_dry import METHODS, Outcome, run
 
 import figure_style as style  # isort: skip
 
@@ -51,7 +51,7 @@ class Point:
     error: float
 
 
-def profile_case() -> Case:
+def profile_case() -> Groups:
     """Reference profile C, harmonics 1 to 64, elastic at a mean pressure of 1 GPa."""
     file = str(ROOT / "test" / "data" / "profiles_ABCD.csv")
     return {
@@ -62,7 +62,7 @@ def profile_case() -> Case:
     }
 
 
-def area_case(surface: dict) -> Case:
+def area_case(surface: dict) -> Groups:
     """A rough area, elastic, about 10 % in contact."""
     bodies, load = {"reduced_modulus": MODULUS}, {"mean_pressure": PRESSURE}
     return {"case": {"problem": PROBLEMS[1]}, "bodies": bodies, "load": load, "surface_1": surface}

@@ -61,16 +61,8 @@ def aspher(case):
     # On the open sphere it is faster without its preconditioner than with it, and by FFT than by hierarchical matrices.
     options = {"backend": "fft", "precond": False} if case["is_open"] else {"backend": "periodic"}
     start = time.process_time()
-    found = program.solve_nested(
-        z.shape[0],
-        gap,
-        float(case["load"]),
-        domain_size=1.0,
-        E_star=1.0,
-        tol=float(case["tolerance"]),
-        precision="float_then_double",
-        **options,
-    )
+    options |= {"domain_size": 1.0, "E_star": 1.0, "tol": float(case["tolerance"]), "precision": "float_then_double"}
+    found = program.solve_nested(z.shape[0], gap, float(case["load"]), **options)
     return np.array(found.pressure), time.process_time() - start
 
 

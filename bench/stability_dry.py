@@ -12,14 +12,15 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import h5py
 import numpy as np
-from bench_program import write_csv
-from dry_runs import METHODS, Case, Outcome, run
+from bench_program import Answer, run_program, write_csv
 from family_dry import PROBLEMS, sizes
-from namelists import BARE, namelist
+from namelists import BARE, Groups, namelist
 from stability_cells import Axis, StabilityMap, status
 from stability_figure import draw_maps
 
+METHODS = ("conjugate_gradient", "steepest_descent")
 MODULUS, HEIGHT, LENGTH = 200e9, 1e-6, 1e-3
 LOADS = (1e-7, 1e-5, 1e-3, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
 HARDNESSES = (None, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01)
@@ -29,7 +30,27 @@ LINES, AREAS = (63, 512, 1000, 4096, 16384), (31, 64, 100, 128, 256, 512)
 MOST, MOST_NODES = 6000, {METHODS[1]: 256}
 
 
-def cell(load: float, nodes: int, is_area: bool, hurst: float = 0.8, hardness: float | None = None) -> Case:
+class Outcome(Answer):
+    """What a run gives: iterations (cycles), transforms, processor time, separation, area and violation of the last load."""
+
+
+def read(file: h5py.File) -> Outcome:
+    """From a result."""
+    sweep, report = file["sweep"], file["report"]
+    names = {"separation": "mean_separation", "area": "contact_area_fraction", "kkt": "kkt"}
+    numbers = {"cycles": int(report["cycles"][()]), "pairs": int(report["fft_pairs"][()])}
+    words = {"method": report["method"][()].decode(), "reason": file.attrs["reason"].decode()}
+    times = {"seconds": float(report["cpu_seconds"][()])}
+    return Outcome(words | numbers | times | {key: float(sweep[name][-1]) for key, name in names.items()})
+
+
+def run(case: Groups | str) -> Outcome | None:
+    """Runs one case; None if its input is refused."""
+    status, _, found = run_program(namelist(case), read)
+    return Outcome(found | {"converged": int(status == 0)}) if found and status in (0, 2) else None
+
+
+def cell(load: float, nodes: int, is_area: bool, hurst: float = 0.8, hardness: float | None = None) -> Groups:
     """One run; loads and hardnesses in units of the pressure E* g, g = 2 pi rms height over the roll-off wavelength."""
     unit = 0.5 * MODULUS * 2 * np.pi * HEIGHT / (LENGTH / 4)
     return {

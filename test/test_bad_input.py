@@ -1,8 +1,8 @@
 """Bad input: each case of the tables in bad_input/ ends with status 1 and exactly the findings that stand below it.
 
-`= NAME` names the namelist NAME.nml, or nothing, that the next cases change. A case is its name, its changes in the order in which
-they are made, `8 TEXT` (line 8 becomes TEXT), `+8 TEXT` (a new line 8), `-8` (without line 8), `| TEXT` (one more line at the end),
-and its findings, `! LINE: MESSAGE`, in the order of the report.
+`= NAME` names the namelist NAME.nml, or nothing, that the next cases change. A case is its changes in the order in which they are
+made, `8 TEXT` (line 8 becomes TEXT), `+8 TEXT` (a new line 8), `-8` (without line 8), `| TEXT` (one more line at the end), and its
+findings, `! LINE: MESSAGE`, in the order of the report; the next change begins the next case.
 """
 
 import os
@@ -42,22 +42,20 @@ def changed(lines, change):
 
 
 def cases_of(table):
-    """(name, lines, findings) of the cases of a table."""
-    cases = []
-    for line in filter(None, table.read_text(encoding="utf-8").splitlines()):
+    """{table:line: (lines, findings)} of the cases of a table."""
+    cases, base, name = {}, [], ""
+    for number, line in enumerate(table.read_text(encoding="utf-8").splitlines(), 1):
         if line.startswith("= "):
             base = BASES.get(line[2:], [])
-        elif re.fullmatch(r"[a-z]\w*", line):
-            cases.append((line, base, []))
         elif line.startswith("! "):
-            cases[-1][2].append(line[2:])
+            cases[name][1].append(line[2:])
         else:
-            name, lines, findings = cases[-1]
-            cases[-1] = (name, changed(lines, line), findings)
+            name = f"{table.stem}:{number}" if not name or cases[name][1] else name
+            cases[name] = (changed(cases[name][0] if name in cases else base, line), [])
     return cases
 
 
-CORPUS = {name: (lines, findings) for table in sorted(FOLDER.glob("*.txt")) for name, lines, findings in cases_of(table)}
+CORPUS = {name: case for table in sorted(FOLDER.glob("*.txt")) for name, case in cases_of(table).items()}
 
 
 def test_corpus_is_large():
@@ -77,10 +75,10 @@ def test_corpus(asperity, tmp_path, name):
 
 
 def test_all_findings_of_all_files(asperity, tmp_path):
-    for name in ("typo_key", "two_loads"):
-        (tmp_path / name).write_text("\n".join(CORPUS[name][0]) + "\n", encoding="utf-8")
-    expected = [f"{name}:{finding}" for name in ("two_loads", "typo_key") for finding in CORPUS[name][1]]
-    assert run(asperity, "two_loads", "typo_key") == expected
+    two = dict(zip("ab", list(CORPUS.values())[:2], strict=True))
+    for name, (lines, _) in two.items():
+        (tmp_path / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    assert run(asperity, "b", "a") == [f"{name}:{finding}" for name in "ba" for finding in two[name][1]]
 
 
 def test_one_bad_namelist_and_none_runs(asperity, tmp_path):

@@ -1,7 +1,6 @@
 """The maps of `make stability`: one rule for the classes of all methods, and namelists that the program takes."""
 
 import bench_program
-import dry_runs
 import pytest
 import stability
 import stability_cells
@@ -50,9 +49,9 @@ def test_dry_cells_have_the_same_classes(program, monkeypatch):
     def word_of(method, **keys):
         case = stability_dry.cell(**keys)
         case["solver"] |= {"method": method, "max_cycles": 100}
-        return stability_dry.class_of(dry_runs.run(case))
+        return stability_dry.class_of(stability_dry.run(case))
 
-    few, many = dry_runs.METHODS
+    few, many = stability_dry.METHODS
     line = {"load": 0.03, "nodes": 512, "is_area": False}
     assert word_of(few, **line) == "converged"
     assert word_of(many, **line) == "limit"
