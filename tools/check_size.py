@@ -15,13 +15,14 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 42_610,
-    "how sure": 7_380,
+    "sources": 42_510,
+    "how sure": 7_290,
     "tests": 36_205,
     "bench": 5_640,
     "words of pages": 46_600,
     "imports of a file": 22,
     "components of a type": 16,
+    "procedures of more than 7 arguments": 4,
 }
 
 
@@ -69,6 +70,7 @@ def main():
         "bench": lines_of(tracked("bench/*", ":!bench/studies")),
         "words of pages": sum(len(text_of(path).split()) for path in tracked("*.md")),
         "imports of a file": max(len(re.findall(r"(?m)^ *use\b", text_of(path))) for path in sources),
+        "procedures of more than 7 arguments": sum(text_of(path).count("allow(too-many-arguments)") for path in sources),
         "components of a type": max(components(text_of(path)) for path in sources),
     }
     print(f"computes {lines_of(computes)} of {found['sources']} lines, {100 * lines_of(computes) / found['sources']:.0f} %")

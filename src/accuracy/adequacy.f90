@@ -46,8 +46,9 @@ module adequacy
       type(influence_t), allocatable :: time_step
       !> The relative error that counts.
       real(wp) :: accuracy = usual_accuracy
-      !> Of a transient: everything is measured, at any cost.
-      logical :: is_full = .false.
+      !> Of a transient: everything is measured, at any cost. What is plainly needed is measured no
+      !> further as soon as that is known.
+      logical :: is_full = .false., ends_early = .false.
       !> Intervals of the two grids on which changes were measured: at rest, and over a passage; 0:
       !> none were.
       integer :: at_rest(2) = 0, in_time(2) = 0
