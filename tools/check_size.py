@@ -15,13 +15,14 @@ SURE = re.compile(
 )
 # name: bound
 BOUNDS = {
-    "sources": 41_810,
-    "how sure": 7_360,
-    "tests": 34_100,
+    "sources": 41_690,
+    "how sure": 7_261,
+    "tests": 33_940,
     "bench": 5_596,
     "words of pages": 45_000,
     "imports of a file": 22,
     "components of a type": 16,
+    "procedures of more than 7 arguments": 4,
 }
 
 
@@ -69,6 +70,7 @@ def main():
         "bench": lines_of(tracked("bench/*", ":!bench/studies")),
         "words of pages": sum(len(text_of(path).split()) for path in tracked("*.md")),
         "imports of a file": max(len(re.findall(r"(?m)^ *use\b", text_of(path))) for path in sources),
+        "procedures of more than 7 arguments": sum(text_of(path).count("allow(too-many-arguments)") for path in sources),
         "components of a type": max(components(text_of(path)) for path in sources),
     }
     print(f"computes {lines_of(computes)} of {found['sources']} lines, {100 * lines_of(computes) / found['sources']:.0f} %")

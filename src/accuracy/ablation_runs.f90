@@ -45,15 +45,12 @@ module ablation_runs
 contains
 
    !> Measures the ingredients of a steady `contact`, whose domain is complete, from the pressure of
-   !> `state` on n intervals: a row each. `ends_early`: with what is plainly needed for the accuracy
-   !> of `adequacy` as soon as that is known. `budget`: nodes times Newton steps that may be spent,
-   !> of which what is left is returned.
-   ! allow(too-many-arguments)  what is measured, the bound, and what every run has
-   subroutine measure_at_rest(contact, state, list, ends_early, budget, adequacy, listener, error)
+   !> `state` on n intervals: a row each. `budget`: nodes times Newton steps that may be spent, of
+   !> which what is left is returned.
+   subroutine measure_at_rest(contact, state, list, budget, adequacy, listener, error)
       type(line_contact_t), intent(in) :: contact
       type(line_state_t), intent(in) :: state
       type(ingredient_t), intent(in) :: list(:)
-      logical, intent(in) :: ends_early
       real(wp), intent(inout) :: budget
       type(adequacy_t), intent(inout) :: adequacy
       class(listener_t), intent(inout) :: listener
@@ -72,65 +69,61 @@ contains
             if (full(g)%is_solved) call add_kappa(full(g), budget - full(g)%work, listener)
             budget = budget - full(g)%work
          end do
-         if (.not. full(1)%is_solved) return
+         if (.not. all(full%is_solved)) return
          do i = 1, size(list)
             if (budget < usual_steps*sum(grids)) cycle
-            call measure_one(contact, list(i), full, adequacy%accuracy, ends_early, budget, &
-               adequacy%rows(i), listener, error)
+            call measure_one(list(i), full, budget, adequacy, i, listener, error)
             if (allocated(error) .or. listener%is_stopping) return
          end do
       end associate
    end subroutine measure_at_rest
 
-   !> One ingredient, on the finer grid first, which tells how much of it can be left out: by the
-   !> scheme of the thesis and, unless it is plainly needed for the `accuracy` already and
-   !> `ends_early`, by kappa.
-   ! allow(too-many-arguments)  what is measured, the bound, and what every run has
-   subroutine measure_one(contact, ingredient, full, accuracy, ends_early, budget, row, listener, &
-      error)
-      type(line_contact_t), intent(in) :: contact
+   !> One ingredient, row `i`, on the finer grid first, which tells how much of it can be left out:
+   !> by the scheme of the thesis and, unless it is plainly needed already and that ends it, by
+   !> kappa.
+   subroutine measure_one(ingredient, full, budget, adequacy, i, listener, error)
       type(ingredient_t), intent(in) :: ingredient
       type(lean_level_t), intent(in) :: full(2)
-      real(wp), intent(in) :: accuracy
-      logical, intent(in) :: ends_early
       real(wp), intent(inout) :: budget
-      type(influence_t), intent(inout) :: row
+      type(adequacy_t), intent(inout) :: adequacy
+      integer, intent(in) :: i
       class(listener_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
       type(lean_level_t) :: lean(2)
-      real(wp) :: rest
       real(wp), dimension(quantity_count, 2) :: changes, doubt
       integer :: g
 
-      if (.not. all(full%is_solved)) return
-      rest = -1.0_wp
-      do g = 1, 2
-         call solve_without(lean(g), contact, ingredient, full(g), &
-            min(budget, most_steps*full(g)%level%n), rest, listener, error)
-         if (allocated(error) .or. listener%is_stopping) return
-         budget = budget - lean(g)%work
-         if (.not. lean(g)%is_solved) row%unknown = no_solution
-         if (.not. lean(1)%is_solved) return
-         changes(:, g) = change_between(lean(g)%summary, full(g)%summary)
-      end do
-      doubt = doubt_between(lean(1)%summary, full(1)%summary)
-      if (.not. lean(2)%is_solved) then
-         call tell_by_one(changes(:, 1), doubt, 1 - rest, accuracy, row)
-         return
-      end if
-      row%left_out = 1 - rest
-      call set_change(row, changes, doubt, widths)
-      if (ends_early .and. is_plainly_needed(row, accuracy)) return
-      if (.not. all(full%has_kappa)) return
-      do g = 1, 2
-         budget = budget + lean(g)%work
-         call add_kappa(lean(g), min(budget, most_steps*full(g)%level%n) - lean(g)%work, listener)
-         budget = budget - lean(g)%work
-         if (.not. lean(g)%has_kappa) return
-         changes(:, g) = change_between(lean(g)%kappa, full(g)%kappa)
-      end do
-      doubt = doubt_between(lean(1)%kappa, full(1)%kappa)
-      call set_change(row, changes, doubt, widths)
+      associate (row => adequacy%rows(i))
+         do g = 1, 2
+            if (g == 2) lean(2)%kept = lean(1)%kept
+            call solve_without(lean(g), ingredient, full(g), min(budget, &
+               most_steps*full(g)%level%n), listener, error)
+            if (allocated(error) .or. listener%is_stopping) return
+            budget = budget - lean(g)%work
+            if (.not. lean(g)%is_solved) row%unknown = no_solution
+            if (.not. lean(1)%is_solved) return
+            changes(:, g) = change_between(lean(g)%summary, full(g)%summary)
+         end do
+         doubt = doubt_between(lean(1)%summary, full(1)%summary)
+         if (.not. lean(2)%is_solved) then
+            call tell_by_one(changes(:, 1), doubt, 1 - lean(2)%kept, adequacy%accuracy, row)
+            return
+         end if
+         row%left_out = 1 - lean(2)%kept
+         call set_change(row, changes, doubt, widths)
+         if (adequacy%ends_early .and. is_plainly_needed(row, adequacy%accuracy)) return
+         if (.not. all(full%has_kappa)) return
+         do g = 1, 2
+            budget = budget + lean(g)%work
+            call add_kappa(lean(g), min(budget, most_steps*full(g)%level%n) - lean(g)%work, &
+               listener)
+            budget = budget - lean(g)%work
+            if (.not. lean(g)%has_kappa) return
+            changes(:, g) = change_between(lean(g)%kappa, full(g)%kappa)
+         end do
+         doubt = doubt_between(lean(1)%kappa, full(1)%kappa)
+         call set_change(row, changes, doubt, widths)
+      end associate
    end subroutine measure_one
 
    !> Sets the row of an ingredient, a fraction `left_out` of which was left out, from the `changes`

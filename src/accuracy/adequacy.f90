@@ -46,8 +46,9 @@ module adequacy
       type(influence_t), allocatable :: time_step
       !> The relative error that counts.
       real(wp) :: accuracy = usual_accuracy
-      !> Whether everything of a transient is measured, at any cost.
-      logical :: is_full = .false.
+      !> Whether everything of a transient is measured, at any cost; whether what is plainly needed
+      !> is not measured any further.
+      logical :: is_full = .false., ends_early = .false.
       !> Intervals of the two grids on which changes were measured, at rest and in time; 0: none
       !> were.
       integer :: at_rest(2) = 0, in_time(2) = 0

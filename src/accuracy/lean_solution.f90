@@ -36,6 +36,7 @@ module lean_solution
 
    !> One grid, its solution and its cost.
    type :: lean_level_t
+      type(line_contact_t) :: contact
       type(line_level_t) :: level
       type(newton_t) :: newton
       !> By upwind2 and, if `has_kappa`, by the kappa scheme.
@@ -43,6 +44,8 @@ module lean_solution
       logical :: is_solved = .false., has_kappa = .false.
       !> Nodes times Newton steps so far.
       real(wp) :: work = 0.0_wp
+      !> How much of an ingredient is kept; below 0: 0 or, where that has no solution, 3/4.
+      real(wp) :: kept = -1.0_wp
    end type lean_level_t
 
 contains
@@ -58,6 +61,7 @@ contains
       class(listener_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
 
+      self%contact = contact
       call pose(self, contact, intervals, 0.0_wp, error)
       if (allocated(error)) return
       self%level%state%pressure = start%pressure
@@ -142,17 +146,13 @@ contains
       call doubt_spike(level%fluid, level%lambda, level%dx, summary)
    end function summary_with_doubt
 
-   !> The contact without an ingredient, from the solution of the `full` one on the same grid; where
-   !> that has none, with three quarters of it. `rest`: how much of it to keep, or below 0 on entry,
-   !> how much was kept, 0 or 3/4. At most `work` nodes times Newton steps.
-   ! allow(too-many-arguments)  what is solved, from where, the bound, and what every run has
-   subroutine solve_without(lean, contact, ingredient, full, work, rest, listener, error)
+   !> The contact without an ingredient, but for what is `kept` of it, from the solution of the
+   !> `full` one on the same grid. At most `work` nodes times Newton steps.
+   subroutine solve_without(lean, ingredient, full, work, listener, error)
       type(lean_level_t), intent(inout) :: lean
-      type(line_contact_t), intent(in) :: contact
       type(ingredient_t), intent(in) :: ingredient
       type(lean_level_t), intent(in) :: full
       real(wp), intent(in) :: work
-      real(wp), intent(inout) :: rest
       class(listener_t), intent(inout) :: listener
       type(error_t), allocatable, intent(out) :: error
       type(line_contact_t) :: other
@@ -160,26 +160,27 @@ contains
 
       lean%work = 0.0_wp
       call start_anew(lean)
-      is_open = rest < 0.0_wp
-      if (is_open) rest = 0.0_wp
-      other = contact_without(contact, ingredient, rest)
+      is_open = lean%kept < 0.0_wp
+      if (is_open) lean%kept = 0.0_wp
+      other = contact_without(full%contact, ingredient, lean%kept)
       if (full%level%n >= coarsest_for_film(other)) call solve_from(lean, other, full%level%n, &
          full%level%state, work, listener, error)
       if (allocated(error) .or. lean%is_solved) return
       if (.not. (is_open .and. ingredient%can_reduce)) return
-      rest = largest_rest
+      lean%kept = largest_rest
       call start_anew(lean)
-      call solve_from(lean, contact_without(contact, ingredient, rest), full%level%n, &
+      call solve_from(lean, contact_without(full%contact, ingredient, lean%kept), full%level%n, &
          full%level%state, work - lean%work, listener, error)   ! error: the caller looks
    end subroutine solve_without
 
-   !> Resets the solution but keeps the cost so far.
+   !> Resets the solution but keeps the contact and the cost so far.
    subroutine start_anew(lean)
       type(lean_level_t), intent(inout) :: lean
       type(lean_level_t), allocatable :: fresh
 
       allocate (fresh)
       fresh%work = lean%work
+      fresh%kept = lean%kept
       lean = fresh
    end subroutine start_anew
 

@@ -86,7 +86,7 @@ contains
                   error)   ! error: the caller looks
             else
                budget = max(share*steady_steps*n, small_run)
-               call measure_at_rest(contact, state, list, .false., budget, adequacy, listener, &
+               call measure_at_rest(contact, state, list, budget, adequacy, listener, &
                   error)   ! error: the caller looks
             end if
          end associate
@@ -307,8 +307,9 @@ contains
          budget = budget - steps_to_start*n
       end associate
       own%accuracy = adequacy%accuracy
+      own%ends_early = .true.
       call measure_at_rest(without_surfaces(smooth%contact), state, pack(list, &
-         .not. is_of_surfaces(list)), .true., budget, own, listener, error)
+         .not. is_of_surfaces(list)), budget, own, listener, error)
       if (allocated(error)) return
       adequacy%at_rest = own%at_rest
       k = 0

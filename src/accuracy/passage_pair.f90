@@ -12,7 +12,6 @@ module passage_pair
    use level_summaries, only: level_summary
    use line_contact, only: finest_wave, line_contact_t, move_profiles
    use line_hierarchy, only: coarsest_for_film, roughness_at
-   use line_level, only: line_level_t
    use line_state, only: line_state_t
    use line_summary, only: line_summary_t
    use listener, only: listener_t
@@ -120,7 +119,7 @@ contains
       class(listener_t), intent(inout), target :: listener
       type(error_t), allocatable, intent(out) :: error
       type(line_summary_t) :: lean(2), full
-      real(wp), dimension(quantity_count, 2) :: changes, doubt
+      real(wp) :: changes(quantity_count, 2), doubt(quantity_count, 2), dx
       integer :: g
 
       do g = 1, 2
@@ -132,25 +131,17 @@ contains
       doubt = 0.0_wp
       if (pair%counts_spikes) then
          full = pair%full(1)
-         call add_doubt(pair%runs(1), full)
-         call add_doubt(pair%runs(1), lean(1))
+         associate (contact => pair%runs(1)%contact, domain => pair%runs(1)%contact%domain)
+            dx = (domain%x_outlet - domain%x_inlet)/domain%intervals
+            call doubt_spike(contact%fluid, contact%lambda, dx, full)
+            call doubt_spike(contact%fluid, contact%lambda, dx, lean(1))
+         end associate
          doubt = doubt_between(lean(1), full)
       end if
       row%is_at_rest = .false.
       row%left_out = 1.0_wp
       call set_change(row, changes, doubt, pair%widths)
    end subroutine measure_change
-
-   !> Adds what a spike may add to the largest pressure of a transient.
-   pure subroutine add_doubt(experiment, summary)
-      type(experiment_t), intent(in) :: experiment
-      type(line_summary_t), intent(inout) :: summary
-
-      associate (contact => experiment%contact, domain => experiment%contact%domain)
-         call doubt_spike(contact%fluid, contact%lambda, (domain%x_outlet - domain%x_inlet) &
-            /domain%intervals, summary)
-      end associate
-   end subroutine add_doubt
 
    !> If the smooth contact is known on the finer grid only, the coarser one starts from its nodes.
    pure subroutine start_from_finer(smooth, intervals)
@@ -253,8 +244,8 @@ contains
             last = now
          end if
          associate (distance => wave_speed(own)*(now - last))
-            if (distance > far_share*finest_wave(own)) call carry_waves(lean%level, smooth, &
-               distance)
+            if (distance > far_share*finest_wave(own)) call carry_waves(smooth, &
+               distance/lean%level%dx, lean%level%state%pressure)
          end associate
          last = now
          lean%level%rhs_film = 0.5_wp*lean%level%x**2 - roughness_at(own, lean%level, now)
@@ -278,20 +269,20 @@ contains
       if (.not. has_roughness(contact%surface_2)) speed = contact%surface_1%speed
    end function wave_speed
 
-   !> Moves the difference from the `smooth` pressure by `distance`, along with the waves.
-   pure subroutine carry_waves(level, smooth, distance)
-      type(line_level_t), intent(inout) :: level
+   !> Moves the difference from the `smooth` pressure by `distance` [dX], along with the waves.
+   pure subroutine carry_waves(smooth, distance, pressure)
       real(wp), intent(in) :: smooth(0:), distance
-      real(wp) :: change(0:level%n), place, part
-      integer :: i, k
+      real(wp), intent(inout) :: pressure(0:)
+      real(wp) :: change(0:ubound(smooth, 1)), place, part
+      integer :: i, k, n
 
-      change = level%state%pressure - smooth
-      do i = 1, level%n - 1
-         place = min(max(i - distance/level%dx, 0.0_wp), real(level%n, wp))
-         k = min(int(place), level%n - 1)
+      n = ubound(smooth, 1)
+      change = pressure - smooth
+      do i = 1, n - 1
+         place = min(max(i - distance, 0.0_wp), real(n, wp))
+         k = min(int(place), n - 1)
          part = place - k
-         level%state%pressure(i) = max(0.0_wp, smooth(i) + (1 - part)*change(k) + part*change(k &
-            + 1))
+         pressure(i) = max(0.0_wp, smooth(i) + (1 - part)*change(k) + part*change(k + 1))
       end do
    end subroutine carry_waves
 

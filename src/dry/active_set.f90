@@ -159,7 +159,7 @@ contains
             if (least >= self%datum .and. .not. self%is_busy(b, j)) cycle blocks
          end if
          before = row%count + row%contacts
-         call survey_block(self, problem%hardness, p, v, lower, upper, last, row)
+         call survey_block(self, problem%hardness, p(:upper), v(:upper), lower, last, row)
          self%is_busy(b, j) = row%count + row%contacts > before
       end do blocks
       self%row(j) = row
@@ -186,18 +186,18 @@ contains
       least = min(low(1), low(2))
    end subroutine add_and_find_least
 
-   !> Adds the nodes `lower` ... `upper` to F behind `last`, and to their row.
-   pure subroutine survey_block(self, hardness, p, v, lower, upper, last, row)
+   !> Adds the nodes from `lower` on to F behind `last`, and to their row.
+   pure subroutine survey_block(self, hardness, p, v, lower, last, row)
       class(active_set_t), intent(inout) :: self
       real(wp), intent(in) :: hardness
       real(wp), contiguous, intent(in) :: p(:), v(:)
-      integer, intent(in) :: lower, upper
+      integer, intent(in) :: lower
       integer, intent(inout) :: last
       type(row_t), intent(inout) :: row
       real(wp) :: gap
       integer :: i
 
-      do i = lower, upper
+      do i = lower, size(p)
          gap = v(i) - self%datum
          if (p(i) <= 0.0_wp) then
             row%negative = max(row%negative, -p(i))

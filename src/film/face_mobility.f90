@@ -11,7 +11,7 @@
 module face_mobility
    use flow_law, only: block_size => slip_block, largest_exponent, slip_t
    use kinds, only: wp
-   use lubricant, only: fluid_density, fluid_t, fluid_viscosity
+   use lubricant, only: densities_t, fluid_density, fluid_t, fluid_viscosity
    use eyring, only: ds, s, series_limit
    implicit none (type, external)
    private
@@ -62,14 +62,13 @@ contains
       end do
    end subroutine fluid_face_mobility
 
-   !> The same with all derivatives; `rho_p` (0:n) = d rho/dP.
-   ! allow(too-many-arguments)  the last is optional
-   pure subroutine fluid_face_slopes(fluid, dx, p, h, slopes, rho, rho_p, compensation)
+   !> The same with all derivatives.
+   pure subroutine fluid_face_slopes(fluid, dx, p, h, slopes, densities, compensation)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: dx
       real(wp), intent(in), contiguous :: p(0:), h(0:)
       type(face_slopes_t), intent(inout) :: slopes
-      real(wp), intent(out), contiguous :: rho(0:), rho_p(0:)
+      type(densities_t), intent(inout) :: densities
       real(wp), intent(in), contiguous, optional :: compensation(0:)
       real(wp), dimension(0:block_size) :: ln_mu, mu_p
       real(wp), dimension(block_size) :: mean_ln_mu, drive, inverse_film, exponent, shape_factor, &
@@ -77,7 +76,7 @@ contains
       type(slip_t) :: slip
       integer :: first, last, m
 
-      call fluid_density(fluid, p, rho, rho_p)
+      call fluid_density(fluid, p, densities%rho, densities%rho_p)
       do first = 1, ubound(p, 1), block_size
          last = min(first + block_size - 1, ubound(p, 1))
          m = last - first + 1
@@ -93,7 +92,8 @@ contains
          end if
          associate (e => slopes%e(first:last), h_left => h(first - 1:last - 1), &
             h_right => h(first:last), &
-            rho_left => rho(first - 1:last - 1), rho_right => rho(first:last))
+            rho_left => densities%rho(first - 1:last - 1), rho_right => densities%rho(first:last), &
+            rho_p => densities%rho_p)
             e = exp(exponent(:m))*shape_factor(:m)*(h_left*h_right) &
                *sqrt(h_left*h_right*rho_left*rho_right)
             by_slope(:m) = slip%by_drive(:m)*sqrt(h_left*h_right)/dx

@@ -61,8 +61,9 @@ contains
          do first = 0, exit_node, block_size
             last = min(first + block_size - 1, exit_node)
             m = last - first + 1
+            block%first = first + 1
             call evaluate_nodes(level%fluid, couette_of(level), level%dx, p(:min(last + 1, &
-               level%n)), h, level%oil%ln_mu, first + 1, block)
+               level%n)), h, level%oil%ln_mu, block)
             weights(:m) = merge(level%dx, 0.0_wp, p(first:last) > 0.0_wp)
             if (first == 0) weights(1) = 0.5_wp*level%dx
             if (present(stress)) stress(first + 1:last + 1) = merge(block%stress(:m), 0.0_wp, &

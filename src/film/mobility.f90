@@ -6,18 +6,16 @@
 module mobility
    use flow_law, only: block_size => slip_block, largest_exponent, slip_t
    use kinds, only: wp
-   use lubricant, only: fluid_density, fluid_t, fluid_viscosity
+   use lubricant, only: densities_t, fluid_density, fluid_t, fluid_viscosity
    implicit none (type, external)
    private
 
    public :: fluid_mobility, fluid_mobility_slopes, mobility_slopes_t
 
    !> Mobility, density and their partial derivatives, each (0:n).
-   type :: mobility_slopes_t
+   type, extends(densities_t) :: mobility_slopes_t
       !> e, and its derivatives by P(i), H(i) and the slope dP/dX(i) inside S.
       real(wp), allocatable :: e(:), e_p(:), e_h(:), e_slope(:)
-      !> rho and d rho/dP.
-      real(wp), allocatable :: rho(:), rho_p(:)
    end type mobility_slopes_t
 
 contains

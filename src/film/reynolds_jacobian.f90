@@ -70,7 +70,7 @@ contains
                   jacobian%faces%by_h_right(level%n))
             end if
             call fluid_face_slopes(level%fluid, level%dx, level%state%pressure, level%state%film, &
-               jacobian%faces, slopes%rho, slopes%rho_p, level%state%compensation)
+               jacobian%faces, slopes%densities_t, level%state%compensation)
             level%oil%face_mobility = jacobian%faces%e
             ! Newton's method bends steps by the mobility of the nodes
             if (.not. thins(level%fluid)) call fluid_mobility_slopes(level%fluid, level%dx, &

@@ -15,8 +15,9 @@ module shear_stresses
 
    public :: evaluate_nodes, film_stresses, stress_block_t, velocity_profile
 
-   !> Up to `block_size` nodes: H dP/dX and mean stress.
+   !> Up to `block_size` nodes from `first` on: H dP/dX and mean stress.
    type :: stress_block_t
+      integer :: first = 1
       real(wp), dimension(block_size) :: drive, stress
    end type stress_block_t
 
@@ -43,7 +44,8 @@ contains
       do first = 1, size(x), block_size
          last = min(first + block_size - 1, size(x))
          m = last - first + 1
-         call evaluate_nodes(fluid, lambda*slide_to_roll/12, x(2) - x(1), p, h, ln_mu, first, block)
+         block%first = first
+         call evaluate_nodes(fluid, lambda*slide_to_roll/12, x(2) - x(1), p, h, ln_mu, block)
          stresses(first:last, 1) = block%stress(:m) - 0.5_wp*block%drive(:m)
          stresses(first:last, 2) = block%stress(:m)
          stresses(first:last, 3) = block%stress(:m) + 0.5_wp*block%drive(:m)
@@ -53,20 +55,19 @@ contains
       end do
    end function film_stresses
 
-   !> Drive H dP/dX and mean stress of up to `block_size` nodes from `first` on, the first being 1,
-   !> from p, h and ln(mu/mu_0), each (nx).
+   !> Drive and mean stress of a block, the first node of all being 1, from p, h and ln(mu/mu_0),
+   !> each (nx).
    !> The slope of P is the central difference, that of the first interval at the first node, and 0
    !> at the last. `couette` is lambda/6 (u2 - u1)/(u1 + u2).
-   ! allow(too-many-arguments)  the fields of a film, and where in them
-   pure subroutine evaluate_nodes(fluid, couette, dx, p, h, ln_mu, first, block)
+   pure subroutine evaluate_nodes(fluid, couette, dx, p, h, ln_mu, block)
       type(fluid_t), intent(in) :: fluid
       real(wp), intent(in) :: couette, dx
       real(wp), intent(in), contiguous :: p(:), h(:), ln_mu(:)
-      integer, intent(in) :: first
       type(stress_block_t), intent(inout) :: block
       real(wp) :: inverse_film(block_size), factor
-      integer :: i, last, m
+      integer :: first, i, last, m
 
+      first = block%first
       last = min(first + block_size - 1, size(p))
       m = last - first + 1
       factor = 0.5_wp/dx

@@ -11,7 +11,7 @@
 module film_kinematics
    use film_geometry, only: film_geometry_t, layer_centres, layer_edges
    use kinds, only: wp
-   use momentum_problem, only: momentum_problem_t
+   use momentum_problem, only: film_flow_t, momentum_problem_t
    use thin_film_flow, only: shear_differences
    implicit none (type, external)
    private
@@ -24,8 +24,8 @@ module film_kinematics
 
    !> Kinematics of a flow, or their changes.
    type :: film_kinematics_t
-      !> dU/dzeta at the corners.
-      real(wp), allocatable :: shear(:, :)
+      !> dU/dzeta at the corners; of a change what the differences of U lack of it.
+      real(wp), allocatable :: shear(:, :), lacking(:, :)
       !> U on the edges at the faces (0:m, n), at the nodes (0:m, 0:n), and W and dW/dzeta there.
       real(wp), allocatable :: edge_u(:, :), node_u(:, :), w(:, :), w_slope(:, :)
       !> g_xz at the corners and its mean at the centres; u_x, D, rest^2 at the centres (m, 0:n; at
@@ -96,14 +96,14 @@ contains
       end associate
    end subroutine evaluate_kinematics
 
-   !> Their change with changes of geometry, velocities, fluxes and lacking shear.
-   ! allow(too-many-arguments)  values with their changes
-   pure subroutine differentiate_kinematics(problem, geometry, d_geometry, u, kinematics, d_u, &
-      d_v, d_lacking, change)
+   !> Their change with changes of geometry, velocities and fluxes; `change%lacking` is known.
+   pure subroutine differentiate_kinematics(problem, geometry, d_geometry, u, kinematics, d_flow, &
+      change)
       type(momentum_problem_t), intent(in) :: problem
       type(film_geometry_t), intent(in) :: geometry, d_geometry
-      real(wp), intent(in) :: u(:, :), d_u(:, :), d_v(0:, 0:), d_lacking(0:, :)
+      real(wp), intent(in) :: u(:, :)
       type(film_kinematics_t), intent(in) :: kinematics
+      type(film_flow_t), intent(in) :: d_flow
       type(film_kinematics_t), intent(inout) :: change
       real(wp) :: edges(0:problem%layers), centres(problem%layers)
       real(wp) :: q(0:problem%layers), d_q(0:problem%layers)
@@ -114,10 +114,10 @@ contains
       edges = layer_edges(m)
       centres = layer_centres(m)
       associate (k => kinematics, g => geometry, d_g => d_geometry, dx => problem%dx, &
-         dz => problem%dz)
+         dz => problem%dz, d_u => d_flow%u, d_v => d_flow%v)
          do f = 1, n
             change%shear(:, f) = shear_differences(d_u(:, f), d_g%wall_speed(f, :)) &
-               + d_lacking(:, f)
+               + change%lacking(:, f)
             change%edge_u(:, f) = edge_means(d_u(:, f), d_g%wall_speed(f, :))
          end do
          call average_nodes(change%edge_u, change%node_u)

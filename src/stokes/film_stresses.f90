@@ -10,7 +10,7 @@ module film_stresses
    use film_kinematics, only: film_kinematics_t, trace_share
    use kinds, only: wp
    use lubricant, only: fluid_density, fluid_viscosity
-   use momentum_problem, only: momentum_problem_t
+   use momentum_problem, only: film_flow_t, momentum_problem_t
    use thin_film_flow, only: shear_viscosity
    implicit none (type, external)
    private
@@ -103,26 +103,24 @@ contains
       xx(:, n) = hxx(:, n)/film(n)
    end subroutine end_stresses
 
-   !> Change of the stresses with changes of the film, of the pressures (m, 0:n) and of the
-   !> kinematics.
-   ! allow(too-many-arguments)  values with their changes
-   pure subroutine change_of_stresses(problem, geometry, kinematics, stresses, d_film, d_p, &
+   !> Change of the stresses with changes of the flow's film and pressures and of the kinematics.
+   pure subroutine change_of_stresses(problem, geometry, kinematics, stresses, d_flow, &
       d_kinematics, change)
       type(momentum_problem_t), intent(in) :: problem
       type(film_geometry_t), intent(in) :: geometry
       type(film_kinematics_t), intent(in) :: kinematics, d_kinematics
       type(film_stresses_t), intent(in) :: stresses
-      real(wp), intent(in) :: d_film(0:), d_p(:, 0:)
+      type(film_flow_t), intent(in) :: d_flow
       type(stress_change_t), intent(inout) :: change
       real(wp) :: d_eta(problem%layers)
       integer :: f, i, m, n
 
       m = problem%layers
       n = problem%n
-      associate (s => stresses, k => kinematics, d_k => d_kinematics)
+      associate (s => stresses, k => kinematics, d_k => d_kinematics, d_film => d_flow%film)
          if (.not. allocated(change%xz)) allocate (change%xz(0:m, n), change%hxx(m, 0:n), &
             change%xx(m, 0:n), change%zz(m, 0:n), change%ln_mu(m, 0:n))
-         change%ln_mu(:, :) = s%ln_mu_p*d_p
+         change%ln_mu(:, :) = s%ln_mu_p*d_flow%p
          do f = 1, n
             change%xz(:, f) = s%xz_by_rate(:, f)*d_k%rate(:, f) &
                + s%xz_by_rest2(:, f)*corner_values(d_k%rest2(:, f - 1:f), .false.) &

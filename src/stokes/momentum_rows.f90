@@ -39,7 +39,6 @@ module momentum_rows
       type(film_geometry_t), private :: d_geometry
       type(film_kinematics_t), private :: d_kinematics
       type(stress_change_t), private :: d_stresses
-      real(wp), allocatable, private :: d_shear(:, :)
    end type momentum_terms_t
 
 contains
@@ -114,11 +113,11 @@ contains
       associate (m => problem%layers, n => problem%n)
          if (.not. allocated(rows%x)) allocate (rows%x(m, n), rows%mass(m, 0:n), &
             rows%z(m - 1, 0:n), source=0.0_wp)
-         if (allocated(terms%d_shear)) return
+         if (allocated(terms%d_kinematics%lacking)) return
          call new_kinematics(terms%kinematics, m, n)
          call new_kinematics(terms%d_kinematics, m, n)
          call new_stresses(terms%stresses, m, n)
-         allocate (terms%d_shear(0:m, n), source=0.0_wp)
+         allocate (terms%d_kinematics%lacking(0:m, n), source=0.0_wp)
       end associate
    end subroutine new_storage
 
@@ -229,11 +228,12 @@ contains
       held = 0.0_wp
       call new_storage(problem, terms, rows)
       call differentiate_geometry(problem, terms%geometry, change%film, terms%d_geometry)
-      call change_of_profile(terms%reynolds%shear_by, d_mean, change%film, terms%d_shear)
+      call change_of_profile(terms%reynolds%shear_by, d_mean, change%film, &
+         terms%d_kinematics%lacking)
       call differentiate_kinematics(problem, terms%geometry, terms%d_geometry, flow%u, &
-         terms%kinematics, change%u, change%v, terms%d_shear, terms%d_kinematics)
-      call change_of_stresses(problem, terms%geometry, terms%kinematics, terms%stresses, &
-         change%film, change%p, terms%d_kinematics, terms%d_stresses)
+         terms%kinematics, change, terms%d_kinematics)
+      call change_of_stresses(problem, terms%geometry, terms%kinematics, terms%stresses, change, &
+         terms%d_kinematics, terms%d_stresses)
       call change_momentum(problem, flow, terms, change, rows)
       call change_mass(problem, flow, terms, change, d_mean, rows%mass)
       call hold_columns(problem, change%p, change%v, held, rows)

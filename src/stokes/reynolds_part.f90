@@ -7,7 +7,7 @@ module reynolds_part
    use face_mobility, only: face_slopes_t, fluid_face_slopes
    use film_geometry, only: film_geometry_t
    use kinds, only: wp
-   use lubricant, only: fluid_viscosity
+   use lubricant, only: densities_t, fluid_viscosity
    use momentum_problem, only: momentum_problem_t
    use reynolds_line, only: third_order_share, third_order_slope
    use thin_film_flow, only: face_flow_t, layer_flow, shear_differences
@@ -16,15 +16,14 @@ module reynolds_part
 
    public :: change_of_profile, evaluate_reynolds_part, reynolds_part_t, wedge_change
 
-   !> Derivatives are by P and H left, then P and H right of the face.
-   type :: reynolds_part_t
+   !> With the densities at the mean pressure. Derivatives are by P and H left, then P and H right of
+   !> the face.
+   type, extends(densities_t) :: reynolds_part_t
       !> Velocities of the layers (m, n), and H gamma less their differences (0:m, n); with
       !> derivatives (:, 4, n).
       real(wp), allocatable :: u(:, :), shear(:, :), u_by(:, :, :), shear_by(:, :, :)
       !> Third-order flux rho H of the faces (n) less that of the node upstream.
       real(wp), allocatable :: wedge(:)
-      !> rho and d rho/dP of the nodes at their mean pressure (0:n).
-      real(wp), allocatable :: rho(:), rho_p(:)
    end type reynolds_part_t
 
 contains
@@ -46,8 +45,8 @@ contains
          allocate (mobility%e(n), mobility%by_p_left(n), mobility%by_p_right(n), &
             mobility%by_h_left(n), mobility%by_h_right(n))
          call fluid_viscosity(problem%fluid, pressure, ln_mu, ln_mu_p)
-         call fluid_face_slopes(problem%fluid, problem%dx, pressure, film, mobility, part%rho, &
-            part%rho_p)
+         call fluid_face_slopes(problem%fluid, problem%dx, pressure, film, mobility, &
+            part%densities_t)
          face = face_flow_t(speed=problem%speed, kappa=problem%kappa, &
             shear_scale=problem%shear_scale)
          do f = 1, n
@@ -55,8 +54,7 @@ contains
             face%slope = (pressure(f) - pressure(f - 1))/problem%dx
             face%film = geometry%face_film(f)
             call reynolds_excess(f, excess, excess_by)
-            call evaluate_profile(face, problem%dx, ln_mu_p(f - 1:f), excess, excess_by, &
-               part%u(:, f), part%u_by(:, :, f), part%shear(:, f), part%shear_by(:, :, f))
+            call evaluate_profile(face, f, problem%dx, ln_mu_p(f - 1:f), excess, excess_by, part)
          end do
       end associate
       call evaluate_wedge(problem, pressure, geometry%film, part)
@@ -83,14 +81,15 @@ contains
 
    end subroutine evaluate_reynolds_part
 
-   !> Velocities and lacking shear at one face whose mean of U is by `excess` above that of the
+   !> Velocities and lacking shear at face `f` whose mean of U is by `excess` above that of the
    !> walls.
-   ! allow(too-many-arguments)  values with their derivatives
-   pure subroutine evaluate_profile(face, dx, ln_mu_p, excess, excess_by, u, u_by, shear, shear_by)
+   pure subroutine evaluate_profile(face, f, dx, ln_mu_p, excess, excess_by, part)
       type(face_flow_t), intent(in) :: face
+      integer, intent(in) :: f
       real(wp), intent(in) :: dx, ln_mu_p(2), excess, excess_by(4)
-      real(wp), intent(out) :: u(:), u_by(:, :), shear(0:), shear_by(0:, :)
-      real(wp) :: plain_by(size(u), 3), rates_by(0:size(u), 3), parabola(size(u)), chain(3, 4)
+      type(reynolds_part_t), intent(inout) :: part
+      real(wp), dimension(size(part%u, 1)) :: u, parabola, u_by
+      real(wp) :: plain_by(size(u), 3), rates_by(0:size(u), 3), shear(0:size(u)), chain(3, 4)
       real(wp), parameter :: no_walls(2) = 0.0_wp
       integer :: i, j, m
 
@@ -102,13 +101,14 @@ contains
       chain(:, 2) = [0.0_wp, 0.0_wp, 0.5_wp/face%film]
       chain(:, 3) = [0.5_wp*ln_mu_p(2), 1/dx, 0.0_wp]
       chain(:, 4) = chain(:, 2)
-      u_by = matmul(plain_by, chain)
       do i = 1, 4
-         u_by(:, i) = u_by(:, i) + parabola*(excess_by(i) - sum(u_by(:, i))/m)
-         shear_by(:, i) = matmul(rates_by, chain(:, i)) - shear_differences(u_by(:, i), no_walls)
+         u_by = matmul(plain_by, chain(:, i))
+         u_by = u_by + parabola*(excess_by(i) - sum(u_by)/m)
+         part%u_by(:, i, f) = u_by
+         part%shear_by(:, i, f) = matmul(rates_by, chain(:, i)) - shear_differences(u_by, no_walls)
       end do
-      u = u + parabola*(excess + 0.5_wp*sum(face%speed) - sum(u)/m)
-      shear = shear - shear_differences(u, face%speed)
+      part%u(:, f) = u + parabola*(excess + 0.5_wp*sum(face%speed) - sum(u)/m)
+      part%shear(:, f) = shear - shear_differences(part%u(:, f), face%speed)
    end subroutine evaluate_profile
 
    !> Computes the wedge flux rho H at the faces (module reynolds_line) less that of the node
