@@ -16,8 +16,8 @@ module reynolds_part
 
    public :: change_of_profile, evaluate_reynolds_part, reynolds_part_t, wedge_change
 
-   !> With the densities at the mean pressure. Derivatives are by P and H left, then P and H right of
-   !> the face.
+   !> With the densities at the mean pressure. Derivatives are by P and H left, then P and H right
+   !> of the face.
    type, extends(densities_t) :: reynolds_part_t
       !> Velocities of the layers (m, n), and H gamma less their differences (0:m, n); with
       !> derivatives (:, 4, n).
