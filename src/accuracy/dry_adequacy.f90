@@ -57,9 +57,9 @@ module dry_adequacy
    !> areas the mean of all profiles is within that many standard errors.
    integer, parameter :: profiles = 16
    real(wp), parameter :: students_t = 2.131_wp
-   !> Budget: share of the work of the result, and work allowed in any case for a line and an area,
-   !> in pairs of transforms times nodes: a tenth of the run with its error bars, and 20 ms (190
-   !> instructions each for lines whose transforms are planned, 650 for areas).
+   !> The budget is this share of the work of the result, and at least this work for a line and an
+   !> area, in pairs of transforms times nodes: a tenth of the run with its error bars, and 20 ms
+   !> (190 instructions each for lines whose transforms are planned, 650 for areas).
    real(wp), parameter :: work_share = 0.06_wp, free_work(2) = [3.5e5_wp, 8.0e4_wp]
    !> Why a change is not known.
    character(*), parameter :: no_solution = 'the grids that it may take have no solution without it'

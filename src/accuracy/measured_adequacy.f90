@@ -37,8 +37,8 @@ module measured_adequacy
       type(error_bars_t) :: bars
    end type solved_t
 
-   !> Budget: share of the cost of the run, or the cost of a small run (20 ms at 2700 instructions a
-   !> node and step, output excluded).
+   !> The budget is this share of the cost of the run, or that of a small run (20 ms, 2700
+   !> instructions a node and step, output excluded).
    real(wp), parameter :: share = 0.1_wp, small_run = 5.0e4_wp
    !> Newton steps of a steady run counted on its finest grid, with coarser grids and error bars.
    real(wp), parameter :: steady_steps = 12.0_wp

@@ -25,8 +25,8 @@ module pilots
    !> Predictions reach up to this many times finer than the last trial run, without and with an
    !> observed order.
    real(wp), parameter :: reaches(2) = [2.0_wp, 4.0_wp]
-   !> Candidates: these numbers of intervals times a power of two, and these powers of two times the
-   !> steps of the last trial run.
+   !> Candidates are these numbers of intervals times a power of two, and these powers of two times
+   !> the steps of the last trial run.
    integer, parameter :: families(4) = [4, 5, 6, 7], doublings = 2, max_parts = 8
    real(wp), parameter :: part = 0.25_wp
    !> Fewest intervals in the finest wave, of the first trial run and of the choice, and fewest
