@@ -239,14 +239,15 @@ def pictures(book):
 
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_notebook(path, program, monkeypatch):
+def test_notebook(path, program, monkeypatch, tmp_path):
+    """From an empty folder."""
     monkeypatch.setenv("ASPERITY", str(program))
     monkeypatch.setenv("PYTHONPATH", str(ROOT / "python"))
     monkeypatch.setenv("MPLBACKEND", "module://matplotlib_inline.backend_inline")
     stored = nbformat.read(path, 4)
     book = nbformat.read(path, 4)
     environment = dict(os.environ)
-    nbclient.NotebookClient(book, timeout=600, resources={"metadata": {"path": str(path.parent)}}).execute(env=environment)
+    nbclient.NotebookClient(book, timeout=600, resources={"metadata": {"path": str(tmp_path)}}).execute(env=environment)
     assert len(quantities(stored)) >= 3
     assert [name for name, _ in quantities(book)] == [name for name, _ in quantities(stored)]
     for (name, value), (_, shown) in zip(quantities(book), quantities(stored), strict=True):
